@@ -1,0 +1,40 @@
+"""Shape sensitivities and optimisation of frictional rubber-seal contact for OpenMDAO.
+
+The numerics import nothing from OpenMDAO; its components are loaded when they are first asked for.
+"""
+
+from importlib import import_module
+
+from seal_mdao._version import __version__
+
+_LAZY = {
+    "SealModel": "seal_mdao.model",
+    "door_seal": "seal_mdao.model",
+    "SealResult": "seal_mdao.seal",
+    "analyze": "seal_mdao.seal",
+    "Sensitivities": "seal_mdao.dsa.sensitivity",
+    "differentiate": "seal_mdao.dsa.sensitivity",
+    "MooneyRivlin": "seal_mdao.materials.mooney_rivlin",
+    "NewtonOptions": "seal_mdao.analysis.load_path",
+    "Section": "seal_mdao.geometry.section",
+    "GeometryError": "seal_mdao.errors",
+    "LoadPathError": "seal_mdao.errors",
+    "SplineGeometryComp": "seal_mdao.components.spline_geometry_comp",
+    "AreaComp": "seal_mdao.components.area_comp",
+    "RkpmContactComp": "seal_mdao.components.rkpm_contact_comp",
+    "SealGroup": "seal_mdao.components.seal_group",
+}
+
+__all__ = ["__version__", *_LAZY]  # noqa: PLE0604
+
+
+def __getattr__(name):
+    if name not in _LAZY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_LAZY[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted(__all__)

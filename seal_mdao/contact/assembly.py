@@ -1,0 +1,41 @@
+"""Contact form b(z, z-bar) and its tangent b*(z; dz, z-bar), Eqs. (29), (37), (42), in the equations."""
+
+import numba as nb
+
+
+@nb.njit(cache=True, error_model="numpy")
+def interpolate(table, d, out):
+    """Displacement of single points, ``out[i] = sum_I Phi_I(X_i) d_I`` (k, 2), Eq. (13)."""
+    for i in range(table.start.size - 1):
+        ux, uy = 0.0, 0.0
+        for a in range(table.start[i], table.start[i + 1]):
+            ux += table.phi[a] * d[table.neighbours[a], 0]
+            uy += table.phi[a] * d[table.neighbours[a], 1]
+        out[i, 0], out[i, 1] = ux, uy
+
+
+@nb.njit(cache=True, error_model="numpy")
+def assemble_points(table, point_force, point_tangent, state, scatter, force, values):
+    """Add forces (k, 2) and tangents (k, 2, 2) of the points in contact through their own rows of Phi.
+
+    ``values`` may be empty: then only the force is assembled.
+    """
+    for i in range(table.start.size - 1):
+        if state[i] == 0:
+            continue
+        s0, s1 = table.start[i], table.start[i + 1]
+        n = s1 - s0
+        for a in range(n):
+            for c in range(2):
+                at = scatter.equations[table.neighbours[s0 + a], c]
+                force[at] += table.phi[s0 + a] * point_force[i, c]
+        if values.size == 0:
+            continue
+        slots = scatter.slots[scatter.start[i] : scatter.start[i + 1]]
+        for c in range(2):
+            for a in range(n):
+                for e in range(2):
+                    weight = table.phi[s0 + a] * point_tangent[i, c, e]
+                    at = (c * n + a) * 2 * n + e * n
+                    for b in range(n):
+                        values[slots[at + b]] += weight * table.phi[s0 + b]

@@ -1,0 +1,1 @@
+"""Design parameters of the seal and their design velocities."""

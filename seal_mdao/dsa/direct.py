@@ -1,0 +1,148 @@
+"""Direct differentiation, Eq. (70), through the whole load path.
+
+    K_n d'_n = -(dR_n/dX) V - (dR_n/dh_{n-1}) h'_{n-1},    n = 1..N
+
+with h the contact history (xi, |t|, elastic slip). K_n is the tangent of the converged step, its
+factor the one that the predictor used. Without friction there is no history: only the steps at
+which something is measured are solved.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.analysis.internal_force import assemble_internal
+from seal_mdao.analysis.load_path import PathProblem
+from seal_mdao.analysis.result import PathResult
+from seal_mdao.contact.friction import ELASTIC_SLIP, FORCE_X, GAP, LENGTH, OPEN, RADIUS, X, XI, XI_0
+from seal_mdao.dsa.internal_rates import add_internal_rates
+from seal_mdao.dsa.linearization import (
+    contact_input_rates,
+    converged_factor,
+    discretization_rates,
+    local_contact,
+    profile_share,
+)
+from seal_mdao.dsa.parameters import ParameterRates
+from seal_mdao.dsa.point_rates import (
+    add_force_rates,
+    add_solution_rates,
+    displacement_rates,
+    points_velocity,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class StepRates:
+    """Material derivatives at one converged step for P parameters.
+
+    Attributes
+    ----------
+    solution : ndarray, shape (n_equations, P)
+        d'.
+    gap : ndarray, shape (k, P)
+        g_n', Eq. (55).
+    force : ndarray, shape (k, 2, P)
+        Rates of the contact forces.
+    history : ndarray, shape (k, 3, P)
+        xi', |t|' and elastic slip rate, carried to the next step.
+    """
+
+    solution: np.ndarray
+    gap: np.ndarray
+    force: np.ndarray
+    history: np.ndarray
+
+    @property
+    def reaction(self) -> np.ndarray:
+        """Rate of the force on the profile, shape (2, P)."""
+        return self.force.sum(axis=0)
+
+
+def constants_load(problem: PathProblem, d, constant_rates) -> np.ndarray | None:
+    """df/d(C10, C01, K) times their rates, (n_equations + 1, P); the force is linear in them."""
+    if not constant_rates.any():
+        return None
+    disc = problem.discretization
+    unit_forces = np.zeros((3, disc.layout.n_equations + 1))
+    for unit, force in zip(np.eye(3), unit_forces, strict=True):
+        assemble_internal(
+            disc.cells.table, disc.weights, tuple(unit), d, disc.layout.scatter[0], force,
+            np.empty(0),
+        )  # fmt: skip
+    return unit_forces.T @ constant_rates.T
+
+
+class DirectSweep:
+    """Forward sweep through a converged path for all parameters at once.
+
+    Parameters
+    ----------
+    path : PathResult
+    problem : PathProblem
+        The problem that the path solved.
+    rates : ParameterRates
+    """
+
+    def __init__(self, path: PathResult, problem: PathProblem, rates: ParameterRates):
+        self.path, self.problem, self.rates = path, problem, rates
+        self.disc = path.discretization
+        self.shape = discretization_rates(self.disc, rates.velocity)
+        self.contact_velocity = points_velocity(rates.velocity, self.disc.body.contact)
+        self.n_steps = int(round(path.steps[-1].fraction))
+        k = len(self.disc.body.contact)
+        self.inputs = np.zeros((k, 10, rates.count))
+        self.inputs[:, LENGTH] = self.shape.length
+        self.inputs[:, RADIUS:] = contact_input_rates(rates, k)
+
+    def step(self, step, history_rates) -> StepRates:
+        """Solve (70) at one converged step."""
+        disc, problem = self.disc, self.problem
+        equations, table = disc.layout.equations, disc.contact.table
+        local = local_contact(problem, step)
+        explicit = self.contact_velocity.copy()
+        displacement_rates(table, self.shape.contact, step.d, explicit)
+        explicit -= profile_share(step, self.n_steps) * self.rates.motion.T
+        inputs = self.inputs
+        inputs[:, X:XI_0] = explicit
+        inputs[:, XI_0:LENGTH] = history_rates
+        load = np.zeros((disc.layout.n_equations + 1, self.rates.count))
+        add_internal_rates(
+            disc.cells.table, disc.weights, self.shape.cells, self.shape.weights,
+            problem.constants, step.d, equations, load,
+        )  # fmt: skip
+        material = constants_load(problem, step.d, self.rates.constants)
+        if material is not None:
+            load += material
+        force_rate = local[:, FORCE_X:XI] @ inputs
+        add_force_rates(
+            table, self.shape.contact, step.force, force_rate, step.after.state, equations, load
+        )
+        solution = -converged_factor(problem, step).solve(load[:-1])
+        add_solution_rates(table, equations, solution, inputs[:, X:XI_0])
+        out = local @ inputs
+        history = out[:, XI : ELASTIC_SLIP + 1].copy()
+        history[step.after.state == OPEN] = 0.0
+        return StepRates(solution, out[:, GAP].copy(), out[:, FORCE_X:XI].copy(), history)
+
+    def run(self, measured=None) -> dict:
+        """Sweep the path; return ``StepRates`` by place in ``path.steps``.
+
+        Parameters
+        ----------
+        measured : collection of int, optional
+            Places of the steps to return; the last one when left out.
+        """
+        last = len(self.path.steps) - 1
+        measured = {last} if measured is None else set(measured)
+        frictionless = self.problem.law.friction == 0.0
+        history = np.zeros((len(self.disc.body.contact), 3, self.rates.count))
+        wanted = {}
+        for place, step in enumerate(self.path.steps[: max(measured) + 1]):
+            if frictionless and place not in measured:
+                continue
+            rates = self.step(step, history)
+            history = rates.history
+            if place in measured:
+                wanted[place] = rates
+        return wanted

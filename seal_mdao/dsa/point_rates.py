@@ -1,0 +1,131 @@
+"""Rates of single points (contact points, stress particles) and their transposes."""
+
+import numba as nb
+import numpy as np
+
+
+@nb.njit(cache=True, error_model="numpy")
+def displacement_rates(table, rates, d, out):
+    """Add sum_I Phi_I' d_I at fixed d to ``out`` (k, 2, P)."""
+    for i in range(table.start.size - 1):
+        which = rates.active[rates.start[i, 0] : rates.start[i + 1, 0]]
+        count, at = which.size, rates.start[i, 1]
+        for a in range(table.start[i + 1] - table.start[i]):
+            near = table.neighbours[table.start[i] + a]
+            for p in range(count):
+                rate = rates.phi[at + a * count + p]
+                out[i, 0, which[p]] += d[near, 0] * rate
+                out[i, 1, which[p]] += d[near, 1] * rate
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_solution_rates(table, equations, solution, out):
+    """Add sum_I Phi_I d_I' to ``out`` (k, 2, P); ``solution`` is d' (n_equations, P)."""
+    for i in range(table.start.size - 1):
+        for a in range(table.start[i], table.start[i + 1]):
+            for c in range(2):
+                at = equations[table.neighbours[a], c]
+                if at >= 0:
+                    for p in range(solution.shape[1]):
+                        out[i, c, p] += table.phi[a] * solution[at, p]
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_force_rates(table, rates, force, force_rate, state, equations, out):
+    """Add (sum_i Phi_i T_i)' to ``out`` (n_equations + 1, P) for the points in contact."""
+    for i in range(table.start.size - 1):
+        if state[i] == 0:
+            continue
+        which = rates.active[rates.start[i, 0] : rates.start[i + 1, 0]]
+        count, at = which.size, rates.start[i, 1]
+        for a in range(table.start[i + 1] - table.start[i]):
+            phi = table.phi[table.start[i] + a]
+            for c in range(2):
+                row = out[equations[table.neighbours[table.start[i] + a], c]]
+                for p in range(out.shape[1]):
+                    row[p] += phi * force_rate[i, c, p]
+                for p in range(count):
+                    row[which[p]] += rates.phi[at + a * count + p] * force[i, c]
+
+
+@nb.njit(cache=True, error_model="numpy")
+def gradient_rates(table, rates, d, equations, solution, out):
+    """F' = sum_I B_I' d_I + B_I d_I' of single points, ``out`` (k, 4, P) overwritten."""
+    out[:] = 0.0
+    n_parameters = out.shape[2]
+    for i in range(table.start.size - 1):
+        s0 = table.start[i]
+        n = table.start[i + 1] - s0
+        which = rates.active[rates.start[i, 0] : rates.start[i + 1, 0]]
+        count, at = which.size, 2 * rates.start[i, 1]
+        for a in range(n):
+            near = table.neighbours[s0 + a]
+            for j in range(2):
+                b = table.grad[2 * s0 + j * n + a]
+                for c in range(2):
+                    e = equations[near, c]
+                    if e >= 0:
+                        for p in range(n_parameters):
+                            out[i, 2 * c + j, p] += b * solution[e, p]
+                    for p in range(count):
+                        rate = rates.grad[at + (j * n + a) * count + p]
+                        out[i, 2 * c + j, which[p]] += d[near, c] * rate
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_displacement_seeds(table, x_bar, equations, out):
+    """Transpose of ``add_solution_rates``: seeds (M, k, 2) to ``out`` (n_equations + 1, M)."""
+    for i in range(table.start.size - 1):
+        for measure in range(x_bar.shape[0]):
+            for c in range(2):
+                seed = x_bar[measure, i, c]
+                if seed == 0.0:
+                    continue
+                for a in range(table.start[i], table.start[i + 1]):
+                    out[equations[table.neighbours[a], c], measure] += table.phi[a] * seed
+
+
+@nb.njit(cache=True, error_model="numpy")
+def point_adjoint(table, adjoint, out):
+    """Adjoint displacement of single points: ``out`` (M, k, 2) from ``adjoint`` (M, n, 2)."""
+    out[:] = 0.0
+    for measure in range(adjoint.shape[0]):
+        for i in range(table.start.size - 1):
+            for a in range(table.start[i], table.start[i + 1]):
+                for c in range(2):
+                    out[measure, i, c] += table.phi[a] * adjoint[measure, table.neighbours[a], c]
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_shape_seeds(table, x_bar, force, d, adjoint, phi_bar):
+    """Add seeds on Phi: x_bar . d from the point's displacement, -T . adjoint from its force."""
+    for measure in range(x_bar.shape[0]):
+        for i in range(table.start.size - 1):
+            for a in range(table.start[i], table.start[i + 1]):
+                near = table.neighbours[a]
+                for c in range(2):
+                    phi_bar[measure, a] += (
+                        x_bar[measure, i, c] * d[near, c] - force[i, c] * adjoint[measure, near, c]
+                    )
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_gradient_seeds(table, f_bar, d, equations, d_bar, grad_bar):
+    """Transpose of ``gradient_rates``: seeds ``f_bar`` (M, k, 4) on F."""
+    for measure in range(f_bar.shape[0]):
+        for i in range(table.start.size - 1):
+            s0 = table.start[i]
+            n = table.start[i + 1] - s0
+            for a in range(n):
+                near = table.neighbours[s0 + a]
+                for j in range(2):
+                    at = 2 * s0 + j * n + a
+                    for c in range(2):
+                        seed = f_bar[measure, i, 2 * c + j]
+                        d_bar[equations[near, c], measure] += seed * table.grad[at]
+                        grad_bar[measure, at] += seed * d[near, c]
+
+
+def points_velocity(velocity: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """Design velocity of the particles ``which``, shape (k, 2, P)."""
+    return np.ascontiguousarray(velocity[:, which].transpose(1, 2, 0))

@@ -1,0 +1,23 @@
+"""Errors that tell what was wrong, where, and what to do about it."""
+
+
+class GeometryError(ValueError):
+    """The particles do not form a usable section: folded cell, uncovered point, bad size."""
+
+
+class SingularMomentMatrixError(GeometryError):
+    """The moment matrix M(x) of Eq. (8) cannot be inverted: the supports do not cover a point."""
+
+
+class LoadPathError(RuntimeError):
+    """The load path could not be completed.
+
+    Attributes
+    ----------
+    result : AnalysisResult
+        Everything that was computed up to the step that failed.
+    """
+
+    def __init__(self, message: str, result=None):
+        super().__init__(message)
+        self.result = result

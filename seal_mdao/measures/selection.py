@@ -1,0 +1,60 @@
+"""Where the measures are taken: chosen once on the drawn seal, then frozen."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.contact.friction import OPEN
+
+STRESS_COUNT = 7
+
+
+@dataclass(frozen=True, eq=False)
+class MeasurePoints:
+    """Frozen places of the measures.
+
+    Attributes
+    ----------
+    stress : ndarray of int
+        Particles at which the von Mises stress is a measure.
+    gap : ndarray of int
+        Contact points (places in ``body.contact``) whose normal gap is a measure.
+    """
+
+    stress: np.ndarray
+    gap: np.ndarray
+
+
+def local_maxima(values: np.ndarray, periodic: bool) -> np.ndarray:
+    """Places of the strict local maxima along a row; the ends of an open row do not count."""
+    left, right = np.roll(values, 1), np.roll(values, -1)
+    peak = (values > left) & (values > right)
+    if not periodic:
+        peak[[0, -1]] = False
+    return np.flatnonzero(peak)
+
+
+def stress_points(rows, stress: np.ndarray, count: int = STRESS_COUNT) -> np.ndarray:
+    """The particles of the ``count`` largest local maxima along boundary rows, largest first.
+
+    Parameters
+    ----------
+    rows : sequence of (ndarray of int, bool)
+        Particles of each boundary row in order, and whether the row is closed.
+    stress : ndarray, shape (n,)
+        Von Mises stress at all particles. Where there are fewer maxima than ``count``, the
+        largest other boundary values follow.
+    """
+    peaks = np.concatenate([row[local_maxima(stress[row], closed)] for row, closed in rows])
+    others = np.setdiff1d(np.concatenate([row for row, _ in rows]), peaks)
+    ranked = [group[np.argsort(-stress[group], kind="stable")] for group in (peaks, others)]
+    return np.concatenate(ranked)[:count]
+
+
+def opened_points(state: np.ndarray) -> np.ndarray:
+    """Contact points that stand open between the first and the last one in contact."""
+    touching = np.flatnonzero(state != OPEN)
+    if touching.size == 0:
+        return touching
+    between = np.arange(touching[0], touching[-1] + 1)
+    return between[state[between] == OPEN]

@@ -1,0 +1,48 @@
+"""Cubic B-spline kernel phi_a(x - x_I) of Eq. (1) and its derivatives."""
+
+import numba as nb
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def cubic_b_spline(z):
+    """Kernel value and radial derivatives at the normalised distance ``z = |x - x_I| / a``.
+
+    Returns
+    -------
+    w : float
+        phi(z).
+    w1 : float
+        phi'(z) / z, finite at z = 0.
+    w2 : float
+        phi''(z) - phi'(z) / z, zero at z = 0.
+    """
+    if z < 0.5:
+        return 2.0 / 3.0 - 4.0 * z * z * (1.0 - z), -8.0 + 12.0 * z, 12.0 * z
+    if z < 1.0:
+        s = 1.0 - z
+        w1 = -4.0 * s * s / z
+        return 4.0 / 3.0 * s * s * s, w1, 8.0 * s - w1
+    return 0.0, 0.0, 0.0
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def kernel_derivatives(rx, ry, a):
+    """Kernel of support radius ``a`` at ``r = x - x_I``: value, gradient, Hessian.
+
+    Returns
+    -------
+    tuple of float
+        phi, phi_x, phi_y, phi_xx, phi_xy, phi_yy (per length, per length squared).
+    """
+    distance = (rx * rx + ry * ry) ** 0.5
+    w, w1, w2 = cubic_b_spline(distance / a)
+    ex, ey = (rx / distance, ry / distance) if distance > 0.0 else (0.0, 0.0)
+    s = 1.0 / (a * a)
+    return (
+        w,
+        w1 * rx * s,
+        w1 * ry * s,
+        (w1 + w2 * ex * ex) * s,
+        w2 * ex * ey * s,
+        (w1 + w2 * ey * ey) * s,
+    )

@@ -1,0 +1,90 @@
+"""Discrete moment matrix M(x) of Eqs. (7)-(8) with unit weights, and the vectors solved from it."""
+
+import numba as nb
+import numpy as np
+
+from seal_mdao.rkpm.basis import fill_basis
+from seal_mdao.rkpm.kernel import kernel_derivatives
+
+# Smallest pivot of M, relative to M_00, at which the supports still count as covering the point.
+PIVOT_TOLERANCE = 1e-8
+
+
+@nb.njit(cache=True, error_model="numpy")
+def neighbour_terms(x, neighbours, cloud, h, k):
+    """Basis ``h`` (n, 6, m) and kernel ``k`` (n, 6) terms of every neighbour of the point ``x``.
+
+    The six rows are the value, the two first and the three second derivatives (xx, xy, yy).
+    """
+    for i in range(neighbours.size):
+        p = neighbours[i]
+        rx, ry = x[0] - cloud.particles[p, 0], x[1] - cloud.particles[p, 1]
+        fill_basis(rx, ry, cloud.scale, h[i])
+        k[i, 0], k[i, 1], k[i, 2], k[i, 3], k[i, 4], k[i, 5] = kernel_derivatives(
+            rx, ry, cloud.radius[p]
+        )
+
+
+@nb.njit(cache=True, error_model="numpy")
+def moment_matrices(h, k, moments):
+    """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y."""
+    moments[:] = 0.0
+    m = h.shape[2]
+    for i in range(h.shape[0]):
+        if k[i, 0] == 0.0:
+            continue
+        for a in range(m):
+            for b in range(m):
+                hh = h[i, 0, a] * h[i, 0, b]
+                moments[0, a, b] += hh * k[i, 0]
+                for j in (1, 2):
+                    dhh = h[i, j, a] * h[i, 0, b] + h[i, 0, a] * h[i, j, b]
+                    moments[j, a, b] += dhh * k[i, 0] + hh * k[i, j]
+
+
+@nb.njit(cache=True, error_model="numpy")
+def invert_moment(moment, inverse):
+    """Inverse of the symmetric positive definite M by Cholesky; False where M is singular."""
+    m = moment.shape[0]
+    lower = np.zeros((m, m))
+    for i in range(m):
+        for j in range(i + 1):
+            s = moment[i, j]
+            for a in range(j):
+                s -= lower[i, a] * lower[j, a]
+            if i == j:
+                # written so that NaN fails too
+                if not s > PIVOT_TOLERANCE * moment[0, 0]:
+                    return False
+                lower[i, i] = s**0.5
+            else:
+                lower[i, j] = s / lower[j, j]
+    for col in range(m):
+        column = inverse[:, col]
+        for i in range(m):
+            s = 1.0 if i == col else 0.0
+            for a in range(i):
+                s -= lower[i, a] * column[a]
+            column[i] = s / lower[i, i]
+        for i in range(m - 1, -1, -1):
+            s = column[i]
+            for a in range(i + 1, m):
+                s -= lower[a, i] * column[a]
+            column[i] = s / lower[i, i]
+    return True
+
+
+@nb.njit(cache=True, error_model="numpy")
+def correction_coefficients(moments, inverse, b):
+    """q(x) = M^-1 H(0) of Eq. (7) and its gradient: ``b`` (3, m) holds q, q_x, q_y."""
+    m = inverse.shape[0]
+    b[0] = inverse[:, 0]
+    for j in (1, 2):
+        for a in range(m):
+            s = 0.0
+            for c in range(m):
+                t = 0.0
+                for e in range(m):
+                    t += moments[j, c, e] * b[0, e]
+                s -= inverse[a, c] * t
+            b[j, a] = s

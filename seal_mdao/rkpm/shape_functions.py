@@ -1,0 +1,126 @@
+"""Reproducing kernel shape functions Phi_I(x) and their gradients, Eqs. (10)-(13).
+
+Arrays are ragged and flat. Points come in groups that share one list of neighbours (the quadrature
+points of a background cell, or a single particle). With ``n`` neighbours and ``q`` points a group,
+
+    phi  is stored as (group, point, neighbour),
+    grad is stored as (group, point, component, neighbour),
+
+the neighbour running fastest. That order is kept everywhere in the package.
+"""
+
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+
+from seal_mdao.rkpm.moment import (
+    correction_coefficients,
+    invert_moment,
+    moment_matrices,
+    neighbour_terms,
+)
+
+
+class Cloud(NamedTuple):
+    """Particles of one design with their kernels.
+
+    Attributes
+    ----------
+    particles : ndarray, shape (n_particles, 2)
+        Undeformed coordinates X_I (the kernel is Lagrangian).
+    radius : ndarray, shape (n_particles,)
+        Support radius a of every particle, decided once for the drawn body.
+    scale : float
+        Length that makes the monomials dimensionless.
+    n_basis : int
+        3 for the linear, 6 for the quadratic basis.
+    """
+
+    particles: np.ndarray
+    radius: np.ndarray
+    scale: float
+    n_basis: int
+
+
+class PointSet(NamedTuple):
+    """Points that move with the particles: x = sum_k weights[:, k] X[anchors[:, k]].
+
+    Attributes
+    ----------
+    anchors : ndarray of int, shape (n_points, k)
+    weights : ndarray, shape (n_points, k)
+    group_size : int
+        Points in a group; consecutive points share one neighbour list.
+    """
+
+    anchors: np.ndarray
+    weights: np.ndarray
+    group_size: int
+
+    def at(self, particles):
+        """Coordinates of the points, shape (n_points, 2), length unit of ``particles``."""
+        return np.einsum("pk,pki->pi", self.weights, particles[self.anchors])
+
+
+class ShapeTable(NamedTuple):
+    """Shape functions of all groups of a point set.
+
+    Attributes
+    ----------
+    start : ndarray of int, shape (n_groups + 1,)
+        ``neighbours[start[g]:start[g + 1]]`` are the particles that group g sees.
+    neighbours : ndarray of int
+    phi : ndarray
+        Flat (group, point, neighbour), dimensionless.
+    grad : ndarray
+        Flat (group, point, component, neighbour), per length.
+    group_size : int
+    """
+
+    start: np.ndarray
+    neighbours: np.ndarray
+    phi: np.ndarray
+    grad: np.ndarray
+    group_size: int
+
+    @property
+    def n_groups(self):
+        return self.start.size - 1
+
+
+@nb.njit(cache=True, error_model="numpy")
+def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
+    """Fill ``phi`` and ``grad``; return the first point with a singular moment matrix, or -1."""
+    m = cloud.n_basis
+    n_groups = start.size - 1
+    group_size = points.shape[0] // n_groups
+    moments, inverse = np.empty((3, m, m)), np.empty((m, m))
+    b = np.empty((3, m))
+    for g in range(n_groups):
+        s0, n = start[g], start[g + 1] - start[g]
+        near = neighbours[s0 : s0 + n]
+        h, k = np.empty((n, 6, m)), np.empty((n, 6))
+        for q in range(group_size):
+            point = g * group_size + q
+            neighbour_terms(points[point], near, cloud, h, k)
+            moment_matrices(h, k, moments)
+            if not invert_moment(moments[0], inverse):
+                return point
+            correction_coefficients(moments, inverse, b)
+            at = s0 * group_size + q * n
+            for i in range(n):
+                value, slope_x, slope_y = 0.0, 0.0, 0.0
+                for a in range(m):
+                    g0 = h[i, 0, a] * k[i, 0]
+                    value += b[0, a] * g0
+                    slope_x += b[1, a] * g0 + b[0, a] * (
+                        h[i, 1, a] * k[i, 0] + h[i, 0, a] * k[i, 1]
+                    )
+                    slope_y += b[2, a] * g0 + b[0, a] * (
+                        h[i, 2, a] * k[i, 0] + h[i, 0, a] * k[i, 2]
+                    )
+                phi[at + i] = value
+                grad[2 * at + i] = slope_x
+                grad[2 * at + n + i] = slope_y
+    return -1
