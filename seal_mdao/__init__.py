@@ -25,7 +25,7 @@ _LAZY = {
     "SealGroup": "seal_mdao.components.seal_group",
 }
 
-__all__ = ["__version__", *_LAZY]  # noqa: PLE0604
+__all__ = ["__version__", *_LAZY]
 
 
 def __getattr__(name):

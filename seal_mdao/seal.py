@@ -8,7 +8,7 @@ import numpy as np
 
 from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.load_path import solve_path
-from seal_mdao.analysis.result import PathResult, Status
+from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.contact.friction import OPEN, SLIP, STICK, TOUCH
 from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.area import section_area
@@ -76,9 +76,15 @@ class SealResult:
         """Where the measures are taken."""
         return measure_points(self.model)
 
-    def _end(self):
+    def require_converged(self) -> None:
+        """Raise ``LoadPathError`` for a path that was not completed."""
         if not self.converged:
             raise LoadPathError(_advice(self.path.failure), self)
+
+    @property
+    def end(self) -> ConvergedStep:
+        """The last step of a completed path."""
+        self.require_converged()
         return self.path.steps[-1]
 
     @property
@@ -92,12 +98,12 @@ class SealResult:
     def von_mises(self) -> np.ndarray:
         """Von Mises stress at the frozen particles at the end of the path, shape (7,), kPa."""
         table = self.path.discretization.table_at(self.points.stress).table
-        return von_mises_at(table, self._end().d, self.model.material)[0]
+        return von_mises_at(table, self.end.d, self.model.material)[0]
 
     @property
     def gap(self) -> np.ndarray:
         """Normal gaps at the frozen contact points at the end of the path, mm."""
-        return self._end().gap[self.points.gap]
+        return self.end.gap[self.points.gap]
 
     @property
     def gap_square_sum(self) -> float:
@@ -107,12 +113,12 @@ class SealResult:
     @property
     def max_penetration(self) -> float:
         """Deepest penetration at the end of the path, mm."""
-        return float(max(0.0, -self._end().gap.min()))
+        return float(max(0.0, -self.end.gap.min()))
 
     @property
     def contact_counts(self) -> dict:
         """Points in contact, sticking and slipping at the end of the path."""
-        state = self._end().after.state
+        state = self.end.after.state
         return {
             "contact": int(np.sum(state != OPEN)),
             "stick": int(np.sum((state == STICK) | (state == TOUCH))),
@@ -197,7 +203,7 @@ def measure_points(model: SealModel) -> MeasurePoints:
         When the drawn seal's path cannot be completed.
     """
     drawn = analyze(model)
-    end = drawn._end()
+    end = drawn.end
     grid = model.grid
     inner = grid.particle(np.arange(grid.rays), 0)
     rows = [(grid.free_outer, False), (inner, True)]

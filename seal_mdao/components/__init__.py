@@ -1,0 +1,1 @@
+"""OpenMDAO components: thin wrappers that translate units, names and errors."""

@@ -21,9 +21,9 @@ from seal_mdao.contact.friction import (
     LENGTH,
     OPEN,
     RADIUS,
-    X,
     XI,
     XI_0,
+    X,
 )
 from seal_mdao.dsa.internal_rates import add_internal_seeds
 from seal_mdao.dsa.linearization import converged_factor, local_contact, profile_share
@@ -93,7 +93,7 @@ class AdjointSweep:
         self.path, self.problem, self.stress, self.m = path, problem, stress, n_measures
         self.disc = disc = path.discretization
         k, m = len(disc.body.contact), n_measures
-        self.n_steps = int(round(path.steps[-1].fraction))
+        self.n_steps = round(path.steps[-1].fraction)
         self.grad_bar = np.zeros((m, disc.cells.table.grad.size))
         self.weight_bar = np.zeros((m, *disc.weights.shape))
         self.phi_bar = np.zeros((m, disc.contact.table.phi.size))

@@ -14,7 +14,7 @@ import numpy as np
 from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.analysis.load_path import PathProblem
 from seal_mdao.analysis.result import PathResult
-from seal_mdao.contact.friction import ELASTIC_SLIP, FORCE_X, GAP, LENGTH, OPEN, RADIUS, X, XI, XI_0
+from seal_mdao.contact.friction import ELASTIC_SLIP, FORCE_X, GAP, LENGTH, OPEN, RADIUS, XI, XI_0, X
 from seal_mdao.dsa.internal_rates import add_internal_rates
 from seal_mdao.dsa.linearization import (
     contact_input_rates,
@@ -89,7 +89,7 @@ class DirectSweep:
         self.disc = path.discretization
         self.shape = discretization_rates(self.disc, rates.velocity)
         self.contact_velocity = points_velocity(rates.velocity, self.disc.body.contact)
-        self.n_steps = int(round(path.steps[-1].fraction))
+        self.n_steps = round(path.steps[-1].fraction)
         k = len(self.disc.body.contact)
         self.inputs = np.zeros((k, 10, rates.count))
         self.inputs[:, LENGTH] = self.shape.length

@@ -78,7 +78,7 @@ def differentiate(
     """
     if method not in METHODS:
         raise ValueError(f"method must be one of {METHODS}, got {method!r}")
-    result._end()
+    result.require_converged()
     rates = parameter_rates(result.model, scalars)
     if method == "auto":
         method = "adjoint" if measure_count(result) < rates.count else "direct"
@@ -100,9 +100,47 @@ def measure_count(result: SealResult) -> int:
     return len(result.points.stress) + len(result.points.gap) + 2
 
 
+def particle_gradient(result: SealResult, method: str = "auto") -> tuple[dict, dict]:
+    """Derivatives of the end measures with respect to every particle and the door radius.
+
+    Parameters
+    ----------
+    result : SealResult
+    method : {"auto", "direct", "adjoint"}
+        "auto" takes the method with fewer right-hand sides.
+
+    Returns
+    -------
+    by_particles : dict of str to ndarray, shape (m, n, 2)
+        von_mises, gap, gap_square_sum (m = 1), reaction.
+    by_radius : dict of str to ndarray, shape (m, 1)
+    """
+    n = len(result.particles)
+    if method == "auto":
+        method = "adjoint" if measure_count(result) < 2 * n + 1 else "direct"
+    if method == "adjoint":
+        gradient = adjoint_gradient(result)
+        rows, radius = gradient.particles, gradient.contact[:, :1]
+    else:
+        unit = np.eye(2 * n).reshape(2 * n, n, 2)
+        rates = parameter_rates(result.model, ("door_radius",), unit)
+        columns = np.concatenate(direct_rates(result, rates))
+        rows, radius = columns[:, :-1].reshape(-1, n, 2), columns[:, -1:]
+    by_particles, by_radius = _by_measure(result, rows), _by_measure(result, radius)
+    for table in (by_particles, by_radius):
+        table["gap_square_sum"] = 2.0 * np.tensordot(result.gap, table["gap"], 1)[None]
+    return by_particles, by_radius
+
+
+def _by_measure(result, rows) -> dict:
+    """Rows of stresses, gaps and reactions by name."""
+    n_stress = len(result.points.stress)
+    return {"von_mises": rows[:n_stress], "gap": rows[n_stress:-2], "reaction": rows[-2:]}
+
+
 def direct_rates(result: SealResult, rates: ParameterRates):
     """Rates of von Mises stresses (s, P), gaps (g, P) and end reaction (2, P), direct method."""
-    disc, step = result.path.discretization, result._end()
+    disc, step = result.path.discretization, result.end
     sweep = DirectSweep(result.path, path_problem(result), rates)
     end = sweep.run()[len(result.path.steps) - 1]
     table = disc.table_at(result.points.stress)
@@ -118,7 +156,7 @@ def direct_rates(result: SealResult, rates: ParameterRates):
 
 def adjoint_gradient(result: SealResult):
     """Gradients of stresses, gaps and reactions (in this order) by the adjoint method."""
-    step, points = result._end(), result.points
+    step, points = result.end, result.points
     disc, m = result.path.discretization, measure_count(result)
     n_stress, n_gap = len(points.stress), len(points.gap)
     table = disc.table_at(points.stress)

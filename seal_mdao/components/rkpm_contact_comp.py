@@ -1,0 +1,110 @@
+"""The nonlinear RKPM contact analysis as an explicit component with exact partials."""
+
+import numpy as np
+import openmdao.api as om
+
+from seal_mdao.dsa.sensitivity import METHODS, particle_gradient
+from seal_mdao.errors import LoadPathError
+from seal_mdao.model import SealModel
+from seal_mdao.seal import analyze_particles, measure_points
+
+
+class RkpmContactComp(om.ExplicitComponent):
+    """Frictional contact of a seal with a rigid door: particles in, measures at the end of the path out.
+
+    The load path always starts from the undeformed state. The last converged path is kept behind a
+    key made of the inputs' bytes; partials at any other point solve it again first.
+    """
+
+    def initialize(self):
+        self.options.declare("model", types=SealModel, recordable=False, desc="The seal model.")
+        self.options.declare(
+            "sensitivity",
+            default="auto",
+            values=METHODS,
+            desc="Method of the partials: auto takes the one with fewer right-hand sides.",
+        )
+        self.options.declare(
+            "callback",
+            default=None,
+            allow_none=True,
+            recordable=False,
+            check_valid=_check_callable,
+            desc="Called with every converged load step.",
+        )
+
+    def setup(self):
+        model = self.options["model"]
+        self._points = measure_points(model)
+        self._key, self._result = None, None
+        self.add_input(
+            "particles", val=model.drawn_particles, units="mm", desc="Undeformed particles X_I."
+        )
+        self.add_input(
+            "door_radius",
+            val=model.drawn_door_radius,
+            units="mm",
+            desc="Corner radius of the door.",
+        )
+        self.add_output(
+            "von_mises",
+            shape=self._points.stress.size,
+            units="kPa",
+            desc="Von Mises stress at the particles frozen for the drawn seal.",
+        )
+        self.add_output(
+            "gap",
+            shape=self._points.gap.size,
+            units="mm",
+            desc="Normal gaps at the contact points that stand open in the drawn seal.",
+        )
+        self.add_output(
+            "gap_square_sum", units="mm**2", desc="Sum of the squared gaps, the cost of Eq. (71)."
+        )
+        self.add_output(
+            "reaction",
+            shape=2,
+            units="N/m",
+            desc="Force of the seal on the door at the end of the path: horizontal, vertical.",
+        )
+
+    def setup_partials(self):
+        self.declare_partials("*", "*")
+        # complex step cannot pass through the closest-point search and the solver
+        self.set_check_partial_options(wrt="*", method="fd", form="central", step=1e-6)
+
+    def compute(self, inputs, outputs):
+        result = self._analysis(inputs)
+        for name in ("von_mises", "gap", "gap_square_sum"):
+            outputs[name] = getattr(result, name)
+        outputs["reaction"] = result.reaction[-1]
+
+    def compute_partials(self, inputs, partials):
+        result = self._analysis(inputs)
+        by_particles, by_radius = particle_gradient(result, self.options["sensitivity"])
+        for name, rows in by_particles.items():
+            partials[name, "particles"] = rows.reshape(len(rows), -1)
+            partials[name, "door_radius"] = by_radius[name]
+
+    def _analysis(self, inputs):
+        key = tuple(inputs[name].tobytes() for name in ("particles", "door_radius"))
+        if key != self._key:
+            self._key, self._result = None, None
+            result = analyze_particles(
+                self.options["model"],
+                np.array(inputs["particles"]),
+                inputs["door_radius"],
+                keep_factors=True,
+                callback=self.options["callback"],
+            )
+            try:
+                result.require_converged()
+            except LoadPathError as error:
+                raise om.AnalysisError(str(error)) from error
+            self._key, self._result = key, result
+        return self._result
+
+
+def _check_callable(name, value):
+    if value is not None and not callable(value):
+        raise TypeError(f"option {name!r} must be callable or None, got {value!r}")

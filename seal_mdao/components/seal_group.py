@@ -1,0 +1,45 @@
+"""Geometry, area and contact analysis wired together."""
+
+import openmdao.api as om
+
+from seal_mdao.components.area_comp import AreaComp
+from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
+from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
+from seal_mdao.dsa.sensitivity import METHODS
+from seal_mdao.model import SealModel, door_seal
+
+
+class SealGroup(om.Group):
+    """A seal from its design parameters to its measures.
+
+    Promoted inputs: ``boundary_offsets`` (mm), ``door_radius`` (mm). Promoted outputs: ``area``
+    (mm**2), ``von_mises`` (kPa), ``gap`` (mm), ``gap_square_sum`` (mm**2), ``reaction`` (N/m), and
+    ``particles`` (mm).
+    """
+
+    def initialize(self):
+        self.options.declare(
+            "model", types=SealModel, recordable=False, default=door_seal(), desc="The seal model."
+        )
+        self.options.declare(
+            "sensitivity", default="auto", values=METHODS, desc="Method of the contact partials."
+        )
+        self.options.declare(
+            "callback",
+            default=None,
+            allow_none=True,
+            recordable=False,
+            desc="Called with every converged load step.",
+        )
+
+    def setup(self):
+        model = self.options["model"]
+        self.add_subsystem("geometry", SplineGeometryComp(model=model), promotes=["*"])
+        self.add_subsystem("section", AreaComp(model=model), promotes=["*"])
+        contact = RkpmContactComp(
+            model=model,
+            sensitivity=self.options["sensitivity"],
+            callback=self.options["callback"],
+        )
+        self.add_subsystem("contact", contact, promotes=["*"])
+        self.set_input_defaults("door_radius", model.drawn_door_radius, units="mm")
