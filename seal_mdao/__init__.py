@@ -15,7 +15,7 @@ _LAZY = {
     "Sensitivities": "seal_mdao.dsa.sensitivity",
     "differentiate": "seal_mdao.dsa.sensitivity",
     "MooneyRivlin": "seal_mdao.materials.mooney_rivlin",
-    "NewtonOptions": "seal_mdao.analysis.load_path",
+    "NewtonOptions": "seal_mdao.analysis.newton",
     "Section": "seal_mdao.geometry.section",
     "GeometryError": "seal_mdao.errors",
     "LoadPathError": "seal_mdao.errors",

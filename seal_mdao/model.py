@@ -7,7 +7,8 @@ import numpy as np
 
 from seal_mdao.analysis.body import Body
 from seal_mdao.analysis.linear_solver import SOLVERS
-from seal_mdao.analysis.load_path import NewtonOptions
+from seal_mdao.analysis.loading import LoadProgram
+from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.friction import FRICTION_HISTORIES, ContactLaw
 from seal_mdao.design.splines import BoundarySplines, design_velocity
 from seal_mdao.geometry.profile import (
@@ -213,6 +214,10 @@ class SealModel:
         end = self.section.outer_radius - self.depth
         y = np.linspace(self.start, end, self.n_steps + 1)
         return np.column_stack([np.zeros_like(y), y])
+
+    @property
+    def program(self) -> LoadProgram:
+        return LoadProgram(self.positions)
 
     def profile(self, door_radius: float) -> RigidProfile:
         """The door with the given corner radius, its flat at y = 0."""

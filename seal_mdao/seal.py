@@ -188,7 +188,7 @@ def analyze_particles(
     radius = model.check_door_radius(door_radius)
     path = solve_path(
         discretize(model.body, particles), model.material, model.profile(radius), model.law,
-        model.positions, model.newton, keep_factors, callback,
+        model.program, model.newton, keep_factors, callback,
     )  # fmt: skip
     return SealResult(model, None, radius, path)
 

@@ -8,8 +8,9 @@ import numpy as np
 from seal_mdao.analysis.linear_solver import TangentLayout, tangent_layout
 from seal_mdao.errors import GeometryError
 from seal_mdao.rkpm.basis import BASIS_SIZE
-from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_points, quadrature_weights
+from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
+from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_table
 
@@ -60,6 +61,10 @@ class Body:
     def cell_map(self) -> CellMap:
         return cell_map(self.cells, self.n_gauss)
 
+    @cached_property
+    def edge_rule(self) -> EdgeRule:
+        return edge_rule(self.cells, self.constrained)
+
     def cloud(self, particles: np.ndarray) -> Cloud:
         """Particles of one design with the body's kernels."""
         return Cloud(
@@ -84,11 +89,13 @@ class Discretization:
     ----------
     body : Body
     cloud : Cloud
-    weights : ndarray, shape (n_cells, q)
-        Quadrature weights, area unit.
     transformation : EssentialTransformation
-    cells, contact : PointTable
-        Shape functions at the quadrature points and at the contact points.
+    constrained_rows : PointTable
+        Raw shape functions at the constrained particles.
+    cells : CellTable
+        Shape functions at the quadrature points.
+    contact : PointTable
+        Shape functions at the contact points.
     contact_length : ndarray, shape (k,)
         Tributary lengths.
     layout : TangentLayout
@@ -97,13 +104,17 @@ class Discretization:
 
     body: Body
     cloud: Cloud
-    weights: np.ndarray
     transformation: EssentialTransformation
     constrained_rows: PointTable
-    cells: PointTable
+    cells: CellTable
     contact: PointTable
     contact_length: np.ndarray
     layout: TangentLayout
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Quadrature weights, area unit, shape (n_cells, q)."""
+        return self.cells.weights
 
     @property
     def particles(self) -> np.ndarray:
@@ -145,11 +156,11 @@ def discretize(body: Body, particles: np.ndarray) -> Discretization:
     rows = at_particles(body.constrained)
     coordinates, raw = raw_table(cloud, rows)
     transformation = essential_transformation(body.constrained, raw)
-    cells = build_table(cloud, quadrature_points(body.cell_map), transformation)
+    cells = build_cell_table(cloud, body.cell_map, body.edge_rule, weights, transformation)
     contact = build_table(cloud, at_particles(body.contact), transformation)
     layout = tangent_layout(body.fixed, [cells.table, contact.table], body.solver)
     return Discretization(
-        body, cloud, weights, transformation, PointTable(rows, coordinates, raw, raw), cells,
+        body, cloud, transformation, PointTable(rows, coordinates, raw, raw), cells,
         contact, tributary_lengths(body, cloud.particles), layout,
     )  # fmt: skip
 

@@ -61,6 +61,15 @@ class TangentLayout:
         """Factor of the matrix in the buffer ``values``; the buffer is left as it is."""
         return self.storage.factorize(values)
 
+    def reduce(self, nodal: np.ndarray | None):
+        """Values of particles (n, 2) in the order of the equations; zero for None."""
+        if nodal is None:
+            return 0.0
+        free = self.equations >= 0
+        out = np.empty(self.n_equations)
+        out[self.equations[free]] = nodal[free]
+        return out
+
     def gather(self, vector: np.ndarray) -> np.ndarray:
         """Spread a solution (n_equations, ...) to particles (n, 2, ...), zero where imposed."""
         padded = np.concatenate([vector, np.zeros((1, *vector.shape[1:]))])

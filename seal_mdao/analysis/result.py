@@ -6,6 +6,7 @@ from enum import Enum
 import numpy as np
 
 from seal_mdao.analysis.body import Discretization
+from seal_mdao.analysis.loading import LoadPoint
 from seal_mdao.contact.assembly import interpolate
 from seal_mdao.contact.friction import OPEN, ContactHistory
 
@@ -30,8 +31,8 @@ class ConvergedStep:
         Number of the nominal step that this one completes, -1 for a cut step.
     fraction : float
         Path parameter: number of nominal steps completed, fractions for cut steps.
-    position : ndarray, shape (2,)
-        Rigid translation of the profile.
+    loading : LoadPoint
+        Position of the profile, imposed displacements, dead loads.
     d : ndarray, shape (n, 2)
         Generalised displacements.
     before : ContactHistory
@@ -51,7 +52,7 @@ class ConvergedStep:
 
     nominal: int
     fraction: float
-    position: np.ndarray
+    loading: LoadPoint
     d: np.ndarray
     before: ContactHistory
     after: ContactHistory
@@ -61,6 +62,11 @@ class ConvergedStep:
     iterations: int
     residuals: tuple
     factor: object = None
+
+    @property
+    def position(self) -> np.ndarray:
+        """Rigid translation of the profile, shape (2,)."""
+        return self.loading.position
 
     @property
     def reaction(self) -> np.ndarray:

@@ -158,7 +158,9 @@ def linearize_contact_point(
 
 
 @nb.njit(cache=True, error_model="numpy")
-def contact_points(profile, law, position, x, length, history, force, tangent, state, kept, gap):
+def contact_points(
+    profile, law, position, x, length, history, direction, force, tangent, state, kept, gap
+):
     """Forces of all contact points on a rigid profile and their tangents.
 
     Parameters
@@ -170,17 +172,35 @@ def contact_points(profile, law, position, x, length, history, force, tangent, s
     length : ndarray, shape (n,)
         Tributary lengths.
     history : ContactHistory
+    direction : ndarray of int, shape (n,)
+        Slip direction in the previous Newton iteration, 0 for none; updated. A point that would
+        slip the other way round has passed the stick branch in between: it is taken to stick in
+        this iteration, whatever its limit, else Newton can jump to and fro for ever.
     force, tangent : ndarray, shapes (n, 2), (n, 2, 2)
         Written: the contact form (29) of each point, and d force / d x.
     state, kept, gap : ndarray, shapes (n,), (n, 3), (n,)
         Written: contact state, the variables to carry, the normal gap.
+
+    Returns
+    -------
+    int
+        Points made to stick; forces are those of Eq. (29) only when it is zero.
     """
     local = np.empty((6, 10))
+    made_to_stick = 0
     for i in range(x.shape[0]):
         piece, xi, g_n = closest_point(profile, x[i, 0] - position[0], x[i, 1] - position[1])
         gap[i] = g_n
         xi_0, size_0, slip_0 = history.variables[i]
         state[i], tau, g_t = traction(law, g_n, xi, history.state[i], xi_0, size_0, slip_0)
+        way = 0
+        if state[i] == SLIP:
+            way = 1 if tau > 0.0 else -1
+            if way * direction[i] < 0:
+                g_t = slip_0 + size_0 * (xi - xi_0)
+                state[i], tau, way = STICK, law.tangent_penalty * g_t, 0
+                made_to_stick += 1
+        direction[i] = way
         kept[i, 0] = xi
         kept[i, 2] = g_t if law.accumulated else 0.0
         e_t, e_n, size, _, _, _, c = contact_frame(profile, piece, xi, g_n)
@@ -198,6 +218,7 @@ def contact_points(profile, law, position, x, length, history, force, tangent, s
             profile, law, piece, xi, g_n, state[i], tau, history.variables[i], length[i], 2, local
         )
         tangent[i] = local[:2, :2]
+    return made_to_stick
 
 
 @nb.njit(cache=True, error_model="numpy")

@@ -12,7 +12,7 @@ import numpy as np
 
 from seal_mdao.analysis.body import add_tributary_seeds
 from seal_mdao.analysis.internal_force import assemble_internal
-from seal_mdao.analysis.load_path import PathProblem
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
 from seal_mdao.contact.friction import (
     ELASTIC_SLIP,
@@ -35,6 +35,7 @@ from seal_mdao.dsa.point_rates import (
 )
 from seal_mdao.rkpm.cells import add_weight_seeds
 from seal_mdao.rkpm.essential import transformation_seeds
+from seal_mdao.rkpm.integration import cell_table_seeds
 from seal_mdao.rkpm.tables import PointTable, table_seeds
 
 
@@ -181,11 +182,12 @@ class AdjointSweep:
         body, cloud, transformation = disc.body, disc.cloud, disc.transformation
         particles_bar = np.zeros((self.m, *disc.particles.shape))
         tables = (
-            (disc.cells, np.zeros((self.m, disc.cells.table.phi.size)), self.grad_bar),
             (disc.contact, self.phi_bar, np.zeros((self.m, disc.contact.table.grad.size))),
             (self.stress, np.zeros((self.m, self.stress.table.phi.size)), self.stress_bar),
         )
-        matrix_bar = 0.0
+        matrix_bar = cell_table_seeds(
+            cloud, disc.cells, self.grad_bar, self.weight_bar, particles_bar, transformation
+        )
         for table, phi_bar, grad_bar in tables:
             matrix_bar = matrix_bar + table_seeds(
                 cloud, table, phi_bar, grad_bar, particles_bar, transformation

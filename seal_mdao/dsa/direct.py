@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.analysis.internal_force import assemble_internal
-from seal_mdao.analysis.load_path import PathProblem
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
 from seal_mdao.contact.friction import ELASTIC_SLIP, FORCE_X, GAP, LENGTH, OPEN, RADIUS, XI, XI_0, X
 from seal_mdao.dsa.internal_rates import add_internal_rates

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.analysis.body import Discretization, tributary_rates
-from seal_mdao.analysis.load_path import PathProblem
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep
 from seal_mdao.contact.friction import contact_linearization
 from seal_mdao.dsa.parameters import ParameterRates
 from seal_mdao.rkpm.cells import weight_rates
 from seal_mdao.rkpm.essential import rows_on_union, transformation_rates
+from seal_mdao.rkpm.integration import cell_table_rates
 from seal_mdao.rkpm.tables import PointTable, TableRates, raw_rates, table_rates
 
 
@@ -52,11 +53,12 @@ def discretization_rates(discretization: Discretization, velocity) -> Discretiza
     """All rates of the discretisation along design velocities (P, n, 2)."""
     body, cloud, t = discretization.body, discretization.cloud, discretization.transformation
     matrix = matrix_rates(discretization, velocity)
+    weights = weight_rates(body.cell_map, cloud.particles, velocity)
     return DiscretizationRates(
         matrix,
-        table_rates(cloud, discretization.cells, velocity, t, matrix),
+        cell_table_rates(cloud, discretization.cells, velocity, weights, t, matrix),
         table_rates(cloud, discretization.contact, velocity, t, matrix),
-        weight_rates(body.cell_map, cloud.particles, velocity),
+        weights,
         np.ascontiguousarray(tributary_rates(body, cloud.particles, velocity).T),
     )
 
@@ -80,7 +82,7 @@ def converged_factor(problem: PathProblem, step: ConvergedStep):
     """Factor of the tangent at a converged step: the kept one, or made again."""
     if step.factor is not None:
         return step.factor
-    problem.assemble(step.d, step.position, step.before)
+    problem.assemble_at(step)
     return problem.discretization.layout.factorize(problem.values)
 
 

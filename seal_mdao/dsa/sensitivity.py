@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.analysis.load_path import PathProblem
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.dsa.adjoint import AdjointSweep, Seeds
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.linearization import point_table_rates

@@ -271,7 +271,8 @@ def _active_parameters(point_table, velocity, transformation):
     return start, np.nonzero(hit)[1]
 
 
-def _entry_starts(counts_active, table):
+def entry_starts(counts_active, table):
+    """Where the rate entries of every group begin, given its number of active parameters."""
     sizes = counts_active * np.diff(table.start) * table.group_size
     return np.concatenate([[0], np.cumsum(sizes)])
 
@@ -280,7 +281,7 @@ def raw_rates(cloud, point_table: PointTable, velocity, transformation=None) -> 
     """Rates of the raw shape functions along design velocities ``velocity`` (P, n_particles, 2)."""
     points, raw = point_table.points, point_table.raw
     start, active = _active_parameters(point_table, velocity, transformation)
-    starts = np.column_stack([start, _entry_starts(np.diff(start), raw)])
+    starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
     point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
     dphi, dgrad = np.empty(starts[-1, 1]), np.empty(2 * starts[-1, 1])
     forward_shape_functions(
@@ -290,27 +291,20 @@ def raw_rates(cloud, point_table: PointTable, velocity, transformation=None) -> 
     return TableRates(starts, active, dphi, dgrad)
 
 
-def table_rates(
-    cloud: Cloud,
-    point_table: PointTable,
-    velocity: np.ndarray,
-    transformation: EssentialTransformation | None = None,
-    matrix_rate: np.ndarray | None = None,
-) -> TableRates:
-    """Rates of the transformed table along design velocities.
+def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation, matrix_rate):
+    """Rates of a transformed table from those of the raw one.
 
     Parameters
     ----------
-    velocity : ndarray, shape (P, n_particles, 2)
+    rates : TableRates
+        Of ``raw``.
     matrix_rate : ndarray, shape (c, u, P)
         T' of ``essential.transformation_rates``.
     """
-    rates = raw_rates(cloud, point_table, velocity, transformation)
     if transformation is None or transformation.constrained.size == 0:
         return rates
-    raw, table = point_table.raw, point_table.table
     count = np.diff(rates.start[:, 0])
-    starts = np.column_stack([rates.start[:, 0], _entry_starts(count, table)])
+    starts = np.column_stack([rates.start[:, 0], entry_starts(count, table)])
     new = TableRates(starts, rates.active, np.zeros(starts[-1, 1]), np.zeros(2 * starts[-1, 1]))
     c, u, matrix = transformation.constrained, transformation.union, transformation.matrix
     matrix_rate = np.ascontiguousarray(matrix_rate)
@@ -321,6 +315,42 @@ def table_rates(
         raw, table, new, rates, c, u, matrix, matrix_rate, raw.grad, rates.grad, 2, new.grad
     )
     return new
+
+
+def table_rates(
+    cloud: Cloud,
+    point_table: PointTable,
+    velocity: np.ndarray,
+    transformation: EssentialTransformation | None = None,
+    matrix_rate: np.ndarray | None = None,
+) -> TableRates:
+    """Rates of a transformed table along design velocities (P, n_particles, 2)."""
+    rates = raw_rates(cloud, point_table, velocity, transformation)
+    return transformed_rates(point_table.raw, point_table.table, rates, transformation, matrix_rate)
+
+
+def untransformed_seeds(raw: ShapeTable, table: ShapeTable, phi_bar, grad_bar, transformation):
+    """Transpose of ``transformed_rates``: seeds on the raw table (phi, grad), and on T or None."""
+    if transformation is None or transformation.constrained.size == 0:
+        return phi_bar, grad_bar, None
+    c, u, matrix = transformation.constrained, transformation.union, transformation.matrix
+    m = len(phi_bar)
+    matrix_bar = np.zeros((m, *matrix.shape))
+    raw_phi, raw_grad = np.empty((m, raw.phi.size)), np.empty((m, raw.grad.size))
+    _transform_seeds(raw, table, c, u, matrix, raw.phi, 1, phi_bar, raw_phi, matrix_bar)
+    _transform_seeds(raw, table, c, u, matrix, raw.grad, 2, grad_bar, raw_grad, matrix_bar)
+    return raw_phi, raw_grad, matrix_bar
+
+
+def raw_seeds(cloud: Cloud, point_table: PointTable, phi_bar, grad_bar, x_bar) -> None:
+    """Transpose of ``raw_rates``: seeds on the raw table added to ``x_bar`` (M, n_particles, 2)."""
+    raw, points = point_table.raw, point_table.points
+    point_bar = np.zeros((len(phi_bar), *point_table.coordinates.shape))
+    reverse_shape_functions(
+        cloud, point_table.coordinates, raw.start, raw.neighbours, phi_bar, grad_bar, x_bar,
+        point_bar,
+    )  # fmt: skip
+    add_point_seeds(points, point_bar, x_bar)
 
 
 def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transformation=None):
@@ -337,23 +367,10 @@ def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transf
     ndarray, shape (M, c, u), or None
         Seeds on T, which the caller sums over all tables before pulling them back.
     """
-    raw, points = point_table.raw, point_table.points
-    matrix_bar = None
-    if transformation is not None and transformation.constrained.size:
-        c, u, matrix = transformation.constrained, transformation.union, transformation.matrix
-        matrix_bar = np.zeros((len(phi_bar), *matrix.shape))
-        raw_phi = np.empty((len(phi_bar), raw.phi.size))
-        raw_grad = np.empty((len(phi_bar), raw.grad.size))
-        table = point_table.table
-        _transform_seeds(raw, table, c, u, matrix, raw.phi, 1, phi_bar, raw_phi, matrix_bar)
-        _transform_seeds(raw, table, c, u, matrix, raw.grad, 2, grad_bar, raw_grad, matrix_bar)
-        phi_bar, grad_bar = raw_phi, raw_grad
-    point_bar = np.zeros((len(phi_bar), *point_table.coordinates.shape))
-    reverse_shape_functions(
-        cloud, point_table.coordinates, raw.start, raw.neighbours, phi_bar, grad_bar, x_bar,
-        point_bar,
-    )  # fmt: skip
-    add_point_seeds(points, point_bar, x_bar)
+    phi_bar, grad_bar, matrix_bar = untransformed_seeds(
+        point_table.raw, point_table.table, phi_bar, grad_bar, transformation
+    )
+    raw_seeds(cloud, point_table, phi_bar, grad_bar, x_bar)
     return matrix_bar
 
 

@@ -1,0 +1,127 @@
+"""Residual and tangent of the incremental equation (44), and the tangent predictor."""
+
+import numpy as np
+
+from seal_mdao.analysis.body import Discretization
+from seal_mdao.analysis.internal_force import assemble_internal
+from seal_mdao.analysis.loading import LoadPoint
+from seal_mdao.analysis.result import ConvergedStep
+from seal_mdao.contact.assembly import assemble_points, interpolate
+from seal_mdao.contact.friction import ContactLaw, contact_points
+from seal_mdao.geometry.profile import RigidProfile
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+
+
+class PathProblem:
+    """Residual and tangent of one discretised body against one moving profile.
+
+    The buffers are reused between iterations; nothing in them outlives a call.
+    """
+
+    def __init__(
+        self,
+        discretization: Discretization,
+        material: MooneyRivlin,
+        profile: RigidProfile,
+        law: ContactLaw,
+    ):
+        self.discretization = discretization
+        self.constants = (material.c10, material.c01, material.bulk_modulus)
+        self.profile, self.law = profile, law
+        layout, k = discretization.layout, len(discretization.body.contact)
+        self.internal = np.empty(layout.n_equations + 1)
+        self.contact = np.empty(layout.n_equations + 1)
+        self.external = np.zeros(layout.n_equations + 1)
+        self.values = np.empty(layout.size)
+        self.x, self.force, self.tangent = np.empty((k, 2)), np.empty((k, 2)), np.empty((k, 2, 2))
+        self.state, self.kept, self.gap = np.empty(k, np.int64), np.empty((k, 3)), np.empty(k)
+        self.direction, self.made_to_stick = np.zeros(k, np.int64), 0
+        # what rounding leaves of a residual: large moduli multiply differences of order one
+        size = float(np.abs(discretization.particles).max())
+        stiff = material.bulk_modulus * discretization.body.support_radius.max()
+        self.rounding = 10 * np.finfo(float).eps * (stiff + law.normal_penalty * size)
+
+    def assemble(self, d, point: LoadPoint, history) -> bool:
+        """Fill forces and tangent at displacements ``d``; False where a point is inverted."""
+        disc = self.discretization
+        cells, points = disc.layout.scatter
+        self.internal[:] = 0.0
+        self.contact[:] = 0.0
+        self.values[:] = 0.0
+        bad = assemble_internal(
+            disc.cells.table, disc.weights, self.constants, d, cells, self.internal, self.values
+        )
+        if bad >= 0:
+            return False
+        interpolate(disc.contact.table, d, self.x)
+        self.x += disc.particles[disc.body.contact]
+        self.made_to_stick = contact_points(
+            self.profile, self.law, point.position, self.x, disc.contact_length, history,
+            self.direction, self.force, self.tangent, self.state, self.kept, self.gap,
+        )  # fmt: skip
+        assemble_points(
+            disc.contact.table, self.force, self.tangent, self.state, points, self.contact,
+            self.values,
+        )  # fmt: skip
+        self.external[:-1] = disc.layout.reduce(point.force)
+        return True
+
+    def assemble_at(self, step: ConvergedStep) -> None:
+        """Fill forces and tangent at a converged step."""
+        self.direction[:] = 0
+        self.assemble(step.d, step.loading, step.before)
+
+    def residual(self):
+        """Residual vector, its norm relative to the acting forces, and whether it is mere rounding."""
+        forces = self.internal[:-1], self.contact[:-1], self.external[:-1]
+        residual = forces[0] + forces[1] - forces[2]
+        size = float(np.linalg.norm(residual))
+        scale = max(np.linalg.norm(force) for force in forces)
+        return residual, size / scale if scale > 0.0 else 0.0, size <= self.rounding
+
+    def predict(self, step: ConvergedStep, factor, target: LoadPoint) -> np.ndarray:
+        """Euler predictor from a converged step, reusing its factorisation.
+
+        The contact force depends on x minus the profile's position only, so its rate with the
+        motion is minus its tangent. With the incremental history the force at the old position
+        is not the converged one (slip starts again from zero); that jump is predicted too.
+        """
+        layout, now = self.discretization.layout, step.loading
+        rate = -np.einsum("kij,j->ki", self.tangent, target.position - now.position)
+        if not self.law.accumulated:
+            rate += self._force_with_new_history(step) - step.force
+        load = np.zeros_like(self.contact)
+        assemble_points(
+            self.discretization.contact.table, rate, self.tangent, self.state, layout.scatter[1],
+            load, np.empty(0),
+        )  # fmt: skip
+        d = step.d
+        if target.imposed is not None:
+            increment = np.where(layout.equations < 0, target.imposed - now.imposed, 0.0)
+            load += self._internal_rate(d, increment)
+            d = d + increment
+        if target.force is not None:
+            load[:-1] -= layout.reduce(target.force - now.force)
+        return d - layout.gather(factor.solve(load[:-1]))
+
+    def _force_with_new_history(self, step: ConvergedStep) -> np.ndarray:
+        """Contact forces at a converged step when the history is already the next step's."""
+        force = np.empty_like(self.force)
+        contact_points(
+            self.profile, self.law, step.position, step.contact_x,
+            self.discretization.contact_length, step.after, np.zeros_like(self.direction), force,
+            np.empty_like(self.tangent), np.empty_like(self.state), np.empty_like(self.kept),
+            np.empty_like(self.gap),
+        )  # fmt: skip
+        return force
+
+    def _internal_rate(self, d, increment, share=1e-6) -> np.ndarray:
+        """Change of the internal force with imposed displacements; only the predictor uses it."""
+        disc = self.discretization
+        ends = np.zeros((2, disc.layout.n_equations + 1))
+        for end, at in zip(ends, (d, d + share * increment), strict=True):
+            assemble_internal(
+                disc.cells.table, disc.weights, self.constants, at, disc.layout.scatter[0], end,
+                np.empty(0),
+            )  # fmt: skip
+        return (ends[1] - ends[0]) / share
