@@ -9,7 +9,7 @@ import numpy as np
 from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
-from seal_mdao.contact.friction import OPEN, SLIP, STICK, TOUCH
+from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.area import section_area
 from seal_mdao.measures.selection import MeasurePoints, opened_points, stress_points
@@ -121,7 +121,7 @@ class SealResult:
         state = self.end.after.state
         return {
             "contact": int(np.sum(state != OPEN)),
-            "stick": int(np.sum((state == STICK) | (state == TOUCH))),
+            "stick": int(np.sum(state == STICK)),
             "slip": int(np.sum(state == SLIP)),
         }
 

@@ -15,11 +15,10 @@ from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
 from seal_mdao.contact.friction import (
-    ELASTIC_SLIP,
+    CARRIED,
     FORCE_X,
     GAP,
     LENGTH,
-    OPEN,
     RADIUS,
     XI,
     XI_0,
@@ -109,8 +108,7 @@ class AdjointSweep:
         layout, table = disc.layout, disc.contact.table
         local = local_contact(problem, step)
         out_bar = np.zeros((self.m, len(step.gap), 6))
-        history_bar = np.where((step.after.state == OPEN)[:, None], 0.0, history_bar)
-        out_bar[:, :, XI : ELASTIC_SLIP + 1] = history_bar
+        out_bar[:, :, XI : CARRIED + 1] = history_bar
         d_bar = np.zeros((layout.n_equations + 1, self.m))
         if seeds is not None:
             out_bar[:, :, GAP] += seeds.gap

@@ -14,7 +14,7 @@ import numpy as np
 from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
-from seal_mdao.contact.friction import ELASTIC_SLIP, FORCE_X, GAP, LENGTH, OPEN, RADIUS, XI, XI_0, X
+from seal_mdao.contact.friction import CARRIED, FORCE_X, GAP, LENGTH, RADIUS, XI, XI_0, X
 from seal_mdao.dsa.internal_rates import add_internal_rates
 from seal_mdao.dsa.linearization import (
     contact_input_rates,
@@ -121,8 +121,7 @@ class DirectSweep:
         solution = -converged_factor(problem, step).solve(load[:-1])
         add_solution_rates(table, equations, solution, inputs[:, X:XI_0])
         out = local @ inputs
-        history = out[:, XI : ELASTIC_SLIP + 1].copy()
-        history[step.after.state == OPEN] = 0.0
+        history = out[:, XI : CARRIED + 1].copy()
         return StepRates(solution, out[:, GAP].copy(), out[:, FORCE_X:XI].copy(), history)
 
     def run(self, measured=None) -> dict:

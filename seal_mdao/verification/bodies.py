@@ -1,0 +1,103 @@
+"""Bodies of the benchmarks: mapped grids of particles with their background cells."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.analysis.body import Body
+from seal_mdao.geometry.section import support_radii
+
+
+class Grid(NamedTuple):
+    """(nx + 1) x (ny + 1) particles of a mapped rectangle, numbered column by column from below.
+
+    Attributes
+    ----------
+    nx, ny : int
+        Background cells along the first and the second direction.
+    """
+
+    nx: int
+    ny: int
+
+    @property
+    def n_particles(self) -> int:
+        return (self.nx + 1) * (self.ny + 1)
+
+    def particle(self, i, j) -> np.ndarray:
+        """Particle number of column ``i`` and row ``j``."""
+        return np.asarray(i) * (self.ny + 1) + j
+
+    @property
+    def reference(self) -> np.ndarray:
+        """Places on the unit square, shape (n, 2)."""
+        i, j = np.divmod(np.arange(self.n_particles), self.ny + 1)
+        return np.column_stack([i / self.nx, j / self.ny])
+
+    @property
+    def cells(self) -> np.ndarray:
+        """Corners counter-clockwise, shape (nx ny, 4)."""
+        i, j = (a.ravel() for a in np.mgrid[: self.nx, : self.ny])
+        corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+        return np.column_stack([self.particle(a, b) for a, b in corners])
+
+    @property
+    def left(self) -> np.ndarray:
+        return self.particle(0, np.arange(self.ny + 1))
+
+    @property
+    def right(self) -> np.ndarray:
+        return self.particle(self.nx, np.arange(self.ny + 1))
+
+    @property
+    def bottom(self) -> np.ndarray:
+        return self.particle(np.arange(self.nx + 1), 0)
+
+    @property
+    def top(self) -> np.ndarray:
+        return self.particle(np.arange(self.nx + 1), self.ny)
+
+    @property
+    def boundary(self) -> np.ndarray:
+        """All particles on the boundary, sorted."""
+        return np.unique(np.concatenate([self.left, self.right, self.bottom, self.top]))
+
+
+def edges_of(row: np.ndarray) -> np.ndarray:
+    """Edges between consecutive particles of a boundary row, shape (m, 2)."""
+    return np.column_stack([row[:-1], row[1:]])
+
+
+def fixed_components(n: int, x=(), y=()) -> np.ndarray:
+    """Mask (n, 2) of imposed components: particles ``x`` horizontally, ``y`` vertically."""
+    fixed = np.zeros((n, 2), bool)
+    fixed[np.asarray(x, int), 0] = True
+    fixed[np.asarray(y, int), 1] = True
+    return fixed
+
+
+def grid_body(
+    grid: Grid, particles: np.ndarray, fixed: np.ndarray, support: float = 2.0, **options
+) -> Body:
+    """A body on ``grid``; ``support`` is the kernel radius over the longest edge at a particle."""
+    radius = support_radii(grid, particles, support)
+    return Body(grid.cells, radius, fixed, **options)
+
+
+def row_contact(row: np.ndarray) -> dict:
+    """Options of ``Body`` that make the boundary row a contact boundary with half-edge lengths.
+
+    The end particles of the row have one edge only, so it counts once.
+    """
+    before = np.concatenate([row[:1], row[:-1]])
+    after = np.concatenate([row[1:], row[-1:]])
+    return {"contact": row, "contact_ends": np.column_stack([before, after])}
+
+
+def scattered(grid: Grid, share: float, seed: int) -> np.ndarray:
+    """Unit-square particles moved by up to ``share`` of the spacing; boundaries stay straight."""
+    h = 1.0 / np.array([grid.nx, grid.ny])
+    shift = np.random.default_rng(seed).uniform(-share, share, (grid.n_particles, 2)) * h
+    shift[np.concatenate([grid.left, grid.right]), 0] = 0.0
+    shift[np.concatenate([grid.bottom, grid.top]), 1] = 0.0
+    return grid.reference + shift
