@@ -13,6 +13,7 @@ from seal_mdao.analysis.loading import LoadPoint, LoadProgram
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
+from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, ContactHistory, ContactLaw, no_history
 from seal_mdao.geometry.profile import RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
@@ -35,6 +36,7 @@ def _record(problem, nominal, fraction, loading, d, history, residuals, factor) 
     )  # fmt: skip
 
 
+@one_blas_thread
 def solve_path(
     discretization: Discretization,
     material: MooneyRivlin,

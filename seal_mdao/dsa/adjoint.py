@@ -14,6 +14,7 @@ from seal_mdao.analysis.body import add_tributary_seeds
 from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import (
     CARRIED,
     FORCE_X,
@@ -156,6 +157,7 @@ class AdjointSweep:
             )  # fmt: skip
             self.constants[:, i] -= rows[:, :-1] @ force[:-1]
 
+    @one_blas_thread
     def run(self, seeds: dict) -> AdjointGradient:
         """Sweep back from the last measured step.
 

@@ -14,6 +14,7 @@ import numpy as np
 from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import CARRIED, FORCE_X, GAP, LENGTH, RADIUS, XI, XI_0, X
 from seal_mdao.dsa.internal_rates import add_internal_rates
 from seal_mdao.dsa.linearization import (
@@ -124,6 +125,7 @@ class DirectSweep:
         history = out[:, XI : CARRIED + 1].copy()
         return StepRates(solution, out[:, GAP].copy(), out[:, FORCE_X:XI].copy(), history)
 
+    @one_blas_thread
     def run(self, measured=None) -> dict:
         """Sweep the path; return ``StepRates`` by place in ``path.steps``.
 

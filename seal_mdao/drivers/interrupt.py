@@ -1,0 +1,55 @@
+"""Ctrl-C during a run: stop at the best point instead of losing the run."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+class InterruptGuard:
+    """Turns the first Ctrl-C into a request to stop and lets the second one through.
+
+    While the model runs (inside `running`) Ctrl-C raises KeyboardInterrupt there, so that a
+    long analysis does not have to be waited for. Between runs, when the optimizer's own code is
+    at work, it only sets `requested`. Outside the main thread no handler can be installed and
+    KeyboardInterrupt keeps its usual meaning, as it does after the context is left.
+    """
+
+    def __init__(self):
+        self.requested = False
+        self._running = False
+        self._previous = None
+        self._installed = False
+
+    def __enter__(self) -> InterruptGuard:
+        if threading.current_thread() is threading.main_thread():
+            self._previous = signal.signal(signal.SIGINT, self._handle)
+            self._installed = True
+        return self
+
+    def __exit__(self, *exc_info) -> None:
+        if self._installed:
+            signal.signal(signal.SIGINT, self._previous or signal.default_int_handler)
+            self._installed = False
+        self.requested = False
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Context in which Ctrl-C may interrupt at once."""
+        self._running = True
+        try:
+            if self.requested:
+                raise KeyboardInterrupt
+            yield
+        finally:
+            self._running = False
+
+    def _handle(self, signum, frame) -> None:
+        again, self.requested = self.requested, True
+        if again or self._running:
+            raise KeyboardInterrupt

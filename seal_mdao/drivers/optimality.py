@@ -1,0 +1,140 @@
+"""How far a point is from satisfying the first-order optimality (Karush-Kuhn-Tucker) conditions.
+
+Optimizers stop for many reasons, among them that the objective no longer changes. This measure
+is independent of the optimizer. It looks for the multipliers that leave least of the gradient of
+the Lagrangian and of the products of multipliers and distances to the bounds. So an interior
+point that stays a little away from its active bounds is judged fairly, and no constraint has to
+be called active or inactive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from seal_mdao.drivers.evaluation import ModelEvaluator
+    from seal_mdao.drivers.layout import ProblemLayout
+
+NEAR = 1e-2
+"""Bounds farther away than this, relative to 1 + |bound|, are given no multiplier."""
+
+
+@dataclass(frozen=True)
+class Optimality:
+    """Distance from first-order optimality, in driver scaling.
+
+    Attributes
+    ----------
+    stationarity : float
+        Largest entry of the Lagrangian's gradient.
+    complementarity : float
+        Largest product of a multiplier and the distance to its bound.
+    infeasibility : float
+        Largest constraint violation.
+
+    The first two are divided by the larger of 1 and the largest entry of the objective's
+    gradient.
+    """
+
+    stationarity: float
+    complementarity: float
+    infeasibility: float
+
+    def satisfied(self, tol: float) -> bool:
+        """Return whether all measures are at most ``tol``."""
+        return max(self.stationarity, self.complementarity, self.infeasibility) <= tol
+
+    def __str__(self) -> str:
+        """Return the measures in words."""
+        conditions = max(self.stationarity, self.complementarity)
+        return (
+            f"optimality conditions hold to {conditions:.1e}, "
+            f"constraints to {self.infeasibility:.1e}"
+        )
+
+    @classmethod
+    def at(
+        cls,
+        layout: ProblemLayout,
+        x: NDArray[np.float64],
+        constraints: NDArray[np.float64],
+        gradient: NDArray[np.float64],
+        jacobian: NDArray[np.float64],
+    ) -> Optimality:
+        """Measure a point from its constraint values and total derivatives."""
+        residual, products = kkt_residuals(layout, x, constraints, gradient, jacobian)
+        scale = max(1.0, np.abs(gradient).max())
+        return cls(
+            float(np.abs(residual).max() / scale),
+            float(np.abs(products).max(initial=0.0) / scale),
+            layout.violation(constraints),
+        )
+
+
+def measure_optimality(evaluator: ModelEvaluator) -> Optimality:
+    """Measure the point now in the model, computing total derivatives but not running it."""
+    x, constraints = evaluator.current()
+    return Optimality.at(evaluator.layout, x, constraints, *evaluator.totals_here())
+
+
+def kkt_residuals(
+    layout: ProblemLayout,
+    x: NDArray[np.float64],
+    constraints: NDArray[np.float64],
+    gradient: NDArray[np.float64],
+    jacobian: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return what the best admissible multipliers leave over of the optimality conditions.
+
+    Parameters
+    ----------
+    layout : ProblemLayout
+        Bounds of the problem.
+    x, constraints : ndarray, shapes (n,) and (m,)
+        The point and its constraint values.
+    gradient, jacobian : ndarray, shapes (n,) and (m, n)
+        Total derivatives of the objective and of the constraints.
+
+    Returns
+    -------
+    residual : ndarray, shape (n,)
+        Gradient of the Lagrangian. Multipliers are non-negative for inequalities (directed
+        inwards) and free for equalities, and minimize the sum of squares of both results.
+    products : ndarray
+        Multipliers times distances to the bounds, of the bounds that are near.
+    """
+    columns, distances, free = _bound_terms(layout, x, constraints, jacobian)
+    if not columns.size:
+        return gradient, np.zeros(0)
+    matrix = np.vstack([columns, np.diag(distances)])
+    target = np.concatenate([gradient, np.zeros(distances.size)])
+    least = np.where(free, -np.inf, 0.0)
+    multipliers = lsq_linear(matrix, target, bounds=(least, np.inf), method="bvls").x
+    return gradient - columns @ multipliers, distances * multipliers
+
+
+def _bound_terms(layout, x, constraints, jacobian):
+    """Return inward normals of the near bounds, distances, and which multipliers are free."""
+    normals = np.vstack([jacobian, np.eye(layout.n)])
+    values = np.concatenate([constraints, x])
+    lower = np.concatenate([layout.c_lower, layout.x_lower])
+    upper = np.concatenate([layout.c_upper, layout.x_upper])
+    equal = lower == upper
+    at_lower = equal | _near(values - lower, lower)
+    at_upper = ~equal & _near(upper - values, upper)
+    columns = np.vstack([normals[at_lower], -normals[at_upper]]).T
+    distances = np.concatenate([(values - lower)[at_lower], (upper - values)[at_upper]])
+    free = np.concatenate([equal[at_lower], np.zeros(at_upper.sum(), dtype=bool)])
+    return columns, np.where(free, 0.0, np.maximum(0.0, distances)), free
+
+
+def _near(distance: NDArray[np.float64], bound: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return where a finite bound is near, or violated."""
+    size = np.where(np.isfinite(bound), np.abs(bound), 0.0)
+    return np.isfinite(bound) & (distance <= NEAR * (1.0 + size))

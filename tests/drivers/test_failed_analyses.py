@@ -1,0 +1,238 @@
+"""AnalysisError on the way: the drivers back off, and say so when there is no way forward."""
+
+from __future__ import annotations
+
+import numpy as np
+import openmdao.api as om
+import pytest
+from driver_models import (
+    constrained_problem,
+    d_rosenbrock,
+    failing_where,
+    plane_problem,
+    quadratic,
+    rosenbrock,
+)
+
+
+def quartic(x):
+    """Return a function with its minimum 0 at (0.5, 1), whose first steps go much too far."""
+    return 1000 * (x[0] - 0.5) ** 4 + (x[1] - 1) ** 2
+
+
+def d_quartic(x):
+    """Return the gradient of the quartic."""
+    return [4000 * (x[0] - 0.5) ** 3, 2 * (x[1] - 1)]
+
+
+def _outside_valley(x):
+    """Return whether x lies outside a band along the valley of Rosenbrock's function."""
+    return not -0.3 <= x[1] - x[0] ** 2 <= 1.5
+
+
+REGIONS = {
+    "beyond the optimum": (quartic, d_quartic, lambda x: x[0] < 0.3, (5, 5), (0.5, 1)),
+    "slab": (None, None, lambda x: 1 < x[0] < 3, (5, 5), (0, 1)),
+    "thin slab": (None, None, lambda x: 1.5 < x[0] < 2, (5, 5), (0, 1)),
+    "disc": (None, None, lambda x: np.hypot(x[0] - 2.5, x[1] - 2) < 0.7, (5, 3), (0, 1)),
+    "off the valley": (rosenbrock, d_rosenbrock, _outside_valley, (-1.2, 1.44), (1, 1)),
+}
+
+
+def _region_problem(driver, region, **hooks):
+    f, df, condition, start, solution = REGIONS[region]
+    functions = {} if f is None else {"f": f, "df": df}
+    return plane_problem(driver, start, **functions, **hooks), condition, solution
+
+
+@pytest.mark.parametrize("region", REGIONS)
+def test_values_fail_in_a_region(make_driver, region):
+    condition = REGIONS[region][2]
+    prob, _, solution = _region_problem(make_driver(), region, hook=failing_where(condition))
+    result = prob.run_driver()
+    assert result.success, result.exit_status
+    assert prob.get_val("f") == pytest.approx([0.0], abs=1e-6)
+    assert prob.get_val("x") == pytest.approx(np.array(solution, dtype=float), abs=0.03)
+    assert result.model_evals < 80
+
+
+@pytest.mark.parametrize("region", REGIONS)
+def test_derivatives_fail_in_a_region(make_driver, region):
+    condition = REGIONS[region][2]
+    hook = failing_where(condition)
+    prob, _, solution = _region_problem(make_driver(), region, partials_hook=hook)
+    result = prob.run_driver()
+    assert result.success, result.exit_status
+    assert prob.get_val("x") == pytest.approx(np.array(solution, dtype=float), abs=0.03)
+    assert result.model_evals < 90
+    numbers = [row.iteration for row in prob.driver.history]
+    assert numbers == sorted(numbers)
+    assert numbers[-1] == result.iter_count
+
+
+def test_failures_do_happen(make_driver):
+    failed = {}
+    for region in REGIONS:
+        condition = REGIONS[region][2]
+        driver = make_driver()
+        prob, *_ = _region_problem(driver, region, hook=failing_where(condition))
+        prob.run_driver()
+        failed[region] = driver.failed_analyses
+    assert failed["beyond the optimum"] > 0
+    assert failed["slab"] > 0
+    assert sum(count > 0 for count in failed.values()) >= 3
+
+
+def test_failures_with_constraints(make_driver):
+    hook = failing_where(lambda x: x[0] < 0.9)
+    prob = constrained_problem(make_driver(), (5, 5), "x[0] * x[1]", 2.0, hook=hook)
+    result = prob.run_driver()
+    assert result.success, result.exit_status
+    assert prob.get_val("g") == pytest.approx([2.0], abs=1e-6)
+    assert prob.driver.optimality().satisfied(1e-4)
+
+
+def test_nan_without_an_exception_counts_as_failure(make_driver):
+    def f(x):
+        return np.nan if x[0] < 0.3 else quartic(x)
+
+    prob = plane_problem(make_driver(), (5, 5), f=f, df=d_quartic)
+    result = prob.run_driver()
+    assert result.success, result.exit_status
+    assert prob.driver.failed_analyses > 0
+    assert prob.get_val("f") == pytest.approx([0.0], abs=1e-6)
+
+
+def test_optimum_inside_the_failing_region(make_driver):
+    driver = make_driver()
+    prob = plane_problem(driver, (5, 5), hook=failing_where(lambda x: x[0] < 0.3))
+    result = prob.run_driver()
+    assert not result.success
+    assert "failed analyses leave no way forward" in result.exit_status
+    assert "the analysis does not converge here" in result.exit_status
+    assert result.model_evals < 100
+    assert prob.get_val("x")[0] == pytest.approx(0.3, abs=1e-3)
+    assert prob.get_val("f") == pytest.approx([quadratic(prob.get_val("x"))])
+
+
+def test_creeping_towards_a_failing_region_is_given_up(make_driver):
+    """Every step succeeds after some halvings, but the steps come to nothing."""
+    driver = make_driver(max_failures=1000)
+    prob = plane_problem(driver, (5, 5), hook=failing_where(lambda x: x[0] < 0.3))
+    result = prob.run_driver()
+    assert not result.success
+    assert "failed analyses leave no way forward" in result.exit_status
+    assert result.model_evals < 100
+
+
+def test_everything_fails_but_the_start(make_driver):
+    tried = []
+
+    def hook(x, call):
+        tried.append(x.tobytes())
+        if not np.array_equal(x, [5.0, 5.0]):
+            raise om.AnalysisError("only the start can be analysed")
+
+    driver = make_driver()
+    prob = plane_problem(driver, (5, 5), hook=hook)
+    result = prob.run_driver()
+    assert not result.success
+    assert "only the start can be analysed" in result.exit_status
+    assert prob.get_val("x").tolist() == [5.0, 5.0]
+    assert result.model_evals <= 20
+    assert len(tried[1:-1]) == len(set(tried[1:-1]))
+
+
+def test_best_point_is_kept_when_derivatives_leave_no_way_forward(make_driver):
+    driver = make_driver()
+    hook = failing_where(lambda x: x[0] < 0.3)
+    prob = plane_problem(driver, (5, 5), partials_hook=hook)
+    result = prob.run_driver()
+    assert not result.success
+    assert prob.get_val("f")[0] == min(quadratic(x) for x in prob.model.plane.visited)
+    assert prob.get_val("x")[0] < 0.3
+
+
+def test_max_failures(make_driver):
+    few, many = (
+        _count_runs(make_driver(max_failures=limit), lambda x: x[0] < 4.999999) for limit in (3, 9)
+    )
+    assert few < many
+
+
+def _count_runs(driver, condition):
+    prob = plane_problem(driver, (5, 5), hook=failing_where(condition))
+    return prob.run_driver().model_evals
+
+
+def test_failure_at_the_start_is_raised_unchanged(make_driver):
+    prob = plane_problem(make_driver(), (5, 5), hook=failing_where(lambda x: x[0] > 4))
+    with pytest.raises(om.AnalysisError, match="does not converge here") as caught:
+        prob.run_driver()
+    assert "hook" in [entry.name for entry in caught.traceback]
+
+
+def test_derivatives_failing_at_the_start_are_raised_unchanged(make_driver):
+    hook = failing_where(lambda x: x[0] > 4)
+    prob = plane_problem(make_driver(), (5, 5), partials_hook=hook)
+    with pytest.raises(om.AnalysisError, match="does not converge here") as caught:
+        prob.run_driver()
+    assert "hook" in [entry.name for entry in caught.traceback]
+
+
+def test_nan_at_the_start(make_driver):
+    prob = plane_problem(make_driver(), (5, 5), f=lambda x: np.nan)
+    with pytest.raises(om.AnalysisError, match="not finite"):
+        prob.run_driver()
+
+
+def test_failed_points_are_not_run_twice(make_driver):
+    seen = []
+
+    def hook(x, call):
+        if x[0] < 0.3:
+            seen.append(x.tobytes())
+            raise om.AnalysisError("no")
+
+    prob = constrained_problem(make_driver(), (5, 5), "x[0] * x[1]", -50.0, hook=hook)
+    prob.run_driver()
+    assert len(seen) == len(set(seen)) > 3
+
+
+@pytest.mark.filterwarnings("ignore:The top level group has a nonlinear solver")
+def test_states_are_restored_after_a_failure(make_driver):
+    """A diverged implicit state would keep the next Newton solve from converging."""
+
+    class Fragile(om.ImplicitComponent):
+        def setup(self):
+            self.add_input("x", val=5.0)
+            self.add_output("y", val=1.0)
+            self.declare_partials("*", "*")
+
+        def solve_nonlinear(self, inputs, outputs):
+            if not np.isfinite(outputs["y"]).all():
+                raise ValueError("started from a state that is not finite")
+            if inputs["x"] < 0.3:
+                outputs["y"] = np.nan
+                raise om.AnalysisError("diverged")
+            outputs["y"] = inputs["x"] ** 2
+
+        def apply_nonlinear(self, inputs, outputs, residuals):
+            residuals["y"] = outputs["y"] - inputs["x"] ** 2
+
+        def linearize(self, inputs, outputs, jacobian):
+            jacobian["y", "y"] = 1.0
+            jacobian["y", "x"] = -2 * inputs["x"]
+
+    prob = om.Problem(driver=make_driver(), reports=None)
+    model = prob.model
+    model.add_subsystem("fragile", Fragile(), promotes=["*"])
+    model.linear_solver = om.DirectSolver()
+    model.add_subsystem("goal", om.ExecComp("f = 100 * (y - 0.25)**2"), promotes=["*"])
+    model.add_design_var("x", lower=-5.0, upper=5.0)
+    model.add_objective("f")
+    prob.setup()
+    result = prob.run_driver()
+    assert result.success, result.exit_status
+    assert prob.driver.failed_analyses > 0
+    assert prob.get_val("x") == pytest.approx([0.5], abs=1e-3)

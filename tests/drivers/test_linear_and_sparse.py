@@ -1,0 +1,162 @@
+"""Linear constraints, constraints that are constants, coloring and the Jacobian's structure."""
+
+from __future__ import annotations
+
+import numpy as np
+import openmdao.api as om
+import pytest
+from driver_models import TARGET, projection_problem, run_projection
+from openmdao.utils.om_warnings import DriverWarning
+
+from seal_mdao.drivers.layout import read_layout
+from seal_mdao.drivers.sparsity import jacobian_structure
+
+
+def _with_linear_constraint(driver):
+    prob = projection_problem(driver)
+    comp = om.ExecComp("total = x[0] + x[1] + x[2]", x={"shape": 4, "units": "m"})
+    prob.model.add_subsystem("adding", comp, promotes=["*"])
+    prob.model.add_constraint("total", equals=0.5, linear=True)
+    prob.model.add_constraint("s", indices=[0], upper=4.0)
+    return prob
+
+
+def test_linear_constraint(make_driver):
+    x = run_projection(_with_linear_constraint(make_driver()))
+    assert x[:3].sum() == pytest.approx(0.5, abs=1e-8)
+    shift = (0.5 - 2.0 - TARGET[1:3].sum()) / 2
+    expected = [2.0, TARGET[1] + shift, TARGET[2] + shift, TARGET[3]]
+    assert x == pytest.approx(expected, abs=1e-5)
+
+
+def test_linear_derivatives_are_computed_once(make_driver):
+    prob = _with_linear_constraint(make_driver())
+    calls = []
+    compute = prob.driver._compute_totals
+
+    def counting(of=None, **kwargs):
+        calls.append(tuple(of))
+        return compute(of=of, **kwargs)
+
+    prob.driver._compute_totals = counting
+    run_projection(prob)
+    assert calls.count(("total",)) == 1
+    assert set(calls) == {("total",), ("f", "s")}
+
+
+def _structure(prob):
+    driver = prob.driver
+    layout = read_layout(driver)
+    linear = np.array([[1.0, 1.0, 1.0, 0.0]]) if layout.linear else np.zeros((0, layout.n))
+    rows, columns = jacobian_structure(driver, layout, linear)
+    mask = np.zeros((layout.m, layout.n), dtype=int)
+    mask[rows, columns] = 1
+    return layout, mask
+
+
+def test_structure_of_linear_constraints(make_driver):
+    prob = _with_linear_constraint(make_driver())
+    run_projection(prob)
+    layout, mask = _structure(prob)
+    assert mask[layout.constraint_slices["total"]].tolist() == [[1, 1, 1, 0]]
+    assert mask[layout.constraint_slices["s"]].tolist() == [[1, 1, 1, 1]]
+
+
+def test_structure_from_relevance(make_driver):
+    prob = om.Problem(driver=make_driver(), reports=None)
+    model = prob.model
+    model.add_subsystem("a", om.ExecComp("c = p**2 + q"), promotes=["*"])
+    model.add_subsystem("b", om.ExecComp("f = p**2 + q**2 + r**2"), promotes=["*"])
+    for name in ("p", "q", "r"):
+        model.add_design_var(name, lower=-2.0, upper=2.0)
+    model.add_objective("f")
+    model.add_constraint("c", lower=0.5)
+    prob.setup()
+    prob.set_val("p", 0.3)
+    prob.driver.options["singular_jac_behavior"] = "ignore"
+    assert prob.run_driver().success
+    assert prob.get_val("c") == pytest.approx([0.5], abs=1e-6)
+    layout, mask = _structure(prob)
+    columns = layout.desvar_slices
+    assert mask[0, columns["p"]] == 1
+    assert mask[0, columns["q"]] == 1
+    assert mask[0, columns["r"]] == 0
+
+
+def _colored_problem(driver):
+    """Return a problem whose only nonlinear constraint has a diagonal Jacobian."""
+    prob = om.Problem(driver=driver, reports=None)
+    model = prob.model
+    squares = om.ExecComp("s = x**2", x={"shape": 8}, s={"shape": 8}, has_diag_partials=True)
+    model.add_subsystem("squares", squares, promotes=["*"])
+    chain = om.ExecComp("f = sum((x - 2.0)**2)", x={"shape": 8})
+    model.add_subsystem("chain", chain, promotes=["*"])
+    model.add_design_var("x", lower=0.1, upper=5.0)
+    model.add_objective("f")
+    model.add_constraint("s", upper=np.linspace(1.0, 9.0, 8))
+    prob.setup()
+    prob.set_val("x", np.linspace(0.3, 0.9, 8))
+    driver.options["singular_jac_behavior"] = "ignore"
+    return prob
+
+
+def test_coloring(make_driver):
+    solution = np.minimum(2.0, np.sqrt(np.linspace(1.0, 9.0, 8)))
+    driver = make_driver()
+    driver.declare_coloring(show_summary=False, show_sparsity=False)
+    prob = _colored_problem(driver)
+    assert prob.run_driver().success
+    assert prob.get_val("x") == pytest.approx(solution, abs=2e-5)
+    assert driver._coloring_info.coloring.total_solves() < 8
+
+
+def test_structure_from_coloring():
+    pytest.importorskip("ipyopt")
+    from seal_mdao.drivers.ipopt_driver import IpoptDriver
+
+    driver = IpoptDriver()
+    driver.declare_coloring(show_summary=False, show_sparsity=False)
+    prob = _colored_problem(driver)
+    assert prob.run_driver().success
+    _, mask = _structure(prob)
+    assert mask.tolist() == np.eye(8, dtype=int).tolist()
+
+
+def _with_constant_constraint(driver, value):
+    prob = projection_problem(driver)
+    prob.model.add_subsystem("other", om.ExecComp("g = 2 * y", y=value), promotes=["*"])
+    prob.model.add_constraint("g", upper=4.0)
+    prob.model.add_constraint("s", indices=[0], upper=4.0)
+    prob.setup()
+    driver.options["singular_jac_tol"] = -1.0
+    return prob
+
+
+def test_constant_constraint_is_reported_and_left_out(make_driver):
+    prob = _with_constant_constraint(make_driver(), 1.0)
+    with pytest.warns(DriverWarning, match=r"constraint\(s\) \['g'\] do not depend on any"):
+        result = prob.run_driver()
+    assert result.success
+    assert prob.get_val("x")[0] == pytest.approx(2.0, abs=1e-5)
+
+
+def test_violated_constant_constraint_is_no_success(make_driver):
+    prob = _with_constant_constraint(make_driver(), 3.0)
+    with pytest.warns(DriverWarning, match="do not depend on any"):
+        result = prob.run_driver()
+    assert not result.success
+    assert "['g']" in result.exit_status
+    assert "do not depend on any design variable" in result.exit_status
+
+
+def test_constant_constraint_as_an_error(make_driver):
+    prob = _with_constant_constraint(make_driver(singular_jac_behavior="error"), 1.0)
+    with pytest.raises(RuntimeError, match="do not depend on any design variables"):
+        prob.run_driver()
+
+
+def test_model_level_finite_differences(make_driver):
+    prob = projection_problem(make_driver(tol=1e-8))
+    prob.model.approx_totals(form="central", step=1e-5)
+    prob.model.add_constraint("s", indices=[0], upper=4.0)
+    assert run_projection(prob) == pytest.approx([2.0, -2.0, 1.0, 0.5], abs=1e-4)
