@@ -23,6 +23,8 @@ _LAZY = {
     "AreaComp": "seal_mdao.components.area_comp",
     "RkpmContactComp": "seal_mdao.components.rkpm_contact_comp",
     "SealGroup": "seal_mdao.components.seal_group",
+    "IpoptDriver": "seal_mdao.drivers.ipopt_driver",
+    "ResilientSLSQPDriver": "seal_mdao.drivers.slsqp_driver",
 }
 
 __all__ = ["__version__", *_LAZY]
