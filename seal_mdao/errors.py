@@ -2,7 +2,7 @@
 
 
 class GeometryError(ValueError):
-    """The particles do not form a usable section: folded cell, uncovered point, bad size."""
+    """The particles cannot be analysed: a folded cell, an uncovered point, a body inside the door."""
 
 
 class SingularMomentMatrixError(GeometryError):

@@ -79,7 +79,7 @@ class SealResult:
     def require_converged(self) -> None:
         """Raise ``LoadPathError`` for a path that was not completed."""
         if not self.converged:
-            raise LoadPathError(_advice(self.path.failure), self)
+            raise LoadPathError(_failure(self), self)
 
     @property
     def end(self) -> ConvergedStep:
@@ -135,10 +135,18 @@ class SealResult:
         return von_mises_at(table, self.path.nominal_steps[step].d, self.model.material)[0]
 
 
-def _advice(failure: str) -> str:
+def _failure(result: SealResult) -> str:
+    """Where a path ended, in what state, and what can be done."""
+    travel = result.door_travel
+    reached = (
+        f"the door was {travel[-1]:.4g} mm below the top of the drawn seal after the last "
+        "converged step"
+        if travel.size
+        else "no step converged"
+    )
     return (
-        f"the load path could not be completed at {failure}. Use more load steps (n_steps), a "
-        "smaller depth or normal penalty, or a design nearer to the drawn seal"
+        f"the load path could not be completed at {result.path.failure}; {reached}. Use more load "
+        "steps (n_steps), a smaller depth or normal penalty, or a design nearer to the drawn seal"
     )
 
 

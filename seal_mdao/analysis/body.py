@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from seal_mdao.analysis.linear_solver import TangentLayout, tangent_layout
-from seal_mdao.errors import GeometryError
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
@@ -140,17 +139,19 @@ def discretize(body: Body, particles: np.ndarray) -> Discretization:
 
     Raises
     ------
+    ValueError
+        Coordinates of a wrong number, or not finite.
     GeometryError
-        Non-finite coordinates, a folded cell, or a point that no supports cover.
+        A folded cell, or a point that too few supports cover.
     """
     particles = np.asarray(particles, float)
     if particles.shape != (body.n_particles, 2):
-        raise GeometryError(
+        raise ValueError(
             f"particles must have shape ({body.n_particles}, 2), got {particles.shape}"
         )
     if not np.isfinite(particles).all():
         where = int(np.argwhere(~np.isfinite(particles))[0, 0])
-        raise GeometryError(f"particle {where} has a coordinate that is not a finite number")
+        raise ValueError(f"particle {where} has a coordinate that is not a finite number")
     cloud = body.cloud(particles)
     weights = quadrature_weights(body.cell_map, cloud.particles)
     rows = at_particles(body.constrained)

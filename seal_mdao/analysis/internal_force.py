@@ -63,42 +63,40 @@ def point_moduli(f, pressure, c10, c01, p, a):
 
 
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _add_moduli(k, weight, a, b, n):
-    """Add B^T A B of one quadrature point: blocks xx, yy (upper triangle) and xy (full)."""
-    for i in range(n):
-        bx, by = weight * b[0, i], weight * b[1, i]
-        x0, x1 = a[0, 0] * bx + a[1, 0] * by, a[0, 1] * bx + a[1, 1] * by
-        x2, x3 = a[0, 2] * bx + a[1, 2] * by, a[0, 3] * bx + a[1, 3] * by
-        y2, y3 = a[2, 2] * bx + a[3, 2] * by, a[2, 3] * bx + a[3, 3] * by
-        for j in range(i, n):
-            k[0, i, j] += x0 * b[0, j] + x1 * b[1, j]
-            k[1, i, j] += y2 * b[0, j] + y3 * b[1, j]
+def _moduli_rows(weight, a, b, n, c):
+    """c = weight A B of one quadrature point, (4, 2 n): rows 11, 12, 21, 22, columns x then y."""
+    for r in range(4):
+        ax0, ax1 = weight * a[r, 0], weight * a[r, 1]
+        ay0, ay1 = weight * a[r, 2], weight * a[r, 3]
+        row, b0, b1 = c[r], b[0], b[1]
         for j in range(n):
-            k[2, i, j] += x2 * b[0, j] + x3 * b[1, j]
+            row[j] = ax0 * b0[j] + ax1 * b1[j]
+        for j in range(n):
+            row[n + j] = ay0 * b0[j] + ay1 * b1[j]
 
 
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _add_projection(k, factor, g, n):
-    """Add the rank-one term of the projected pressure, K / V_c g g^T with g = sum_q w cof B."""
-    for i in range(n):
-        gx, gy = factor * g[0, i], factor * g[1, i]
-        for j in range(i, n):
-            k[0, i, j] += gx * g[0, j]
-            k[1, i, j] += gy * g[1, j]
-        for j in range(n):
-            k[2, i, j] += gx * g[1, j]
+def _scatter_tangent(grad, c, g, factor, n, q_count, row, slots, values):
+    """Add sum_q B^T (w A B) + K / V_c g g^T of one cell to the tangent.
 
-
-@nb.njit(cache=True, error_model="numpy")
-def _scatter_symmetric(k, n, slots, values):
-    for i in range(n):
-        row_x, row_y = i * 2 * n, (n + i) * 2 * n
-        for j in range(n):
-            low, high = min(i, j), max(i, j)
-            values[slots[row_x + j]] += k[0, low, high]
-            values[slots[row_y + n + j]] += k[1, low, high]
-            values[slots[row_x + n + j]] += k[2, i, j]
-            values[slots[row_y + j]] += k[2, j, i]
+    The matrix is symmetric: its rows are added as columns, which lie together in memory; computing
+    one triangle only is slower, for the scatter then strides. The last term is the projected
+    pressure's, with g = sum_q w cof B.
+    """
+    whole = 2 * n
+    for i in range(2):
+        for a in range(n):
+            scale = factor * g[i * n + a]
+            for j in range(whole):
+                row[j] = scale * g[j]
+            for q in range(q_count):
+                b0, b1 = grad[q, 0, a], grad[q, 1, a]
+                c0, c1 = c[q, 2 * i], c[q, 2 * i + 1]
+                for j in range(whole):
+                    row[j] += b0 * c0[j] + b1 * c1[j]
+            to = slots[(i * n + a) * whole : (i * n + a + 1) * whole]
+            for j in range(whole):
+                values[to[j]] += row[j]
 
 
 @nb.njit(cache=True, error_model="numpy")
@@ -128,9 +126,9 @@ def assemble_internal(table, weights, constants, d, scatter, force, values):
     widest = 0
     for cell in range(table.start.size - 1):
         widest = max(widest, table.start[cell + 1] - table.start[cell])
-    displacement, local, g = np.empty((2, widest)), np.empty((2, widest)), np.empty((2, widest))
+    displacement, local = np.empty((2, widest)), np.empty((2, widest))
     f, p, a = np.empty((q_count, 5)), np.empty(4), np.empty((4, 4))
-    k = np.empty((3, widest, widest))
+    g, row, c = np.empty(2 * widest), np.empty(2 * widest), np.empty((q_count, 4, 2 * widest))
     for cell in range(table.start.size - 1):
         s0 = table.start[cell]
         n = table.start[cell + 1] - s0
@@ -139,8 +137,7 @@ def assemble_internal(table, weights, constants, d, scatter, force, values):
         for i in range(n):
             displacement[0, i], displacement[1, i] = d[near[i], 0], d[near[i], 1]
         local[:, :n] = 0.0
-        g[:, :n] = 0.0
-        k[:, :n, :n] = 0.0
+        g[: 2 * n] = 0.0
         cell_gradients(grad, displacement, n, q_count, f)
         volume, swelling = projected_jacobian(weights[cell], f, q_count)
         if not volume > 0.0:
@@ -155,15 +152,15 @@ def assemble_internal(table, weights, constants, d, scatter, force, values):
                 local[1, i] += w * (p[2] * b[0, i] + p[3] * b[1, i])
             if values.size:
                 for i in range(n):
-                    g[0, i] += w * (f[q, 3] * b[0, i] - f[q, 2] * b[1, i])
-                    g[1, i] += w * (f[q, 0] * b[1, i] - f[q, 1] * b[0, i])
-                _add_moduli(k, w, a, b, n)
+                    g[i] += w * (f[q, 3] * b[0, i] - f[q, 2] * b[1, i])
+                    g[n + i] += w * (f[q, 0] * b[1, i] - f[q, 1] * b[0, i])
+                _moduli_rows(w, a, b, n, c[q])
         for i in range(n):
             force[scatter.equations[near[i], 0]] += local[0, i]
             force[scatter.equations[near[i], 1]] += local[1, i]
         if values.size:
-            _add_projection(k, bulk / volume, g, n)
-            _scatter_symmetric(k, n, scatter.slots[scatter.start[cell] :], values)
+            slots = scatter.slots[scatter.start[cell] : scatter.start[cell + 1]]
+            _scatter_tangent(grad, c, g, bulk / volume, n, q_count, row, slots, values)
     return -1
 
 

@@ -11,10 +11,13 @@ import numba as nb
 import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse import csc_array, csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
 from scipy.sparse.linalg import splu
 
 SOLVERS = ("auto", "banded", "superlu")
+
+# Clouds up to this size get their band narrowed by trying that many starting particles.
+SEARCHED_CLOUD, SEARCHED_STARTS = 2000, 20
 
 
 class Scatter(NamedTuple):
@@ -27,7 +30,7 @@ class Scatter(NamedTuple):
     start : ndarray of int, shape (n_groups + 1,)
         Where the slots of a group begin.
     slots : ndarray of int32
-        Flat (group, row, column) with local rows and columns ordered (component, neighbour).
+        Flat (group, column, row) with local rows and columns ordered (component, neighbour).
     """
 
     equations: np.ndarray
@@ -58,7 +61,10 @@ class TangentLayout:
         return self.scatter[0].equations
 
     def factorize(self, values: np.ndarray):
-        """Factor of the matrix in the buffer ``values``; the buffer is left as it is."""
+        """Factor of the matrix in the buffer ``values``, which may be overwritten by it.
+
+        The factor is good until the buffer is filled again; ``factor.kept()`` stays.
+        """
         return self.storage.factorize(values)
 
     def reduce(self, nodal: np.ndarray | None):
@@ -81,6 +87,10 @@ class BandedFactor:
 
     def __init__(self, storage, band, pivots):
         self.storage, self.band, self.pivots = storage, band, pivots
+
+    def kept(self):
+        """A copy that does not share the buffer of the matrix."""
+        return BandedFactor(self.storage, self.band.copy(order="F"), self.pivots)
 
     def solve(self, rhs, transposed=False):
         """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
@@ -109,7 +119,7 @@ class BandedStorage(NamedTuple):
 
     def factorize(self, values):
         band = values[:-1].reshape((self.rows, self.n), order="F")
-        lu, pivots, info = lapack.dgbtrf(band, self.width, self.width)
+        lu, pivots, info = lapack.dgbtrf(band, self.width, self.width, overwrite_ab=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"the tangent is singular (dgbtrf {info})")
         return BandedFactor(self, lu, pivots)
@@ -120,6 +130,10 @@ class SparseFactor:
 
     def __init__(self, lu):
         self.lu = lu
+
+    def kept(self):
+        """The factor itself: SuperLU has its own memory."""
+        return self
 
     def solve(self, rhs, transposed=False):
         """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
@@ -159,17 +173,6 @@ def _coupling(n_particles, tables):
     return csr_array(pattern)
 
 
-def number_equations(fixed: np.ndarray, coupling) -> np.ndarray:
-    """Equation numbers (n, 2) in reverse Cuthill-McKee order of the free particles; -1 imposed."""
-    movable = np.flatnonzero(~fixed.all(axis=1))
-    order = movable[reverse_cuthill_mckee(coupling[movable][:, movable], symmetric_mode=True)]
-    equations = np.full(fixed.shape, -1)
-    free = ~fixed[order]
-    rank = np.cumsum(free.ravel()).reshape(free.shape) - 1
-    equations[order] = np.where(free, rank, -1)
-    return equations
-
-
 @nb.njit(cache=True, error_model="numpy")
 def _half_width(start, neighbours, equations):
     width = 0
@@ -184,16 +187,54 @@ def _half_width(start, neighbours, equations):
     return width
 
 
+def _number(fixed, order) -> np.ndarray:
+    """Equations (n, 2) of the particles in the given order, -1 for imposed components."""
+    equations = np.full(fixed.shape, -1)
+    free = ~fixed[order]
+    rank = np.cumsum(free.ravel()).reshape(free.shape) - 1
+    equations[order] = np.where(free, rank, -1)
+    return equations
+
+
+def number_equations(fixed: np.ndarray, coupling, tables) -> tuple[np.ndarray, int]:
+    """Equation numbers that keep the band narrow.
+
+    Reverse Cuthill-McKee, and for small clouds breadth-first orders from a fixed set of starting
+    particles too: where a ring is tied to its base, the former's own start is not the best.
+
+    Returns
+    -------
+    equations : ndarray of int, shape (n, 2)
+        -1 for imposed components.
+    width : int
+        Half-width of the band.
+    """
+    movable = np.flatnonzero(~fixed.all(axis=1))
+    graph = csr_array(coupling[movable][:, movable])
+    orders = [reverse_cuthill_mckee(graph, symmetric_mode=True)]
+    if movable.size <= SEARCHED_CLOUD:
+        for start in range(0, movable.size, -(-movable.size // SEARCHED_STARTS)):
+            order = breadth_first_order(graph, start, directed=False, return_predecessors=False)
+            if order.size == movable.size:
+                orders.append(order)
+    numbered = [_number(fixed, movable[order]) for order in orders]
+    widths = [
+        max(_half_width(t.start, t.neighbours, equations) for t in tables) for equations in numbered
+    ]
+    best = int(np.argmin(widths))
+    return numbered[best], widths[best]
+
+
 @nb.njit(cache=True, error_model="numpy")
 def _fill_slots(start, neighbours, equations, begin, rows, width, pointers, indices, dump, slots):
     """Slots of all groups; banded where ``rows`` > 0, else searched in the compressed columns."""
     for g in range(start.size - 1):
         n = start[g + 1] - start[g]
         at = begin[g]
-        for i in range(2 * n):
-            row = equations[neighbours[start[g] + i % n], i // n]
-            for j in range(2 * n):
-                column = equations[neighbours[start[g] + j % n], j // n]
+        for j in range(2 * n):
+            column = equations[neighbours[start[g] + j % n], j // n]
+            for i in range(2 * n):
+                row = equations[neighbours[start[g] + i % n], i // n]
                 if row < 0 or column < 0:
                     slots[at] = dump
                 elif rows > 0:
@@ -240,9 +281,8 @@ def tangent_layout(fixed: np.ndarray, tables, solver: str = "auto") -> TangentLa
     if solver not in SOLVERS:
         raise ValueError(f"solver must be one of {SOLVERS}, got {solver!r}")
     coupling = _coupling(len(fixed), tables)
-    equations = number_equations(fixed, coupling)
+    equations, width = number_equations(fixed, coupling, tables)
     n = int(equations.max()) + 1
-    width = max(_half_width(t.start, t.neighbours, equations) for t in tables)
     if _choose(solver, n, width) == "banded":
         storage = BandedStorage(n, width)
         rows, pointers, indices = storage.rows, np.empty(0, np.int32), np.empty(0, np.int32)

@@ -15,6 +15,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, ContactHistory, ContactLaw, no_history
+from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.profile import RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 
@@ -62,13 +63,18 @@ def solve_path(
     -------
     PathResult
         Complete, or up to the step that failed; no exception is raised for a failed path.
+
+    Raises
+    ------
+    GeometryError
+        When the undeformed body starts inside the profile.
     """
     options = NewtonOptions() if options is None else options
     problem = PathProblem(discretization, material, profile, law)
     last, factor = _initial_step(problem, program.at(0.0))
     if np.any(last.after.state != OPEN):
         deepest = -float(last.gap.min())
-        raise ValueError(
+        raise GeometryError(
             f"the undeformed body starts {deepest:.3g} inside the rigid profile; start it farther away"
         )
     steps, cuts = [], 0
@@ -86,13 +92,14 @@ def solve_path(
                     return PathResult(discretization, steps, status, cuts, failure)
                 cuts += 1
                 pending += [0.5 * share, 0.5 * share]
-                # the tangent of the last converged step is needed again for the predictor
+                # the predictor needs the tangent of the last converged step again
                 problem.assemble_at(last)
+                factor = discretization.layout.factorize(problem.values)
                 continue
             factor = new_factor
             last = _record(
                 problem, -1 if pending else nominal, end, target, d, last.after, residuals,
-                factor if keep_factors else None,
+                factor.kept() if keep_factors else None,
             )  # fmt: skip
             steps.append(last)
         if callback is not None:

@@ -4,7 +4,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.dsa.sensitivity import METHODS, particle_gradient
-from seal_mdao.errors import LoadPathError
+from seal_mdao.errors import GeometryError, LoadPathError
 from seal_mdao.model import SealModel
 from seal_mdao.seal import analyze_particles, measure_points
 
@@ -90,16 +90,16 @@ class RkpmContactComp(om.ExplicitComponent):
         key = tuple(inputs[name].tobytes() for name in ("particles", "door_radius"))
         if key != self._key:
             self._key, self._result = None, None
-            result = analyze_particles(
-                self.options["model"],
-                np.array(inputs["particles"]),
-                inputs["door_radius"],
-                keep_factors=True,
-                callback=self.options["callback"],
-            )
             try:
+                result = analyze_particles(
+                    self.options["model"],
+                    np.array(inputs["particles"]),
+                    inputs["door_radius"],
+                    keep_factors=True,
+                    callback=self.options["callback"],
+                )
                 result.require_converged()
-            except LoadPathError as error:
+            except (GeometryError, LoadPathError) as error:
                 raise om.AnalysisError(str(error)) from error
             self._key, self._result = key, result
         return self._result

@@ -32,10 +32,10 @@ def assemble_points(table, point_force, point_tangent, state, scatter, force, va
         if values.size == 0:
             continue
         slots = scatter.slots[scatter.start[i] : scatter.start[i + 1]]
-        for c in range(2):
-            for a in range(n):
-                for e in range(2):
-                    weight = table.phi[s0 + a] * point_tangent[i, c, e]
-                    at = (c * n + a) * 2 * n + e * n
-                    for b in range(n):
-                        values[slots[at + b]] += weight * table.phi[s0 + b]
+        for e in range(2):
+            for b in range(n):
+                at = (e * n + b) * 2 * n
+                for c in range(2):
+                    weight = point_tangent[i, c, e] * table.phi[s0 + b]
+                    for a in range(n):
+                        values[slots[at + c * n + a]] += weight * table.phi[s0 + a]
