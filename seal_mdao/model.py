@@ -157,6 +157,14 @@ class SealModel:
         """A copy with some attributes changed."""
         return replace(self, **changes)
 
+    def with_parameters(self, values: dict) -> "SealModel":
+        """A copy with scalar parameters changed; the material's constants by their own names."""
+        constants = {
+            name: values[name] for name in ("c10", "c01", "bulk_modulus") if name in values
+        }
+        others = {name: value for name, value in values.items() if name not in constants}
+        return replace(self, material=replace(self.material, **constants), **others)
+
     # ---- what follows from the attributes ----
 
     @cached_property
@@ -249,13 +257,13 @@ class SealModel:
             f"boundary_offsets must have shape ({self.n_offsets},), got {offsets.shape}",
         )
         bad = np.flatnonzero(~np.isfinite(offsets))
-        _require(bad.size == 0, f"boundary_offsets[{bad[:1]}] is not a finite number")
+        _require(bad.size == 0, f"boundary_offsets[{bad[:1].sum()}] is not a finite number")
         wall = self.section.outer_radius - self.section.inner_radius
         bad = np.flatnonzero(np.abs(offsets) > wall)
         _require(
             bad.size == 0,
-            f"boundary_offsets[{bad[:1]}] = {offsets[bad[:1]]} exceeds the wall thickness {wall}; "
-            "offsets are in mm, usual bounds are -0.5 to 0.5",
+            f"boundary_offsets[{bad[:1].sum()}] = {offsets[bad[:1]].sum():.4g} exceeds the wall "
+            f"thickness {wall}; offsets are in mm, usual bounds are -0.5 to 0.5",
         )
         return offsets
 

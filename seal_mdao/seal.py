@@ -32,12 +32,15 @@ class SealResult:
     door_radius : float
         mm.
     path : PathResult
+    frozen_points : MeasurePoints, optional
+        Where the measures are taken; those of the model's own drawn seal when left out.
     """
 
     model: SealModel
     boundary_offsets: np.ndarray | None
     door_radius: float
     path: PathResult = field(repr=False)
+    frozen_points: MeasurePoints | None = None
 
     @property
     def converged(self) -> bool:
@@ -74,7 +77,7 @@ class SealResult:
     @cached_property
     def points(self) -> MeasurePoints:
         """Where the measures are taken."""
-        return measure_points(self.model)
+        return measure_points(self.model) if self.frozen_points is None else self.frozen_points
 
     def require_converged(self) -> None:
         """Raise ``LoadPathError`` for a path that was not completed."""
@@ -190,15 +193,21 @@ def analyze(
 
 
 def analyze_particles(
-    model: SealModel, particles, door_radius=None, *, keep_factors=False, callback=None
+    model: SealModel,
+    particles,
+    door_radius=None,
+    *,
+    points: MeasurePoints | None = None,
+    keep_factors=False,
+    callback=None,
 ) -> SealResult:
-    """As ``analyze``, with the particles (n, 2) themselves given."""
+    """As ``analyze``, with the particles (n, 2) themselves, and the places of the measures given."""
     radius = model.check_door_radius(door_radius)
     path = solve_path(
         discretize(model.body, particles), model.material, model.profile(radius), model.law,
         model.program, model.newton, keep_factors, callback,
     )  # fmt: skip
-    return SealResult(model, None, radius, path)
+    return SealResult(model, None, radius, path, points)
 
 
 @lru_cache(maxsize=64)

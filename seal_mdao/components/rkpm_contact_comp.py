@@ -3,6 +3,7 @@
 import numpy as np
 import openmdao.api as om
 
+from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS, check_parameters, start_value
 from seal_mdao.dsa.sensitivity import METHODS, particle_gradient
 from seal_mdao.errors import GeometryError, LoadPathError
 from seal_mdao.model import SealModel
@@ -23,6 +24,12 @@ class RkpmContactComp(om.ExplicitComponent):
             default="auto",
             values=METHODS,
             desc="Method of the partials: auto takes the one with fewer right-hand sides.",
+        )
+        self.options.declare(
+            "parameters",
+            default=(),
+            check_valid=check_parameters,
+            desc=f"Further inputs with exact partials, out of {', '.join(OPTIONAL_INPUTS)}.",
         )
         self.options.declare(
             "callback",
@@ -46,6 +53,9 @@ class RkpmContactComp(om.ExplicitComponent):
             units="mm",
             desc="Corner radius of the door.",
         )
+        for name in self.options["parameters"]:
+            units, text = OPTIONAL_INPUTS[name]
+            self.add_input(name, val=start_value(model, name), units=units, desc=text)
         self.add_output(
             "von_mises",
             shape=self._points.stress.size,
@@ -81,20 +91,23 @@ class RkpmContactComp(om.ExplicitComponent):
 
     def compute_partials(self, inputs, partials):
         result = self._analysis(inputs)
-        by_particles, by_radius = particle_gradient(result, self.options["sensitivity"])
-        for name, rows in by_particles.items():
-            partials[name, "particles"] = rows.reshape(len(rows), -1)
-            partials[name, "door_radius"] = by_radius[name]
+        scalars = ("door_radius", *self.options["parameters"])
+        gradient = particle_gradient(result, scalars, self.options["sensitivity"])
+        for name, by_measure in gradient.items():
+            for measure, rows in by_measure.items():
+                partials[measure, name] = rows.reshape(len(rows), -1)
 
     def _analysis(self, inputs):
-        key = tuple(inputs[name].tobytes() for name in ("particles", "door_radius"))
+        key = tuple(inputs[name].tobytes() for name in inputs)
         if key != self._key:
             self._key, self._result = None, None
+            values = {name: float(inputs[name][0]) for name in self.options["parameters"]}
             try:
                 result = analyze_particles(
-                    self.options["model"],
+                    self.options["model"].with_parameters(values),
                     np.array(inputs["particles"]),
                     inputs["door_radius"],
+                    points=self._points,
                     keep_factors=True,
                     callback=self.options["callback"],
                 )

@@ -3,6 +3,7 @@
 import openmdao.api as om
 
 from seal_mdao.components.area_comp import AreaComp
+from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS, check_parameters
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
 from seal_mdao.dsa.sensitivity import METHODS
@@ -14,7 +15,8 @@ class SealGroup(om.Group):
 
     Promoted inputs: ``boundary_offsets`` (mm), ``door_radius`` (mm). Promoted outputs: ``area``
     (mm**2), ``von_mises`` (kPa), ``gap`` (mm), ``gap_square_sum`` (mm**2), ``reaction`` (N/m), and
-    ``particles`` (mm).
+    ``particles`` (mm). The option ``parameters`` adds material constants, friction, depth and
+    penalties to the inputs, with exact derivatives too.
     """
 
     def initialize(self):
@@ -23,6 +25,12 @@ class SealGroup(om.Group):
         )
         self.options.declare(
             "sensitivity", default="auto", values=METHODS, desc="Method of the contact partials."
+        )
+        self.options.declare(
+            "parameters",
+            default=(),
+            check_valid=check_parameters,
+            desc=f"Further promoted inputs, out of {', '.join(OPTIONAL_INPUTS)}.",
         )
         self.options.declare(
             "callback",
@@ -39,6 +47,7 @@ class SealGroup(om.Group):
         contact = RkpmContactComp(
             model=model,
             sensitivity=self.options["sensitivity"],
+            parameters=self.options["parameters"],
             callback=self.options["callback"],
         )
         self.add_subsystem("contact", contact, promotes=["*"])

@@ -100,36 +100,40 @@ def measure_count(result: SealResult) -> int:
     return len(result.points.stress) + len(result.points.gap) + 2
 
 
-def particle_gradient(result: SealResult, method: str = "auto") -> tuple[dict, dict]:
-    """Derivatives of the end measures with respect to every particle and the door radius.
+def particle_gradient(result: SealResult, scalars=("door_radius",), method: str = "auto") -> dict:
+    """Derivatives of the end measures with respect to every particle and scalar parameters.
 
     Parameters
     ----------
     result : SealResult
+    scalars : sequence of str
+        As for ``differentiate``.
     method : {"auto", "direct", "adjoint"}
         "auto" takes the method with fewer right-hand sides.
 
     Returns
     -------
-    by_particles : dict of str to ndarray, shape (m, n, 2)
-        von_mises, gap, gap_square_sum (m = 1), reaction.
-    by_radius : dict of str to ndarray, shape (m, 1)
+    dict of str to dict of str to ndarray
+        By input ("particles" and the scalars), then by measure (von_mises, gap, gap_square_sum,
+        reaction): shape (m, n, 2) for the particles, (m, 1) for a scalar.
     """
     n = len(result.particles)
     if method == "auto":
-        method = "adjoint" if measure_count(result) < 2 * n + 1 else "direct"
+        method = "adjoint" if measure_count(result) < 2 * n + len(scalars) else "direct"
     if method == "adjoint":
         gradient = adjoint_gradient(result)
-        rows, radius = gradient.particles, gradient.contact[:, :1]
+        rows = gradient.particles
+        columns = scalar_columns(gradient, parameter_rates(result.model, scalars))
     else:
         unit = np.eye(2 * n).reshape(2 * n, n, 2)
-        rates = parameter_rates(result.model, ("door_radius",), unit)
-        columns = np.concatenate(direct_rates(result, rates))
-        rows, radius = columns[:, :-1].reshape(-1, n, 2), columns[:, -1:]
-    by_particles, by_radius = _by_measure(result, rows), _by_measure(result, radius)
-    for table in (by_particles, by_radius):
+        table = np.concatenate(direct_rates(result, parameter_rates(result.model, scalars, unit)))
+        rows, columns = table[:, : 2 * n].reshape(-1, n, 2), table[:, 2 * n :]
+    by_input = {"particles": _by_measure(result, rows)}
+    for place, name in enumerate(scalars):
+        by_input[name] = _by_measure(result, columns[:, place : place + 1])
+    for table in by_input.values():
         table["gap_square_sum"] = 2.0 * np.tensordot(result.gap, table["gap"], 1)[None]
-    return by_particles, by_radius
+    return by_input
 
 
 def _by_measure(result, rows) -> dict:
@@ -174,14 +178,22 @@ def adjoint_gradient(result: SealResult):
     return gradient
 
 
+def scalar_columns(gradient, rates: ParameterRates) -> np.ndarray:
+    """Derivatives of the adjoint measures with respect to the scalars at the end of ``rates``."""
+    first = sum(name.endswith("]") for name in rates.names)
+    return (
+        gradient.contact @ rates.contact[first:].T
+        + gradient.constants @ rates.constants[first:].T
+        + gradient.motion @ rates.motion[first:].T
+    )
+
+
 def _contracted(result: SealResult, rates: ParameterRates):
     """Adjoint gradients contracted with the parameters' rates."""
     gradient = adjoint_gradient(result)
-    table = (
-        np.einsum("mni,pni->mp", gradient.particles, rates.velocity)
-        + gradient.contact @ rates.contact.T
-        + gradient.constants @ rates.constants.T
-        + gradient.motion @ rates.motion.T
-    )
+    columns = scalar_columns(gradient, rates)
+    shape = rates.count - columns.shape[1]
+    by_shape = np.einsum("mni,pni->mp", gradient.particles, rates.velocity[:shape])
+    table = np.hstack([by_shape, columns])
     n_stress = len(result.points.stress)
     return table[:n_stress], table[n_stress:-2], table[-2:]
