@@ -12,7 +12,8 @@ from seal_mdao.dsa.parameters import ParameterRates
 from seal_mdao.rkpm.cells import weight_rates
 from seal_mdao.rkpm.essential import rows_on_union, transformation_rates
 from seal_mdao.rkpm.integration import cell_table_rates
-from seal_mdao.rkpm.tables import PointTable, TableRates, raw_rates, table_rates
+from seal_mdao.rkpm.tables import PointTable, raw_rates, table_rates
+from seal_mdao.rkpm.transformed import TableRates
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,13 +19,10 @@ import numpy as np
 
 from seal_mdao.rkpm.cells import CellMap
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
-from seal_mdao.rkpm.tables import (
-    PointTable,
+from seal_mdao.rkpm.tables import PointTable, raw_rates, raw_seeds, raw_table
+from seal_mdao.rkpm.transformed import (
     TableRates,
     entry_starts,
-    raw_rates,
-    raw_seeds,
-    raw_table,
     transform_table,
     transformed_rates,
     untransformed_seeds,
