@@ -1,0 +1,71 @@
+"""A small irregular square body, and dense copies of tangents in either layout."""
+
+import numpy as np
+
+from seal_mdao.analysis.body import Body, discretize
+from seal_mdao.analysis.internal_force import assemble_internal, internal_energy
+from seal_mdao.analysis.linear_solver import BandedStorage
+from seal_mdao.rkpm.shape_functions import PointSet
+
+CONSTANTS = (80.0, 20.0, 3000.0)
+
+
+def square(rng, n=6, order=1, solver="auto", fixed="rim"):
+    """``n`` x ``n`` particles on the unit square, the inner ones moved; the rim or nothing fixed."""
+    grid = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)
+    rim = np.any((grid == 0) | (grid == n - 1), axis=1)
+    particles = (grid + np.where(rim, 0, 1)[:, None] * rng.uniform(-0.25, 0.25, grid.shape)) / (
+        n - 1
+    )
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(n - 1), np.arange(n - 1), indexing="ij"))
+    cells = np.column_stack([i * n + j, (i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1])
+    held = np.zeros((n * n, 2), bool)
+    held[rim] = fixed == "rim"
+    radius = np.full(n * n, (2.3 if order == 1 else 3.1) / (n - 1))
+    body = Body(cells=cells, support_radius=radius, fixed=held, basis_order=order, solver=solver)
+    return discretize(body, particles)
+
+
+def internal(disc, d, constants=CONSTANTS, tangent=True):
+    """Internal force (n_equations,) and the tangent buffer."""
+    layout = disc.layout
+    force = np.zeros(layout.n_equations + 1)
+    values = np.zeros(layout.size if tangent else 0)
+    bad = assemble_internal(
+        disc.cells.table, disc.weights, constants, d, layout.scatter[0], force, values
+    )
+    assert bad == -1
+    return force[:-1], values
+
+
+def energy(disc, d, constants=CONSTANTS):
+    return internal_energy(disc.cells.table, disc.weights, constants, d)
+
+
+def dense(layout, values):
+    """The matrix in a tangent buffer: LAPACK band storage (gbtrf) or compressed columns."""
+    storage, n = layout.storage, layout.n_equations
+    matrix = np.zeros((n, n))
+    if isinstance(storage, BandedStorage):
+        kl = storage.width
+        band = values[:-1].reshape(n, 3 * kl + 1).T
+        for column in range(n):
+            low, high = max(0, column - kl), min(n, column + kl + 1)
+            matrix[low:high, column] = band[2 * kl + low - column : 2 * kl + high - column, column]
+        return matrix
+    for column in range(n):
+        where = slice(storage.pointers[column], storage.pointers[column + 1])
+        matrix[storage.indices[where], column] = values[:-1][where]
+    return matrix
+
+
+def wave(disc, size, phase=0.0):
+    """A smooth displacement field at the particles, zero on nothing."""
+    x, y = (disc.particles / np.abs(disc.particles).max()).T
+    return size * np.column_stack([np.sin(2 * x + y + phase), np.cos(x - 2 * y + phase)])
+
+
+def inside(rng, disc, count=5):
+    """Random points in the cells."""
+    cells = disc.body.cells[rng.integers(0, len(disc.body.cells), count)]
+    return PointSet(cells, rng.dirichlet(np.ones(4), count), 1)

@@ -1,0 +1,158 @@
+"""Residual and tangent of the whole problem on the converged path of the seal."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bodies import dense
+
+import seal_mdao as sm
+from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.result import Status
+from seal_mdao.contact.friction import OPEN, SLIP, STICK
+
+
+@pytest.fixture(scope="module", params=["accumulated", "incremental"])
+def pressed(request, drawn, drawn_model):
+    """The drawn seal under the corner door, with either friction history."""
+    if request.param == "accumulated":
+        return drawn
+    return sm.analyze(drawn_model.with_(friction_history=request.param))
+
+
+def problem_of(result):
+    model = result.model
+    return PathProblem(
+        result.path.discretization, model.material, model.profile(result.door_radius), model.law
+    )
+
+
+def interesting(path):
+    """The last steps with a point that begins to touch, and with many sticking or slipping points."""
+    before = np.array([s.before.state for s in path.steps])
+    after = path.contact_state
+    touching = ((before == OPEN) & (after != OPEN)).any(axis=1)
+    sticking, slipping = (after == STICK).sum(axis=1), (after == SLIP).sum(axis=1)
+    places = {np.flatnonzero(touching)[-1], sticking.argmax(), slipping.argmax(), len(after) - 1}
+    return [path.steps[int(i)] for i in places]
+
+
+def residual(problem, step, d):
+    problem.direction[:] = 0
+    assert problem.assemble(d, step.loading, step.before)
+    return problem.residual()[0].copy()
+
+
+def test_converged_steps_are_in_equilibrium(pressed):
+    problem = problem_of(pressed)
+    for step in pressed.path.steps[::10]:
+        problem.assemble_at(step)
+        _, size, rounding = problem.residual()
+        assert size <= 1e-11 or rounding
+        np.testing.assert_array_equal(problem.state, step.after.state)
+        np.testing.assert_array_equal(problem.force, step.force)
+        np.testing.assert_array_equal(problem.kept, step.after.variables)
+
+
+def test_tangent_is_the_derivative_of_the_residual(pressed, rng):
+    """Rubber, stick, slip, first touch and curvature together; five-point differences."""
+    problem = problem_of(pressed)
+    layout = pressed.path.discretization.layout
+    for step in interesting(pressed.path):
+        problem.assemble_at(step)
+        matrix, state = dense(layout, problem.values), problem.state.copy()
+        direction = rng.standard_normal(layout.n_equations)
+        spread, h = layout.gather(direction), 1e-6
+        values = []
+        for k in (-2, -1, 1, 2):
+            values.append(residual(problem, step, step.d + k * h * spread))
+            np.testing.assert_array_equal(problem.state, state)
+        slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h)
+        exact = matrix @ direction
+        np.testing.assert_allclose(slope, exact, rtol=0.0, atol=2e-8 * np.abs(exact).max())
+
+
+def test_error_after_one_iteration_is_quadratic_in_the_error_before(pressed, rng):
+    """Newton started beside converged steps, close enough that the contact states stay."""
+    problem = problem_of(pressed)
+    layout = pressed.path.discretization.layout
+    once = sm.NewtonOptions(tolerance=0.0, max_iterations=1)
+    for step in interesting(pressed.path):
+        direction = layout.gather(rng.standard_normal(layout.n_equations))
+        size = []
+        for h in (2e-6, 1e-6, 5e-7):
+            status, _, residuals, _ = newton(
+                problem, step.d + h * direction, step.loading, step.before, once
+            )
+            assert status is Status.NOT_CONVERGED
+            np.testing.assert_array_equal(problem.state, step.after.state)
+            size.append(residuals)
+        before, after = np.log(size).T
+        order = np.diff(after) / np.diff(before)
+        np.testing.assert_allclose(order, 2.0, atol=0.1)
+
+
+def test_newton_is_quadratic_once_the_contact_set_settles(drawn):
+    """Last pair of residuals above rounding in every step: r_{k+1} <= C r_k^2."""
+    constants = []
+    for step in drawn.path.steps:
+        r = np.array(step.residuals)
+        above = np.flatnonzero((r[1:] > 1e-10) & (r[:-1] < 1e-2))
+        if above.size:
+            k = above[-1]
+            constants.append(r[k + 1] / r[k] ** 2)
+    assert len(constants) > 80
+    assert np.median(constants) < 3.0
+    assert np.max(constants) < 200.0
+
+
+def test_iterations_of_the_drawn_seal(drawn):
+    """About three a step with the predictor; an undamped Newton without it needs over ten."""
+    counts = drawn.newton_iterations
+    assert drawn.step_cuts == 0
+    assert counts.shape == (105,)
+    assert counts.sum() < 330
+    # the door is still in the air: nothing to solve
+    assert not counts[:4].any()
+
+
+def test_predictor_is_second_order_accurate_in_the_step(drawn):
+    """Its error is quadratic in the motion while the contact states stay."""
+    problem, step = problem_of(drawn), drawn.path.steps[60]
+    problem.assemble_at(step)
+    factor = drawn.path.discretization.layout.factorize(problem.values).kept()
+    errors = []
+    for share in (0.02, 0.01, 0.005):
+        target = step.loading._replace(position=step.position - np.array([0.0, share]))
+        problem.assemble_at(step)
+        guess = problem.predict(step, factor, target)
+        status, d, _, _ = newton(problem, guess, target, step.after, sm.NewtonOptions(1e-12))
+        assert status is Status.CONVERGED
+        np.testing.assert_array_equal(problem.state, step.after.state)
+        errors.append(np.abs(guess - d).max())
+    assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 1.8)
+
+
+def test_factor_of_a_step_is_that_of_its_converged_tangent(drawn, rng):
+    problem, layout = problem_of(drawn), drawn.path.discretization.layout
+    for step in drawn.path.steps[40::30]:
+        problem.assemble_at(step)
+        rhs = rng.standard_normal(layout.n_equations)
+        again = layout.factorize(problem.values).kept()
+        np.testing.assert_array_equal(step.factor.solve(rhs), again.solve(rhs))
+
+
+def test_solution_does_not_depend_on_the_linear_solver(drawn, drawn_model):
+    other = sm.analyze(drawn_model.with_(solver="superlu"))
+    assert type(other.path.discretization.layout.storage) is not type(
+        drawn.path.discretization.layout.storage
+    )
+    np.testing.assert_allclose(other.reaction, drawn.reaction, rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(other.deformed(), drawn.deformed(), rtol=0.0, atol=1e-9)
+
+
+def test_step_cannot_be_changed(drawn):
+    with pytest.raises(AttributeError):
+        drawn.path.steps[0].d = None
+    assert replace(drawn.path.steps[0], iterations=3).iterations == 3

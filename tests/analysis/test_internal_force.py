@@ -1,0 +1,194 @@
+"""Internal force and tangent as exact derivatives of the projected energy; invariances."""
+
+import numpy as np
+import pytest
+from bodies import CONSTANTS, dense, energy, internal, square, wave
+
+import seal_mdao as sm
+from seal_mdao.analysis.body import discretize
+from seal_mdao.analysis.internal_force import assemble_internal
+from seal_mdao.analysis.loads import internal_forces
+
+UNITS = {"c10": (1.0, 0.0, 0.0), "c01": (0.0, 1.0, 0.0), "bulk": (0.0, 0.0, 1.0)}
+
+
+@pytest.fixture(params=[(1, "banded"), (1, "superlu"), (2, "banded")], ids=str)
+def body(request, rng):
+    """A free square in a deformed state; basis order and solver vary."""
+    order, solver = request.param
+    disc = square(rng, order=order, solver=solver, fixed="nothing")
+    d = wave(disc, 0.15) + rng.uniform(-0.01, 0.01, disc.particles.shape)
+    return disc, d
+
+
+def slope(function, step):
+    """Derivative at zero by the five-point formula."""
+    values = [function(s * step) for s in (-2, -1, 1, 2)]
+    return (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_force_is_the_derivative_of_the_energy(body, rng, unit):
+    """For each material constant alone; the five-point formula converges with its fourth power."""
+    disc, d = body
+    direction = rng.standard_normal(d.shape)
+    force, _ = internal(disc, d, UNITS[unit], tangent=False)
+    exact = force @ disc.layout.reduce(direction)
+    errors = [
+        abs(slope(lambda s: energy(disc, d + s * direction, UNITS[unit]), h) - exact)
+        for h in (4e-4, 2e-4)
+    ]
+    scale = np.abs(force * disc.layout.reduce(direction)).sum()
+    assert errors[1] < 1e-9 * scale
+    if errors[0] > 1e-9 * scale:
+        assert errors[0] > 8 * errors[1]
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_tangent_is_the_derivative_of_the_force(body, rng, unit):
+    disc, d = body
+    _, values = internal(disc, d, UNITS[unit])
+    matrix = dense(disc.layout, values)
+    for _ in range(3):
+        direction = rng.standard_normal(d.shape)
+
+        def force(s, direction=direction):
+            return internal(disc, d + s * direction, UNITS[unit], tangent=False)[0]
+
+        exact = matrix @ disc.layout.reduce(direction)
+        np.testing.assert_allclose(slope(force, 2e-4), exact, atol=1e-9 * np.abs(exact).max())
+
+
+def test_tangent_is_symmetric(body):
+    disc, d = body
+    matrix = dense(disc.layout, internal(disc, d)[1])
+    np.testing.assert_allclose(matrix, matrix.T, rtol=0.0, atol=1e-13 * np.abs(matrix).max())
+
+
+def test_force_is_linear_in_the_material_constants(body):
+    disc, d = body
+    parts = [internal(disc, d, unit)[0] for unit in UNITS.values()]
+    whole = internal(disc, d)[0]
+    np.testing.assert_allclose(np.array(CONSTANTS) @ parts, whole, atol=1e-12 * np.abs(whole).max())
+
+
+def test_force_without_tangent_is_the_same(body):
+    disc, d = body
+    np.testing.assert_array_equal(internal(disc, d)[0], internal(disc, d, tangent=False)[0])
+
+
+def turned(angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+@pytest.mark.parametrize("angle", [0.5, np.deg2rad(170.0), np.pi])
+def test_rigid_motion_gives_no_force(body, angle):
+    """Finite rotation about a far centre with a translation."""
+    disc, _ = body
+    centre, shift = np.array([3.0, -2.0]), np.array([0.4, 5.0])
+    d = (disc.particles - centre) @ turned(angle).T + centre + shift - disc.particles
+    force, _ = internal(disc, d)
+    scale = np.abs(internal(disc, 0.3 * disc.particles)[0]).max()
+    np.testing.assert_allclose(force, 0.0, atol=1e-11 * scale)
+    assert energy(disc, d) == pytest.approx(0.0, abs=1e-11 * scale)
+
+
+@pytest.mark.parametrize("angle", [0.5, np.deg2rad(170.0)])
+def test_force_turns_with_the_body(body, angle):
+    """Objectivity of the discrete force, pressure projection included."""
+    disc, d = body
+    r = turned(angle)
+    more = (disc.particles + d) @ r.T - disc.particles
+    free = disc.layout.equations
+    before, after = internal(disc, d)[0][free], internal(disc, more)[0][free]
+    np.testing.assert_allclose(after, before @ r.T, rtol=0.0, atol=1e-10 * np.abs(before).max())
+    assert energy(disc, more) == pytest.approx(energy(disc, d), rel=1e-10)
+
+
+def test_internal_forces_are_in_equilibrium(body):
+    """No resultant and no moment about the deformed places, for any displacement."""
+    disc, d = body
+    force = internal(disc, d)[0][disc.layout.equations]
+    x = disc.particles + d
+    size = np.abs(force).sum()
+    np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-12 * size)
+    assert np.sum(x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]) == pytest.approx(
+        0.0, abs=1e-12 * size
+    )
+
+
+HOMOGENEOUS = np.array([[0.3, 0.2], [-0.1, -0.15]])
+
+
+def test_homogeneous_deformation_has_the_energy_of_one_point(body):
+    """Linear fields are reproduced, so F is the same at every quadrature point."""
+    disc, _ = body
+    c10, c01, bulk = CONSTANTS
+    F = np.eye(2) + HOMOGENEOUS
+    exact = sm.MooneyRivlin(c10, c01, bulk).energy(F) + 0.5 * bulk * (np.linalg.det(F) - 1) ** 2
+    area = disc.weights.sum()
+    assert area == pytest.approx(1.0, rel=1e-13)
+    found = energy(disc, disc.particles @ HOMOGENEOUS.T)
+    assert found == pytest.approx(area * exact, rel=1e-10)
+
+
+def test_virial_of_a_homogeneous_deformation_is_area_times_stress(body):
+    """sum_I f_I X_I^T = int P, from the linear reproducing condition alone."""
+    disc, _ = body
+    c10, c01, bulk = CONSTANTS
+    F = np.eye(2) + HOMOGENEOUS
+    cof = np.array([[F[1, 1], -F[1, 0]], [-F[0, 1], F[0, 0]]])
+    stress = sm.MooneyRivlin(c10, c01, bulk).stress(F) + bulk * (np.linalg.det(F) - 1) * cof
+    force = internal(disc, disc.particles @ HOMOGENEOUS.T)[0][disc.layout.equations]
+    np.testing.assert_allclose(force.T @ disc.particles, stress, rtol=1e-10)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_homogeneous_deformation_leaves_inner_particles_without_force(rng, order):
+    """The linear patch test in its local form: consistent integration makes it exact."""
+    disc = square(rng, n=10, order=order, fixed="nothing")
+    x, reach = disc.particles, disc.body.support_radius[0]
+    force = internal(disc, x @ HOMOGENEOUS.T)[0][disc.layout.equations]
+    inner = np.all((x > reach) & (x < 1 - reach), axis=1)
+    assert inner.sum() >= 4
+    np.testing.assert_allclose(force[inner], 0.0, atol=1e-12 * np.abs(force).max())
+
+
+def test_projection_uses_the_mean_volume_change_of_each_cell(rng):
+    """With the bulk term alone the energy is K/2 sum_c V_c (mean J - 1)^2."""
+    disc = square(rng, fixed="nothing")
+    d = wave(disc, 0.2)
+    n, q = len(d), disc.weights.shape[1]
+    table, total = disc.cells.table, 0.0
+    for cell in range(table.n_groups):
+        low, high = table.start[cell], table.start[cell + 1]
+        grad = table.grad[2 * q * low : 2 * q * high].reshape(q, 2, -1)
+        F = np.eye(2) + np.einsum("qja,ai->qij", grad, d[table.neighbours[low:high]])
+        volume = disc.weights[cell].sum()
+        total += 0.5 * volume * (disc.weights[cell] @ np.linalg.det(F) / volume - 1) ** 2
+    assert n == 36
+    assert energy(disc, d, UNITS["bulk"]) == pytest.approx(total, rel=1e-12)
+
+
+def test_inverted_point_is_reported_with_its_cell(rng):
+    disc = square(rng, fixed="nothing")
+    d = np.zeros_like(disc.particles)
+    d[14] = [1.0, 1.0]
+    force = np.zeros(disc.layout.n_equations + 1)
+    bad = assemble_internal(
+        disc.cells.table, disc.weights, CONSTANTS, d, disc.layout.scatter[0], force, np.empty(0)
+    )
+    assert bad >= 0
+    with pytest.raises(ValueError, match=f"cell {bad} "):
+        internal_forces(disc, sm.MooneyRivlin(*CONSTANTS), d)
+
+
+def test_particles_must_fit_the_body(rng):
+    disc = square(rng)
+    with pytest.raises(ValueError, match="shape"):
+        discretize(disc.body, disc.particles[:-1])
+    broken = disc.particles.copy()
+    broken[7, 1] = np.nan
+    with pytest.raises(ValueError, match="particle 7"):
+        discretize(disc.body, broken)

@@ -1,0 +1,110 @@
+"""Equation numbers, scatter and factors: both layouts hold the same matrix and solve it."""
+
+import numpy as np
+import pytest
+from bodies import dense, internal, square, wave
+
+from seal_mdao.analysis.linear_solver import SOLVERS, BandedStorage, tangent_layout
+
+
+@pytest.fixture
+def pair(rng):
+    """The same deformed body in both layouts, with its two tangents."""
+    state = rng.bit_generator.state
+    out = []
+    for solver in ("banded", "superlu"):
+        rng.bit_generator.state = state
+        disc = square(rng, solver=solver)
+        d = np.where(disc.body.fixed, 0.0, wave(disc, 0.05))
+        out.append((disc.layout, internal(disc, d)[1], disc))
+    return out
+
+
+def by_particle(layout, matrix):
+    """Rows and columns in the order of the free components of the particles."""
+    order = layout.equations[layout.equations >= 0]
+    return matrix[np.ix_(order, order)]
+
+
+def test_both_layouts_hold_the_same_matrix(pair):
+    first, second = (by_particle(layout, dense(layout, values)) for layout, values, _ in pair)
+    np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize("transposed", [False, True])
+def test_factors_solve_one_and_several_right_hand_sides(pair, rng, transposed):
+    """Of an unsymmetric matrix: a skew part is added within the pattern."""
+    for layout, values, _ in pair:
+        matrix = dense(layout, values)
+        skew = values.copy()
+        skew[:-1] *= 1.0 + 0.1 * rng.standard_normal(skew.size - 1)
+        matrix = dense(layout, skew)
+        rhs = rng.standard_normal((layout.n_equations, 3))
+        exact = np.linalg.solve(matrix.T if transposed else matrix, rhs)
+        factor = layout.factorize(skew.copy())
+        tolerance = 1e-14 * np.linalg.cond(matrix) * np.abs(exact).max()
+        for found, expected in (
+            (factor.solve(rhs, transposed=transposed), exact),
+            (factor.solve(rhs[:, 0].copy(), transposed=transposed), exact[:, 0]),
+        ):
+            np.testing.assert_allclose(found, expected, rtol=0.0, atol=tolerance)
+
+
+def test_kept_factor_outlives_the_buffer_and_spares_the_right_hand_side(pair, rng):
+    for layout, values, _ in pair:
+        buffer, rhs = values.copy(), rng.standard_normal(layout.n_equations)
+        before = rhs.copy()
+        factor = layout.factorize(buffer)
+        found, kept = factor.solve(rhs), factor.kept()
+        buffer[:] = 0.0
+        np.testing.assert_array_equal(kept.solve(rhs), found)
+        np.testing.assert_array_equal(rhs, before)
+
+
+def test_singular_tangent_is_an_error(pair):
+    for layout, values, _ in pair:
+        with pytest.raises(np.linalg.LinAlgError, match="singular"):
+            layout.factorize(np.zeros_like(values))
+
+
+def test_equations_number_the_free_components_once(pair):
+    for layout, _, disc in pair:
+        fixed = disc.body.fixed
+        assert np.all(layout.equations[fixed] == -1)
+        np.testing.assert_array_equal(
+            np.sort(layout.equations[~fixed]), np.arange(layout.n_equations)
+        )
+
+
+def test_gather_and_reduce_are_inverse_on_free_components(pair, rng):
+    for layout, _, disc in pair:
+        vector = rng.standard_normal(layout.n_equations)
+        spread = layout.gather(vector)
+        np.testing.assert_array_equal(layout.reduce(spread), vector)
+        assert not spread[disc.body.fixed].any()
+        several = rng.standard_normal((layout.n_equations, 2))
+        np.testing.assert_array_equal(layout.gather(several)[..., 1], layout.gather(several[:, 1]))
+
+
+def test_components_can_be_fixed_one_by_one(rng):
+    """A roller: the solution is zero in the fixed component only."""
+    disc = square(rng, fixed="nothing")
+    fixed = np.zeros((36, 2), bool)
+    fixed[:6, 0], fixed[0, 1] = True, True
+    layout = tangent_layout(fixed, [disc.cells.table], "banded")
+    assert layout.n_equations == 72 - 7
+    np.testing.assert_array_equal(layout.equations < 0, fixed)
+
+
+def test_unknown_solver_is_refused(rng):
+    disc = square(rng)
+    with pytest.raises(ValueError, match="solver"):
+        tangent_layout(disc.body.fixed, [disc.cells.table], "cholesky")
+    assert "cholesky" not in SOLVERS
+
+
+def test_automatic_choice_takes_the_band_for_a_ring_and_compressed_columns_for_wide_bodies(rng):
+    narrow = square(rng, n=6).layout
+    wide = square(rng, n=20).layout
+    assert isinstance(narrow.storage, BandedStorage)
+    assert not isinstance(wide.storage, BandedStorage)

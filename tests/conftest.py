@@ -1,0 +1,81 @@
+"""Shared set-up: one BLAS thread, and analyses that several folders look at."""
+
+import os
+
+# small band matrices: threads of the BLAS only get in each other's way
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import numpy as np  # noqa: E402
+import pytest  # noqa: E402
+
+import seal_mdao as sm  # noqa: E402
+
+TIGHT = sm.NewtonOptions(tolerance=1e-11)
+
+
+def design(seed, size):
+    """A reproducible random design: boundary offsets within +-``size`` mm."""
+    return np.random.default_rng(seed).uniform(-size, size, sm.door_seal().n_offsets)
+
+
+@pytest.fixture(scope="session")
+def tight():
+    """Newton tolerance of the gradient checks."""
+    return TIGHT
+
+
+@pytest.fixture(scope="session")
+def drawn_model():
+    """The door seal with the Newton tolerance of the gradient checks."""
+    return sm.door_seal(newton=TIGHT)
+
+
+@pytest.fixture(scope="session")
+def drawn(drawn_model):
+    """The drawn seal under the corner door, factors kept."""
+    return sm.analyze(drawn_model, keep_factors=True)
+
+
+@pytest.fixture(scope="session")
+def flat():
+    """The drawn seal under the wholly flat door, factors kept."""
+    return sm.analyze(sm.door_seal(door="flat", newton=TIGHT), keep_factors=True)
+
+
+@pytest.fixture(scope="session")
+def cut():
+    """A path on which steps have to be halved: few iterations are allowed."""
+    few = sm.NewtonOptions(tolerance=1e-11, max_iterations=4)
+    return sm.analyze(sm.door_seal(newton=few), keep_factors=True)
+
+
+@pytest.fixture(scope="session")
+def frictionless():
+    """Drawn seal without friction, pressed 3 mm."""
+    model = sm.door_seal(friction=0.0, depth=3.0, n_steps=35, newton=TIGHT)
+    return sm.analyze(model, keep_factors=True)
+
+
+@pytest.fixture(scope="session")
+def buckled():
+    """Drawn seal without friction pressed 10 mm: it buckles sideways and the path fails."""
+    return sm.analyze(sm.door_seal(friction=0.0))
+
+
+@pytest.fixture(scope="session")
+def random_offsets():
+    """One design within +-0.2 mm."""
+    return design(7, 0.2)
+
+
+@pytest.fixture(scope="session")
+def random_design(drawn_model, random_offsets):
+    """That design with a corner radius of its own, factors kept."""
+    return sm.analyze(drawn_model, random_offsets, 4.1, keep_factors=True)
+
+
+@pytest.fixture
+def rng(request):
+    """Random numbers that depend on the name of the test only."""
+    return np.random.default_rng(list(request.node.name.encode()))

@@ -1,0 +1,81 @@
+"""Rigid profiles of all forms as functions of their radius, and one point pressed on them."""
+
+import numpy as np
+
+from seal_mdao.contact.friction import ContactHistory, contact_linearization, contact_points
+from seal_mdao.geometry.profile import (
+    ARC,
+    RigidProfile,
+    circle_profile,
+    corner_profile,
+    curve_point,
+    curve_velocity,
+    flat_profile,
+    segmented_corner_profile,
+)
+
+
+def hollow(radius):
+    """A rigid bore with the body inside: an arc walked clockwise, radius negative."""
+    one = np.ones(1)
+    return RigidProfile(
+        np.array([ARC]), np.array([[0.5, 0.2]]), np.array([2.0]), np.array([-radius]),
+        0 * one, np.array([2 * np.pi * radius]), np.zeros((1, 2)), 0 * one, -one, 0 * one,
+    )  # fmt: skip
+
+
+FORMS = {
+    "corner": lambda r: corner_profile(2.0, r, 6.0),
+    "segments": lambda r: segmented_corner_profile(2.0, r, 6.0, 8),
+    "flat": lambda r: flat_profile(),
+    "circle": lambda r: circle_profile((0.4, 1.0), r),
+    "hollow": hollow,
+}
+RADIUS = 4.0
+
+
+def curve(profile, piece, xi):
+    """x_c, t, x_c,xixi, x_c,xixixi as an array (4, 2)."""
+    return np.array(curve_point(profile, piece, xi))
+
+
+def velocity(profile, piece, xi):
+    """V_c, V_c,xi, V_c,xixi as an array (3, 2)."""
+    return np.array(curve_velocity(profile, piece, xi))
+
+
+def normal(profile, piece, xi):
+    """Outward unit normal of the rigid body, the tangent turned clockwise."""
+    t = curve(profile, piece, xi)[1]
+    return np.array([t[1], -t[0]]) / np.hypot(*t)
+
+
+def at_gap(profile, piece, share, gap):
+    """A point at a distance ``gap`` from a place on a piece, and its natural coordinate."""
+    length = min(profile.length[piece], 300.0)
+    xi = profile.start[piece] + share * length
+    return curve(profile, piece, xi)[0] + gap * normal(profile, piece, xi), xi
+
+
+def press(profile, law, x, history, direction=0, length=1.0):
+    """``contact_points`` for one point: force, tangent, state, kept, gap, made to stick, direction."""
+    state, variables = history
+    before = ContactHistory(np.array([state]), np.array([variables], float))
+    way, force, tangent = np.array([direction]), np.empty((1, 2)), np.empty((1, 2, 2))
+    after, kept, gap = np.empty(1, np.int64), np.empty((1, 3)), np.empty(1)
+    made = contact_points(
+        profile, law, np.zeros(2), np.array([x], float), np.array([float(length)]), before, way,
+        force, tangent, after, kept, gap,
+    )  # fmt: skip
+    return force[0], tangent[0], int(after[0]), kept[0], float(gap[0]), made, int(way[0])
+
+
+def linearized(profile, law, x, history, length=1.0):
+    """``contact_linearization`` for one point, (6, 10)."""
+    state, variables = history
+    before = ContactHistory(np.array([state]), np.array([variables], float))
+    out = np.full((1, 6, 10), np.nan)
+    contact_linearization(
+        profile, law, np.zeros(2), np.array([x], float), np.array([float(length)]), before, out
+    )
+    return out[0]

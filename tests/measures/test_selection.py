@@ -1,0 +1,125 @@
+"""Where the measures are taken: local maxima, opened points, frozen for all designs of a model."""
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.contact.friction import OPEN, SLIP, STICK
+from seal_mdao.measures.selection import local_maxima, opened_points, stress_points
+from seal_mdao.seal import measure_points
+
+
+def test_local_maxima_of_an_open_row_leave_out_its_ends():
+    values = np.array([5.0, 1.0, 3.0, 2.0, 2.5, 2.5, 0.0, 4.0])
+    np.testing.assert_array_equal(local_maxima(values, periodic=False), [2])
+
+
+def test_local_maxima_of_a_closed_row_go_round():
+    values = np.array([5.0, 1.0, 3.0, 2.0, 4.0])
+    np.testing.assert_array_equal(local_maxima(values, periodic=True), [0, 2])
+    shifted = np.roll(values, 2)
+    np.testing.assert_array_equal(local_maxima(shifted, periodic=True), [2, 4])
+
+
+def test_stress_points_are_the_largest_maxima_of_all_rows_largest_first(rng):
+    stress = np.zeros(40)
+    stress[:20], stress[20:] = np.tile([1.0, 2.0], 10), np.tile([1.0, 3.0], 10)
+    stress[[3, 25, 9]] += [4.0, 7.0, 2.0]
+    rows = [(np.arange(20), False), (np.arange(20, 40), True)]
+    found = stress_points(rows, stress, 5)
+    np.testing.assert_array_equal(found[:3], [25, 3, 9])
+    assert np.all(np.diff(stress[found]) <= 0.0)
+    assert np.all(found[3:] >= 20)
+
+
+def test_stress_points_fall_back_on_other_boundary_values():
+    stress = np.arange(10.0)
+    found = stress_points([(np.arange(10), False)], stress, 3)
+    np.testing.assert_array_equal(found, [9, 8, 7])
+
+
+@pytest.mark.parametrize(
+    ("state", "expected"),
+    [
+        ([OPEN, STICK, OPEN, OPEN, SLIP, OPEN], [2, 3]),
+        ([OPEN, OPEN, OPEN], []),
+        ([STICK, STICK], []),
+        ([OPEN, SLIP, OPEN], []),
+        ([STICK, OPEN, STICK, OPEN, STICK], [1, 3]),
+    ],
+)
+def test_opened_points_lie_between_the_first_and_the_last_in_contact(state, expected):
+    np.testing.assert_array_equal(opened_points(np.array(state)), expected)
+
+
+def test_points_of_the_drawn_seal(drawn, drawn_model):
+    """Seven stresses at boundary particles that are local maxima, gaps where the middle opens."""
+    points, grid = measure_points(drawn_model), drawn_model.grid
+    assert len(points.stress) == 7
+    outer, inner = grid.free_outer, grid.particle(np.arange(58), 0)
+    stress = drawn.stress_field()
+    for particle in points.stress:
+        row = inner if particle in inner else outer
+        place = int(np.flatnonzero(row == particle)[0])
+        assert stress[particle] > stress[row[place - 1]]
+        assert stress[particle] > stress[row[(place + 1) % len(row)]]
+    assert np.all(np.diff(stress[points.stress]) < 0.0)
+    assert np.all(np.diff(points.gap) == 1)
+    assert np.all(drawn.end.gap[points.gap] > 0.0)
+    assert drawn.end.gap[points.gap[0] - 1] < 0.0
+    assert drawn.end.gap[points.gap[-1] + 1] < 0.0
+
+
+def test_points_are_frozen_for_all_designs_of_a_model(drawn, random_design):
+    assert random_design.points is drawn.points
+    np.testing.assert_array_equal(random_design.gap, random_design.end.gap[drawn.points.gap])
+    np.testing.assert_array_equal(
+        random_design.von_mises, random_design.stress_field()[drawn.points.stress]
+    )
+
+
+def test_gap_square_sum_is_the_sum_of_the_squares(drawn, random_design):
+    for result in (drawn, random_design):
+        assert result.gap_square_sum == pytest.approx(np.sum(result.gap**2), rel=1e-15)
+
+
+def test_drawn_seal_measures_are_of_the_expected_size(drawn):
+    """Peak stress about 170 kPa, gap sum about 0.05 mm^2, 62 N/m would be 6.2 N per 100 mm."""
+    assert drawn.von_mises[0] == pytest.approx(170.0, rel=0.03)
+    assert drawn.gap_square_sum == pytest.approx(0.05, rel=0.1)
+    assert drawn.gap.max() == pytest.approx(0.12, rel=0.05)
+    assert len(drawn.gap) == 7
+    assert drawn.max_penetration == pytest.approx(2.6e-3, rel=0.1)
+    assert drawn.area == pytest.approx(108.971, abs=5e-4)
+
+
+def test_contact_grows_then_opens_in_the_middle(drawn):
+    """One patch until about half way; at the end two with open points between."""
+    states = np.array([step.after.state for step in drawn.path.nominal_steps])
+    patches = [np.sum(np.diff((state != OPEN).astype(int)) == 1) for state in states]
+    travel = drawn.door_travel
+    splits = travel[np.flatnonzero(np.array(patches) >= 2)[0]]
+    assert 4.0 < splits < 7.0
+    assert patches[-1] == 2
+    assert set(patches[5:40]) == {1}
+
+
+def test_contact_counts_add_up(drawn):
+    counts = drawn.contact_counts
+    assert counts["contact"] == counts["stick"] + counts["slip"]
+    assert counts["contact"] == np.sum(drawn.end.gap < 0.0)
+
+
+def test_points_of_a_path_that_fails_are_refused():
+    with pytest.raises(sm.LoadPathError):
+        measure_points(sm.door_seal(newton=sm.NewtonOptions(max_iterations=2, max_cuts=0)))
+
+
+def test_area_of_given_particles_is_that_of_the_cells(drawn):
+    from seal_mdao.seal import analyze_particles
+
+    model = sm.door_seal(depth=0.5, n_steps=10)
+    bare = analyze_particles(model, model.drawn_particles)
+    assert bare.boundary_offsets is None
+    assert bare.area == pytest.approx(bare.path.discretization.weights.sum(), rel=1e-15)
+    assert bare.area == pytest.approx(drawn.area, rel=3e-3)

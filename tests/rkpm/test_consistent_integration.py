@@ -1,0 +1,191 @@
+"""Cell gradients that obey the divergence theorem: identities, rates and their transpose."""
+
+import numpy as np
+import pytest
+from clouds import rate_rows, rows
+
+import seal_mdao as sm
+from seal_mdao.analysis.body import discretize
+from seal_mdao.dsa.linearization import discretization_rates
+from seal_mdao.rkpm.cells import add_weight_seeds
+from seal_mdao.rkpm.essential import transformation_seeds
+from seal_mdao.rkpm.integration import (
+    EDGE_POINTS,
+    add_normal_seeds,
+    cell_table_seeds,
+    edge_normals,
+    edge_rule,
+    integration_points,
+)
+from seal_mdao.rkpm.tables import build_table, table_seeds
+
+
+@pytest.fixture(params=[1, 2])
+def seal(request, rng):
+    """A random design of the coarsest seal with either basis."""
+    model = sm.door_seal(basis_order=request.param)
+    return model, discretize(model.body, model.particles(rng.uniform(-0.2, 0.2, 25)))
+
+
+def test_edge_normals_of_every_cell_close():
+    model = sm.door_seal()
+    rule = model.body.edge_rule
+    normals = edge_normals(rule, model.drawn_particles)
+    np.testing.assert_allclose(normals.sum(axis=1), 0.0, atol=1e-14)
+    # div x = 2: the boundary integral of x . n is twice the area
+    points = np.einsum("cek,ceki->cei", rule.weights, model.drawn_particles[rule.ends])
+    weights = discretize(model.body, model.drawn_particles).weights
+    np.testing.assert_allclose(
+        np.einsum("cei,cei->c", points, normals), 2 * weights.sum(axis=1), rtol=1e-13
+    )
+
+
+def test_edge_points_are_gauss_points_except_on_the_essential_boundary():
+    """Three cells in a row, the bottom edge of the middle one essential."""
+    cells = np.array([[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6]])
+    rule = edge_rule(cells, np.array([1, 2]))
+    for cell in range(3):
+        for edge in range(4):
+            place = rule.weights[cell, 2 * edge : 2 * edge + 2]
+            np.testing.assert_allclose(place.sum(axis=1), 1.0, rtol=1e-15)
+            ends_only = (cell, edge) == (1, 0)
+            second_moment = 0.5 * np.sum(place[:, 0] ** 2)
+            assert second_moment == pytest.approx(0.5 if ends_only else 1 / 3, rel=1e-14)
+
+
+def test_mean_gradient_of_every_cell_is_the_boundary_integral(seal):
+    """sum_q w_q grad~_q = sum_e Phi_e n_e for the raw functions of each cell."""
+    model, disc = seal
+    cells, q = disc.cells, disc.weights.shape[1]
+    n = len(disc.particles)
+    phi, _ = rows(cells.full.raw, n)
+    _, grad = rows(cells.raw, n)
+    at_edges = phi.reshape(-1, q + EDGE_POINTS, n)[:, q:]
+    normals = edge_normals(model.body.edge_rule, disc.particles)
+    boundary = np.einsum("cea,cej->cja", at_edges, normals)
+    mean = np.einsum("cq,cqja->cja", disc.weights, grad.reshape(-1, q, 2, n))
+    np.testing.assert_allclose(mean, boundary, atol=1e-13)
+
+
+def test_correction_is_one_constant_for_each_cell_and_neighbour(seal):
+    _, disc = seal
+    q, n = disc.weights.shape[1], len(disc.particles)
+    phi, grad = rows(disc.cells.full.raw, n)
+    new_phi, new_grad = rows(disc.cells.raw, n)
+    plain = grad.reshape(-1, q + EDGE_POINTS, 2, n)[:, :q]
+    shift = new_grad.reshape(-1, q, 2, n) - plain
+    np.testing.assert_allclose(shift, shift[:, :1] + 0 * shift, rtol=0.0, atol=1e-14)
+    assert np.abs(shift).max() > 1e-6
+    np.testing.assert_array_equal(
+        new_phi.reshape(-1, q, n), phi.reshape(-1, q + EDGE_POINTS, n)[:, :q]
+    )
+
+
+def test_consistent_gradients_reproduce_linear_fields(seal):
+    """Also after the essential transformation, with values of the field as coefficients."""
+    _, disc = seal
+    for table in (disc.cells.raw, disc.cells.table):
+        phi, grad = rows(table, len(disc.particles))
+        np.testing.assert_allclose(phi.sum(axis=1), 1.0, rtol=1e-12)
+        np.testing.assert_allclose(grad.sum(axis=2), 0.0, atol=1e-11)
+        slopes = np.broadcast_to(np.eye(2), (len(grad), 2, 2))
+        np.testing.assert_allclose(grad @ disc.particles, slopes, rtol=0.0, atol=1e-10)
+
+
+def test_net_gradients_are_fluxes_through_the_free_boundary(seal):
+    """int grad Phi~_I = boundary integral of Phi~_I n: the constraint behind the patch test.
+
+    Inner edges cancel between their two cells; the essential ones do not count for free particles.
+    """
+    model, disc = seal
+    n, q = len(disc.particles), disc.weights.shape[1]
+    rule = model.body.edge_rule
+    points = integration_points(model.body.cell_map, rule)
+    phi, _ = rows(build_table(disc.cloud, points, disc.transformation).table, n)
+    at_edges = phi.reshape(-1, q + EDGE_POINTS, n)[:, q:]
+    normals = edge_normals(rule, disc.particles)
+    pairs = np.sort(rule.ends, axis=2)
+    _, which, count = np.unique(
+        pairs.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
+    )
+    outer = (count[which.ravel()] == 2).reshape(pairs.shape[:2])
+    on_base = np.isin(rule.ends, disc.body.constrained).all(axis=2)
+    free = np.setdiff1d(np.arange(n), disc.body.constrained)
+    flux = np.einsum("cea,cej->ja", at_edges, normals * (outer & ~on_base)[..., None])
+    _, grad = rows(disc.cells.table, n)
+    total = np.einsum("cq,cqja->ja", disc.weights, grad.reshape(-1, q, 2, n))
+    assert np.sum(outer & on_base) == 12
+    np.testing.assert_allclose(total[:, free], flux[:, free], rtol=0.0, atol=1e-12)
+
+
+def test_normal_seeds_are_the_transpose_of_edge_normals(rng):
+    model = sm.door_seal()
+    rule, n = model.body.edge_rule, len(model.drawn_particles)
+    velocity = rng.standard_normal((2, n, 2))
+    seed = rng.standard_normal((3, *rule.ends.shape[:2], 2))
+    x_bar = np.zeros((3, n, 2))
+    add_normal_seeds(rule, seed, x_bar)
+    forward = np.einsum("mcej,pcej->mp", seed, edge_normals(rule, velocity))
+    np.testing.assert_allclose(np.einsum("mai,pai->mp", x_bar, velocity), forward, rtol=1e-11)
+
+
+def test_integration_points_lie_on_the_edges(seal):
+    model, disc = seal
+    points = integration_points(model.body.cell_map, model.body.edge_rule)
+    x = points.at(disc.particles).reshape(len(model.body.cells), -1, 2)[:, -EDGE_POINTS:]
+    ends = disc.particles[model.body.edge_rule.ends]
+    along, away = ends[..., 1, :] - ends[..., 0, :], x - ends[..., 0, :]
+    cross = along[..., 0] * away[..., 1] - along[..., 1] * away[..., 0]
+    np.testing.assert_allclose(cross, 0.0, atol=1e-13)
+
+
+def test_cell_rates_are_the_limit_of_central_differences(seal, rng):
+    model, disc = seal
+    n = len(disc.particles)
+    velocity = rng.standard_normal((1, n, 2))
+    rates = discretization_rates(disc, velocity).cells
+    exact = [values[..., 0] for values in rate_rows(disc.cells.table, rates, n, 1)]
+    errors = []
+    for step in (1e-4, 1e-5):
+        sides = [
+            rows(discretize(model.body, disc.particles + s * step * velocity[0]).cells.table, n)
+            for s in (1, -1)
+        ]
+        errors.append(
+            [
+                np.abs((plus - minus) / (2 * step) - rate).max() / np.abs(rate).max()
+                for plus, minus, rate in zip(*sides, exact, strict=True)
+            ]
+        )
+    assert np.all(np.array(errors[1]) < 1e-6)
+    # gradients have a Lipschitz derivative only, values one order more
+    assert np.all(np.array(errors[0]) > 5 * np.array(errors[1]))
+
+
+def test_cell_seeds_are_the_transpose_of_cell_rates(seal, rng):
+    """Dot-product test through transformation, weights, normals and shape functions."""
+    model, disc = seal
+    cloud, transformation, n = disc.cloud, disc.transformation, len(disc.particles)
+    velocity = rng.standard_normal((2, n, 2))
+    forward = discretization_rates(disc, velocity)
+    _, dgrad = rate_rows(disc.cells.table, forward.cells, n, 2)
+    grad_bar = rng.standard_normal((1, disc.cells.table.grad.size))
+    weight_bar = rng.standard_normal((1, *disc.weights.shape))
+    zero_phi = np.zeros(disc.cells.table.phi.size)
+    _, seed = rows(disc.cells.table, n, (zero_phi, grad_bar[0]))
+    ahead = np.einsum("qja,qjap->p", seed, dgrad)
+    ahead += np.einsum("cq,pcq->p", weight_bar[0], forward.weights)
+
+    x_bar, weight_bar = np.zeros((1, n, 2)), weight_bar.copy()
+    matrix_bar = cell_table_seeds(cloud, disc.cells, grad_bar, weight_bar, x_bar, transformation)
+    add_weight_seeds(model.body.cell_map, disc.particles, weight_bar, x_bar)
+    raw = disc.constrained_rows.raw
+    point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
+    rows_bar = transformation_seeds(transformation, matrix_bar)
+    own = rows_bar[:, point, np.searchsorted(transformation.union, raw.neighbours)]
+    table_seeds(
+        cloud, disc.constrained_rows, np.ascontiguousarray(own), np.zeros((1, raw.grad.size)), x_bar
+    )
+    back = np.einsum("ai,pai->p", x_bar[0], velocity)
+    size = np.abs(x_bar[0] * velocity).sum(axis=(1, 2))
+    np.testing.assert_allclose(back, ahead, rtol=0.0, atol=1e-12 * size.max())
