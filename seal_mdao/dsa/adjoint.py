@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.analysis.body import add_tributary_seeds
-from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
 from seal_mdao.analysis.threads import one_blas_thread
@@ -117,7 +116,7 @@ class AdjointSweep:
             add_gradient_seeds(
                 self.stress.table, seeds.gradient, step.d, layout.equations, d_bar, self.stress_bar
             )
-        through_x = np.einsum("mko,koi->mki", out_bar, local[:, :, X:XI_0])
+        through_x = _contract(out_bar, local[:, :, X:XI_0])
         add_displacement_seeds(table, through_x, layout.equations, d_bar)
         solution = converged_factor(problem, step).solve(d_bar[:-1], transposed=True)
         adjoint = np.ascontiguousarray(np.moveaxis(layout.gather(solution), 2, 0))
@@ -129,7 +128,7 @@ class AdjointSweep:
     def _collect(self, step, local, out_bar, adjoint) -> np.ndarray:
         """Add the explicit parts of one step to the seeds."""
         disc, problem = self.disc, self.problem
-        in_bar = np.einsum("mko,koi->mki", out_bar, local)
+        in_bar = _contract(out_bar, local)
         x_bar = np.ascontiguousarray(in_bar[:, :, X:XI_0])
         self.x_bar += x_bar
         self.motion -= profile_share(step, self.n_steps) * x_bar.sum(axis=1)
@@ -138,24 +137,9 @@ class AdjointSweep:
         add_shape_seeds(disc.contact.table, x_bar, step.force, step.d, adjoint, self.phi_bar)
         add_internal_seeds(
             disc.cells.table, disc.weights, problem.constants, step.d, adjoint, self.grad_bar,
-            self.weight_bar,
+            self.weight_bar, self.constants,
         )  # fmt: skip
-        self._collect_constants(step, adjoint)
         return in_bar[:, :, XI_0:LENGTH]
-
-    def _collect_constants(self, step, adjoint):
-        """The internal force is linear in C10, C01 and K: contract their unit forces."""
-        layout = self.disc.layout
-        free = layout.equations >= 0
-        rows = np.zeros((self.m, layout.n_equations + 1))
-        rows[:, layout.equations[free]] = adjoint[:, free]
-        for i, unit in enumerate(np.eye(3)):
-            force = np.zeros(layout.n_equations + 1)
-            assemble_internal(
-                self.disc.cells.table, self.disc.weights, tuple(unit), step.d, layout.scatter[0],
-                force, np.empty(0),
-            )  # fmt: skip
-            self.constants[:, i] -= rows[:, :-1] @ force[:-1]
 
     @one_blas_thread
     def run(self, seeds: dict) -> AdjointGradient:
@@ -209,3 +193,8 @@ class AdjointSweep:
             self.disc.cloud, rows, np.ascontiguousarray(phi_bar),
             np.zeros((self.m, raw.grad.size)), particles_bar,
         )  # fmt: skip
+
+
+def _contract(out_bar, local):
+    """Seeds (M, k, o) through local derivatives (k, o, i): (M, k, i), as one product per point."""
+    return np.matmul(out_bar.transpose(1, 0, 2), local).transpose(1, 0, 2)

@@ -105,15 +105,15 @@ def add_internal_rates(table, weights, rates, weight_rates, constants, d, equati
 
 
 @nb.njit(cache=True, error_model="numpy")
-def add_internal_seeds(table, weights, constants, d, adjoint, grad_bar, weight_bar):
-    """Transpose of ``add_internal_rates``: for L = -adjoint . f add dL/dB and dL/dw.
+def add_internal_seeds(table, weights, constants, d, adjoint, grad_bar, weight_bar, constants_bar):
+    """Transpose of ``add_internal_rates``: for L = -adjoint . f add dL/dB, dL/dw and dL/d(constants).
 
     Parameters
     ----------
     adjoint : ndarray, shape (M, n, 2)
         Adjoint displacements of M measures.
-    grad_bar, weight_bar : ndarray, shapes (M, grad.size), (M, n_cells, q)
-        Added to.
+    grad_bar, weight_bar, constants_bar : ndarray, shapes (M, grad.size), (M, n_cells, q), (M, 3)
+        Added to; the constants are C10, C01 and the bulk modulus.
     """
     c10, c01, bulk = constants
     q_count, n_measures = table.group_size, adjoint.shape[0]
@@ -122,7 +122,7 @@ def add_internal_seeds(table, weights, constants, d, adjoint, grad_bar, weight_b
         widest = max(widest, table.start[cell + 1] - table.start[cell])
     displacement, lam = np.empty((2, widest)), np.empty((2, widest))
     f, stress, moduli = np.empty((q_count, 5)), np.empty((q_count, 4)), np.empty((q_count, 4, 4))
-    strain, dual = np.empty((q_count, 4)), np.empty(4)
+    strain, dual, unit = np.empty((q_count, 4)), np.empty(4), np.empty((2, q_count, 4))
     for cell in range(table.start.size - 1):
         s0 = table.start[cell]
         n = table.start[cell + 1] - s0
@@ -134,6 +134,8 @@ def add_internal_seeds(table, weights, constants, d, adjoint, grad_bar, weight_b
         cell_gradients(grad, displacement, n, q_count, f)
         volume, swelling = projected_jacobian(weights[cell], f, q_count)
         for q in range(q_count):
+            point_moduli(f[q], 0.0, 1.0, 0.0, unit[0, q], moduli[q])
+            point_moduli(f[q], 0.0, 0.0, 1.0, unit[1, q], moduli[q])
             point_moduli(f[q], bulk * swelling, c10, c01, stress[q], moduli[q])
         for measure in range(n_measures):
             for i in range(n):
@@ -152,6 +154,7 @@ def add_internal_seeds(table, weights, constants, d, adjoint, grad_bar, weight_b
                     f[q, 3] * e[0] - f[q, 2] * e[1] - f[q, 1] * e[2] + f[q, 0] * e[3]
                 )
             pressure = bulk * dilation / volume
+            constants_bar[measure, 2] += swelling * dilation
             for q in range(q_count):
                 w, e = weights[cell, q], strain[q]
                 p = stress[q]
@@ -159,6 +162,9 @@ def add_internal_seeds(table, weights, constants, d, adjoint, grad_bar, weight_b
                     p[0] * e[0] + p[1] * e[1] + p[2] * e[2] + p[3] * e[3]
                     + pressure * (f[q, 4] - swelling)
                 )  # fmt: skip
+                for r in range(4):
+                    constants_bar[measure, 0] += w * unit[0, q, r] * e[r]
+                    constants_bar[measure, 1] += w * unit[1, q, r] * e[r]
                 cof = (f[q, 3], -f[q, 2], -f[q, 1], f[q, 0])
                 for r in range(4):
                     dual[r] = pressure * cof[r]

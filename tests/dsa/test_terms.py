@@ -113,7 +113,10 @@ def test_internal_seeds_are_the_transpose_of_internal_rates(drawn, disc, velocit
     adjoint = np.where((equations >= 0)[..., None], rng.standard_normal((174, 2, 1)), 0.0)
     adjoint = np.ascontiguousarray(np.moveaxis(adjoint, 2, 0))
     grad_bar, weight_bar = np.zeros((1, table.grad.size)), np.zeros((1, *disc.weights.shape))
-    add_internal_seeds(table, disc.weights, problem.constants, d, adjoint, grad_bar, weight_bar)
+    constants_bar = np.zeros((len(adjoint), 3))
+    add_internal_seeds(
+        table, disc.weights, problem.constants, d, adjoint, grad_bar, weight_bar, constants_bar
+    )
     rows = np.zeros(disc.layout.n_equations)
     rows[equations[equations >= 0]] = adjoint[0][equations >= 0]
     ahead = -rows @ load[:-1]
