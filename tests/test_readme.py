@@ -1,0 +1,42 @@
+"""The README's script and commands are what they claim to be."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def code_blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def test_script_closes_the_gap(tmp_path, monkeypatch, capsys):
+    """The script's optimum: less than 0.75 % of the start, feasible."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("OPENMDAO_REPORTS", "0")
+    (script,) = code_blocks("python")
+    names = {}
+    exec(compile(script, "README.md", "exec"), names)
+    prob, start = names["prob"], names["start"]
+    ratio = prob.get_val("gap_square_sum")[0] / start.gap_square_sum
+    assert ratio <= 0.0075
+    assert (prob.get_val("von_mises") <= (0.8 * start.von_mises).clip(100.0) * 1.001).all()
+    assert prob.get_val("area")[0] <= 110.0 * 1.001
+    printed = float(capsys.readouterr().out.split()[-1].strip("[]"))
+    assert printed == pytest.approx(ratio, rel=1e-6)
+
+
+def test_ci_runs_the_readme_test_command():
+    _, command = (block.strip() for block in code_blocks("sh"))
+    assert command in (ROOT / ".ci" / "run").read_text().splitlines()
+
+
+def test_links_and_folders_exist():
+    for target in re.findall(r"\]\((?!http)([^)]+)\)", README):
+        assert (ROOT / target).exists(), target
+    for folder in re.findall(r"`([\w/]+)`(?=[,| ])", README):
+        if "/" in folder or folder in ("run_scripts", "docs", "tests"):
+            assert (ROOT / folder).exists(), folder
