@@ -1,0 +1,33 @@
+"""Figures of analyses, sensitivities and optimisations.
+
+Every function takes results and returns a matplotlib ``Figure`` that belongs to no window, so all
+of them work without a display; ``save`` writes one to a file.
+"""
+
+from importlib import import_module
+
+_LAZY = {
+    "save": "seal_mdao.plotting.style",
+    "deformed_shapes": "seal_mdao.plotting.deformation",
+    "reaction_curve": "seal_mdao.plotting.reaction",
+    "gap_profile": "seal_mdao.plotting.gap",
+    "cost_history": "seal_mdao.plotting.history",
+    "constraint_history": "seal_mdao.plotting.history",
+    "design_comparison": "seal_mdao.plotting.comparison",
+    "sensitivity_errors": "seal_mdao.plotting.sensitivity",
+    "step_study": "seal_mdao.plotting.sensitivity",
+    "RecordedOptimization": "seal_mdao.plotting.recorded",
+    "read_optimization": "seal_mdao.plotting.recorded",
+}
+
+__all__ = list(_LAZY)
+
+
+def __getattr__(name):
+    if name not in _LAZY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_LAZY[name]), name)
+
+
+def __dir__():
+    return sorted(__all__)

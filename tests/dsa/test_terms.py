@@ -45,7 +45,7 @@ def internal_force(discretization, constants, d):
         discretization.cells.table, discretization.weights, constants, d, layout.scatter[0], force,
         np.empty(0),
     )  # fmt: skip
-    return force[layout.equations] * (layout.equations >= 0)[..., None].any(axis=-1)
+    return np.where(layout.equations >= 0, force[layout.equations], 0.0)
 
 
 def test_tributary_lengths_add_up_to_the_free_boundary(drawn, disc):
@@ -130,6 +130,11 @@ def test_internal_seeds_are_the_transpose_of_internal_rates(drawn, disc, velocit
         back[active] += grad_bar[0, here] @ block
     size = np.abs(rows[:, None] * load[:-1]).sum(axis=0)
     np.testing.assert_allclose(back, ahead, rtol=0.0, atol=1e-12 * size.max())
+    # the force is linear in C10, C01 and K
+    for unit, seed in zip(np.eye(3), constants_bar[0], strict=True):
+        force = internal_force(disc, tuple(unit), d)[equations >= 0]
+        own = adjoint[0][equations >= 0]
+        assert seed == pytest.approx(-own @ force, abs=1e-12 * np.abs(own * force).sum())
 
 
 def test_displacement_seeds_are_the_transpose_of_solution_rates(disc, rng):
@@ -146,7 +151,6 @@ def test_displacement_seeds_are_the_transpose_of_solution_rates(disc, rng):
 def test_point_adjoint_is_the_field_of_the_adjoint_coefficients(disc, rng):
     adjoint, out = rng.standard_normal((2, 174, 2)), np.empty((2, 51, 2))
     point_adjoint(disc.contact.table, adjoint, out)
-    exact = np.zeros((51, 2, 2))
     vector = np.moveaxis(adjoint, 0, 2)
     fields = np.zeros((51, 174))
     table = disc.contact.table
@@ -229,6 +233,29 @@ def test_rates_of_every_step_of_the_path(random_design, name):
             )
 
 
+def end_rates(result, measured=None, history=True):
+    """Rates at the end of the path; without history, those of the last step alone."""
+    rates = parameter_rates(result.model)
+    sweep, last = DirectSweep(result.path, path_problem(result), rates), len(result.path.steps) - 1
+    if not history:
+        return sweep.step(result.path.steps[-1], np.zeros((51, 3, rates.count)))
+    return sweep.run(measured)[last]
+
+
+def test_without_friction_the_last_step_alone_is_enough(frictionless):
+    """Solving all steps with their histories gives the same rates: nothing is carried."""
+    alone = end_rates(frictionless, history=False)
+    every = end_rates(frictionless, measured=range(len(frictionless.path.steps)))
+    scale = np.abs(every.solution).max()
+    np.testing.assert_allclose(alone.solution, every.solution, rtol=0.0, atol=1e-12 * scale)
+
+
+def test_with_friction_the_last_step_alone_is_not_enough(random_design):
+    alone, swept = end_rates(random_design, history=False), end_rates(random_design)
+    change = np.abs(alone.solution - swept.solution).max()
+    assert change > 0.1 * np.abs(swept.solution).max()
+
+
 def test_particle_gradient_contracts_to_the_design_gradient(random_design):
     """dm/dp = sum dm/dX . V for every measure, by either method."""
     design = sm.differentiate(random_design)
@@ -245,7 +272,8 @@ def test_particle_gradient_contracts_to_the_design_gradient(random_design):
 def test_particle_gradient_is_the_same_by_direct_and_adjoint(frictionless):
     """And with respect to scalars, which both methods take from the same sweep."""
     direct, adjoint = (
-        particle_gradient(frictionless, ("c10", "depth"), method) for method in ("direct", "adjoint")
+        particle_gradient(frictionless, ("c10", "depth"), method)
+        for method in ("direct", "adjoint")
     )
     assert set(direct) == set(adjoint) == {"particles", "c10", "depth"}
     for wrt in direct:

@@ -1,0 +1,113 @@
+"""Normal gap along the outer boundary at the end of the path."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from seal_mdao.contact.friction import OPEN, SLIP
+from seal_mdao.measures.selection import opened_points
+from seal_mdao.plotting.style import BLUE, GREY, ORANGE, SKY, VERMILION, styled, subplots
+from seal_mdao.seal import SealResult
+
+NEIGHBOURS = 3
+"""Open points shown beyond either end of the contact."""
+LEAST_SCALE = 0.02
+"""Gap that the vertical axis shows at least, mm."""
+
+
+def boundary_coordinate(result: SealResult) -> np.ndarray:
+    """Undeformed arc length of the contact points along the outer boundary, shape (k,), mm.
+
+    Counted from the highest point of the undeformed boundary, positive to the right.
+    """
+    x = result.particles[result.model.body.contact]
+    s = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(x, axis=0).T))])
+    top = int(np.argmax(x[:, 1]))
+    return s[top] - s  # contact points run counter-clockwise, from the right to the left
+
+
+@styled
+def gap_profile(result: SealResult, earlier=()) -> Figure:
+    """Normal gap of the contact points around the contact, open stretch shaded.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+    earlier : sequence of float
+        Door travels (mm) at which the gap is drawn as a thin line as well.
+
+    Returns
+    -------
+    Figure
+    """
+    figure, axes = subplots(width=7.2, height=4.4)
+    s, end = boundary_coordinate(result), result.path.nominal_steps[-1]
+    shown = _shown_points(end.after.state)
+    opened = opened_points(end.after.state)
+    _shade_open(axes, s, opened)
+    for number, travel in enumerate(earlier):
+        _earlier_line(axes, result, s, travel, (":", "-.", "--")[number % 3])
+    axes.plot(s[shown], end.gap[shown], color=GREY, linewidth=1.2, zorder=3)
+    _draw_states(axes, s, end, shown)
+    axes.axhline(0.0, color="black", linewidth=1.0, zorder=2)
+    highest = max(LEAST_SCALE, *end.gap[opened])
+    axes.set_ylim(-0.18 * highest, 1.45 * highest)
+    axes.set_xlim(s[shown].min() - 0.5, s[shown].max() + 0.5)
+    axes.xaxis.set_major_locator(MultipleLocator(2.0))
+    axes.set_xlabel("undeformed arc length from the top of the seal, to the right (mm)")
+    axes.set_ylabel("normal gap to the door (mm)")
+    axes.set_title(_summary(end, opened), loc="left", fontsize=9.5)
+    axes.legend(loc="upper center", ncols=3)
+    return figure
+
+
+def _shown_points(state: np.ndarray) -> np.ndarray:
+    touching = np.flatnonzero(state != OPEN)
+    if touching.size == 0:
+        return np.arange(state.size)
+    first = max(touching[0] - NEIGHBOURS, 0)
+    return np.arange(first, min(touching[-1] + NEIGHBOURS + 1, state.size))
+
+
+def _shade_open(axes: Axes, s: np.ndarray, opened: np.ndarray) -> None:
+    """Shade every stretch of neighbouring open points, half a spacing beyond its ends."""
+    for run in np.split(opened, np.flatnonzero(np.diff(opened) > 1) + 1):
+        if run.size:
+            ends = 0.5 * (s[run[0] - 1] + s[run[0]]), 0.5 * (s[run[-1]] + s[run[-1] + 1])
+            axes.axvspan(min(ends), max(ends), color=SKY, alpha=0.22, linewidth=0, zorder=0)
+
+
+def _earlier_line(axes: Axes, result: SealResult, s: np.ndarray, travel: float, style) -> None:
+    step = int(np.argmin(np.abs(result.door_travel - travel)))
+    gap = result.path.nominal_steps[step].gap
+    axes.plot(
+        s, gap, color=GREY, linewidth=1.0, linestyle=style, zorder=1,
+        label=f"at {result.door_travel[step]:.1f} mm",
+    )  # fmt: skip
+
+
+def _draw_states(axes: Axes, s: np.ndarray, end, shown: np.ndarray) -> None:
+    state = end.after.state[shown]
+    groups = (
+        (state == OPEN, "open", "o", "white", BLUE),
+        ((state != OPEN) & (state != SLIP), "stick", "s", BLUE, BLUE),
+        (state == SLIP, "slip", "^", ORANGE, VERMILION),
+    )
+    for chosen, label, marker, fill, edge in groups:
+        if chosen.any():
+            axes.plot(
+                s[shown][chosen], end.gap[shown][chosen], linestyle="none", marker=marker,
+                markersize=7, markerfacecolor=fill, markeredgecolor=edge, label=label, zorder=4,
+            )  # fmt: skip
+
+
+def _summary(end, opened: np.ndarray) -> str:
+    penetration = 1e3 * max(0.0, -end.gap.min())
+    if opened.size == 0:
+        return f"no open stretch, deepest penetration {penetration:.1f} µm"
+    return (
+        f"{opened.size} open point{'s' * (opened.size > 1)} (shaded), largest gap {end.gap[opened].max():.3f} mm, "
+        f"deepest penetration {penetration:.1f} µm"
+    )

@@ -1,0 +1,66 @@
+"""Reaction of the door against its travel."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
+from seal_mdao.seal import SealResult
+
+UNIT_SEAL = 0.1
+"""Length of seal for which engineers quote forces, m."""
+
+
+@styled
+def reaction_curve(result: SealResult) -> Figure:
+    """Both components of the force on the door against door travel.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+
+    Returns
+    -------
+    Figure
+        N/m on the left axis, N per 100 mm of seal on the right one.
+    """
+    figure, axes = subplots(width=6.4, height=4.2)
+    travel, force = result.door_travel, result.reaction
+    axes.axhline(0.0, color="black", linewidth=0.8)
+    for component, name, color, style in (
+        (1, "vertical", BLUE, "-"),
+        (0, "horizontal", VERMILION, "--"),
+    ):
+        axes.plot(travel, force[:, component], color=color, linestyle=style, label=name)
+        if len(travel):
+            _mark_end(axes, travel[-1], force[-1, component], color)
+    axes.set_xlabel("door travel from first touch of the drawn seal (mm)")
+    axes.set_ylabel("force on the door (N/m)")
+    axes.set_xlim(_before_touch(result), 1.1 * max(1e-3, *travel[-1:]))
+    right = axes.secondary_yaxis(
+        "right", functions=(lambda f: f * UNIT_SEAL, lambda f: f / UNIT_SEAL)
+    )
+    right.set_ylabel("N per 100 mm of seal")
+    axes.legend(loc="upper left", title="component")
+    if not result.converged:
+        axes.set_title("path not completed: last converged step shown")
+    return figure
+
+
+def _before_touch(result: SealResult) -> float:
+    """Travel at which the picture starts: 0, or just before a design touches earlier."""
+    touched = np.flatnonzero(np.any(result.reaction != 0.0, axis=1))
+    first = max(touched[0] - 1, 0) if touched.size else None
+    return 0.0 if first is None else min(0.0, result.door_travel[first])
+
+
+def _mark_end(axes, x: float, y: float, color) -> None:
+    axes.plot(x, y, "o", color=color)
+    axes.annotate(
+        signed(y), (x, y), xytext=(6, 0), textcoords="offset points", va="center", color=color
+    )
+
+
+def travel_table(result: SealResult) -> np.ndarray:
+    """Door travel (mm) and both force components (N/m) of every step, shape (n_steps, 3)."""
+    return np.column_stack([result.door_travel, result.reaction])

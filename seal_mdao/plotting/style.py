@@ -1,0 +1,73 @@
+"""Colours, sizes and the one way a figure is made and saved."""
+
+from pathlib import Path
+
+import matplotlib
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+# Okabe and Ito: told apart with any colour vision
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+GREY, LIGHT_GREY = "#6E6E6E", "#DADADA"
+CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+STRESS_MAP = "viridis"
+
+SETTINGS = {
+    "font.size": 10.0,
+    "axes.titlesize": 10.5,
+    "axes.labelsize": 10.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "legend.edgecolor": "none",
+    "legend.framealpha": 0.85,
+    "legend.fontsize": 9.0,
+    "hatch.linewidth": 0.6,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 5.0,
+}
+
+
+styled = matplotlib.rc_context(SETTINGS)
+"""Decorator of the functions that make a figure: the house style while they run."""
+
+
+def signed(value: float, digits: int = 1) -> str:
+    """A number as text with a real minus sign."""
+    return f"{value:.{digits}f}".replace("-", "\u2212")
+
+
+def subplots(rows: int = 1, columns: int = 1, *, width: float, height: float, **options):
+    """A figure outside pyplot with a grid of axes in the house style.
+
+    Parameters
+    ----------
+    rows, columns : int
+    width, height : float
+        Inches.
+    **options
+        For ``Figure.subplots``.
+
+    Returns
+    -------
+    figure : Figure
+    axes : Axes or ndarray of Axes
+    """
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, **options)
+
+
+@styled
+def save(figure: Figure, path, dpi: int = 160) -> Path:
+    """Write a figure to ``path``, making its folder; returns the path."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=dpi)
+    return path

@@ -1,0 +1,53 @@
+"""Progress bar over the load steps of an analysis, fed by its callback."""
+
+from tqdm import tqdm
+
+from seal_mdao.analysis.result import ConvergedStep
+from seal_mdao.model import SealModel
+
+
+class LoadStepProgress:
+    """A tqdm bar that counts load steps; hand it to ``analyze`` or ``SealGroup`` as ``callback``.
+
+    The bar starts again with every new analysis and numbers them. It writes to standard error and
+    stays silent when that is not a terminal.
+
+    Parameters
+    ----------
+    model : SealModel
+        Gives the number of load steps.
+    label : str
+        What the bar says before the number of the analysis.
+    n_analyses : int, optional
+        How many analyses there will be, when that is known.
+
+    Attributes
+    ----------
+    analyses : int
+        Analyses that have begun.
+    """
+
+    def __init__(self, model: SealModel, label: str = "analysis", n_analyses: int | None = None):
+        self.analyses = 0
+        self._label, self._of = label, "" if n_analyses is None else f"/{n_analyses}"
+        self._bar = tqdm(total=model.n_steps, unit="step", disable=None, leave=False)
+        self._last = None
+
+    def __call__(self, step: ConvergedStep) -> None:
+        """Note one completed load step."""
+        if self._last is None or step.nominal <= self._last:
+            self.analyses += 1
+            self._bar.reset()
+            self._bar.set_description(f"{self._label} {self.analyses}{self._of}", refresh=False)
+        self._last = step.nominal
+        self._bar.update(step.nominal + 1 - self._bar.n)
+
+    def close(self) -> None:
+        """Remove the bar."""
+        self._bar.close()
+
+    def __enter__(self) -> "LoadStepProgress":
+        return self
+
+    def __exit__(self, *exception) -> None:
+        self.close()

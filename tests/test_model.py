@@ -1,0 +1,144 @@
+"""The frozen model: defaults of the example, changes, and wrong options refused at once."""
+
+from dataclasses import FrozenInstanceError
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+
+
+def test_defaults_are_the_example():
+    model = sm.door_seal()
+    assert model == sm.SealModel()
+    assert model.drawn_particles.shape == (174, 2)
+    assert model.n_offsets == 25
+    assert (model.friction, model.corner_x, model.drawn_door_radius) == (0.25, 2.0, 4.0)
+    assert (model.material.c10, model.material.c01) == (80.0, 20.0)
+    assert len(model.body.constrained) == 7
+    assert len(model.body.contact) == 51
+    assert len(model.body.cells) == 116
+
+
+def test_door_starts_clear_of_every_design_and_goes_down_in_equal_steps():
+    model = sm.door_seal()
+    assert model.positions.shape == (106, 2)
+    np.testing.assert_array_equal(model.positions[:, 0], 0.0)
+    np.testing.assert_allclose(model.positions[[0, 5, 105], 1], [10.0, 9.5, -0.5], atol=1e-12)
+    np.testing.assert_allclose(np.diff(model.positions[:, 1]), -0.1, rtol=1e-12)
+    bulge = model.particles(np.concatenate([np.full(14, 0.5), np.zeros(11)]))
+    assert bulge[:, 1].max() <= model.start + 1e-12
+
+
+def test_changes_make_a_new_model():
+    model = sm.door_seal()
+    other = model.with_(friction=0.3)
+    assert (model.friction, other.friction) == (0.25, 0.3)
+    assert other.with_(friction=0.25) == model
+    assert hash(other.with_(friction=0.25)) == hash(model)
+    with pytest.raises(FrozenInstanceError):
+        model.friction = 0.4
+
+
+def test_scalar_parameters_reach_the_material_and_the_law():
+    model = sm.door_seal().with_parameters({"c10": 70.0, "friction": 0.1, "depth": 8.0})
+    assert (model.material.c10, model.material.c01) == (70.0, 20.0)
+    assert model.law.friction == 0.1
+    assert model.positions[-1, 1] == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("depth", [4.0, 12.0])
+def test_depth_is_counted_from_the_top_of_the_drawn_seal(depth):
+    model = sm.door_seal(depth=depth)
+    assert 9.5 - model.positions[-1, 1] == pytest.approx(depth, rel=1e-14)
+
+
+def test_unknown_option_names_the_known_ones():
+    with pytest.raises(TypeError, match=r"fricton.*friction_history"):
+        sm.door_seal(fricton=0.3)
+
+
+WRONG = [
+    ("rays", 60), ("rays", 0), ("rays", 58.0), ("rays", "58"), ("layers", 1), ("layers", 2.5),
+    ("n_gauss", 0), ("n_steps", 0), ("n_steps", 10.0), ("basis_order", 3), ("basis_order", "1"),
+    ("support", 0.0), ("support", -1.0), ("support", np.nan), ("support", np.inf),
+    ("support", "wide"), ("solver", "cholesky"), ("door", "round"), ("door", None),
+    ("friction", -0.1), ("friction", np.nan), ("friction", "dry"), ("friction", None),
+    ("friction_history", "none"), ("normal_penalty", 0.0), ("normal_penalty", np.inf),
+    ("tangent_penalty", -1.0), ("tangent_penalty", "soft"), ("drawn_door_radius", 0.0),
+    ("drawn_door_radius", np.nan), ("corner_x", np.nan), ("corner_x", None), ("segments", 3),
+    ("segments", 32.0), ("segments", "32"), ("start", 9.5), ("start", np.nan), ("start", "high"),
+    ("depth", 0.0), ("depth", -1.0), ("depth", 19.5), ("depth", np.nan), ("depth", None),
+    ("outer_parameters", 1), ("inner_parameters", 3), ("inner_parameters", 4.5),
+    ("material", "rubber"), ("material", None), ("section", None), ("newton", "fast"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "value"), WRONG)
+def test_wrong_options_are_refused_by_name(name, value):
+    with pytest.raises((ValueError, TypeError), match=name):
+        sm.door_seal(**{name: value})
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"tolerance": -1.0}, {"tolerance": np.nan}, {"max_iterations": 0},
+              {"max_iterations": 2.5}, {"max_cuts": -1}]
+)  # fmt: skip
+def test_wrong_newton_options_are_refused_by_name(wrong):
+    with pytest.raises((ValueError, TypeError), match=next(iter(wrong))):
+        sm.NewtonOptions(**wrong)
+
+
+def test_numpy_integers_are_integers():
+    model = sm.door_seal(
+        rays=np.int64(58), layers=np.int64(3), n_steps=np.int64(10), segments=np.int64(32)
+    )
+    assert len(model.profile(4.0).kind) == 32
+
+
+@pytest.mark.parametrize(
+    ("offsets", "match"),
+    [
+        (np.zeros(24), r"\(25,\)"),
+        (np.zeros((1, 25)), r"\(25,\)"),
+        (np.r_[np.zeros(24), np.nan], r"\[24\]"),
+        (np.r_[np.inf, np.zeros(24)], r"\[0\]"),
+        (np.r_[0.0, -2.5, np.zeros(23)], r"\[1\].*2.5"),
+    ],
+)
+def test_wrong_offsets_are_refused_by_number(offsets, match):
+    with pytest.raises(ValueError, match=match):
+        sm.analyze(sm.door_seal(), offsets)
+
+
+@pytest.mark.parametrize("radius", [0.0, -1.0, np.nan, np.inf])
+def test_wrong_door_radius_is_refused(radius):
+    with pytest.raises(ValueError, match="door_radius"):
+        sm.analyze(sm.door_seal(), door_radius=radius)
+
+
+def test_door_radius_must_be_one_number():
+    with pytest.raises((ValueError, TypeError), match="door_radius"):
+        sm.analyze(sm.door_seal(depth=0.5, n_steps=6), door_radius=[4.0, 5.0])
+
+
+@pytest.mark.parametrize("radius", [120.0])
+def test_door_radius_beyond_the_drawn_flat_is_refused(radius):
+    """The flat ends at x = side - radius; its far end is where the profile begins."""
+    with pytest.raises(ValueError, match="door_radius"):
+        sm.analyze(sm.door_seal(depth=0.5, n_steps=6), door_radius=radius)
+
+
+def test_particles_of_a_wrong_shape_are_refused():
+    from seal_mdao.seal import analyze_particles
+
+    model = sm.door_seal(depth=0.5, n_steps=6)
+    with pytest.raises(ValueError, match=r"\(174, 2\)"):
+        analyze_particles(model, model.drawn_particles[:-1])
+
+
+def test_door_forms():
+    """One line; line, arc, line; and as many straight pieces as asked for."""
+    assert len(sm.door_seal(door="flat").profile(4.0).kind) == 1
+    assert len(sm.door_seal().profile(4.0).kind) == 3
+    assert len(sm.door_seal(segments=32).profile(4.0).kind) == 32
