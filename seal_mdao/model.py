@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from numbers import Integral, Real
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.friction import FRICTION_HISTORIES, ContactLaw
 from seal_mdao.design.splines import BoundarySplines, design_velocity
 from seal_mdao.geometry.profile import (
+    PROFILE_EXTENT,
     RigidProfile,
     corner_profile,
     flat_profile,
@@ -28,6 +30,14 @@ OFFSET_BOUND = 0.5
 def _require(condition: bool, message: str) -> None:
     if not condition:
         raise ValueError(message)
+
+
+def _is_integer(value, least: int) -> bool:
+    return isinstance(value, Integral) and not isinstance(value, bool) and value >= least
+
+
+def _is_number(value) -> bool:
+    return isinstance(value, Real) and bool(np.isfinite(value))
 
 
 @dataclass(frozen=True)
@@ -98,15 +108,26 @@ class SealModel:
     solver: str = "auto"
 
     def __post_init__(self):
+        self._check_parts()
         self._check_discretization()
         self._check_contact()
         self._check_path()
+
+    def _check_parts(self):
+        for name, kind in (
+            ("material", MooneyRivlin),
+            ("section", Section),
+            ("newton", NewtonOptions),
+        ):
+            value = getattr(self, name)
+            if not isinstance(value, kind):
+                raise TypeError(f"{name} must be a {kind.__name__}, got {value!r}")
 
     def _check_discretization(self):
         for name, least in (("rays", BASE_RAYS), ("layers", 2), ("n_gauss", 1), ("n_steps", 1)):
             value = getattr(self, name)
             _require(
-                isinstance(value, int | np.integer) and value >= least,
+                _is_integer(value, least),
                 f"{name} must be an integer of at least {least}, got {value!r}",
             )
         _require(
@@ -116,12 +137,16 @@ class SealModel:
         _require(
             self.basis_order in (1, 2), f"basis_order must be 1 or 2, got {self.basis_order!r}"
         )
-        _require(
-            np.isfinite(self.support) and self.support > 0,
-            f"support = {self.support} must be positive",
-        )
+        self._check_positive("support")
         _require(self.solver in SOLVERS, f"solver must be one of {SOLVERS}, got {self.solver!r}")
         _ = self.splines
+
+    def _check_positive(self, *names):
+        for name in names:
+            value = getattr(self, name)
+            _require(
+                _is_number(value) and value > 0, f"{name} must be a positive number, got {value!r}"
+            )
 
     def _check_contact(self):
         _require(self.door in DOORS, f"door must be one of {DOORS}, got {self.door!r}")
@@ -130,27 +155,27 @@ class SealModel:
             f"friction_history must be one of {FRICTION_HISTORIES}, got {self.friction_history!r}",
         )
         _require(
-            np.isfinite(self.friction) and self.friction >= 0.0,
-            f"friction = {self.friction} must not be negative",
+            _is_number(self.friction) and self.friction >= 0.0,
+            f"friction must be a number that is not negative, got {self.friction!r}",
         )
-        for name in ("normal_penalty", "tangent_penalty", "drawn_door_radius"):
-            value = getattr(self, name)
-            _require(np.isfinite(value) and value > 0, f"{name} = {value} must be positive")
-        _require(np.isfinite(self.corner_x), f"corner_x = {self.corner_x} must be finite")
+        self._check_positive("normal_penalty", "tangent_penalty", "drawn_door_radius")
         _require(
-            self.segments is None or (isinstance(self.segments, int) and self.segments >= 4),
+            _is_number(self.corner_x), f"corner_x must be a finite number, got {self.corner_x!r}"
+        )
+        _require(
+            self.segments is None or _is_integer(self.segments, 4),
             f"segments must be None or an integer of at least 4, got {self.segments!r}",
         )
 
     def _check_path(self):
         top = self.section.outer_radius
         _require(
-            np.isfinite(self.start) and self.start > top,
-            f"start = {self.start} must lie above the top of the seal at {top}",
+            _is_number(self.start) and self.start > top,
+            f"start must be a number above the top of the seal at {top}, got {self.start!r}",
         )
         _require(
-            np.isfinite(self.depth) and 0.0 < self.depth < 2 * top,
-            f"depth = {self.depth} must lie between 0 and {2 * top}",
+            _is_number(self.depth) and 0.0 < self.depth < 2 * top,
+            f"depth must be a number between 0 and {2 * top}, got {self.depth!r}",
         )
 
     def with_(self, **changes) -> "SealModel":
@@ -271,8 +296,14 @@ class SealModel:
         """Corner radius as a float; the drawn one for None."""
         if door_radius is None:
             return float(self.drawn_door_radius)
-        radius = float(np.asarray(door_radius).reshape(-1)[0])
-        _require(np.isfinite(radius) and radius > 0.0, f"door_radius = {radius} must be positive")
+        values = np.asarray(door_radius, float).reshape(-1)
+        _require(values.size == 1, f"door_radius must be one number, got {values.size}")
+        radius = float(values[0])
+        _require(
+            np.isfinite(radius) and 0.0 < radius < PROFILE_EXTENT,
+            f"door_radius = {radius} must be positive and below {PROFILE_EXTENT}, where the drawn "
+            "flat of the door begins",
+        )
         return radius
 
 

@@ -71,7 +71,8 @@ def solve_path(
     """
     options = NewtonOptions() if options is None else options
     problem = PathProblem(discretization, material, profile, law)
-    last, factor = _initial_step(problem, program.at(0.0))
+    start, factor = _initial_step(problem, program.at(0.0))
+    last = start
     if np.any(last.after.state != OPEN):
         deepest = -float(last.gap.min())
         raise GeometryError(
@@ -89,7 +90,7 @@ def solve_path(
             if status is not Status.CONVERGED:
                 if share * 0.5 < 0.5**options.max_cuts:
                     failure = _describe(problem, status, nominal, end, target, residuals)
-                    return PathResult(discretization, steps, status, cuts, failure)
+                    return PathResult(discretization, start, steps, status, cuts, failure)
                 cuts += 1
                 pending += [0.5 * share, 0.5 * share]
                 # the predictor needs the tangent of the last converged step again
@@ -104,7 +105,7 @@ def solve_path(
             steps.append(last)
         if callback is not None:
             callback(last)
-    return PathResult(discretization, steps, Status.CONVERGED, cuts)
+    return PathResult(discretization, start, steps, Status.CONVERGED, cuts)
 
 
 def _describe(problem, status, nominal, end, target, residuals) -> str:

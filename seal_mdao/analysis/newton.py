@@ -1,6 +1,7 @@
 """Newton iterations with the consistent tangent, Eq. (44)."""
 
 from dataclasses import dataclass
+from numbers import Integral
 
 import numpy as np
 
@@ -26,6 +27,14 @@ class NewtonOptions:
     tolerance: float = 1e-10
     max_iterations: int = 15
     max_cuts: int = 8
+
+    def __post_init__(self):
+        if not (np.isfinite(self.tolerance) and self.tolerance > 0.0):
+            raise ValueError(f"tolerance must be a positive number, got {self.tolerance!r}")
+        for name, least in (("max_iterations", 1), ("max_cuts", 0)):
+            value = getattr(self, name)
+            if not isinstance(value, Integral) or value < least:
+                raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")
 
 
 def newton(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOptions):

@@ -81,6 +81,8 @@ class PathResult:
     Attributes
     ----------
     discretization : Discretization
+    start : ConvergedStep
+        The undeformed state, in which the history begins.
     steps : list of ConvergedStep
         All converged steps in order, cut ones included.
     status : Status
@@ -92,6 +94,7 @@ class PathResult:
     """
 
     discretization: Discretization
+    start: ConvergedStep = field(repr=False)
     steps: list = field(repr=False)
     status: Status
     step_cuts: int

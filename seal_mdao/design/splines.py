@@ -8,6 +8,7 @@ particles are linear in the parameters and the design velocity V of Eq. (48) is 
 
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Integral
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -55,7 +56,7 @@ class BoundarySplines:
     def __post_init__(self):
         for name, least in (("outer_parameters", 2), ("inner_parameters", 4)):
             value = getattr(self, name)
-            if not isinstance(value, int) or value < least:
+            if not isinstance(value, Integral) or value < least:
                 raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")
 
     @property

@@ -156,9 +156,18 @@ class AdjointSweep:
             if frictionless and place not in seeds:
                 continue
             history_bar = self.step(self.path.steps[place], seeds.get(place), history_bar)
+        self._collect_start(history_bar)
         return AdjointGradient(
             self._pull_back(), self.contact.copy(), self.constants.copy(), self.motion.copy()
         )
+
+    def _collect_start(self, history_bar):
+        """Seeds on the history of the undeformed state, which moves with the design."""
+        out_bar = np.zeros((self.m, history_bar.shape[1], 6))
+        out_bar[:, :, XI : CARRIED + 1] = history_bar
+        in_bar = _contract(out_bar, local_contact(self.problem, self.path.start))
+        self.x_bar += in_bar[:, :, X:XI_0]
+        self.contact += in_bar[:, :, RADIUS:].sum(axis=1)
 
     def _pull_back(self) -> np.ndarray:
         """All collected seeds to the particles, (M, n, 2)."""

@@ -96,6 +96,13 @@ class DirectSweep:
         self.inputs[:, LENGTH] = self.shape.length
         self.inputs[:, RADIUS:] = contact_input_rates(rates, k)
 
+    def start(self) -> np.ndarray:
+        """Rates of the history in the undeformed state, which moves with the design, (k, 3, P)."""
+        inputs = self.inputs
+        inputs[:, X:XI_0] = self.contact_velocity
+        inputs[:, XI_0:LENGTH] = 0.0
+        return (local_contact(self.problem, self.path.start) @ inputs)[:, XI : CARRIED + 1].copy()
+
     def step(self, step, history_rates) -> StepRates:
         """Solve (70) at one converged step."""
         disc, problem = self.disc, self.problem
@@ -137,7 +144,7 @@ class DirectSweep:
         last = len(self.path.steps) - 1
         measured = {last} if measured is None else set(measured)
         frictionless = self.problem.law.friction == 0.0
-        history = np.zeros((len(self.disc.body.contact), 3, self.rates.count))
+        history = self.start()
         wanted = {}
         for place, step in enumerate(self.path.steps[: max(measured) + 1]):
             if frictionless and place not in measured:

@@ -12,6 +12,9 @@ import numpy as np
 
 LINE, ARC = 0, 1
 
+PROFILE_EXTENT = 100.0
+"""Length of the straight end pieces (mm for the door); they continue beyond it."""
+
 
 class RigidProfile(NamedTuple):
     """Pieces of a rigid curve and their derivatives with respect to one shape parameter.
@@ -110,12 +113,12 @@ def _profile(pieces, rates) -> RigidProfile:
     )  # fmt: skip
 
 
-def flat_profile(extent: float = 100.0) -> RigidProfile:
+def flat_profile(extent: float = PROFILE_EXTENT) -> RigidProfile:
     """A flat lower face through y = 0, outward normal (0, -1); the end pieces of a profile extend."""
     return _profile([(LINE, (-extent, 0.0), 0.0, 1.0, 2 * extent)], [((0.0, 0.0), 0.0, 0.0, 0.0)])
 
 
-def corner_profile(corner_x: float, radius: float, side: float, extent: float = 100.0):
+def corner_profile(corner_x: float, radius: float, side: float, extent: float = PROFILE_EXTENT):
     """Flat at y = 0, quarter circle, vertical side: the door, exact line-arc-line form.
 
     Parameters
@@ -144,7 +147,7 @@ def corner_profile(corner_x: float, radius: float, side: float, extent: float = 
 
 
 def segmented_corner_profile(
-    corner_x: float, radius: float, side: float, segments: int, extent: float = 100.0
+    corner_x: float, radius: float, side: float, segments: int, extent: float = PROFILE_EXTENT
 ):
     """The door as ``segments`` straight pieces: the flat, the side, and chords of the arc."""
     angle = np.linspace(-0.5 * np.pi, 0.0, segments - 1)

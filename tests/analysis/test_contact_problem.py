@@ -45,8 +45,10 @@ def residual(problem, step, d):
 
 
 def test_converged_steps_are_in_equilibrium(pressed):
+    """And are found again from the record, whatever slip directions an iteration left behind."""
     problem = problem_of(pressed)
-    for step in pressed.path.steps[::10]:
+    for place, step in enumerate(pressed.path.steps[::5]):
+        problem.direction[:] = place % 3 - 1
         problem.assemble_at(step)
         _, size, rounding = problem.residual()
         assert size <= 1e-11 or rounding
