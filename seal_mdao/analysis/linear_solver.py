@@ -19,6 +19,8 @@ SOLVERS = ("auto", "banded", "superlu")
 # Clouds up to this size get their band narrowed by trying that many starting particles.
 SEARCHED_CLOUD, SEARCHED_STARTS = 2000, 20
 
+WIDEST_BAND = 160
+
 
 class Scatter(NamedTuple):
     """Destinations of the element entries of one shape table.
@@ -261,11 +263,11 @@ def _sparse_storage(equations, n, coupling):
     return SparseStorage(n, pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32))
 
 
-def _choose(solver, n, width):
-    """Banded factorisation costs ~ n width^2; it wins while the band is thin."""
+def _choose(solver, width):
+    """Banded factorisation costs n width^2; measured, it wins up to this half-width."""
     if solver != "auto":
         return solver
-    return "banded" if width <= 160 and n * width <= 4_000_000 else "superlu"
+    return "banded" if width <= WIDEST_BAND else "superlu"
 
 
 def tangent_layout(fixed: np.ndarray, tables, solver: str = "auto") -> TangentLayout:
@@ -283,7 +285,7 @@ def tangent_layout(fixed: np.ndarray, tables, solver: str = "auto") -> TangentLa
     coupling = _coupling(len(fixed), tables)
     equations, width = number_equations(fixed, coupling, tables)
     n = int(equations.max()) + 1
-    if _choose(solver, n, width) == "banded":
+    if _choose(solver, width) == "banded":
         storage = BandedStorage(n, width)
         rows, pointers, indices = storage.rows, np.empty(0, np.int32), np.empty(0, np.int32)
     else:
