@@ -9,6 +9,8 @@ import openmdao.api as om
 from openmdao.core.driver import Driver
 
 from seal_mdao.components.seal_group import SealGroup
+from seal_mdao.drivers.ipopt_driver import IpoptDriver
+from seal_mdao.drivers.slsqp_driver import ResilientSLSQPDriver
 from seal_mdao.model import OFFSET_BOUND, SealModel
 from seal_mdao.seal import SealResult, analyze
 
@@ -22,19 +24,23 @@ FORCE_BAND = 0.1
 OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
 TOLERANCE = 1e-6
-"""SLSQP's accuracy, in units of the scaled objective."""
+"""The optimisers' accuracy, in units of the scaled objective."""
 SETTINGS_OPTION = "seal_settings"
 """Option of the recorded model that holds the settings of its ``SealModel`` as JSON."""
 
 
 def slsqp_driver(max_iterations: int = 50) -> Driver:
-    """SciPy's SLSQP; all settings of the optimiser are here and in the constants above."""
-    return om.ScipyOptimizeDriver(
-        optimizer="SLSQP", tol=TOLERANCE, maxiter=max_iterations, disp=False
-    )
+    """SLSQP that backs off when an analysis fails."""
+    return ResilientSLSQPDriver(tol=TOLERANCE, maxiter=max_iterations, disp=False)
 
 
-OPTIMIZERS = {"SLSQP": slsqp_driver}
+def ipopt_driver(max_iterations: int = 200) -> Driver:
+    """IPOPT; needs the extra ``ipopt``."""
+    return IpoptDriver(tol=TOLERANCE, maxiter=max_iterations, disp=False)
+
+
+OPTIMIZERS = {"SLSQP": slsqp_driver, "IPOPT": ipopt_driver}
+"""Drivers by name; all settings of the optimisers are here and in the constants above."""
 
 
 @dataclass(frozen=True, eq=False)
