@@ -1,15 +1,9 @@
-"""Shared set-up: one BLAS thread, and analyses that several folders look at."""
+"""Analyses that several folders look at, and random numbers that belong to a test."""
 
-import os
+import numpy as np
+import pytest
 
-# small band matrices: threads of the BLAS only get in each other's way
-for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")
-
-import numpy as np  # noqa: E402
-import pytest  # noqa: E402
-
-import seal_mdao as sm  # noqa: E402
+import seal_mdao as sm
 
 TIGHT = sm.NewtonOptions(tolerance=1e-11)
 

@@ -62,12 +62,14 @@ class RkpmContactComp(om.ExplicitComponent):
             units="kPa",
             desc="Von Mises stress at the particles frozen for the drawn seal.",
         )
-        self.add_output(
-            "gap",
-            shape=self._points.gap.size,
-            units="mm",
-            desc="Normal gaps at the contact points that stand open in the drawn seal.",
-        )
+        # OpenMDAO has no outputs of size zero: a drawn seal without an open stretch has no gap
+        if self._points.gap.size:
+            self.add_output(
+                "gap",
+                shape=self._points.gap.size,
+                units="mm",
+                desc="Normal gaps at the contact points that stand open in the drawn seal.",
+            )
         self.add_output(
             "gap_square_sum", units="mm**2", desc="Sum of the squared gaps, the cost of Eq. (71)."
         )
@@ -85,9 +87,9 @@ class RkpmContactComp(om.ExplicitComponent):
 
     def compute(self, inputs, outputs):
         result = self._analysis(inputs)
-        for name in ("von_mises", "gap", "gap_square_sum"):
-            outputs[name] = getattr(result, name)
-        outputs["reaction"] = result.reaction[-1]
+        for name in outputs:
+            value = getattr(result, name)
+            outputs[name] = value[-1] if name == "reaction" else value
 
     def compute_partials(self, inputs, partials):
         result = self._analysis(inputs)
@@ -95,7 +97,8 @@ class RkpmContactComp(om.ExplicitComponent):
         gradient = particle_gradient(result, scalars, self.options["sensitivity"])
         for name, by_measure in gradient.items():
             for measure, rows in by_measure.items():
-                partials[measure, name] = rows.reshape(len(rows), -1)
+                if rows.size:
+                    partials[measure, name] = rows.reshape(len(rows), -1)
 
     def _analysis(self, inputs):
         key = tuple(inputs[name].tobytes() for name in inputs)

@@ -15,7 +15,8 @@ class SealGroup(om.Group):
 
     Promoted inputs: ``boundary_offsets`` (mm), ``door_radius`` (mm). Promoted outputs: ``area``
     (mm**2), ``von_mises`` (kPa), ``gap`` (mm), ``gap_square_sum`` (mm**2), ``reaction`` (N/m), and
-    ``particles`` (mm). The option ``parameters`` adds material constants, friction, depth and
+    ``particles`` (mm). Without an opened stretch in the drawn seal there is no ``gap``, and
+    ``gap_square_sum`` is zero. The option ``parameters`` adds material constants, friction, depth and
     penalties to the inputs, with exact derivatives too.
     """
 

@@ -92,7 +92,7 @@ VARIANTS = {
     "frictionless": ({"friction": 0.0, "depth": 3.0}, "boundary_offsets[9]"),
     "quadratic basis": ({"basis_order": 2}, "boundary_offsets[18]"),
     "three Gauss points": ({"n_gauss": 3}, "boundary_offsets[18]"),
-    "refined": ({"rays": 116, "n_steps": 16, "depth": 2.5}, "boundary_offsets[3]"),
+    "refined": ({"rays": 116, "n_steps": 8, "depth": 1.5}, "boundary_offsets[3]"),
 }  # fmt: skip
 
 

@@ -65,7 +65,7 @@ VARIANTS = {
     "wider support": {"support": 2.5},
     "soft door": {"normal_penalty": 1e3, "tangent_penalty": 30.0},
     "touch in the first step": {"start": 9.6, "n_steps": 30},
-    "refined": {"rays": 116, "depth": 2.5, "n_steps": 16},
+    "refined": {"rays": 116, "depth": 1.5, "n_steps": 8},
 }
 
 
