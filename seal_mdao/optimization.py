@@ -10,6 +10,7 @@ from openmdao.core.driver import Driver
 
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.drivers.ipopt_driver import IpoptDriver
+from seal_mdao.drivers.run_support import RunSupport
 from seal_mdao.drivers.slsqp_driver import ResilientSLSQPDriver
 from seal_mdao.model import OFFSET_BOUND, SealModel
 from seal_mdao.seal import SealResult, analyze
@@ -100,6 +101,7 @@ def seal_problem(
     recorder=None,
     callback=None,
     work_dir=None,
+    reports=None,
 ) -> om.Problem:
     """Problem (71): min gap_square_sum over boundary offsets and door radius, set up to run.
 
@@ -116,6 +118,8 @@ def seal_problem(
         Called with every converged load step.
     work_dir : str or Path, optional
         Folder of OpenMDAO's own output; the current one when left out.
+    reports : optional
+        OpenMDAO reports to write, as for ``Problem``; none when left out.
 
     Returns
     -------
@@ -134,8 +138,8 @@ def seal_problem(
     limits = problem_limits(drawn)
     options = {} if work_dir is None else {"work_dir": str(work_dir)}
     problem = om.Problem(
-        SealGroup(model=model, callback=callback), driver=driver or slsqp_driver(), reports=None,
-        name="door_seal", **options,
+        SealGroup(model=model, callback=callback), driver=driver or slsqp_driver(), reports=reports,
+        **options,
     )  # fmt: skip
     _add_variables(problem.model, limits)
     _add_responses(problem.model, limits, keep_force)
@@ -170,6 +174,12 @@ def _record(problem: om.Problem, recorder) -> None:
     driver.add_recorder(recorder)
     driver.recording_options["includes"] = ["*"]
     driver.recording_options["record_derivatives"] = True
+
+
+def major_iterations(problem: om.Problem) -> int | None:
+    """Major iterations that the optimiser itself counted, None when it does not tell."""
+    driver = problem.driver
+    return driver.result.iter_count if isinstance(driver, RunSupport) else None
 
 
 def settings_json(model: SealModel) -> str:

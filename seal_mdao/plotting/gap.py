@@ -42,7 +42,7 @@ def gap_profile(result: SealResult, earlier=()) -> Figure:
     -------
     Figure
     """
-    figure, axes = subplots(width=7.2, height=4.4)
+    figure, axes = subplots(width=7.6, height=4.2)
     s, end = boundary_coordinate(result), result.path.nominal_steps[-1]
     shown = _shown_points(end.after.state)
     opened = opened_points(end.after.state)
@@ -52,14 +52,15 @@ def gap_profile(result: SealResult, earlier=()) -> Figure:
     axes.plot(s[shown], end.gap[shown], color=GREY, linewidth=1.2, zorder=3)
     _draw_states(axes, s, end, shown)
     axes.axhline(0.0, color="black", linewidth=1.0, zorder=2)
-    highest = max(LEAST_SCALE, *end.gap[opened])
+    highest = max([LEAST_SCALE, *end.gap[opened]])
     axes.set_ylim(-0.18 * highest, 1.45 * highest)
     axes.set_xlim(s[shown].min() - 0.5, s[shown].max() + 0.5)
     axes.xaxis.set_major_locator(MultipleLocator(2.0))
     axes.set_xlabel("undeformed arc length from the top of the seal, to the right (mm)")
     axes.set_ylabel("normal gap to the door (mm)")
-    axes.set_title(_summary(end, opened), loc="left", fontsize=9.5)
-    axes.legend(loc="upper center", ncols=3)
+    at_end = f"at {result.door_travel[-1]:.1f} mm: {_summary(end, opened)}"
+    axes.set_title(at_end, loc="left", fontsize=9.5)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
@@ -107,7 +108,8 @@ def _summary(end, opened: np.ndarray) -> str:
     penetration = 1e3 * max(0.0, -end.gap.min())
     if opened.size == 0:
         return f"no open stretch, deepest penetration {penetration:.1f} µm"
+    plural = "s" if opened.size > 1 else ""
     return (
-        f"{opened.size} open point{'s' * (opened.size > 1)} (shaded), largest gap {end.gap[opened].max():.3f} mm, "
+        f"{opened.size} open point{plural} (shaded), largest gap {end.gap[opened].max():.3f} mm, "
         f"deepest penetration {penetration:.1f} µm"
     )

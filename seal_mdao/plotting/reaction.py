@@ -36,7 +36,7 @@ def reaction_curve(result: SealResult) -> Figure:
             _mark_end(axes, travel[-1], force[-1, component], color)
     axes.set_xlabel("door travel from first touch of the drawn seal (mm)")
     axes.set_ylabel("force on the door (N/m)")
-    axes.set_xlim(_before_touch(result), 1.1 * max(1e-3, *travel[-1:]))
+    axes.set_xlim(_before_touch(result), 1.1 * max([1e-3, *travel[-1:]]))
     right = axes.secondary_yaxis(
         "right", functions=(lambda f: f * UNIT_SEAL, lambda f: f / UNIT_SEAL)
     )
@@ -56,11 +56,12 @@ def _before_touch(result: SealResult) -> float:
 
 def _mark_end(axes, x: float, y: float, color) -> None:
     axes.plot(x, y, "o", color=color)
+    align = "center" if y > 0.0 else "top"  # keep off the zero line
     axes.annotate(
-        signed(y), (x, y), xytext=(6, 0), textcoords="offset points", va="center", color=color
+        signed(y), (x, y), xytext=(6, 0), textcoords="offset points", va=align, color=color
     )
 
 
 def travel_table(result: SealResult) -> np.ndarray:
     """Door travel (mm) and both force components (N/m) of every step, shape (n_steps, 3)."""
-    return np.column_stack([result.door_travel, result.reaction])
+    return np.column_stack([np.round(result.door_travel, 12), result.reaction])

@@ -78,7 +78,8 @@ class RecordedOptimization:
     @property
     def max_violation(self) -> np.ndarray:
         """Largest relative constraint violation, shape (n,)."""
-        return np.max([np.zeros(len(self.objective))] + [c.violation() for c in self.constraints], 0)
+        none = np.zeros(len(self.objective))
+        return np.max([none, *(c.violation() for c in self.constraints)], axis=0)
 
     def design_at(self, index: int) -> tuple[np.ndarray, float]:
         """Boundary offsets and door radius (mm) of one point of the history.
@@ -158,12 +159,12 @@ def _final_case(reader: om.CaseReader):
 
 
 def _same_design(a, b) -> bool:
-    first, second = a.get_design_vars(scaled=False), b.get_design_vars(scaled=False)
-    return all(np.array_equal(first[name], second[name]) for name in second.keys())
+    first, second = dict(a.get_design_vars(scaled=False)), dict(b.get_design_vars(scaled=False))
+    return all(np.array_equal(first[name], value) for name, value in second.items())
 
 
 def _stacked(per_case: list) -> dict:
-    return {name: np.array([values[name] for values in per_case]) for name in per_case[0].keys()}
+    return {name: np.array([values[name] for values in per_case]) for name in dict(per_case[0])}
 
 
 def _constraints(reader: om.CaseReader, cases: list) -> list[Constraint]:

@@ -1,0 +1,147 @@
+"""What the scripts share: model options, output folder, errors in one line, summary.json."""
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Callable
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+import seal_mdao as sm
+
+MODEL_OPTIONS = (
+    "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "support",
+    "n_steps", "depth", "normal_penalty", "tangent_penalty",
+)  # fmt: skip
+
+
+class WrongArgumentError(Exception):
+    """Arguments with which the script cannot start."""
+
+
+@contextmanager
+def checked_arguments():
+    """What the package says about wrong values is said about the arguments."""
+    try:
+        yield
+    except (ValueError, ImportError) as error:
+        raise WrongArgumentError(" ".join(str(error).split())) from error
+
+
+class _HelpFormatter(argparse.ArgumentDefaultsHelpFormatter):
+    """Names the defaults that there are."""
+
+    def _get_help_string(self, action):
+        silent = action.default in (None, argparse.SUPPRESS) or action.nargs == 0
+        return action.help if silent else super()._get_help_string(action)
+
+
+def parser(description: str, out: str, positional: str = "") -> argparse.ArgumentParser:
+    """An argument parser with ``--out`` and its default folder; usage errors take one line."""
+    usage = " ".join(["%(prog)s", *positional.split(), "[options]"])
+    made = argparse.ArgumentParser(
+        description=description, formatter_class=_HelpFormatter, usage=usage
+    )
+    made.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help="folder to write")
+    return made
+
+
+def add_model_arguments(made: argparse.ArgumentParser) -> None:
+    """Options that change the door-seal model; what is left out keeps the example's value."""
+    drawn = sm.door_seal()
+    group = made.add_argument_group("model")
+
+    def add(name: str, kind, text: str, **more):
+        flag, default = f"--{name.replace('_', '-')}", getattr(drawn, name)
+        group.add_argument(flag, type=kind, default=default, help=text, **more)
+
+    add("friction", float, "Coulomb coefficient", metavar="MU")
+    rules = ("accumulated", "incremental")
+    add("friction_history", str, "how elastic slip is carried from step to step", choices=rules)
+    add("door", str, "shape of the door", choices=("corner", "flat"))
+    group.add_argument(
+        "--flat-door", dest="door", action="store_const", const="flat", default=argparse.SUPPRESS,
+        help="the same as --door flat",
+    )  # fmt: skip
+    add("corner_x", float, "where the flat of the corner door ends", metavar="MM")
+    add("segments", int, "straight segments of the door; exact curve when left out", metavar="N")
+    add("rays", int, "particles around the ring, a multiple of 58", metavar="N")
+    add("layers", int, "particles across the wall", metavar="N")
+    add("support", float, "kernel support over the longest cell edge", metavar="S")
+    add("n_steps", int, "load steps", metavar="N")
+    add("depth", float, "final depth of the door below the top of the drawn seal", metavar="MM")
+    add("normal_penalty", float, "normal contact stiffness, kPa/mm", metavar="W_N")
+    add("tangent_penalty", float, "tangential contact stiffness, kPa/mm", metavar="W_T")
+
+
+def model_from(arguments: argparse.Namespace, **more) -> sm.SealModel:
+    """The model that the options describe."""
+    with checked_arguments():
+        options = {name: getattr(arguments, name) for name in MODEL_OPTIONS}
+        return sm.door_seal(**options, **more)
+
+
+def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
+    """Parse, make the output folder, run ``main(arguments)``; known errors become one line.
+
+    Returns
+    -------
+    int
+        What ``main`` returns, or 1 when an analysis could not be completed. Wrong arguments exit
+        with 2.
+    """
+    arguments = made.parse_args(argv)
+    try:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        made.error(f"argument --out: cannot make the folder {arguments.out}: {error.strerror}")
+    try:
+        return main(arguments)
+    except (WrongArgumentError, sm.GeometryError) as error:
+        made.error(str(error))
+    except sm.LoadPathError as error:
+        print(f"{made.prog}: {error}", file=sys.stderr)
+        return 1
+
+
+def plain(value):
+    """Numbers and containers of numpy as those of JSON; nan and infinity as None."""
+    if isinstance(value, dict):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _entry(value) -> str:
+    """JSON of one entry: lists of lists or dictionaries get a line for each element."""
+    if isinstance(value, list) and value and isinstance(value[0], list | dict):
+        return "[\n  " + ",\n  ".join(json.dumps(element) for element in value) + "\n ]"
+    return json.dumps(value)
+
+
+def write_summary(out: Path, summary: dict) -> Path:
+    """Write ``summary.json`` into the folder ``out``."""
+    lines = [f" {json.dumps(key)}: {_entry(value)}" for key, value in plain(summary).items()]
+    path = out / "summary.json"
+    path.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    return path
+
+
+def design_from(path: Path, model: sm.SealModel) -> tuple[np.ndarray, float]:
+    """Boundary offsets and door radius (mm) out of the summary.json of an optimisation."""
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+        offsets, radius = summary["boundary_offsets"], summary["door_radius"]
+    except OSError as error:
+        raise WrongArgumentError(f"cannot read the design {path}: {error.strerror}") from None
+    except (ValueError, KeyError, TypeError):
+        text = f"{path} is not a summary.json with boundary_offsets and door_radius"
+        raise WrongArgumentError(text) from None
+    with checked_arguments():
+        return model.check_offsets(offsets), model.check_door_radius(radius)

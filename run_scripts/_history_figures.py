@@ -1,0 +1,60 @@
+"""The three figures of an optimisation, for the script that runs it and the one that reads it."""
+
+from pathlib import Path
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.plotting.recorded import RecordedOptimization
+
+
+def draw_history(
+    history: RecordedOptimization, initial: sm.SealResult, final: sm.SealResult, out: Path
+) -> list[Path]:
+    """Cost history, constraint history, and both designs side by side; returns the files."""
+    figures = {
+        "cost_history": plotting.cost_history(history),
+        "constraint_history": plotting.constraint_history(history, initial.points.stress),
+        "designs": plotting.design_comparison(initial, final),
+    }
+    return [plotting.save(figure, out / f"{name}.png") for name, figure in figures.items()]
+
+
+def history_rows(history: RecordedOptimization) -> list[dict]:
+    """Objective ratio and largest relative violation of every major iteration."""
+    pairs = zip(history.objective_ratio, history.max_violation, strict=True)
+    return [
+        {"iteration": i, "objective_ratio": ratio, "max_constraint_violation": violation}
+        for i, (ratio, violation) in enumerate(pairs)
+    ]
+
+
+def end_numbers(
+    history: RecordedOptimization, initial: sm.SealResult, final: sm.SealResult
+) -> dict:
+    """Part of summary.json that describes the last design."""
+    offsets, radius = history.design_at(-1)
+    return {
+        "objective_ratio": history.objective_ratio[-1],
+        "max_constraint_violation": history.max_violation[-1],
+        "area_mm2": final.area,
+        "von_mises_kPa": final.von_mises,
+        "reaction_ratio": final.reaction[-1, 1] / initial.reaction[-1, 1],
+        "boundary_offsets": offsets,
+        "door_radius": radius,
+        "history": history_rows(history),
+    }
+
+
+def report_end(history: RecordedOptimization, numbers: dict) -> None:
+    """Two lines about the last design."""
+    kind = "major iterations" if history.major else "evaluations"
+    print(
+        f"{len(history.objective) - 1} {kind}: sum of squared gaps at "
+        f"{100 * numbers['objective_ratio']:.4f} % of its start, "
+        f"largest constraint violation {numbers['max_constraint_violation']:.1e}"
+    )
+    print(
+        f"area {numbers['area_mm2']:.2f} mm2, vertical reaction at "
+        f"{100 * numbers['reaction_ratio']:.1f} % of its start, "
+        f"door radius {numbers['door_radius']:.3f} mm"
+    )

@@ -1,0 +1,128 @@
+"""Analyse the door seal: deformed shapes, reaction, gap profile, summary.json."""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from _common import (
+    add_model_arguments,
+    checked_arguments,
+    design_from,
+    model_from,
+    parser,
+    run,
+    write_summary,
+)
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.measures.selection import opened_points
+from seal_mdao.plotting.deformation import spread_depths
+from seal_mdao.plotting.reaction import travel_table
+from seal_mdao.progress import LoadStepProgress
+
+
+def main(arguments) -> int:
+    model = model_from(arguments)
+    if arguments.design is not None:
+        offsets, radius = design_from(arguments.design, model)
+    else:
+        with checked_arguments():
+            offsets, radius = None, model.check_door_radius(arguments.door_radius)
+    begun = time.perf_counter()
+    with LoadStepProgress(model) as progress:
+        result = sm.analyze(model, offsets, radius, callback=progress)
+    wall = time.perf_counter() - begun
+    summary = summarize(result, wall)
+    write_summary(arguments.out, summary)
+    draw(result, arguments)
+    report(result, summary, arguments.out)
+    return 0 if result.converged else 1
+
+
+def summarize(result: sm.SealResult, wall: float) -> dict:
+    """summary.json; the end measures are None for a path that was not completed."""
+    summary = {
+        "converged": result.converged,
+        "n_particles": len(result.particles),
+        "n_steps": len(result.reaction),
+        "newton_iterations": result.newton_iterations,
+        "step_cuts": result.step_cuts,
+        "wall_s": wall,
+        "area_mm2": result.area,
+        "reaction_N_per_m": travel_table(result),
+        "failure": result.path.failure or None,
+    }
+    end_keys = (
+        "gap_square_sum_mm2", "max_gap_mm", "max_penetration_mm", "von_mises_kPa", "n_open_points",
+        "n_stick", "n_contact", "n_slip", "stress_particles",
+    )  # fmt: skip
+    summary |= dict.fromkeys(end_keys)
+    if result.converged:
+        opened, counts = opened_points(result.end.after.state), result.contact_counts
+        summary |= {
+            "gap_square_sum_mm2": result.gap_square_sum,
+            "max_gap_mm": max([0.0, *result.end.gap[opened]]),
+            "max_penetration_mm": result.max_penetration,
+            "von_mises_kPa": result.von_mises,
+            "n_open_points": opened.size,
+            "n_stick": counts["stick"],
+            "n_contact": counts["contact"],
+            "n_slip": counts["slip"],
+            "stress_particles": result.points.stress,
+        }
+    return summary
+
+
+def draw(result: sm.SealResult, arguments) -> None:
+    if len(result.reaction) == 0:
+        return
+    depths = arguments.depths or spread_depths(result)
+    figures = {
+        "deformed_shapes": plotting.deformed_shapes(result, depths),
+        "reaction": plotting.reaction_curve(result),
+        "gap_profile": plotting.gap_profile(result, result.door_travel[-1] * np.array([0.5, 0.75])),
+    }
+    for name, figure in figures.items():
+        plotting.save(figure, arguments.out / f"{name}.png")
+
+
+def report(result: sm.SealResult, summary: dict, out: Path) -> None:
+    steps, iterations = summary["n_steps"], int(np.sum(summary["newton_iterations"]))
+    print(
+        f"{summary['n_particles']} particles, {steps} load steps, {iterations} Newton iterations, "
+        f"{summary['step_cuts']} cuts, {summary['wall_s']:.2f} s"
+    )
+    if steps:
+        travel, horizontal, vertical = summary["reaction_N_per_m"][-1]
+        print(f"force at {travel:.1f} mm: {vertical:.2f} N/m down, {horizontal:.2f} N/m across")
+    if result.converged:
+        print(
+            f"{summary['n_contact']} points in contact ({summary['n_stick']} stick), "
+            f"{summary['n_open_points']} open between them, largest gap "
+            f"{summary['max_gap_mm']:.4f} mm, sum of squares {summary['gap_square_sum_mm2']:.3g} mm2"
+        )
+        print(f"highest of the seven stresses {max(summary['von_mises_kPa']):.1f} kPa")
+    else:
+        print(f"NOT CONVERGED at {summary['failure']}")
+    print(f"figures and summary.json in {out}")
+
+
+def arguments_parser():
+    made = parser(__doc__, "out/analysis")
+    add_model_arguments(made)
+    made.add_argument("--door-radius", type=float, metavar="MM", help="corner radius of the door")
+    made.add_argument(
+        "--design", type=Path, metavar="SUMMARY",
+        help="analyse the design in the summary.json of optimize_door_seal.py",
+    )  # fmt: skip
+    made.add_argument(
+        "--depths", type=float, nargs="+", metavar="MM",
+        help="door travel at which deformed shapes are drawn; four equal parts when left out",
+    )  # fmt: skip
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(run(arguments_parser(), main))

@@ -1,0 +1,96 @@
+"""Close the gap of the door seal by changing its shape and the door: problem (71)."""
+
+import sys
+import time
+
+import openmdao.api as om
+from _common import (
+    add_model_arguments,
+    checked_arguments,
+    model_from,
+    parser,
+    run,
+    write_summary,
+)
+from _history_figures import draw_history, end_numbers, report_end
+
+import seal_mdao as sm
+from seal_mdao.optimization import OPTIMIZERS, major_iterations, seal_problem
+from seal_mdao.plotting.recorded import read_optimization
+from seal_mdao.progress import LoadStepProgress
+
+FEASIBLE = 1e-3
+"""Largest relative constraint violation of a design that counts as feasible."""
+
+
+def main(arguments) -> int:
+    model, cases = model_from(arguments), arguments.out / "cases.sql"
+    with checked_arguments():
+        limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
+        driver = OPTIMIZERS[arguments.optimizer](*limit)
+    cases.unlink(missing_ok=True)
+    with LoadStepProgress(model) as progress:
+        with checked_arguments():
+            problem = seal_problem(
+                model, keep_force=arguments.keep_force, driver=driver, recorder=cases,
+                callback=progress, work_dir=arguments.out,
+            )  # fmt: skip
+        run_numbers = optimize(problem, progress)
+    history = read_optimization(cases)
+    offsets, radius = history.design_at(-1)
+    initial, final = sm.analyze(model), sm.analyze(model, offsets, radius)
+    numbers = end_numbers(history, initial, final)
+    feasible = numbers["max_constraint_violation"] <= FEASIBLE
+    run_numbers["success"] = run_numbers["success"] and feasible
+    if run_numbers["iterations"] is None:
+        run_numbers["iterations"] = len(history.objective) - 1
+    summary = {"optimizer": arguments.optimizer, "keep_force": arguments.keep_force}
+    write_summary(arguments.out, run_numbers | summary | numbers)
+    draw_history(history, initial, final, arguments.out)
+    state = "converged" if run_numbers["success"] else "NOT CONVERGED"
+    print(
+        f"{arguments.optimizer} {state} in {run_numbers['iterations']} iterations, "
+        f"{run_numbers['model_evaluations']} analyses, {run_numbers['wall_s']:.1f} s: "
+        f"{run_numbers['message']}"
+    )
+    report_end(history, numbers)
+    print(f"cases.sql, figures and summary.json in {arguments.out}")
+    return 0 if run_numbers["success"] else 1
+
+
+def optimize(problem: om.Problem, progress: LoadStepProgress) -> dict:
+    """Run the driver; an analysis that fails ends the run, what was recorded stays."""
+    begun = time.perf_counter()
+    try:
+        success = problem.run_driver().success
+        message = str(problem.driver.result.exit_status)
+        problem.record("final")
+    except om.AnalysisError as error:
+        success, message = False, str(error)
+    iterations = major_iterations(problem)
+    problem.cleanup()
+    return {
+        "success": bool(success),
+        "iterations": iterations,
+        "model_evaluations": progress.analyses,
+        "wall_s": time.perf_counter() - begun,
+        "message": message,
+    }
+
+
+def arguments_parser():
+    made = parser(__doc__, "out/optimization")
+    add_model_arguments(made)
+    made.add_argument("--optimizer", choices=sorted(OPTIMIZERS), default="SLSQP", help="method")
+    made.add_argument(
+        "--keep-force", action="store_true",
+        help="keep the vertical reaction at the end of the path within 10 %% of its start",
+    )  # fmt: skip
+    made.add_argument(
+        "--max-iterations", type=int, metavar="N", help="largest number of iterations"
+    )
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(run(arguments_parser(), main))

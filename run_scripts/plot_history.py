@@ -1,0 +1,38 @@
+"""Draw the history of an optimisation and its designs from an OpenMDAO recorder file."""
+
+import sys
+from pathlib import Path
+
+from _common import add_model_arguments, checked_arguments, model_from, parser, run, write_summary
+from _history_figures import draw_history, end_numbers, report_end
+
+import seal_mdao as sm
+from seal_mdao.plotting.recorded import read_optimization
+
+
+def main(arguments) -> int:
+    with checked_arguments():
+        history = read_optimization(arguments.cases)
+        offsets, radius = history.design_at(-1)
+        first_offsets, first_radius = history.design_at(0)
+    model = history.model or model_from(arguments)
+    initial = sm.analyze(model, first_offsets, first_radius)
+    final = sm.analyze(model, offsets, radius)
+    numbers = end_numbers(history, initial, final)
+    write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
+    draw_history(history, initial, final, arguments.out)
+    report_end(history, numbers)
+    print(f"figures and summary.json in {arguments.out}")
+    return 0
+
+
+def arguments_parser():
+    made = parser(__doc__, "out/history", "CASES.sql")
+    made.add_argument("cases", type=Path, metavar="CASES.sql", help="file of a SqliteRecorder")
+    add_model_arguments(made)
+    made.epilog = "Model options are used only when the file does not hold the model's settings."
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(run(arguments_parser(), main))

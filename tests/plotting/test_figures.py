@@ -1,0 +1,174 @@
+"""What is drawn is what was computed."""
+
+import sys
+
+import matplotlib.image
+import numpy as np
+import pytest
+from matplotlib.contour import ContourSet
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.plotting import section
+from seal_mdao.plotting.gap import boundary_coordinate
+from seal_mdao.plotting.recorded import Constraint, RecordedOptimization
+
+
+def lines(axes):
+    return [np.column_stack(line.get_data()) for line in axes.get_lines()]
+
+
+def drawn_somewhere(axes, points):
+    """Whether one line of the axes goes through exactly these points."""
+    return any(line.shape == points.shape and np.allclose(line, points) for line in lines(axes))
+
+
+def test_no_window_system_is_touched(drawn, tmp_path):
+    path = plotting.save(plotting.reaction_curve(drawn), tmp_path / "new" / "reaction.png", dpi=50)
+    assert matplotlib.image.imread(path).std() > 0.01
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    assert pyplot is None or pyplot.get_fignums() == []
+
+
+def test_deformed_shapes_share_one_scale_and_equal_aspect(drawn):
+    figure = plotting.deformed_shapes(drawn, [5.0, 10.0])
+    panels = [axes for axes in figure.axes if axes.get_title()]
+    assert [axes.get_title() for axes in panels] == ["door travel 5.0 mm", "door travel 10.0 mm"]
+    contours = [
+        child for axes in panels for child in axes.get_children() if isinstance(child, ContourSet)
+    ]
+    assert len(contours) == 2
+    assert contours[0].get_clim() == contours[1].get_clim()
+    assert contours[0].get_clim()[1] >= drawn.stress_field().max()
+    for axes in panels:
+        assert axes.get_aspect() == 1.0
+        low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
+        assert np.all(drawn.deformed() >= low)
+        assert np.all(drawn.deformed() <= high)
+
+
+def test_depths_are_taken_from_the_nearest_step(drawn):
+    figure = plotting.deformed_shapes(drawn, [9.96, 10.0, 10.04])
+    assert len([axes for axes in figure.axes if axes.get_title()]) == 1
+
+
+def test_result_without_steps_cannot_be_drawn(drawn):
+    from dataclasses import replace
+
+    empty = replace(drawn, path=replace(drawn.path, steps=[]))
+    with pytest.raises(ValueError, match="no converged load step"):
+        plotting.deformed_shapes(empty)
+
+
+def test_door_is_a_body_outside_the_seal(drawn):
+    from matplotlib.path import Path
+
+    lifted = drawn.end.position + np.array([0.0, 5e-3])  # beyond the penetration
+    outline = section.door_outline(drawn, lifted)
+    assert not Path(outline).contains_points(drawn.deformed()).any()
+    assert Path(outline).contains_point((0.0, drawn.end.position[1] + 1.0))
+
+
+def test_reaction_is_drawn_against_travel(drawn):
+    axes = plotting.reaction_curve(drawn).axes[0]
+    for component in (0, 1):
+        assert drawn_somewhere(
+            axes, np.column_stack([drawn.door_travel, drawn.reaction[:, component]])
+        )
+
+
+def test_gap_profile_shows_the_open_points(drawn):
+    axes = plotting.gap_profile(drawn, (5.0,)).axes[0]
+    s = boundary_coordinate(drawn)
+    assert np.all(np.diff(s) < 0.0)
+    assert s[np.argmax(drawn.particles[drawn.model.body.contact][:, 1])] == 0.0
+    opened = np.column_stack([s, drawn.end.gap])[drawn.points.gap]
+    markers = [line for line in axes.get_lines() if line.get_label() == "open"]
+    shown = np.column_stack(markers[0].get_data())
+    assert all(np.any(np.all(np.isclose(shown, point), axis=1)) for point in opened)
+    assert axes.get_ylim()[1] > drawn.gap.max()
+
+
+def history():
+    stress = np.array([[170.0, 150.0, 130.0, 136.1], [150.0, 119.0, 120.0, 121.0]])
+    constraints = [
+        Constraint("area", np.array([109.0, 108.0, 110.5, 110.0]), -np.inf, 110.0),
+        Constraint("von_mises[0]", stress[0], -np.inf, 136.0),
+        Constraint("von_mises[1]", stress[1], -np.inf, 121.0),
+        Constraint("reaction", np.array([56.0, 49.0, 50.0, 52.0]), 50.4, 61.6),
+    ]
+    return RecordedOptimization(
+        "gap_square_sum", np.array([0.05, 0.01, 4e-4, 0.0]), constraints, {}, True, 9, None
+    )
+
+
+def test_violation_is_relative_to_the_limit():
+    recorded = history()
+    assert recorded.max_violation == pytest.approx(
+        [170 / 136 - 1, 150 / 136 - 1, 1 - 50 / 50.4, 136.1 / 136 - 1]
+    )
+
+
+def test_cost_history_is_logarithmic_and_survives_zero():
+    axes = plotting.cost_history(history()).axes[0]
+    assert axes.get_yscale() == "log"
+    values = np.array([1.0, 0.2, 0.008, 1e-8])
+    assert drawn_somewhere(axes, np.column_stack([np.arange(4), values]))
+
+
+def test_constraints_are_drawn_over_their_limits():
+    recorded = history()
+    axes = plotting.constraint_history(recorded, particles=[132, 45]).axes[0]
+    expected = {
+        "area": recorded.constraints[0].values / 110.0,
+        "stress at 132": recorded.constraints[1].values / 136.0,
+        "stress at 45": recorded.constraints[2].values / 121.0,
+        "vertical reaction (upper)": recorded.constraints[3].values / 61.6,
+        "vertical reaction (lower)": 50.4 / recorded.constraints[3].values,
+    }
+    curves = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
+    for label, share in expected.items():
+        assert curves[label] == pytest.approx(share)
+
+
+def test_comparison_of_two_designs(drawn, random_design, tmp_path):
+    figure = plotting.design_comparison(drawn, random_design)
+    panels = [axes for axes in figure.axes if axes.get_title()]
+    assert len(panels) == 3
+    picture = matplotlib.image.imread(plotting.save(figure, tmp_path / "designs.png", dpi=60))
+    assert picture.std() > 0.01
+
+
+def test_error_map_and_step_study(tmp_path):
+    errors = 10.0 ** np.random.default_rng(1).uniform(-12, -4, (6, 4))
+    errors[2, 3] = np.nan
+    names = [f"measure {i}" for i in range(6)]
+    judged, one_sided = np.array([True, True, True, False]), np.array([False, True, False, False])
+    figure = plotting.sensitivity_errors(errors, names, list("abcd"), judged, one_sided)
+    shown = figure.axes[0].images[0].get_array()
+    assert shown.shape == errors.shape
+    assert np.ma.getmaskarray(shown)[2, 3]
+    steps = np.logspace(-3, -7, 5)
+    one = np.tile(steps**2, (3, 1))
+    other = np.array([1e-13 / steps, np.full(5, np.nan)])
+    other[0, 0] = np.nan
+    study = plotting.step_study(steps, {"area": one, "stress": other})
+    assert drawn_somewhere(study.axes[0], np.column_stack([steps, np.maximum(steps**2, 1e-12)]))
+    assert drawn_somewhere(study.axes[0], np.column_stack([steps, 1e-13 / steps])[1:])
+    for number, each in enumerate((figure, study)):
+        picture = matplotlib.image.imread(plotting.save(each, tmp_path / f"{number}.png", dpi=60))
+        assert picture.std() > 0.01
+
+
+def test_stress_levels_are_round_and_cover_the_peak():
+    for peak in (0.37, 42.0, 181.0, 1234.0):
+        levels = section.stress_levels(peak)
+        assert levels[0] == 0.0
+        assert peak <= levels[-1] < 1.2 * peak
+        assert 8 <= len(levels) <= section.LEVELS + 1
+
+
+def test_flat_door_is_drawn_up_to_the_end_of_its_path():
+    result = sm.analyze(sm.door_seal(door="flat", depth=2.0, n_steps=5))
+    figure = plotting.deformed_shapes(result, [2.0])
+    assert figure.axes[0].get_title() == "door travel 2.0 mm"

@@ -1,0 +1,49 @@
+"""The scripts as functions, and a look at what they draw."""
+
+import importlib
+import json
+import sys
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+from script_runs import CHEAP, SCRIPTS
+
+
+@pytest.fixture(scope="session")
+def run_script():
+    """Run a script in this process; returns its exit code and summary.json (None without)."""
+    sys.path.insert(0, str(SCRIPTS))
+
+    def run(name, out, *arguments):
+        script = importlib.import_module(name)
+        argv = ["--out", str(out), *map(str, arguments)]
+        code = script.run(script.arguments_parser(), script.main, argv)
+        summary = Path(out) / "summary.json"
+        return code, json.loads(summary.read_text()) if summary.exists() else None
+
+    yield run
+    sys.path.remove(str(SCRIPTS))
+
+
+@pytest.fixture(scope="session")
+def assert_drawn():
+    """Assert that PNG files exist and show something."""
+
+    def check(folder, *names):
+        for name in names:
+            picture = matplotlib.image.imread(Path(folder) / f"{name}.png")[..., :3]
+            share_inked = np.mean(np.any(picture < 0.97, axis=2))
+            assert min(picture.shape[:2]) > 300
+            assert 0.01 < share_inked < 0.9
+            assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 20
+
+    return check
+
+
+@pytest.fixture(scope="session")
+def optimised(run_script, tmp_path_factory):
+    """One optimisation of the cheap variant: folder, exit code, summary."""
+    out = tmp_path_factory.mktemp("optimised")
+    return out, *run_script("optimize_door_seal", out, *CHEAP)
