@@ -4,6 +4,7 @@ import numpy as np
 
 from seal_mdao.analysis.body import Discretization
 from seal_mdao.analysis.internal_force import assemble_internal
+from seal_mdao.analysis.linear_solver import Scatter
 from seal_mdao.analysis.loading import LoadPoint
 from seal_mdao.analysis.result import ConvergedStep
 from seal_mdao.contact.assembly import assemble_points, interpolate
@@ -35,7 +36,7 @@ class PathProblem:
         self.values = np.empty(layout.size)
         self.x, self.force, self.tangent = np.empty((k, 2)), np.empty((k, 2)), np.empty((k, 2, 2))
         self.state, self.kept, self.gap = np.empty(k, np.int64), np.empty((k, 3)), np.empty(k)
-        self.direction, self.made_to_stick = np.zeros(k, np.int64), 0
+        self.direction, self.made_to_stick, self.held = np.zeros(k, np.int64), 0, 0.0
         # what rounding leaves of a residual: large moduli multiply differences of order one
         size = float(np.abs(discretization.particles).max())
         stiff = material.bulk_modulus * discretization.body.support_radius.max()
@@ -64,7 +65,19 @@ class PathProblem:
             self.values,
         )  # fmt: skip
         self.external[:-1] = disc.layout.reduce(point.force)
+        self.held = 0.0 if point.imposed is None else self._held_force(d)
         return True
+
+    def _held_force(self, d) -> float:
+        """Norm of the internal forces of all components: what imposed displacements are held with."""
+        disc = self.discretization
+        n = d.size
+        every = Scatter(np.arange(n).reshape(d.shape), np.empty(0, int), np.empty(0, np.int32))
+        force = np.zeros(n + 1)
+        assemble_internal(
+            disc.cells.table, disc.weights, self.constants, d, every, force, np.empty(0)
+        )
+        return float(np.linalg.norm(force))
 
     def assemble_at(self, step: ConvergedStep) -> None:
         """Fill forces and tangent at a converged step."""
@@ -76,7 +89,7 @@ class PathProblem:
         forces = self.internal[:-1], self.contact[:-1], self.external[:-1]
         residual = forces[0] + forces[1] - forces[2]
         size = float(np.linalg.norm(residual))
-        scale = max(np.linalg.norm(force) for force in forces)
+        scale = max(self.held, *(np.linalg.norm(force) for force in forces))
         return residual, size / scale if scale > 0.0 else 0.0, size <= self.rounding
 
     def predict(self, step: ConvergedStep, factor, target: LoadPoint) -> np.ndarray:

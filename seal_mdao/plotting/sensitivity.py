@@ -93,6 +93,7 @@ def step_study(steps: np.ndarray, groups: dict) -> Figure:
         axes.plot(at, middle, color=color, marker=marker, label=name)
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.set_ylim(top=10.0 * axes.get_ylim()[1])
     axes.invert_xaxis()
     axes.set_xlabel("step of the difference quotient (mm), smaller to the right")
     axes.set_ylabel("relative error")

@@ -1,0 +1,147 @@
+"""Hertz line contact: a rigid cylinder pressed on a large elastic block, frictionless, small strain."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.analysis.body import Body, discretize
+from seal_mdao.analysis.load_path import solve_path
+from seal_mdao.analysis.loading import LoadProgram
+from seal_mdao.contact.friction import OPEN, ContactLaw
+from seal_mdao.geometry.profile import circle_profile
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, row_contact
+from seal_mdao.verification.solving import completed
+
+RADIUS = 100.0
+# shear modulus 1, Poisson's ratio 0.3: E = 2.6, plane-strain modulus E / (1 - nu^2)
+MATERIAL = MooneyRivlin(0.5, 0.0, 13.0 / 6.0)
+MODULUS = 2.6 / (1.0 - 0.3**2)
+
+
+class HertzContact(NamedTuple):
+    """Contact pressures under the cylinder, one side of it.
+
+    Attributes
+    ----------
+    load : float
+        Force per unit depth on the whole cylinder.
+    x, pressure : ndarray, shape (k,)
+        Deformed places and pressures of the contact points.
+    half_width, exact_half_width : float
+        The exact ones are Hertz's for the computed load.
+    peak, exact_peak : float
+    """
+
+    load: float
+    x: np.ndarray
+    pressure: np.ndarray
+    half_width: float
+    exact_half_width: float
+    peak: float
+    exact_peak: float
+
+
+class FannedBlock(NamedTuple):
+    """A block [-side, side] x [-side, 0]: a fine patch at the origin and rings of cells around it.
+
+    Attributes
+    ----------
+    n : int
+        Cells along the depth of the patch, twice as many along its width; the rings, each larger
+        by one n-th, keep the cells square.
+    patch, side : float
+        Depths of the patch and of the block.
+    """
+
+    n: int
+    patch: float
+    side: float
+
+    @property
+    def grid(self) -> Grid:
+        return Grid(2 * self.n, self.n)
+
+    @property
+    def n_rings(self) -> int:
+        return int(np.ceil(np.log(self.side / self.patch) / np.log1p(1.0 / self.n)))
+
+    @property
+    def particles(self) -> np.ndarray:
+        """Patch column by column, then ring by ring from the top left round to the top right."""
+        square = self.grid.reference * [2.0, 1.0] - 1.0
+        border = square[self._border]
+        sizes = np.geomspace(self.patch, self.side, self.n_rings + 1)[1:]
+        rings = (sizes[:, None, None] * border).reshape(-1, 2)
+        return np.vstack([self.patch * square, rings])
+
+    @property
+    def _border(self) -> np.ndarray:
+        grid = self.grid
+        return np.concatenate([grid.left[:0:-1], grid.bottom, grid.right[1:]])
+
+    @property
+    def rings(self) -> np.ndarray:
+        """Particle numbers (n_rings + 1, 4 n + 1); the first row is the border of the patch."""
+        width = 4 * self.n + 1
+        rest = self.grid.n_particles + np.arange(self.n_rings * width).reshape(-1, width)
+        return np.vstack([self._border, rest])
+
+    @property
+    def cells(self) -> np.ndarray:
+        r = self.rings
+        corners = [r[:-1, :-1], r[1:, :-1], r[1:, 1:], r[:-1, 1:]]
+        around = np.stack([c.ravel() for c in corners], axis=1)
+        return np.vstack([self.grid.cells, around])
+
+    def body(self) -> Body:
+        """Held at the bottom; the upper surface of the patch may touch."""
+        bottom = self.rings[-1, self.n : -self.n]
+        fixed = fixed_components(len(self.particles), x=bottom, y=bottom)
+        row = np.concatenate([self.rings[1:2, 0], self.grid.top, self.rings[1:2, -1]])
+        contact = {name: value[1:-1] for name, value in row_contact(row).items()}
+        return grid_body(self, self.particles, fixed, **contact)
+
+
+def hertz_line(load: float) -> tuple[float, float]:
+    """Half-width and peak pressure for a load per unit depth.
+
+    a^2 = 4 P R / (pi E*), p0 = 2 P / (pi a) (H. Hertz 1882; K. L. Johnson, Contact Mechanics,
+    1985, Eqs. (4.43), (4.45)), the cylinder being rigid.
+    """
+    a = np.sqrt(4.0 * load * RADIUS / (np.pi * MODULUS))
+    return float(a), float(2.0 * load / (np.pi * a))
+
+
+def press_cylinder(n: int = 8, depth: float = 0.03, side: float = 20.0) -> HertzContact:
+    """A cylinder of radius 100 pressed into a block 40 x 20; lengths in units of about 2/3 a.
+
+    Parameters
+    ----------
+    n : int
+        Cells along 1.6, the depth of the fine patch.
+    depth : float
+        How far the cylinder is pressed down; strains are of the order a / (2 R) < 1 %.
+
+    Notes
+    -----
+    The half-width is where the straight line fitted to p^2 over x^2 reaches zero, the peak the
+    largest pressure of a contact point. Both are compared with Hertz's for the computed load, so
+    that the compliance of the finite block does not enter.
+    """
+    block = FannedBlock(n, 1.6, side)
+    disc = discretize(block.body(), block.particles)
+    y = np.linspace(1e-6, -depth, 4)
+    law = ContactLaw(3e3, 1.0, 0.0, True)
+    program = LoadProgram(np.column_stack([0.0 * y, y]))
+    profile = circle_profile((0.0, RADIUS), RADIUS)
+    step = completed(solve_path(disc, MATERIAL, profile, law, program)).steps[-1]
+    touching = step.after.state != OPEN
+    x = step.contact_x[touching, 0]
+    pressure = np.hypot(*step.force[touching].T) / disc.contact_length[touching]
+    slope, level = np.polyfit(x**2, pressure**2, 1)
+    load = float(step.reaction[1])
+    exact = hertz_line(load)
+    return HertzContact(
+        load, x, pressure, float(np.sqrt(-level / slope)), exact[0], float(pressure.max()), exact[1]
+    )
