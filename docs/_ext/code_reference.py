@@ -1,0 +1,199 @@
+"""Reference tables made from the code: components, drivers, the model's options.
+
+Run as a script it writes MyST fragments into a folder:
+
+    python docs/_ext/code_reference.py docs/_generated/fragments
+"""
+
+import ast
+import inspect
+import os
+import re
+import subprocess
+import sys
+from dataclasses import MISSING, fields
+from pathlib import Path
+
+import openmdao.api as om
+from openmdao.core.driver import Driver
+
+import seal_mdao as sm
+from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS
+from seal_mdao.geometry.section import Section
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+
+ROOT = Path(__file__).resolve().parents[2]
+COMPONENTS = (sm.SplineGeometryComp, sm.AreaComp, sm.RkpmContactComp, sm.SealGroup)
+DRIVERS = (sm.IpoptDriver, sm.ResilientSLSQPDriver)
+DATACLASSES = (sm.SealModel, Section, MooneyRivlin, NewtonOptions)
+
+
+def markdown_table(header: list[str], rows: list[list[str]]) -> str:
+    """A MyST list-table, in which cells may hold any symbol."""
+    lines = ["```{list-table}", ":header-rows: 1"]
+    for row in [header, *rows]:
+        lines += ["", f"* - {row[0]}", *(f"  - {cell}".rstrip() for cell in row[1:])]
+    return "\n".join([*lines, "```", ""])
+
+
+def _literal(text) -> str:
+    return f"`{text}`" if str(text) else ""
+
+
+# ---- OpenMDAO variables and options ----
+
+
+def variables(system, kind: str) -> list[list[str]]:
+    """Name, shape, units and description of the inputs or outputs of a system in a problem."""
+    problem = om.Problem(reports=None)
+    problem.model.add_subsystem("system", system, promotes=["*"])
+    problem.setup()
+    problem.final_setup()
+    listing = getattr(problem.model, f"list_{kind}")(
+        val=False, units=True, shape=True, desc=True, prom_name=True, out_stream=None,
+        return_format="list",
+    )  # fmt: skip
+    rows = {}
+    for _, meta in listing:
+        shape = ", ".join(map(str, meta["shape"]))
+        row = [
+            _literal(meta["prom_name"]),
+            f"({shape})",
+            _literal(meta["units"] or ""),
+            meta["desc"],
+        ]
+        rows.setdefault(meta["prom_name"], row)
+    return list(rows.values())
+
+
+def option_rows(declared, inherited) -> list[list[str]]:
+    """Name, default, values and description of the options that ``inherited`` does not have."""
+    known = set(inherited)
+    rows = []
+    for name, meta in sorted(declared._dict.items()):
+        if name in known:
+            continue
+        default = "required" if not meta["has_been_set"] else _literal(_value(meta["val"]))
+        allowed = ", ".join(map(str, meta["values"])) if meta["values"] is not None else ""
+        rows.append([_literal(name), default, allowed, meta["desc"]])
+    return rows
+
+
+def _value(value) -> str:
+    return "door_seal()" if isinstance(value, sm.SealModel) else repr(value)
+
+
+def component(cls) -> str:
+    """One section of the component reference."""
+    model = sm.door_seal()
+    base = om.Group if issubclass(cls, om.Group) else om.ExplicitComponent
+    inside = variables(cls(model=model), "inputs"), variables(cls(model=model), "outputs")
+    if issubclass(cls, om.Group):
+        made = {row[0] for row in inside[1]}
+        inside = [row for row in inside[0] if row[0] not in made], inside[1]
+    header = ["name", "shape", "units", "meaning"]
+    parts = [f"## {cls.__name__}\n", f"{{py:class}}`{cls.__module__}.{cls.__name__}`\n"]
+    parts += [_paragraphs(cls), "**Inputs**\n", markdown_table(header, inside[0])]
+    parts += ["**Outputs**\n", markdown_table(header, inside[1])]
+    rows = option_rows(cls().options, base().options)
+    parts += ["**Options**\n", markdown_table(["option", "default", "values", "meaning"], rows)]
+    return "\n".join(parts)
+
+
+def driver(cls) -> str:
+    """One section of the driver reference."""
+    rows = option_rows(cls().options, Driver().options)
+    parts = [f"## {cls.__name__}\n", f"{{py:class}}`{cls.__module__}.{cls.__name__}`\n"]
+    parts.append(inspect.cleandoc(cls.__doc__).splitlines()[0] + "\n")
+    parts.append(markdown_table(["option", "default", "values", "meaning"], rows))
+    return "\n".join(parts)
+
+
+def optional_inputs() -> str:
+    """The optional scalar inputs of the contact component."""
+    rows = [[_literal(n), _literal(u or ""), text] for n, (u, text) in OPTIONAL_INPUTS.items()]
+    return markdown_table(["name", "units", "meaning"], rows)
+
+
+def _paragraphs(cls) -> str:
+    """The introduction of a docstring, without its sections, as MyST."""
+    text = inspect.cleandoc(cls.__doc__)
+    text = re.split(r"\n\w[\w ]*\n-{3,}\n", text)[0]
+    return text.replace("**", r"\*\*").replace("``", "`") + "\n"
+
+
+# ---- dataclasses ----
+
+
+def attribute_docs(cls) -> dict[str, tuple[str, str]]:
+    """Type and meaning of every name in the Attributes section of a numpy docstring."""
+    section = inspect.cleandoc(cls.__doc__).partition("Attributes\n----------\n")[2]
+    section = re.split(r"\n\n\w[\w ]*\n-{3,}\n", section)[0]
+    found = {}
+    for block in re.split(r"\n(?=\S)", section):
+        head, _, text = block.partition("\n")
+        names, _, kind = head.partition(" : ")
+        for name in names.split(","):
+            found[name.strip()] = kind.strip(), " ".join(text.split())
+    return found
+
+
+def _default(field) -> str:
+    if field.default is not MISSING:
+        value = field.default
+        return (
+            f"{value:.6g}" if isinstance(value, float) and value not in (1e4, 1e2) else repr(value)
+        )
+    if field.default_factory is not MISSING:
+        return f"{field.default_factory.__name__}()"
+    return ""
+
+
+def dataclass_table(cls) -> str:
+    """Fields of a frozen dataclass with defaults, types and meanings."""
+    docs = attribute_docs(cls)
+    rows = [
+        [_literal(f.name), _literal(_default(f)), docs[f.name][0], docs[f.name][1]]
+        for f in fields(cls)
+    ]
+    return markdown_table(["option", "default", "type", "meaning"], rows)
+
+
+# ---- run_scripts ----
+
+
+def script_help(path: Path) -> str:
+    """What ``--help`` of a script prints."""
+    environment = {**os.environ, "COLUMNS": "88"}
+    command = [sys.executable, str(path), "--help"]
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, env=environment)
+    return done.stdout
+
+
+def run_scripts(folder: Path = ROOT / "run_scripts") -> str:
+    """A section for every script with its ``--help``."""
+    parts = []
+    for path in sorted(folder.glob("[!_]*.py")):
+        summary = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        parts += [f"## {path.name}\n", summary.split("\n\n")[0] + "\n"]
+        parts += ["```text", script_help(path).rstrip(), "```\n"]
+    return "\n".join(parts)
+
+
+def write_all(folder: Path) -> None:
+    """Write every fragment."""
+    folder.mkdir(parents=True, exist_ok=True)
+    texts = {
+        "components": "\n".join(map(component, COMPONENTS)),
+        "drivers": "\n".join(map(driver, DRIVERS)),
+        "optional_inputs": optional_inputs(),
+        "run_scripts": run_scripts(),
+    }
+    texts |= {cls.__name__: dataclass_table(cls) for cls in DATACLASSES}
+    for name, text in texts.items():
+        (folder / f"{name}.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write_all(Path(sys.argv[1]))

@@ -1,0 +1,86 @@
+"""Sphinx configuration.
+
+A build first makes what the pages take from the code: the equation table, the component, driver and
+option tables, one page per folder of the package, and, where they are missing, the figures.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+# numba's dispatchers hide signatures and docstrings; here nothing is computed in this process
+os.environ["NUMBA_DISABLE_JIT"] = "1"
+
+HERE = Path(__file__).resolve().parent
+GENERATED = HERE / "_generated"
+sys.path.insert(0, str(HERE / "_ext"))
+
+import api_pages  # noqa: E402
+import equation_index  # noqa: E402
+
+import seal_mdao  # noqa: E402
+
+# ---- what is made before the pages are read ----
+
+
+def run_script(*arguments: str) -> None:
+    """Run a Python script with the compiled package, in a process of its own."""
+    environment = {k: v for k, v in os.environ.items() if k != "NUMBA_DISABLE_JIT"}
+    subprocess.run([sys.executable, *arguments], check=True, env=environment)
+
+
+fragments = GENERATED / "fragments"
+run_script(str(HERE / "_ext" / "code_reference.py"), str(fragments))
+index = equation_index.table(equation_index.read())
+(fragments / "equation_index.md").write_text(index, encoding="utf-8")
+api_pages.write_all(GENERATED / "api")
+run_script(str(HERE / "make_figures.py"), "--missing")
+
+# ---- the project ----
+
+project = "seal_mdao"
+author = "The seal_mdao developers"
+copyright = author
+version = release = seal_mdao.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "docstrings",
+    "paper_math",
+]
+exclude_patterns = ["_build", "_generated/fragments", "Thumbs.db", ".DS_Store"]
+# napoleon refers to attributes by their bare names, of which there are several
+suppress_warnings = ["ref.python"]
+
+myst_enable_extensions = ["dollarmath", "amsmath", "substitution", "colon_fence", "attrs_inline"]
+myst_heading_anchors = 3
+myst_substitutions = {
+    path.stem: json.loads(path.read_text(encoding="utf-8"))
+    for path in sorted((GENERATED / "numbers").glob("*.json"))
+}
+
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+add_module_names = False
+toc_object_entries = False
+
+# ---- HTML ----
+
+html_theme = "furo"
+html_title = f"seal_mdao {version}"
+html_math_renderer = "paper"
+html_static_path = ["_static"]
+html_css_files = ["pages.css"]
+html_copy_source = False
+html_show_sphinx = False
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#0072B2", "color-brand-content": "#0072B2"},
+    "dark_css_variables": {"color-brand-primary": "#56B4E9", "color-brand-content": "#56B4E9"},
+}

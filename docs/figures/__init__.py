@@ -1,0 +1,1 @@
+"""Pictures and numbers of the documentation, made by the package."""
