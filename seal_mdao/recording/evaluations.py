@@ -23,6 +23,10 @@ AGREEMENT = 1e-6
 """Relative difference up to which the start, analysed again, counts as the recorded one."""
 
 
+class RestartError(ValueError):
+    """A recorder file from which this run cannot be continued."""
+
+
 @dataclass(eq=False)
 class RecordedCase:
     """One recorded evaluation.
@@ -93,8 +97,8 @@ class RecordedEvaluations:
 
     Raises
     ------
-    ValueError
-        When the file cannot be read, or its cases lack design variables of the driver.
+    RestartError
+        When the file cannot be read, or its cases lack variables of the driver.
     RuntimeError
         On several processes.
     """
@@ -114,7 +118,7 @@ class RecordedEvaluations:
             if case.outputs.keys() >= needed and not case.failure.startswith(UNFINISHED):
                 self._add(case)
         if cases and not self._by_design:
-            raise ValueError(
+            raise RestartError(
                 f"no case in {path} holds the design variables, objective and constraints of this "
                 "problem"
             )
@@ -138,20 +142,20 @@ class RecordedEvaluations:
 
         Raises
         ------
-        ValueError
+        RestartError
             When it is not in the file, or the model has found something else.
         """
         if not self._by_design:
             return
         recorded = self.find()
         if recorded is None:
-            raise ValueError(
+            raise RestartError(
                 f"the start of this run is not the start of the run in {self.path}; "
                 "seal_mdao.restart(problem, path) takes it from the file"
             )
         different = recorded.disagreement(self._model)
         if different:
-            raise ValueError(
+            raise RestartError(
                 f"{self.path} was recorded with another model: at the start {different} is not "
                 "what this model gives"
             )
@@ -178,11 +182,11 @@ def read_cases(path) -> list[tuple[int, RecordedCase]]:
 
     Raises
     ------
-    ValueError
+    RestartError
         For a file that is not there or is no recorder file.
     """
     if not Path(path).is_file():
-        raise ValueError(f"{path} is not a file")
+        raise RestartError(f"{path} is not a file")
     connection = sqlite3.connect(path)
     try:
         rows = connection.execute(
@@ -193,7 +197,7 @@ def read_cases(path) -> list[tuple[int, RecordedCase]]:
             "SELECT counter, derivatives FROM driver_derivatives ORDER BY id"
         ).fetchall()
     except sqlite3.DatabaseError as error:
-        raise ValueError(f"{path} is not a file of an OpenMDAO recorder ({error})") from error
+        raise RestartError(f"{path} is not a file of an OpenMDAO recorder ({error})") from error
     finally:
         connection.close()
     totals = {}

@@ -26,8 +26,9 @@ def restart(problem, path) -> None:
     ------
     TypeError
         When the problem's driver is none of this package.
-    ValueError
-        When the file cannot be read, or is not that of this problem and driver.
+    RestartError
+        A ValueError: when the file cannot be read, or is not that of this problem. That it is not
+        that of this model shows when the run begins.
     """
     driver = problem.driver
     if not isinstance(driver, RunSupport):
