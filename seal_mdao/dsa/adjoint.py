@@ -233,7 +233,6 @@ class AdjointSweep:
         )  # fmt: skip
 
 
-
 def _measures_first(bar) -> np.ndarray:
     """Seeds (..., M) as (M, ...)."""
     return np.ascontiguousarray(np.moveaxis(bar, -1, 0))

@@ -67,7 +67,7 @@ def constants_load(problem: PathProblem, d, constant_rates) -> np.ndarray:
     unit_forces = np.zeros((3, disc.layout.n_equations + 1))
     for unit, force in zip(np.eye(3), unit_forces, strict=True):
         assemble_internal(
-            disc.cells.table, disc.weights, tuple(unit), d, disc.layout.scatter[0], force,
+            disc.cells.table, disc.weights, tuple(unit), d, disc.layout.force_scatter, force,
             np.empty(0),
         )  # fmt: skip
     return unit_forces.T @ constant_rates.T

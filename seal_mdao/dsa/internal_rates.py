@@ -56,9 +56,7 @@ def _jacobian_rates(f, first, second, count, out):
     """J' = cof F : F' for the columns of ``first`` (F'_1j) and ``second`` (F'_2j)."""
     f11, f12, f21, f22 = f[0], f[1], f[2], f[3]
     for p in range(count):
-        out[p] = (
-            f22 * first[0, p] - f21 * first[1, p] - f12 * second[0, p] + f11 * second[1, p]
-        )
+        out[p] = f22 * first[0, p] - f21 * first[1, p] - f12 * second[0, p] + f11 * second[1, p]
 
 
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
@@ -180,9 +178,7 @@ def add_internal_rates(table, weights, rates, weight_rates, constants, d, equati
                 for a in range(n):
                     to = out[k, equations[near[a], i]]
                     for p in range(count):
-                        to[which[p]] += (
-                            on_rates[row, a * count + p] + on_b[a, row * count + p]
-                        )
+                        to[which[p]] += on_rates[row, a * count + p] + on_b[a, row * count + p]
 
 
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})

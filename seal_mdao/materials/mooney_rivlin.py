@@ -18,7 +18,7 @@ import numpy as np
 @nb.njit(cache=True, error_model="numpy", inline="always")
 def unit_energy_gradients(t, j):
     """W_T and W_J of the two isochoric terms, each for a constant of one: C10 first, then C01."""
-    a = 1.0 / np.cbrt(j)
+    a = j ** (-1.0 / 3.0)
     a2, i = a * a, 1.0 / j
     a4 = a2 * a2
     return (

@@ -166,7 +166,11 @@ def forward_shape_functions(
         if count == 0:
             continue
         h, k = np.empty((n, 6, m)), np.empty((n, 6))
-        direct, pull, chain = np.empty((n, 3, 2)), np.empty((2 * n, 3 * m)), np.empty((3 * n, 3 * m))
+        direct, pull, chain = (
+            np.empty((n, 3, 2)),
+            np.empty((2 * n, 3 * m)),
+            np.empty((3 * n, 3 * m)),
+        )
         delta, out = np.empty((2 * n, count)), np.empty((3 * n, count))
         for q in range(group_size):
             point = g * group_size + q
@@ -203,7 +207,11 @@ def reverse_shape_functions(cloud, points, start, neighbours, phi_bar, grad_bar,
         n = start[g + 1] - start[g]
         near = neighbours[start[g] : start[g + 1]]
         h, k = np.empty((n, 6, m)), np.empty((n, 6))
-        direct, pull, chain = np.empty((n, 3, 2)), np.empty((2 * n, 3 * m)), np.empty((3 * n, 3 * m))
+        direct, pull, chain = (
+            np.empty((n, 3, 2)),
+            np.empty((2 * n, 3 * m)),
+            np.empty((3 * n, 3 * m)),
+        )
         seed, out = np.empty((3 * n, n_measures)), np.empty((2 * n, n_measures))
         for q in range(group_size):
             point = g * group_size + q
