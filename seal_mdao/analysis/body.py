@@ -159,7 +159,7 @@ def discretize(body: Body, particles: np.ndarray) -> Discretization:
     transformation = essential_transformation(body.constrained, raw)
     cells = build_cell_table(cloud, body.cell_map, body.edge_rule, weights, transformation)
     contact = build_table(cloud, at_particles(body.contact), transformation)
-    layout = tangent_layout(body.fixed, [cells.table, contact.table], body.solver)
+    layout = tangent_layout(body.fixed, [cells.raw, contact.raw], transformation, body.solver)
     return Discretization(
         body, cloud, transformation, PointTable(rows, coordinates, raw, raw), cells,
         contact, tributary_lengths(body, cloud.particles), layout,

@@ -30,9 +30,8 @@ class PathProblem:
         self.constants = (material.c10, material.c01, material.bulk_modulus)
         self.profile, self.law = profile, law
         layout, k = discretization.layout, len(discretization.body.contact)
-        self.internal = np.empty(layout.n_equations + 1)
-        self.contact = np.empty(layout.n_equations + 1)
-        self.external = np.zeros(layout.n_equations + 1)
+        self.internal, self.contact = np.empty(layout.force_size), np.empty(layout.force_size)
+        self.external = np.zeros(layout.n_equations)
         self.values = np.empty(layout.size)
         self.x, self.force, self.tangent = np.empty((k, 2)), np.empty((k, 2)), np.empty((k, 2, 2))
         self.state, self.kept, self.gap = np.empty(k, np.int64), np.empty((k, 3)), np.empty(k)
@@ -49,22 +48,26 @@ class PathProblem:
         self.internal[:] = 0.0
         self.contact[:] = 0.0
         self.values[:] = 0.0
+        raw = disc.transformation.coefficients(d)
         bad = assemble_internal(
-            disc.cells.table, disc.weights, self.constants, d, cells, self.internal, self.values
+            disc.cells.raw, disc.weights, self.constants, raw, cells, self.internal, self.values
         )
         if bad >= 0:
             return False
-        interpolate(disc.contact.table, d, self.x)
+        interpolate(disc.contact.raw, raw, self.x)
         self.x += disc.particles[disc.body.contact]
         self.made_to_stick = contact_points(
             self.profile, self.law, point.position, self.x, disc.contact_length, history,
             self.direction, self.force, self.tangent, self.state, self.kept, self.gap,
         )  # fmt: skip
         assemble_points(
-            disc.contact.table, self.force, self.tangent, self.state, points, self.contact,
+            disc.contact.raw, self.force, self.tangent, self.state, points, self.contact,
             self.values,
         )  # fmt: skip
-        self.external[:-1] = disc.layout.reduce(point.force)
+        disc.layout.condense_force(self.internal)
+        disc.layout.condense_force(self.contact)
+        disc.layout.condense_tangent(self.values)
+        self.external[:] = disc.layout.reduce(point.force)
         self.held = 0.0 if point.imposed is None else self._held_force(d)
         return True
 
@@ -86,7 +89,8 @@ class PathProblem:
 
     def residual(self):
         """Residual vector, its norm relative to the acting forces, and whether it is mere rounding."""
-        forces = self.internal[:-1], self.contact[:-1], self.external[:-1]
+        n = self.discretization.layout.n_equations
+        forces = self.internal[:n], self.contact[:n], self.external
         residual = forces[0] + forces[1] - forces[2]
         size = float(np.linalg.norm(residual))
         scale = max(self.held, *(np.linalg.norm(force) for force in forces))
@@ -105,17 +109,18 @@ class PathProblem:
             rate += self._force_with_new_history(step) - step.force
         load = np.zeros_like(self.contact)
         assemble_points(
-            self.discretization.contact.table, rate, self.tangent, self.state, layout.scatter[1],
+            self.discretization.contact.raw, rate, self.tangent, self.state, layout.scatter[1],
             load, np.empty(0),
         )  # fmt: skip
-        d = step.d
+        layout.condense_force(load)
+        load, d = load[: layout.n_equations], step.d
         if target.imposed is not None:
             increment = np.where(layout.equations < 0, target.imposed - now.imposed, 0.0)
             load += self._internal_rate(d, increment)
             d = d + increment
         if target.force is not None:
-            load[:-1] -= layout.reduce(target.force - now.force)
-        return d - layout.gather(factor.solve(load[:-1]))
+            load -= layout.reduce(target.force - now.force)
+        return d - layout.gather(factor.solve(load))
 
     def _force_with_new_history(self, step: ConvergedStep) -> np.ndarray:
         """Contact forces at a converged step when the history is already the next step's."""
@@ -134,7 +139,7 @@ class PathProblem:
         ends = np.zeros((2, disc.layout.n_equations + 1))
         for end, at in zip(ends, (d, d + share * increment), strict=True):
             assemble_internal(
-                disc.cells.table, disc.weights, self.constants, at, disc.layout.scatter[0], end,
+                disc.cells.table, disc.weights, self.constants, at, disc.layout.force_scatter, end,
                 np.empty(0),
             )  # fmt: skip
-        return (ends[1] - ends[0]) / share
+        return (ends[1] - ends[0])[:-1] / share

@@ -87,7 +87,7 @@ def traction(law, g_n, g_t):
         return OPEN, 0.0
     limit = -law.friction * law.normal_penalty * g_n
     tau = law.tangent_penalty * g_t
-    if abs(tau) <= limit:
+    if abs(tau) < limit:
         return STICK, tau
     return SLIP, math.copysign(limit, g_t)
 

@@ -24,6 +24,7 @@ from seal_mdao.contact.friction import (
     XI_0,
     X,
 )
+from seal_mdao.dsa.blocks import blocks
 from seal_mdao.dsa.internal_rates import add_internal_seeds
 from seal_mdao.dsa.linearization import converged_factor, local_contact, profile_share
 from seal_mdao.dsa.point_rates import (
@@ -94,52 +95,72 @@ class AdjointSweep:
         self.disc = disc = path.discretization
         k, m = len(disc.body.contact), n_measures
         self.n_steps = round(path.steps[-1].fraction)
-        self.grad_bar = np.zeros((m, disc.cells.table.grad.size))
-        self.weight_bar = np.zeros((m, *disc.weights.shape))
-        self.phi_bar = np.zeros((m, disc.contact.table.phi.size))
-        self.stress_bar = np.zeros((m, stress.table.grad.size))
-        self.x_bar, self.length_bar = np.zeros((m, k, 2)), np.zeros((m, k))
-        self.contact, self.constants = np.zeros((m, 4)), np.zeros((m, 3))
-        self.motion = np.zeros((m, 2))
+        self.grad_bar = np.zeros((disc.cells.table.grad.size, m))
+        self.weight_bar = np.zeros((*disc.weights.shape, m))
+        self.phi_bar = np.zeros((disc.contact.table.phi.size, m))
+        self.stress_bar = np.zeros((stress.table.grad.size, m))
+        self.x_bar, self.length_bar = np.zeros((k, 2, m)), np.zeros((k, m))
+        self.contact, self.constants = np.zeros((4, m)), np.zeros((3, m))
+        self.motion = np.zeros((2, m))
 
-    def step(self, step, seeds: Seeds | None, history_bar) -> np.ndarray:
-        """One backward step; returns the seed on the history with which the step began."""
+    def step(self, step, seeds: Seeds | None, history_bar, adjoint) -> np.ndarray:
+        """One backward step.
+
+        Parameters
+        ----------
+        history_bar : ndarray, shape (k, 3, M)
+            Seeds on the history that the step hands on.
+        adjoint : ndarray, shape (n_equations + 1, M)
+            Zero; written: the adjoint displacements, the last row zero.
+
+        Returns
+        -------
+        ndarray, shape (k, 3, M)
+            Seeds on the history with which the step began.
+        """
         disc, problem = self.disc, self.problem
-        layout, table = disc.layout, disc.contact.table
+        equations, table = disc.layout.equations, disc.contact.table
         local = local_contact(problem, step)
-        out_bar = np.zeros((self.m, len(step.gap), 6))
-        out_bar[:, :, XI : CARRIED + 1] = history_bar
-        d_bar = np.zeros((layout.n_equations + 1, self.m))
+        out_bar = np.zeros((len(step.gap), 6, self.m))
+        out_bar[:, XI : CARRIED + 1] = history_bar
         if seeds is not None:
-            out_bar[:, :, GAP] += seeds.gap
-            out_bar[:, :, FORCE_X:XI] += seeds.force
+            out_bar[:, GAP] += seeds.gap.T
+            out_bar[:, FORCE_X:XI] += np.moveaxis(seeds.force, 0, 2)
             add_gradient_seeds(
-                self.stress.table, seeds.gradient, step.d, layout.equations, d_bar, self.stress_bar
-            )
-        through_x = _contract(out_bar, local[:, :, X:XI_0])
-        add_displacement_seeds(table, through_x, layout.equations, d_bar)
-        solution = converged_factor(problem, step).solve(d_bar[:-1], transposed=True)
-        adjoint = np.ascontiguousarray(np.moveaxis(layout.gather(solution), 2, 0))
-        at_points = np.empty((self.m, len(step.gap), 2))
-        point_adjoint(table, adjoint, at_points)
-        out_bar[:, :, FORCE_X:XI] -= at_points
-        return self._collect(step, local, out_bar, adjoint)
+                self.stress.table, np.moveaxis(seeds.gradient, 0, 2), step.d, equations, adjoint,
+                self.stress_bar,
+            )  # fmt: skip
+        through_x = local[:, :, X:XI_0].transpose(0, 2, 1) @ out_bar
+        add_displacement_seeds(table, through_x, equations, adjoint)
+        adjoint[:-1] = converged_factor(problem, step).solve(adjoint[:-1], transposed=True)
+        adjoint[-1] = 0.0
+        at_points = np.empty((len(step.gap), 2, self.m))
+        point_adjoint(table, adjoint, equations, at_points)
+        out_bar[:, FORCE_X:XI] -= at_points
+        return self._collect_contact(step, local, out_bar, adjoint)
 
-    def _collect(self, step, local, out_bar, adjoint) -> np.ndarray:
-        """Add the explicit parts of one step to the seeds."""
-        disc, problem = self.disc, self.problem
-        in_bar = _contract(out_bar, local)
-        x_bar = np.ascontiguousarray(in_bar[:, :, X:XI_0])
+    def _collect_contact(self, step, local, out_bar, adjoint) -> np.ndarray:
+        """Add what the contact points of one step see of the parameters."""
+        in_bar = local.transpose(0, 2, 1) @ out_bar
+        x_bar = in_bar[:, X:XI_0]
         self.x_bar += x_bar
-        self.motion -= profile_share(step, self.n_steps) * x_bar.sum(axis=1)
-        self.length_bar += in_bar[:, :, LENGTH]
-        self.contact += in_bar[:, :, RADIUS:].sum(axis=1)
-        add_shape_seeds(disc.contact.table, x_bar, step.force, step.d, adjoint, self.phi_bar)
+        self.motion -= profile_share(step, self.n_steps) * x_bar.sum(axis=0)
+        self.length_bar += in_bar[:, LENGTH]
+        self.contact += in_bar[:, RADIUS:].sum(axis=0)
+        add_shape_seeds(
+            self.disc.contact.table, x_bar, step.force, step.d, adjoint,
+            self.disc.layout.equations, self.phi_bar,
+        )  # fmt: skip
+        return in_bar[:, XI_0:LENGTH]
+
+    def _collect_internal(self, steps, adjoints) -> None:
+        """Add the explicit terms of the internal force over a block of steps."""
+        disc = self.disc
         add_internal_seeds(
-            disc.cells.table, disc.weights, problem.constants, step.d, adjoint, self.grad_bar,
+            disc.cells.table, disc.weights, self.problem.constants,
+            np.array([step.d for step in steps]), adjoints, disc.layout.equations, self.grad_bar,
             self.weight_bar, self.constants,
         )  # fmt: skip
-        return in_bar[:, :, XI_0:LENGTH]
 
     @one_blas_thread
     def run(self, seeds: dict) -> AdjointGradient:
@@ -150,45 +171,53 @@ class AdjointSweep:
         seeds : dict of int to Seeds
             By place in ``path.steps``.
         """
-        history_bar = np.zeros((self.m, len(self.disc.body.contact), 3))
-        frictionless = self.problem.law.friction == 0.0
-        for place in range(max(seeds), -1, -1):
-            if frictionless and place not in seeds:
-                continue
-            history_bar = self.step(self.path.steps[place], seeds.get(place), history_bar)
+        n_equations = self.disc.layout.n_equations
+        history_bar = np.zeros((len(self.disc.body.contact), 3, self.m))
+        places = range(max(seeds), -1, -1)
+        if self.problem.law.friction == 0.0:
+            places = sorted(seeds, reverse=True)
+        for block in blocks(places, n_equations, self.m):
+            steps = [self.path.steps[place] for place in block]
+            adjoints = np.zeros((len(block), n_equations + 1, self.m))
+            for place, step, adjoint in zip(block, steps, adjoints, strict=True):
+                history_bar = self.step(step, seeds.get(place), history_bar, adjoint)
+            self._collect_internal(steps, adjoints)
         self._collect_start(history_bar)
         return AdjointGradient(
-            self._pull_back(), self.contact.copy(), self.constants.copy(), self.motion.copy()
+            self._pull_back(), self.contact.T.copy(), self.constants.T.copy(), self.motion.T.copy()
         )
 
     def _collect_start(self, history_bar):
         """Seeds on the history of the undeformed state, which moves with the design."""
-        out_bar = np.zeros((self.m, history_bar.shape[1], 6))
-        out_bar[:, :, XI : CARRIED + 1] = history_bar
-        in_bar = _contract(out_bar, local_contact(self.problem, self.path.start))
-        self.x_bar += in_bar[:, :, X:XI_0]
-        self.contact += in_bar[:, :, RADIUS:].sum(axis=1)
+        out_bar = np.zeros((len(history_bar), 6, self.m))
+        out_bar[:, XI : CARRIED + 1] = history_bar
+        in_bar = local_contact(self.problem, self.path.start).transpose(0, 2, 1) @ out_bar
+        self.x_bar += in_bar[:, X:XI_0]
+        self.contact += in_bar[:, RADIUS:].sum(axis=0)
 
     def _pull_back(self) -> np.ndarray:
         """All collected seeds to the particles, (M, n, 2)."""
         disc = self.disc
         body, cloud, transformation = disc.body, disc.cloud, disc.transformation
         particles_bar = np.zeros((self.m, *disc.particles.shape))
+        weight_bar, x_bar = _measures_first(self.weight_bar), _measures_first(self.x_bar)
         tables = (
-            (disc.contact, self.phi_bar, np.zeros((self.m, disc.contact.table.grad.size))),
-            (self.stress, np.zeros((self.m, self.stress.table.phi.size)), self.stress_bar),
+            (disc.contact, self.phi_bar, np.zeros((disc.contact.table.grad.size, self.m))),
+            (self.stress, np.zeros((self.stress.table.phi.size, self.m)), self.stress_bar),
         )
         matrix_bar = cell_table_seeds(
-            cloud, disc.cells, self.grad_bar, self.weight_bar, particles_bar, transformation
-        )
+            cloud, disc.cells, _measures_first(self.grad_bar), weight_bar, particles_bar,
+            transformation,
+        )  # fmt: skip
         for table, phi_bar, grad_bar in tables:
             matrix_bar = matrix_bar + table_seeds(
-                cloud, table, phi_bar, grad_bar, particles_bar, transformation
-            )
+                cloud, table, _measures_first(phi_bar), _measures_first(grad_bar), particles_bar,
+                transformation,
+            )  # fmt: skip
         self._pull_back_matrix(matrix_bar, particles_bar)
-        add_weight_seeds(body.cell_map, disc.particles, self.weight_bar, particles_bar)
-        add_tributary_seeds(body, disc.particles, self.length_bar, particles_bar)
-        np.add.at(particles_bar, (slice(None), body.contact), self.x_bar)
+        add_weight_seeds(body.cell_map, disc.particles, weight_bar, particles_bar)
+        add_tributary_seeds(body, disc.particles, self.length_bar.T, particles_bar)
+        np.add.at(particles_bar, (slice(None), body.contact), x_bar)
         return particles_bar
 
     def _pull_back_matrix(self, matrix_bar, particles_bar):
@@ -204,6 +233,6 @@ class AdjointSweep:
         )  # fmt: skip
 
 
-def _contract(out_bar, local):
-    """Seeds (M, k, o) through local derivatives (k, o, i): (M, k, i), as one product per point."""
-    return np.matmul(out_bar.transpose(1, 0, 2), local).transpose(1, 0, 2)
+def _measures_first(bar) -> np.ndarray:
+    """Seeds (..., M) as (M, ...)."""
+    return np.ascontiguousarray(np.moveaxis(bar, -1, 0))

@@ -16,6 +16,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import CARRIED, FORCE_X, GAP, LENGTH, RADIUS, XI, XI_0, X
+from seal_mdao.dsa.blocks import blocks
 from seal_mdao.dsa.internal_rates import add_internal_rates
 from seal_mdao.dsa.linearization import (
     contact_input_rates,
@@ -60,15 +61,13 @@ class StepRates:
         return self.force.sum(axis=0)
 
 
-def constants_load(problem: PathProblem, d, constant_rates) -> np.ndarray | None:
+def constants_load(problem: PathProblem, d, constant_rates) -> np.ndarray:
     """df/d(C10, C01, K) times their rates, (n_equations + 1, P); the force is linear in them."""
-    if not constant_rates.any():
-        return None
     disc = problem.discretization
     unit_forces = np.zeros((3, disc.layout.n_equations + 1))
     for unit, force in zip(np.eye(3), unit_forces, strict=True):
         assemble_internal(
-            disc.cells.table, disc.weights, tuple(unit), d, disc.layout.scatter[0], force,
+            disc.cells.table, disc.weights, tuple(unit), d, disc.layout.force_scatter, force,
             np.empty(0),
         )  # fmt: skip
     return unit_forces.T @ constant_rates.T
@@ -103,8 +102,21 @@ class DirectSweep:
         inputs[:, XI_0:LENGTH] = 0.0
         return (local_contact(self.problem, self.path.start) @ inputs)[:, XI : CARRIED + 1].copy()
 
-    def step(self, step, history_rates) -> StepRates:
-        """Solve (70) at one converged step."""
+    def explicit_loads(self, steps) -> np.ndarray:
+        """Structural fictitious loads of a block of steps, shape (K, n_equations + 1, P)."""
+        disc, problem = self.disc, self.problem
+        loads = np.zeros((len(steps), disc.layout.n_equations + 1, self.rates.count))
+        add_internal_rates(
+            disc.cells.table, disc.weights, self.shape.cells, self.shape.weights,
+            problem.constants, np.array([step.d for step in steps]), disc.layout.equations, loads,
+        )  # fmt: skip
+        if self.rates.constants.any():
+            for step, load in zip(steps, loads, strict=True):
+                load += constants_load(problem, step.d, self.rates.constants)
+        return loads
+
+    def step(self, step, history_rates, load) -> StepRates:
+        """Solve (70) at one converged step; ``load`` is its row of ``explicit_loads``, added to."""
         disc, problem = self.disc, self.problem
         equations, table = disc.layout.equations, disc.contact.table
         local = local_contact(problem, step)
@@ -114,14 +126,6 @@ class DirectSweep:
         inputs = self.inputs
         inputs[:, X:XI_0] = explicit
         inputs[:, XI_0:LENGTH] = history_rates
-        load = np.zeros((disc.layout.n_equations + 1, self.rates.count))
-        add_internal_rates(
-            disc.cells.table, disc.weights, self.shape.cells, self.shape.weights,
-            problem.constants, step.d, equations, load,
-        )  # fmt: skip
-        material = constants_load(problem, step.d, self.rates.constants)
-        if material is not None:
-            load += material
         force_rate = local[:, FORCE_X:XI] @ inputs
         add_force_rates(
             table, self.shape.contact, step.force, force_rate, step.after.state, equations, load
@@ -143,14 +147,15 @@ class DirectSweep:
         """
         last = len(self.path.steps) - 1
         measured = {last} if measured is None else set(measured)
-        frictionless = self.problem.law.friction == 0.0
-        history = self.start()
-        wanted = {}
-        for place, step in enumerate(self.path.steps[: max(measured) + 1]):
-            if frictionless and place not in measured:
-                continue
-            rates = self.step(step, history)
-            history = rates.history
-            if place in measured:
-                wanted[place] = rates
+        places = range(max(measured) + 1)
+        if self.problem.law.friction == 0.0:
+            places = sorted(measured)
+        history, wanted = self.start(), {}
+        for block in blocks(places, self.disc.layout.n_equations, self.rates.count):
+            steps = [self.path.steps[place] for place in block]
+            for place, step, load in zip(block, steps, self.explicit_loads(steps), strict=True):
+                rates = self.step(step, history, load)
+                history = rates.history
+                if place in measured:
+                    wanted[place] = rates
         return wanted

@@ -5,176 +5,322 @@ quadrature weights w. With the projected pressure p = K (J_c - 1):
 
     f_ia  = sum_q w P_ij B_ja
     f'_ia = sum_q (w' P_ij + w P'_ij) B_ja + w P_ij B'_ja,    P' = A : F' + p' cof F
+
+Neither needs what is solved for at other steps, so whole blocks of load steps are taken at once:
+what a cell does then is matrix products over (step, component) and a pass over its points.
 """
 
 import numba as nb
 import numpy as np
 
-from seal_mdao.analysis.internal_force import cell_gradients, point_moduli, projected_jacobian
+from seal_mdao.analysis.internal_force import point_moduli, projected_jacobian
+from seal_mdao.materials.mooney_rivlin import unit_energy_gradients
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _widest(table):
+    """Largest number of neighbours of a group."""
+    widest = 0
+    for cell in range(table.start.size - 1):
+        widest = max(widest, table.start[cell + 1] - table.start[cell])
+    return widest
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _block(buffer, rows, columns):
+    """The beginning of a flat buffer as a matrix."""
+    return buffer[: rows * columns].reshape(rows, columns)
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _cell_displacements(d, near, out):
+    """``out`` (2 K, n): d of the neighbours, rows (step, component)."""
+    for k in range(d.shape[0]):
+        for a in range(near.size):
+            out[2 * k, a] = d[k, near[a], 0]
+            out[2 * k + 1, a] = d[k, near[a], 1]
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def _point_gradients(slopes, k, q_count, f):
+    """``f`` (q, 5): F and det F - 1 at one step, from grad u with rows (step, component)."""
+    for q in range(q_count):
+        f11, f12 = slopes[2 * k, 2 * q], slopes[2 * k, 2 * q + 1]
+        f21, f22 = slopes[2 * k + 1, 2 * q], slopes[2 * k + 1, 2 * q + 1]
+        f[q, 0], f[q, 1], f[q, 2], f[q, 3] = 1.0 + f11, f12, f21, 1.0 + f22
+        f[q, 4] = f11 + f22 + (f11 * f22 - f12 * f21)
 
 
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _gradient_rates(displacement, b_rate, n, count, f_rate):
-    """F' (4, count) at fixed d: sum_a d_ia B'_ja."""
-    f_rate[:, :count] = 0.0
-    for a in range(n):
-        dx, dy = displacement[0, a], displacement[1, a]
-        for p in range(count):
-            f_rate[0, p] += dx * b_rate[0, a, p]
-            f_rate[1, p] += dx * b_rate[1, a, p]
-            f_rate[2, p] += dy * b_rate[0, a, p]
-            f_rate[3, p] += dy * b_rate[1, a, p]
+def _jacobian_rates(f, first, second, count, out):
+    """J' = cof F : F' for the columns of ``first`` (F'_1j) and ``second`` (F'_2j)."""
+    f11, f12, f21, f22 = f[0], f[1], f[2], f[3]
+    for p in range(count):
+        out[p] = f22 * first[0, p] - f21 * first[1, p] - f12 * second[0, p] + f11 * second[1, p]
 
 
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _add_force_rates(b, b_rate, stress, stress_rate, n, count, local):
-    """local (2, n, count) += (w P)'_ij B_ja + w P_ij B'_ja."""
-    p11, p12, p21, p22 = stress
-    for a in range(n):
-        bx, by = b[0, a], b[1, a]
-        for p in range(count):
-            rx, ry = b_rate[0, a, p], b_rate[1, a, p]
-            local[0, a, p] += stress_rate[0, p] * bx + stress_rate[1, p] * by + p11 * rx + p12 * ry
-            local[1, a, p] += stress_rate[2, p] * bx + stress_rate[3, p] * by + p21 * rx + p22 * ry
+def _stress_rates(w, moduli, first, second, pressure_rate, cofactor, count, out):
+    """``out`` (count) = w (A : F' + p' cof F) for one component of P."""
+    a0, a1, a2, a3 = w * moduli[0], w * moduli[1], w * moduli[2], w * moduli[3]
+    scale = w * cofactor
+    for p in range(count):
+        out[p] = (
+            a0 * first[0, p] + a1 * first[1, p] + a2 * second[0, p] + a3 * second[1, p]
+            + scale * pressure_rate[p]
+        )  # fmt: skip
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _cell_stress_rates(
+    weights, weight_rate, slopes, slope_rates, constants, count, stress, stress_rates
+):
+    """(w P) and (w P)' of one cell at all steps.
+
+    Parameters
+    ----------
+    weight_rate : ndarray, shape (q, count)
+    slopes, slope_rates : ndarray, shapes (2 K, 2 q), (2 K, 2 q, count)
+        grad u, and F'.
+    stress, stress_rates : ndarray, shapes (2 K, 2 q), (2 q, 2 K, count)
+        Written.
+    """
+    c10, c01, bulk = constants
+    q_count = weights.size
+    f, p, moduli = np.empty((q_count, 5)), np.empty((q_count, 4)), np.empty((q_count, 4, 4))
+    pressure_rate, j_rate = np.empty(count), np.empty(count)
+    for k in range(slopes.shape[0] // 2):
+        _point_gradients(slopes, k, q_count, f)
+        volume, swelling = projected_jacobian(weights, f, q_count)
+        pressure_rate[:] = 0.0
+        for q in range(q_count):
+            point_moduli(f[q], bulk * swelling, c10, c01, p[q], moduli[q])
+            first = slope_rates[2 * k, 2 * q : 2 * q + 2]
+            second = slope_rates[2 * k + 1, 2 * q : 2 * q + 2]
+            _jacobian_rates(f[q], first, second, count, j_rate)
+            w, excess = weights[q] * bulk / volume, (f[q, 4] - swelling) * bulk / volume
+            for r in range(count):
+                pressure_rate[r] += w * j_rate[r] + weight_rate[q, r] * excess
+        for q in range(q_count):
+            w = weights[q]
+            cofactor = (f[q, 3], -f[q, 2], -f[q, 1], f[q, 0])
+            first = slope_rates[2 * k, 2 * q : 2 * q + 2]
+            second = slope_rates[2 * k + 1, 2 * q : 2 * q + 2]
+            for i in range(2):
+                for j in range(2):
+                    c = 2 * i + j
+                    out = stress_rates[2 * q + j, 2 * k + i]
+                    _stress_rates(
+                        w, moduli[q, c], first, second, pressure_rate, cofactor[c], count, out
+                    )
+                    for r in range(count):
+                        out[r] += weight_rate[q, r] * p[q, c]
+                    stress[2 * k + i, 2 * q + j] = w * p[q, c]
 
 
 @nb.njit(cache=True, error_model="numpy")
 def add_internal_rates(table, weights, rates, weight_rates, constants, d, equations, out):
-    """Add f' for all parameters to ``out`` (n_equations + 1, P).
+    """Add f' of a block of K load steps for all parameters to ``out`` (K, n_equations + 1, P).
 
     Parameters
     ----------
     rates : TableRates
         B' of the cells.
     weight_rates : ndarray, shape (P, n_cells, q)
+    d : ndarray, shape (K, n, 2)
     """
-    c10, c01, bulk = constants
-    q_count, n_parameters = table.group_size, out.shape[1]
-    widest = 0
-    for cell in range(table.start.size - 1):
-        widest = max(widest, table.start[cell + 1] - table.start[cell])
-    displacement = np.empty((2, widest))
-    f, stress, moduli = np.empty((q_count, 5)), np.empty((q_count, 4)), np.empty((q_count, 4, 4))
-    f_rate = np.empty((q_count, 4, n_parameters))
-    stress_rate, swelling_rate = np.empty((4, n_parameters)), np.empty(n_parameters)
-    for cell in range(table.start.size - 1):
+    q_count, n_steps, most = table.group_size, d.shape[0], out.shape[2]
+    n_cells, rows, points = table.start.size - 1, 2 * d.shape[0], 2 * table.group_size
+    widest = _widest(table)
+    displacements, turned = np.empty(rows * widest), np.empty(points * widest)
+    slopes, stress = np.empty((rows, points)), np.empty((rows, points))
+    by_neighbour = np.empty(points * widest * most)
+    slope_rates, stress_rates = np.empty(rows * points * most), np.empty(rows * points * most)
+    moving, moved = np.empty(rows * widest * most), np.empty(rows * widest * most)
+    weight_rate = np.empty(q_count * most)
+    for cell in range(n_cells):
         which = rates.active[rates.start[cell, 0] : rates.start[cell + 1, 0]]
-        count = which.size
+        count, s0 = which.size, table.start[cell]
         if count == 0:
             continue
-        s0 = table.start[cell]
         n = table.start[cell + 1] - s0
         near = table.neighbours[s0 : s0 + n]
-        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
         at = 2 * rates.start[cell, 1]
-        b_rate = rates.grad[at : at + 2 * q_count * n * count].reshape(q_count, 2, n, count)
-        for i in range(n):
-            displacement[0, i], displacement[1, i] = d[near[i], 0], d[near[i], 1]
-        cell_gradients(grad, displacement, n, q_count, f)
-        volume, swelling = projected_jacobian(weights[cell], f, q_count)
-        swelling_rate[:count] = 0.0
+        b_rate = rates.grad[at : at + points * n * count].reshape(points, n * count)
+        u = _block(displacements, rows, n)
+        b = _block(turned, n, points)
+        b_rate_of = _block(by_neighbour, n, points * count)
+        _cell_displacements(d, near, u)
+        for r in range(points):
+            for a in range(n):
+                b[a, r] = grad[r, a]
+                for p in range(count):
+                    b_rate_of[a, r * count + p] = b_rate[r, a * count + p]
+        w_rate = _block(weight_rate, q_count, count)
         for q in range(q_count):
-            point_moduli(f[q], bulk * swelling, c10, c01, stress[q], moduli[q])
-            _gradient_rates(displacement, b_rate[q], n, count, f_rate[q])
-            w, excess = weights[cell, q], f[q, 4] - swelling
             for p in range(count):
-                j_rate = (
-                    f[q, 3] * f_rate[q, 0, p] - f[q, 2] * f_rate[q, 1, p]
-                    - f[q, 1] * f_rate[q, 2, p] + f[q, 0] * f_rate[q, 3, p]
-                )  # fmt: skip
-                swelling_rate[p] += (w * j_rate + weight_rates[which[p], cell, q] * excess) / volume
-        local = np.zeros((2, n, count))
-        for q in range(q_count):
-            w = weights[cell, q]
-            cof = (f[q, 3], -f[q, 2], -f[q, 1], f[q, 0])
-            for r in range(4):
-                for p in range(count):
-                    stress_rate[r, p] = w * bulk * swelling_rate[p] * cof[r]
-                    stress_rate[r, p] += weight_rates[which[p], cell, q] * stress[q, r]
-                for c in range(4):
-                    modulus = w * moduli[q, r, c]
+                w_rate[q, p] = weight_rates[which[p], cell, q]
+        np.dot(u, b, slopes)
+        f_rate = _block(slope_rates, rows, points * count)
+        np.dot(u, b_rate_of, f_rate)
+        p_rate = _block(stress_rates, points, rows * count)
+        _cell_stress_rates(
+            weights[cell], w_rate, slopes, f_rate.reshape(rows, points, count), constants, count,
+            stress, p_rate.reshape(points, rows, count),
+        )  # fmt: skip
+        on_rates, on_b = _block(moving, rows, n * count), _block(moved, n, rows * count)
+        np.dot(stress, b_rate, on_rates)
+        np.dot(b, p_rate, on_b)
+        for k in range(n_steps):
+            for i in range(2):
+                row = 2 * k + i
+                for a in range(n):
+                    to = out[k, equations[near[a], i]]
                     for p in range(count):
-                        stress_rate[r, p] += modulus * f_rate[q, c, p]
-            weighted = (w * stress[q, 0], w * stress[q, 1], w * stress[q, 2], w * stress[q, 3])
-            _add_force_rates(grad[q], b_rate[q], weighted, stress_rate, n, count, local)
-        for i in range(n):
-            for c in range(2):
-                row = out[equations[near[i], c]]
-                for p in range(count):
-                    row[which[p]] += local[c, i, p]
+                        to[which[p]] += on_rates[row, a * count + p] + on_b[a, row * count + p]
+
+
+@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _add_pressure(weight, f, e0, e1, e2, e3, out):
+    """out += weight cof F : e, over all measures."""
+    c0, c1, c2, c3 = weight * f[3], -weight * f[2], -weight * f[1], weight * f[0]
+    for m in range(out.size):
+        out[m] += c0 * e0[m] + c1 * e1[m] + c2 * e2[m] + c3 * e3[m]
+
+
+@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _dual_stress(w, a, f, pressure, e0, e1, e2, e3, d0, d1, d2, d3):
+    """d = w (A : e + p cof F), components 11, 12, 21, 22, over all measures."""
+    for m in range(pressure.size):
+        x0, x1, x2, x3, p = w * e0[m], w * e1[m], w * e2[m], w * e3[m], w * pressure[m]
+        d0[m] = a[0, 0] * x0 + a[0, 1] * x1 + a[0, 2] * x2 + a[0, 3] * x3 + p * f[3]
+        d1[m] = a[1, 0] * x0 + a[1, 1] * x1 + a[1, 2] * x2 + a[1, 3] * x3 - p * f[2]
+        d2[m] = a[2, 0] * x0 + a[2, 1] * x1 + a[2, 2] * x2 + a[2, 3] * x3 - p * f[1]
+        d3[m] = a[3, 0] * x0 + a[3, 1] * x1 + a[3, 2] * x2 + a[3, 3] * x3 + p * f[0]
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def _weighted_stress(f, by_t, by_j, x, i, out):
+    """2 W_T F + W_J cof F of point ``f`` at rows ``x`` (component j) and columns ``i`` of ``out``."""
+    a = 2.0 * by_t
+    out[x, i], out[x + 1, i] = a * f[0] + by_j * f[3], a * f[1] - by_j * f[2]
+    out[x, i + 1], out[x + 1, i + 1] = a * f[2] - by_j * f[1], a * f[3] + by_j * f[0]
 
 
 @nb.njit(cache=True, error_model="numpy")
-def add_internal_seeds(table, weights, constants, d, adjoint, grad_bar, weight_bar, constants_bar):
-    """Transpose of ``add_internal_rates``: for L = -adjoint . f add dL/dB, dL/dw and dL/d(constants).
+def _cell_dual_stress(weights, slopes, strain, constants, count, stresses, dual, pressures):
+    """Stresses of one cell at all steps, and w (A : e + p cof F) of the adjoint strains e.
 
     Parameters
     ----------
-    adjoint : ndarray, shape (M, n, 2)
-        Adjoint displacements of M measures.
-    grad_bar, weight_bar, constants_bar : ndarray, shapes (M, grad.size), (M, n_cells, q), (M, 3)
-        Added to; the constants are C10, C01 and the bulk modulus.
+    slopes : ndarray, shape (2 K, 2 q)
+    strain, dual : ndarray, shape (2 q, 2 K, M)
+        Adjoint strains e, with the sign of L = -adjoint . f; ``dual`` is written.
+    stresses : ndarray, shape (4, 2 q, 2 K)
+        Written: w P, and its derivatives with respect to C10, C01 and K.
+    pressures : ndarray, shape (q, M)
+        Written: sum over the steps of (J - J_c) p.
     """
     c10, c01, bulk = constants
-    q_count, n_measures = table.group_size, adjoint.shape[0]
-    widest = 0
-    for cell in range(table.start.size - 1):
-        widest = max(widest, table.start[cell + 1] - table.start[cell])
-    displacement, lam = np.empty((2, widest)), np.empty((2, widest))
-    f, stress, moduli = np.empty((q_count, 5)), np.empty((q_count, 4)), np.empty((q_count, 4, 4))
-    strain, dual, unit = np.empty((q_count, 4)), np.empty(4), np.empty((2, q_count, 4))
+    q_count = weights.size
+    f, p, moduli = np.empty((q_count, 5)), np.empty((q_count, 4)), np.empty((q_count, 4, 4))
+    pressure = np.empty(count)
+    pressures[:] = 0.0
+    for k in range(slopes.shape[0] // 2):
+        _point_gradients(slopes, k, q_count, f)
+        volume, swelling = projected_jacobian(weights, f, q_count)
+        i, j = 2 * k, 2 * k + 1
+        pressure[:] = 0.0
+        for q in range(q_count):
+            x, y, w = 2 * q, 2 * q + 1, weights[q]
+            _add_pressure(
+                w * bulk / volume, f[q], strain[x, i], strain[y, i], strain[x, j], strain[y, j],
+                pressure,
+            )  # fmt: skip
+            point_moduli(f[q], bulk * swelling, c10, c01, p[q], moduli[q])
+            stresses[0, x, i], stresses[0, y, i] = w * p[q, 0], w * p[q, 1]
+            stresses[0, x, j], stresses[0, y, j] = w * p[q, 2], w * p[q, 3]
+            t = f[q, 0] ** 2 + f[q, 1] ** 2 + f[q, 2] ** 2 + f[q, 3] ** 2
+            first, first_j, second, second_j = unit_energy_gradients(t, 1.0 + f[q, 4])
+            _weighted_stress(f[q], w * first, w * first_j, x, i, stresses[1])
+            _weighted_stress(f[q], w * second, w * second_j, x, i, stresses[2])
+            _weighted_stress(f[q], 0.0, w * swelling, x, i, stresses[3])
+        for q in range(q_count):
+            x, y = 2 * q, 2 * q + 1
+            excess = f[q, 4] - swelling
+            for m in range(count):
+                pressures[q, m] += excess * pressure[m]
+            _dual_stress(
+                weights[q], moduli[q], f[q], pressure, strain[x, i], strain[y, i], strain[x, j],
+                strain[y, j], dual[x, i], dual[y, i], dual[x, j], dual[y, j],
+            )  # fmt: skip
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_internal_seeds(
+    table, weights, constants, d, adjoint, equations, grad_bar, weight_bar, constants_bar
+):
+    """Transpose of ``add_internal_rates``: of L = -adjoint . f add dL/dB, dL/dw, dL/d(constants).
+
+    Parameters
+    ----------
+    d : ndarray, shape (K, n, 2)
+    adjoint : ndarray, shape (K, n_equations + 1, M)
+        Adjoint displacements of M measures; the last row is zero.
+    grad_bar, weight_bar, constants_bar : ndarray, shapes (grad.size, M), (n_cells, q, M), (3, M)
+        Added to; the constants are C10, C01 and the bulk modulus.
+    """
+    n_steps, count = d.shape[0], adjoint.shape[2]
+    rows, points = 2 * n_steps, 2 * table.group_size
+    widest = _widest(table)
+    displacements, turned = np.empty(rows * widest), np.empty(points * widest)
+    slopes, stresses = np.empty((rows, points)), np.empty((4, points, rows))
+    duals, pressures = np.empty(widest * rows * count), np.empty((table.group_size, count))
+    strain, dual = np.empty((points, rows * count)), np.empty((points, rows * count))
+    of_lambda, of_d = np.empty((points, count)), np.empty(widest * count)
     for cell in range(table.start.size - 1):
         s0 = table.start[cell]
         n = table.start[cell + 1] - s0
         near = table.neighbours[s0 : s0 + n]
-        at = 2 * s0 * q_count
-        grad = table.grad[at : at + 2 * n * q_count].reshape(q_count, 2, n)
-        for i in range(n):
-            displacement[0, i], displacement[1, i] = d[near[i], 0], d[near[i], 1]
-        cell_gradients(grad, displacement, n, q_count, f)
-        volume, swelling = projected_jacobian(weights[cell], f, q_count)
-        for q in range(q_count):
-            point_moduli(f[q], 0.0, 1.0, 0.0, unit[0, q], moduli[q])
-            point_moduli(f[q], 0.0, 0.0, 1.0, unit[1, q], moduli[q])
-            point_moduli(f[q], bulk * swelling, c10, c01, stress[q], moduli[q])
-        for measure in range(n_measures):
-            for i in range(n):
-                lam[0, i] = -adjoint[measure, near[i], 0]
-                lam[1, i] = -adjoint[measure, near[i], 1]
-            dilation = 0.0
-            for q in range(q_count):
-                e = strain[q]
-                e[:] = 0.0
-                for i in range(n):
-                    e[0] += lam[0, i] * grad[q, 0, i]
-                    e[1] += lam[0, i] * grad[q, 1, i]
-                    e[2] += lam[1, i] * grad[q, 0, i]
-                    e[3] += lam[1, i] * grad[q, 1, i]
-                dilation += weights[cell, q] * (
-                    f[q, 3] * e[0] - f[q, 2] * e[1] - f[q, 1] * e[2] + f[q, 0] * e[3]
-                )
-            pressure = bulk * dilation / volume
-            constants_bar[measure, 2] += swelling * dilation
-            for q in range(q_count):
-                w, e = weights[cell, q], strain[q]
-                p = stress[q]
-                weight_bar[measure, cell, q] += (
-                    p[0] * e[0] + p[1] * e[1] + p[2] * e[2] + p[3] * e[3]
-                    + pressure * (f[q, 4] - swelling)
-                )  # fmt: skip
-                for r in range(4):
-                    constants_bar[measure, 0] += w * unit[0, q, r] * e[r]
-                    constants_bar[measure, 1] += w * unit[1, q, r] * e[r]
-                cof = (f[q, 3], -f[q, 2], -f[q, 1], f[q, 0])
-                for r in range(4):
-                    dual[r] = pressure * cof[r]
-                    for c in range(4):
-                        dual[r] += moduli[q, r, c] * e[c]
-                    dual[r] *= w
-                first = grad_bar[measure, at + 2 * n * q : at + 2 * n * q + n]
-                second = grad_bar[measure, at + 2 * n * q + n : at + 2 * n * (q + 1)]
-                for i in range(n):
-                    lx, ly = w * lam[0, i], w * lam[1, i]
-                    ux, uy = displacement[0, i], displacement[1, i]
-                    first[i] += p[0] * lx + p[2] * ly + dual[0] * ux + dual[2] * uy
-                    second[i] += p[1] * lx + p[3] * ly + dual[1] * ux + dual[3] * uy
+        grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
+        u, b, lam = (
+            _block(displacements, rows, n), _block(turned, n, points),
+            _block(duals, n, rows * count),
+        )  # fmt: skip
+        _cell_displacements(d, near, u)
+        for a in range(n):
+            for r in range(points):
+                b[a, r] = grad[r, a]
+            for k in range(n_steps):
+                for i in range(2):
+                    value = adjoint[k, equations[near[a], i]]
+                    at = (2 * k + i) * count
+                    for m in range(count):
+                        lam[a, at + m] = -value[m]
+        np.dot(u, b, slopes)
+        np.dot(grad, lam, strain)
+        _cell_dual_stress(
+            weights[cell], slopes, strain.reshape(points, rows, count), constants, count, stresses,
+            dual.reshape(points, rows, count), pressures,
+        )  # fmt: skip
+        every = strain.reshape(points * rows, count)
+        constants_bar += np.dot(stresses[1:].reshape(3, points * rows), every)
+        for q in range(table.group_size):
+            here = slice(2 * q * rows, 2 * (q + 1) * rows)
+            work = np.dot(stresses[0].reshape(points * rows)[here], every[here])
+            for m in range(count):
+                weight_bar[cell, q, m] += work[m] / weights[cell, q] + pressures[q, m]
+        out = grad_bar[s0 * points : (s0 + n) * points]
+        u_turned = np.ascontiguousarray(u.T)
+        by_d = _block(of_d, n, count)
+        for a in range(n):
+            np.dot(stresses[0], lam[a].reshape(rows, count), of_lambda)
+            for r in range(points):
+                for m in range(count):
+                    out[r * n + a, m] += of_lambda[r, m]
+        for r in range(points):
+            np.dot(u_turned, dual[r].reshape(rows, count), by_d)
+            for a in range(n):
+                for m in range(count):
+                    out[r * n + a, m] += by_d[a, m]

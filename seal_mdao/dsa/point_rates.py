@@ -74,56 +74,62 @@ def gradient_rates(table, rates, d, equations, solution, out):
 
 @nb.njit(cache=True, error_model="numpy")
 def add_displacement_seeds(table, x_bar, equations, out):
-    """Transpose of ``add_solution_rates``: seeds (M, k, 2) to ``out`` (n_equations + 1, M)."""
+    """Transpose of ``add_solution_rates``: seeds (k, 2, M) to ``out`` (n_equations + 1, M)."""
     for i in range(table.start.size - 1):
-        for measure in range(x_bar.shape[0]):
-            for c in range(2):
-                seed = x_bar[measure, i, c]
-                if seed == 0.0:
-                    continue
-                for a in range(table.start[i], table.start[i + 1]):
-                    out[equations[table.neighbours[a], c], measure] += table.phi[a] * seed
+        for c in range(2):
+            seed = x_bar[i, c]
+            if not seed.any():
+                continue
+            for a in range(table.start[i], table.start[i + 1]):
+                row, phi = out[equations[table.neighbours[a], c]], table.phi[a]
+                for m in range(seed.size):
+                    row[m] += phi * seed[m]
 
 
 @nb.njit(cache=True, error_model="numpy")
-def point_adjoint(table, adjoint, out):
-    """Adjoint displacement of single points: ``out`` (M, k, 2) from ``adjoint`` (M, n, 2)."""
+def point_adjoint(table, adjoint, equations, out):
+    """Adjoint displacement of single points: ``out`` (k, 2, M) from ``adjoint`` (n_equations + 1, M).
+
+    The last row of ``adjoint``, that of imposed components, is zero.
+    """
     out[:] = 0.0
-    for measure in range(adjoint.shape[0]):
-        for i in range(table.start.size - 1):
-            for a in range(table.start[i], table.start[i + 1]):
-                for c in range(2):
-                    out[measure, i, c] += table.phi[a] * adjoint[measure, table.neighbours[a], c]
+    for i in range(table.start.size - 1):
+        for a in range(table.start[i], table.start[i + 1]):
+            phi = table.phi[a]
+            for c in range(2):
+                row = adjoint[equations[table.neighbours[a], c]]
+                for m in range(row.size):
+                    out[i, c, m] += phi * row[m]
 
 
 @nb.njit(cache=True, error_model="numpy")
-def add_shape_seeds(table, x_bar, force, d, adjoint, phi_bar):
+def add_shape_seeds(table, x_bar, force, d, adjoint, equations, phi_bar):
     """Add seeds on Phi: x_bar . d from the point's displacement, -T . adjoint from its force."""
-    for measure in range(x_bar.shape[0]):
-        for i in range(table.start.size - 1):
-            for a in range(table.start[i], table.start[i + 1]):
-                near = table.neighbours[a]
-                for c in range(2):
-                    phi_bar[measure, a] += (
-                        x_bar[measure, i, c] * d[near, c] - force[i, c] * adjoint[measure, near, c]
-                    )
+    for i in range(table.start.size - 1):
+        for a in range(table.start[i], table.start[i + 1]):
+            near, out = table.neighbours[a], phi_bar[a]
+            for c in range(2):
+                row, u, t = adjoint[equations[near, c]], d[near, c], force[i, c]
+                for m in range(row.size):
+                    out[m] += x_bar[i, c, m] * u - t * row[m]
 
 
 @nb.njit(cache=True, error_model="numpy")
 def add_gradient_seeds(table, f_bar, d, equations, d_bar, grad_bar):
-    """Transpose of ``gradient_rates``: seeds ``f_bar`` (M, k, 4) on F."""
-    for measure in range(f_bar.shape[0]):
-        for i in range(table.start.size - 1):
-            s0 = table.start[i]
-            n = table.start[i + 1] - s0
-            for a in range(n):
-                near = table.neighbours[s0 + a]
-                for j in range(2):
-                    at = 2 * s0 + j * n + a
-                    for c in range(2):
-                        seed = f_bar[measure, i, 2 * c + j]
-                        d_bar[equations[near, c], measure] += seed * table.grad[at]
-                        grad_bar[measure, at] += seed * d[near, c]
+    """Transpose of ``gradient_rates``: seeds ``f_bar`` (k, 4, M) on F."""
+    for i in range(table.start.size - 1):
+        s0 = table.start[i]
+        n = table.start[i + 1] - s0
+        for a in range(n):
+            near = table.neighbours[s0 + a]
+            for j in range(2):
+                at = 2 * s0 + j * n + a
+                for c in range(2):
+                    seed = f_bar[i, 2 * c + j]
+                    row = d_bar[equations[near, c]]
+                    for m in range(seed.size):
+                        row[m] += seed[m] * table.grad[at]
+                        grad_bar[at, m] += seed[m] * d[near, c]
 
 
 def points_velocity(velocity: np.ndarray, which: np.ndarray) -> np.ndarray:

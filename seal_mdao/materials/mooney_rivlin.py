@@ -16,6 +16,18 @@ import numpy as np
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
+def unit_energy_gradients(t, j):
+    """W_T and W_J of the two isochoric terms, each for a constant of one: C10 first, then C01."""
+    a = j ** (-1.0 / 3.0)
+    a2, i = a * a, 1.0 / j
+    a4 = a2 * a2
+    return (
+        a2, -2.0 / 3.0 * (t + 1.0) * a2 * i,
+        a4, (2.0 * j * j - 4.0 * t) / 3.0 * a4 * i,
+    )  # fmt: skip
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
 def energy_derivatives(t, j, c10, c01):
     """W_T, W_J, W_TJ, W_JJ of the isochoric energy (W_TT = 0), in the unit of C10.
 
@@ -24,12 +36,10 @@ def energy_derivatives(t, j, c10, c01):
     t, j : float
         F : F and det F in the plane.
     """
-    a = j ** (-1.0 / 3.0)
-    a2 = a * a
-    a4 = a2 * a2
+    a2, first_j, a4, second_j = unit_energy_gradients(t, j)
     i = 1.0 / j
     w_t = c10 * a2 + c01 * a4
-    w_j = -2.0 / 3.0 * c10 * (t + 1.0) * a2 * i + c01 * (2.0 * j * j - 4.0 * t) / 3.0 * a4 * i
+    w_j = c10 * first_j + c01 * second_j
     w_tj = -(2.0 * c10 * a2 + 4.0 * c01 * a4) * i / 3.0
     w_jj = (
         (10.0 / 9.0 * c10 * (t + 1.0) * a2 + c01 * (28.0 / 9.0 * t - 2.0 / 9.0 * j * j) * a4)

@@ -45,6 +45,8 @@ def stress_points(rows, stress: np.ndarray, count: int = STRESS_COUNT) -> np.nda
         Von Mises stress at all particles. Where there are fewer maxima than ``count``, the
         largest other boundary values follow.
     """
+    # mirror images that differ by rounding only keep their order
+    stress = np.round(stress / max(np.abs(stress).max(), np.finfo(float).tiny), 9)
     peaks = np.concatenate([row[local_maxima(stress[row], closed)] for row, closed in rows])
     others = np.setdiff1d(np.concatenate([row for row, _ in rows]), peaks)
     ranked = [group[np.argsort(-stress[group], kind="stable")] for group in (peaks, others)]

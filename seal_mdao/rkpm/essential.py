@@ -43,6 +43,14 @@ class EssentialTransformation:
         """Mask over ``union`` of the constrained particles."""
         return np.isin(self.union, self.constrained)
 
+    def coefficients(self, d: np.ndarray) -> np.ndarray:
+        """Raw coefficients c = N d, (n, 2), of the transformed ones: c_C = T d_U."""
+        if self.constrained.size == 0:
+            return d
+        raw = d.copy()
+        raw[self.constrained] = self.matrix @ d[self.union]
+        return raw
+
 
 def rows_on_union(table: ShapeTable, union: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Scatter a table of single points (flat (point, neighbour, ...)) to dense rows over ``union``."""

@@ -76,5 +76,6 @@ def discretize_quadratic(body: Body, particles: np.ndarray, n_edge: int = 3) -> 
         body.edge_rule, disc.weights, PointTable(points, x, full, full), raw,
         transform_table(raw, disc.transformation),
     )  # fmt: skip
-    layout = tangent_layout(body.fixed, [cells.table, disc.contact.table], body.solver)
+    tables = [cells.raw, disc.contact.raw]
+    layout = tangent_layout(body.fixed, tables, disc.transformation, body.solver)
     return replace(disc, cells=cells, layout=layout)

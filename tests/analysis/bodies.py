@@ -27,15 +27,19 @@ def square(rng, n=6, order=1, solver="auto", fixed="rim"):
 
 
 def internal(disc, d, constants=CONSTANTS, tangent=True):
-    """Internal force (n_equations,) and the tangent buffer."""
+    """Internal force (n_equations,) and the tangent buffer, through raw shape functions."""
     layout = disc.layout
-    force = np.zeros(layout.n_equations + 1)
+    force = np.zeros(layout.force_size)
     values = np.zeros(layout.size if tangent else 0)
     bad = assemble_internal(
-        disc.cells.table, disc.weights, constants, d, layout.scatter[0], force, values
-    )
+        disc.cells.raw, disc.weights, constants, disc.transformation.coefficients(d),
+        layout.scatter[0], force, values,
+    )  # fmt: skip
     assert bad == -1
-    return force[:-1], values
+    layout.condense_force(force)
+    if tangent:
+        layout.condense_tangent(values)
+    return force[: layout.n_equations], values
 
 
 def energy(disc, d, constants=CONSTANTS):
@@ -48,14 +52,14 @@ def dense(layout, values):
     matrix = np.zeros((n, n))
     if isinstance(storage, BandedStorage):
         kl = storage.width
-        band = values[:-1].reshape(n, 3 * kl + 1).T
+        band = values[: storage.size].reshape(n, 3 * kl + 1).T
         for column in range(n):
             low, high = max(0, column - kl), min(n, column + kl + 1)
             matrix[low:high, column] = band[2 * kl + low - column : 2 * kl + high - column, column]
         return matrix
     for column in range(n):
         where = slice(storage.pointers[column], storage.pointers[column + 1])
-        matrix[storage.indices[where], column] = values[:-1][where]
+        matrix[storage.indices[where], column] = values[: storage.size][where]
     return matrix
 
 

@@ -177,7 +177,7 @@ def test_inverted_point_is_reported_with_its_cell(rng):
     d[14] = [1.0, 1.0]
     force = np.zeros(disc.layout.n_equations + 1)
     bad = assemble_internal(
-        disc.cells.table, disc.weights, CONSTANTS, d, disc.layout.scatter[0], force, np.empty(0)
+        disc.cells.table, disc.weights, CONSTANTS, d, disc.layout.force_scatter, force, np.empty(0)
     )
     assert bad >= 0
     with pytest.raises(ValueError, match=f"cell {bad} "):

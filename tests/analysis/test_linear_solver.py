@@ -91,7 +91,7 @@ def test_components_can_be_fixed_one_by_one(rng):
     disc = square(rng, fixed="nothing")
     fixed = np.zeros((36, 2), bool)
     fixed[:6, 0], fixed[0, 1] = True, True
-    layout = tangent_layout(fixed, [disc.cells.table], "banded")
+    layout = tangent_layout(fixed, [disc.cells.table], solver="banded")
     assert layout.n_equations == 72 - 7
     np.testing.assert_array_equal(layout.equations < 0, fixed)
 
@@ -99,7 +99,7 @@ def test_components_can_be_fixed_one_by_one(rng):
 def test_unknown_solver_is_refused(rng):
     disc = square(rng)
     with pytest.raises(ValueError, match="solver"):
-        tangent_layout(disc.body.fixed, [disc.cells.table], "cholesky")
+        tangent_layout(disc.body.fixed, [disc.cells.table], solver="cholesky")
     assert "cholesky" not in SOLVERS
 
 

@@ -177,6 +177,12 @@ def test_without_friction_every_point_slips_without_traction():
         assert force[0] == 0.0
 
 
+def test_without_friction_a_point_that_has_not_slid_does_not_stick():
+    """The limit is zero and so is the traction: a stick tangent would hold it sideways."""
+    (_, state, _), _ = follow(LAW._replace(friction=0.0), sliding([0.0]))
+    assert state == SLIP
+
+
 def test_touching_without_penetration_is_open():
     force, tangent, state, *_ = press(FLAT, LAW, (0.0, 0.0), (STICK, (100.0, 1.0, 0.1)))
     assert state == OPEN

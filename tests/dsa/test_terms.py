@@ -12,6 +12,7 @@ from seal_mdao.analysis.body import (
     tributary_rates,
 )
 from seal_mdao.analysis.internal_force import assemble_internal
+from seal_mdao.dsa.blocks import blocks
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.internal_rates import add_internal_rates, add_internal_seeds
 from seal_mdao.dsa.linearization import discretization_rates, point_table_rates
@@ -42,7 +43,7 @@ def internal_force(discretization, constants, d):
     layout = discretization.layout
     force = np.zeros(layout.n_equations + 1)
     assemble_internal(
-        discretization.cells.table, discretization.weights, constants, d, layout.scatter[0], force,
+        discretization.cells.table, discretization.weights, constants, d, layout.force_scatter, force,
         np.empty(0),
     )  # fmt: skip
     return np.where(layout.equations >= 0, force[layout.equations], 0.0)
@@ -77,11 +78,12 @@ def test_structural_fictitious_load_against_central_differences(drawn, disc, vel
     d, problem = drawn.end.d, path_problem(drawn)
     equations = disc.layout.equations
     rates = discretization_rates(disc, velocity)
-    load = np.zeros((disc.layout.n_equations + 1, 3))
+    loads = np.zeros((1, disc.layout.n_equations + 1, 3))
     add_internal_rates(
-        disc.cells.table, disc.weights, rates.cells, rates.weights, problem.constants, d,
-        equations, load,
+        disc.cells.table, disc.weights, rates.cells, rates.weights, problem.constants, d[None],
+        equations, loads,
     )  # fmt: skip
+    load = loads[0]
     free = equations >= 0
     worst = []
     for step in (1e-5, 1e-6):
@@ -103,61 +105,81 @@ def test_structural_fictitious_load_against_central_differences(drawn, disc, vel
 
 def test_internal_seeds_are_the_transpose_of_internal_rates(drawn, disc, velocity, rng):
     """-lambda . f' from the rates of B and w equals the seeds on B and w times those rates."""
-    d, problem = drawn.end.d, path_problem(drawn)
+    d, problem = np.array([step.d for step in drawn.path.steps[-3:]]), path_problem(drawn)
     equations, table = disc.layout.equations, disc.cells.table
     rates = discretization_rates(disc, velocity)
-    load = np.zeros((disc.layout.n_equations + 1, 3))
+    loads = np.zeros((3, disc.layout.n_equations + 1, 3))
     add_internal_rates(
-        table, disc.weights, rates.cells, rates.weights, problem.constants, d, equations, load
+        table, disc.weights, rates.cells, rates.weights, problem.constants, d, equations, loads
     )
-    adjoint = np.where((equations >= 0)[..., None], rng.standard_normal((174, 2, 1)), 0.0)
-    adjoint = np.ascontiguousarray(np.moveaxis(adjoint, 2, 0))
-    grad_bar, weight_bar = np.zeros((1, table.grad.size)), np.zeros((1, *disc.weights.shape))
-    constants_bar = np.zeros((len(adjoint), 3))
+    adjoint = rng.standard_normal((3, disc.layout.n_equations + 1, 2))
+    adjoint[:, -1] = 0.0
+    grad_bar, weight_bar = np.zeros((table.grad.size, 2)), np.zeros((*disc.weights.shape, 2))
+    constants_bar = np.zeros((3, 2))
     add_internal_seeds(
-        table, disc.weights, problem.constants, d, adjoint, grad_bar, weight_bar, constants_bar
-    )
-    rows = np.zeros(disc.layout.n_equations)
-    rows[equations[equations >= 0]] = adjoint[0][equations >= 0]
-    ahead = -rows @ load[:-1]
-    back = np.einsum("cq,pcq->p", weight_bar[0], rates.weights)
+        table, disc.weights, problem.constants, d, adjoint, equations, grad_bar, weight_bar,
+        constants_bar,
+    )  # fmt: skip
+    ahead = -np.einsum("kem,kep->mp", adjoint[:, :-1], loads[:, :-1])
+    back = np.einsum("cqm,pcq->mp", weight_bar, rates.weights)
     q = disc.weights.shape[1]
     for cell in range(table.n_groups):
         active = rates.cells.active[rates.cells.start[cell, 0] : rates.cells.start[cell + 1, 0]]
         low, high = rates.cells.start[cell : cell + 2, 1]
         here = slice(2 * q * table.start[cell], 2 * q * table.start[cell + 1])
         block = rates.cells.grad[2 * low : 2 * high].reshape(-1, active.size)
-        back[active] += grad_bar[0, here] @ block
-    size = np.abs(rows[:, None] * load[:-1]).sum(axis=0)
+        back[:, active] += grad_bar[here].T @ block
+    size = np.einsum("kem,kep->mp", np.abs(adjoint[:, :-1]), np.abs(loads[:, :-1]))
     np.testing.assert_allclose(back, ahead, rtol=0.0, atol=1e-12 * size.max())
     # the force is linear in C10, C01 and K
-    for unit, seed in zip(np.eye(3), constants_bar[0], strict=True):
-        force = internal_force(disc, tuple(unit), d)[equations >= 0]
-        own = adjoint[0][equations >= 0]
-        assert seed == pytest.approx(-own @ force, abs=1e-12 * np.abs(own * force).sum())
+    free = equations >= 0
+    for unit, seed in zip(np.eye(3), constants_bar, strict=True):
+        force = np.array([internal_force(disc, tuple(unit), one)[free] for one in d])
+        own = adjoint[:, equations[free]]
+        scale = np.einsum("kem,ke->m", np.abs(own), np.abs(force))
+        exact = -np.einsum("kem,ke->m", own, force)
+        np.testing.assert_allclose(seed, exact, rtol=0.0, atol=1e-12 * scale.max())
+
+
+def test_blocks_cover_all_steps_in_order(monkeypatch):
+    monkeypatch.setattr("seal_mdao.dsa.blocks.BLOCK_BYTES", 8 * 100 * 3 * 4)
+    assert [list(block) for block in blocks(range(9, -1, -1), 100, 3)] == [
+        [9, 8, 7, 6], [5, 4, 3, 2], [1, 0],
+    ]  # fmt: skip
+    assert [list(block) for block in blocks([5, 2], 10**6, 3)] == [[5], [2]]
+
+
+def test_short_blocks_give_the_same_sensitivities(drawn, monkeypatch):
+    whole = [sm.differentiate(drawn, method=method) for method in ("direct", "adjoint")]
+    monkeypatch.setattr("seal_mdao.dsa.blocks.BLOCK_BYTES", 8 * 334 * 26 * 10)
+    for method, expected in zip(("direct", "adjoint"), whole, strict=True):
+        found = sm.differentiate(drawn, method=method)
+        for name in ("von_mises", "gap", "reaction"):
+            a, b = getattr(found, name), getattr(expected, name)
+            np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-11 * np.abs(b).max())
 
 
 def test_displacement_seeds_are_the_transpose_of_solution_rates(disc, rng):
     table, equations, n = disc.contact.table, disc.layout.equations, disc.layout.n_equations
-    solution, seed = rng.standard_normal((n, 4)), rng.standard_normal((3, 51, 2))
+    solution, seed = rng.standard_normal((n, 4)), rng.standard_normal((51, 2, 3))
     moved, pulled = np.zeros((51, 2, 4)), np.zeros((n + 1, 3))
     add_solution_rates(table, equations, solution, moved)
     add_displacement_seeds(table, seed, equations, pulled)
     np.testing.assert_allclose(
-        pulled[:-1].T @ solution, np.einsum("mki,kip->mp", seed, moved), atol=1e-11
+        pulled[:-1].T @ solution, np.einsum("kim,kip->mp", seed, moved), atol=1e-11
     )
 
 
 def test_point_adjoint_is_the_field_of_the_adjoint_coefficients(disc, rng):
-    adjoint, out = rng.standard_normal((2, 174, 2)), np.empty((2, 51, 2))
-    point_adjoint(disc.contact.table, adjoint, out)
-    vector = np.moveaxis(adjoint, 0, 2)
+    adjoint, out = rng.standard_normal((disc.layout.n_equations + 1, 3)), np.empty((51, 2, 3))
+    adjoint[-1] = 0.0
+    equations, table = disc.layout.equations, disc.contact.table
+    point_adjoint(table, adjoint, equations, out)
     fields = np.zeros((51, 174))
-    table = disc.contact.table
     for k in range(51):
         near = slice(table.start[k], table.start[k + 1])
         fields[k, table.neighbours[near]] = table.phi[near]
-    exact = np.einsum("ka,aim->mki", fields, vector)
+    exact = np.einsum("ka,aim->kim", fields, adjoint[equations])
     np.testing.assert_allclose(out, exact, atol=1e-13)
 
 
@@ -168,18 +190,18 @@ def test_gradient_seeds_are_the_transpose_of_gradient_rates(drawn, disc, rng):
     velocity = rng.standard_normal((2, 174, 2))
     shape = discretization_rates(disc, velocity)
     rates = point_table_rates(disc, table, velocity, shape.matrix)
-    solution, seed = rng.standard_normal((n, 2)), rng.standard_normal((1, 7, 4))
+    solution, seed = rng.standard_normal((n, 2)), rng.standard_normal((7, 4, 1))
     f_rate = np.empty((7, 4, 2))
     gradient_rates(table.table, rates, d, equations, solution, f_rate)
-    d_bar, grad_bar = np.zeros((n + 1, 1)), np.zeros((1, table.table.grad.size))
+    d_bar, grad_bar = np.zeros((n + 1, 1)), np.zeros((table.table.grad.size, 1))
     add_gradient_seeds(table.table, seed, d, equations, d_bar, grad_bar)
     back = d_bar[:-1, 0] @ solution
     for k in range(7):
         active = rates.active[rates.start[k, 0] : rates.start[k + 1, 0]]
         low, high = rates.start[k : k + 2, 1]
         here = slice(2 * table.table.start[k], 2 * table.table.start[k + 1])
-        back[active] += grad_bar[0, here] @ rates.grad[2 * low : 2 * high].reshape(-1, active.size)
-    ahead = np.einsum("skr,kr->s", np.moveaxis(f_rate, 2, 0), seed[0])
+        back[active] += grad_bar[here, 0] @ rates.grad[2 * low : 2 * high].reshape(-1, active.size)
+    ahead = np.einsum("krs,kr->s", f_rate, seed[..., 0])
     np.testing.assert_allclose(back, ahead, rtol=1e-10)
 
 
@@ -238,7 +260,8 @@ def end_rates(result, measured=None, history=True):
     rates = parameter_rates(result.model)
     sweep, last = DirectSweep(result.path, path_problem(result), rates), len(result.path.steps) - 1
     if not history:
-        return sweep.step(result.path.steps[-1], np.zeros((51, 3, rates.count)))
+        end = result.path.steps[-1]
+        return sweep.step(end, np.zeros((51, 3, rates.count)), sweep.explicit_loads([end])[0])
     return sweep.run(measured)[last]
 
 

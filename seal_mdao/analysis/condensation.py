@@ -1,0 +1,99 @@
+"""The essential transformation on assembled systems: K~ = N^T K N and f~ = N^T f.
+
+With T of ``rkpm.essential`` the raw coefficients are c = N d: c_C = T d_U at the constrained
+particles C, c = d elsewhere. Cells and contact points that see C would couple the whole union U if
+their shape functions were transformed; the raw system is assembled instead, with the rows and
+columns of C aside, and these few are multiplied by T once.
+"""
+
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+
+from seal_mdao.rkpm.essential import EssentialTransformation
+
+
+class Condensation(NamedTuple):
+    """Rows and columns of the constrained particles, and where their products with T go.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (c, u)
+        T.
+    constrained_at, union_at : ndarray of int, shapes (c,), (u,)
+        Places of the constrained particles and of the union among the ``v`` coupled particles.
+    union_equations : ndarray of int, shape (2, u)
+    union_slots : ndarray of int, shape (2, u, 2, v)
+        Slots of the rows of the union, (component, particle) both.
+    coupled_slots : ndarray of int, shape (2, v, 2, u)
+        Slots of the columns of the union.
+    first_equation, first_row, first_column : int
+        Where the constrained forces, rows and columns begin in their buffers.
+    """
+
+    matrix: np.ndarray
+    constrained_at: np.ndarray
+    union_at: np.ndarray
+    union_equations: np.ndarray
+    union_slots: np.ndarray
+    coupled_slots: np.ndarray
+    first_equation: int
+    first_row: int
+    first_column: int
+
+
+def coupled_particles(transformation: EssentialTransformation, tables) -> np.ndarray:
+    """Sorted particles that share a group with a constrained one, and the union."""
+    found = [transformation.union]
+    for table in tables:
+        group = np.repeat(np.arange(table.n_groups), np.diff(table.start))
+        seen = np.zeros(table.n_groups, bool)
+        seen[group[np.isin(table.neighbours, transformation.constrained)]] = True
+        found.append(table.neighbours[seen[group]])
+    return np.unique(np.concatenate(found))
+
+
+@nb.njit(cache=True, error_model="numpy")
+def condense_force(condensation, force):
+    """Add T^T f_C of the raw ``force`` (n_equations + 2 c + 1) to its equations; the last collects
+    imposed components."""
+    c, u = condensation.matrix.shape
+    for i in range(2):
+        at = condensation.first_equation + i * c
+        for b in range(u):
+            pulled = 0.0
+            for a in range(c):
+                pulled += condensation.matrix[a, b] * force[at + a]
+            force[condensation.union_equations[i, b]] += pulled
+
+
+@nb.njit(cache=True, error_model="numpy")
+def condense_tangent(condensation, values):
+    """Add T^T K_C. N and K_.C T to the tangent buffer, from the rows and columns kept aside."""
+    matrix, at_c, at_u = condensation.matrix, condensation.constrained_at, condensation.union_at
+    c, u = matrix.shape
+    v = condensation.union_slots.shape[3]
+    first, size = condensation.first_row, 4 * c * v
+    rows = values[first : first + size].reshape(2, c, 2, v)
+    first = condensation.first_column
+    columns = values[first : first + size].reshape(2, v, 2, c)
+    turned = np.ascontiguousarray(matrix.T)
+    for i in range(2):
+        for k in range(2):
+            block = rows[i, :, k].copy()
+            own = block[:, at_c].copy()
+            block[:, at_c] = 0.0
+            folded = np.dot(own, matrix)
+            for b in range(u):
+                block[:, at_u[b]] += folded[:, b]
+            _add(np.dot(turned, block), condensation.union_slots[i, :, k], values)
+            on_columns = np.dot(columns[k, :, i].copy(), matrix)
+            _add(on_columns, condensation.coupled_slots[k, :, i], values)
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _add(block, slots, values):
+    for a in range(block.shape[0]):
+        for b in range(block.shape[1]):
+            values[slots[a, b]] += block[a, b]
