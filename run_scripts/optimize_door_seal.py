@@ -23,6 +23,7 @@ from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.evaluations import RestartError
 from seal_mdao.recording.restart import restart
+from seal_mdao.report.write import write_report
 
 FEASIBLE = 1e-3
 """Largest relative constraint violation of a design that counts as feasible."""
@@ -59,6 +60,7 @@ def main(arguments) -> int:
     summary = {"optimizer": optimizer, **settings, "recorded_evaluations": history.evaluations}
     write_summary(arguments.out, run_numbers | summary | numbers)
     draw_history(history, initial, final, arguments.out)
+    write_report(cases, arguments.out / "report.html")
     state = "converged" if run_numbers["success"] else "NOT CONVERGED"
     print(
         f"{optimizer} {state} in {run_numbers['iterations']} iterations, "
@@ -71,7 +73,7 @@ def main(arguments) -> int:
             "evaluations used again"
         )
     report_end(history, numbers)
-    print(f"cases.sql, figures and summary.json in {arguments.out}")
+    print(f"report.html, figures, summary.json and cases.sql in {arguments.out}")
     return 0 if run_numbers["success"] else 1
 
 

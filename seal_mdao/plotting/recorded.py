@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import openmdao.api as om
 
+from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS
 from seal_mdao.model import SealModel
 from seal_mdao.recording import run_log
 from seal_mdao.recording.settings import open_cases, recorded_problem
@@ -66,6 +67,10 @@ class RecordedOptimization:
         The runs that wrote the file, when it is that of a ``RestartRecorder``.
     units : dict of str to str
         Units of the recorded variables that have any.
+    bounds : dict of str to (ndarray, ndarray)
+        Lower and upper bounds of the design variables, infinite where there are none.
+    given : dict of str to ndarray
+        Recorded inputs of the seal that are no design variables, by the last part of their name.
     analyses : ndarray, shape (n,)
         Number of the evaluation, from 1, that each point is.
     """
@@ -80,6 +85,8 @@ class RecordedOptimization:
     settings: dict = field(default_factory=dict)
     runs: list = field(default_factory=list)
     units: dict = field(default_factory=dict)
+    bounds: dict = field(default_factory=dict)
+    given: dict = field(default_factory=dict)
     analyses: np.ndarray | None = None
 
     @property
@@ -111,6 +118,17 @@ class RecordedOptimization:
         except KeyError as missing:
             raise ValueError(f"the recorded problem has no design variable {missing}") from None
         return offsets[index], float(radius[index, 0])
+
+    def seal_at(self, index: int) -> tuple[SealModel, np.ndarray | None, float | None]:
+        """Model, boundary offsets and door radius (mm) of one point, as ``analyze`` takes them.
+
+        What was neither designed nor recorded is that of the drawn seal: None.
+        """
+        values = self.given | {_last(name): rows[index] for name, rows in self.design.items()}
+        numbers = {n: float(values[n].ravel()[0]) for n in OPTIONAL_INPUTS if n in values}
+        radius = values.get("door_radius")
+        radius = None if radius is None else float(np.ravel(radius)[0])
+        return self.model.with_parameters(numbers), values.get("boundary_offsets"), radius
 
 
 def read_optimization(path) -> RecordedOptimization:
@@ -146,6 +164,8 @@ def read_optimization(path) -> RecordedOptimization:
         settings=problem.settings if problem else {},
         runs=runs,
         units=_units(evaluated[0]),
+        bounds=_bounds(reader, cases[0]),
+        given=_given(cases[0]),
         analyses=np.array([numbers.get(case.counter, len(names)) for case in cases]),
     )
 
@@ -161,6 +181,25 @@ def _points(reader: om.CaseReader, path, evaluated: list, cut_off: bool) -> tupl
     if len(cases) > 1 and _same_design(cases[-1], cases[-2]):
         cases.pop()
     return cases, True
+
+
+def _bounds(reader: om.CaseReader, case) -> dict:
+    bounds = {}
+    for name, value in dict(case.get_design_vars(scaled=False)).items():
+        settings = reader.problem_metadata["variables"][name] | {"equals": None}
+        bounds[name] = tuple(_limit(settings, side, value.size) for side in ("lower", "upper"))
+    return bounds
+
+
+def _given(case) -> dict:
+    wanted = {"boundary_offsets", "door_radius", *OPTIONAL_INPUTS}
+    inputs = {_last(name): value for name, value in (case.inputs or {}).items()}
+    return {name: value for name, value in inputs.items() if name in wanted}
+
+
+def _last(name: str) -> str:
+    """The variable's own name, without those of the groups it is in."""
+    return name.rsplit(".", 1)[-1]
 
 
 def _units(case) -> dict[str, str]:

@@ -82,11 +82,15 @@ class RestartRecorder(om.SqliteRecorder):
             super().record_derivatives_driver(driver, data, metadata)
             self._counter = counter
 
-    def shutdown(self):
-        """Note how the run ended and close the file."""
+    def note_end(self) -> None:
+        """Note how the run of the driver ended, before the file is closed."""
         if self.connection and self._log_row is not None:
             run_log.end(self.connection, self._log_row, self._driver.result)
-            self._log_row = None
+
+    def shutdown(self):
+        """Note how the run ended and close the file."""
+        self.note_end()
+        self._log_row = None
         if self.connection:
             self._publish()
         super().shutdown()

@@ -1,0 +1,35 @@
+"""``openmdao seal_report``: the report of a recorder file from the command line.
+
+Every ``openmdao`` command loads this module, so it imports what it needs when it is called.
+"""
+
+import sys
+
+
+def setup():
+    """What OpenMDAO asks of a command: parser, executor, description."""
+    return add_arguments, execute, "Write and show an HTML report of a recorded optimisation."
+
+
+def add_arguments(parser) -> None:
+    """Declare the arguments of the command."""
+    parser.add_argument("cases", metavar="CASES.sql", help="file of a case recorder of the driver")
+    parser.add_argument("-o", metavar="report.html", dest="outfile", help="file to write")
+    parser.add_argument("--no-display", action="store_true", help="do not open a browser")
+
+
+def execute(options, user_args) -> None:
+    """Write the report and show it; what is wrong with the file is said in one line."""
+    from openmdao.utils.webview import webview
+
+    from seal_mdao.errors import GeometryError
+    from seal_mdao.report.write import write_report
+
+    try:
+        report = write_report(options.cases, options.outfile)
+    except (ValueError, OSError, GeometryError) as error:
+        print(f"openmdao seal_report: {' '.join(str(error).split())}", file=sys.stderr)
+        sys.exit(2)
+    print(report)
+    if not options.no_display:
+        webview(str(report))

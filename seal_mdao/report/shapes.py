@@ -1,0 +1,156 @@
+"""The pictures of the report as numbers: deformed sections with stress, contact, door.
+
+Coordinates and stress of a fine grid between the particles are rounded to 16-bit integers, which is
+some micrometres and a tenth of a kilopascal, and written as base64 text.
+"""
+
+import base64
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
+
+from seal_mdao.contact.friction import OPEN
+from seal_mdao.geometry.profile import trace
+from seal_mdao.plotting import field
+from seal_mdao.plotting.gap import boundary_coordinate
+from seal_mdao.plotting.section import stress_levels, window
+from seal_mdao.plotting.style import STRESS_MAP
+from seal_mdao.seal import SealResult
+
+POINTS_AROUND, POINTS_ACROSS = 116, 5
+"""Points of the fine grid that are enough for a picture."""
+FRAMES = 130
+"""Load steps that are kept at most; of more, evenly spread ones."""
+COLOURS = 64
+FULL = 32000
+"""Integer that stands for the largest coordinate, and for the end of the stress scale."""
+REACH = 60.0
+"""How far the door is drawn, mm."""
+
+
+def fine_grid(result: SealResult) -> field.FineGrid:
+    """A grid with about as many points whatever the model's refinement."""
+    grid = result.model.grid
+    along = max(1, round(POINTS_AROUND / grid.rays))
+    across = max(1, round((POINTS_ACROSS - 1) / (grid.layers - 1)))
+    return field.fine_grid(result, along, across)
+
+
+def kept_steps(result: SealResult) -> np.ndarray:
+    """Numbers of the nominal steps that are shown, the last one included."""
+    count = len(result.path.nominal_steps)
+    return np.unique(np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int))
+
+
+class Pictures:
+    """Everything that the page needs to draw designs of one seal in one scale.
+
+    Parameters
+    ----------
+    start, end : SealResult
+        The first and the last design, whose whole paths are shown.
+    between : list of SealResult
+        Designs of which the last load step is shown, ``start`` and ``end`` among them.
+    """
+
+    def __init__(self, start: SealResult, end: SealResult, between: list[SealResult]):
+        self._start, self._end, self._between = start, end, between
+        self._fine = {id(result): fine_grid(result) for result in (start, end, *between)}
+        self._steps = {id(result): kept_steps(result) for result in (start, end)}
+        shapes = [self._deformed(r, s) for r in (start, end) for s in self._steps[id(r)]]
+        shapes += [self._deformed(result, -1) for result in between]
+        shapes += [field.undeformed(result, self._fine[id(result)]) for result in (start, end)]
+        self._low, self._high = window(shapes, start.model.section.outer_radius + 1.5)
+        self._length = max(np.abs(shape).max() for shape in shapes) / FULL
+        highest = max(self._stress(r, s).max() for r in (start, end) for s in self._steps[id(r)])
+        self._top = float(stress_levels(highest)[-1])
+
+    def as_data(self) -> dict:
+        """The pictures as JSON can hold them."""
+        model = self._start.model
+        around, across = self._fine[id(self._start)].shape
+        base = model.drawn_particles[model.grid.base]
+        return {
+            "around": around,
+            "across": across,
+            "length": self._length,
+            "stress": self._top / FULL,
+            "top": self._top,
+            "colours": [to_hex(c) for c in colormaps[STRESS_MAP](np.linspace(0.0, 1.0, COLOURS))],
+            "low": self._low.tolist(),
+            "high": self._high.tolist(),
+            "base": [base[:, 0].min(), base[:, 0].max(), base[:, 1].min()],
+            "contact": self._grid_points(model.grid.free_outer),
+            "watched": self._grid_points(self._start.points.stress),
+            "paths": [self._path(self._start), self._path(self._end)],
+            "designs": [self._design(result) for result in self._between],
+        }
+
+    def _grid_points(self, particles) -> list[int]:
+        """Points of the fine grid at which particles lie."""
+        grid = self._start.model.grid
+        around, across = self._fine[id(self._start)].shape
+        along, through = around // grid.rays, (across - 1) // (grid.layers - 1)
+        ray, layer = np.divmod(particles, grid.layers)
+        return (ray * along * across + layer * through).tolist()
+
+    def _deformed(self, result: SealResult, step: int) -> np.ndarray:
+        return field.deformed(result, self._fine[id(result)], step)
+
+    def _stress(self, result: SealResult, step: int) -> np.ndarray:
+        return field.von_mises(result, self._fine[id(result)], step)
+
+    def _frame(self, result: SealResult, step: int) -> np.ndarray:
+        """x, y, stress of every point of the grid, shape (around * across, 3), integers."""
+        places = self._deformed(result, step).reshape(-1, 2) / self._length
+        stress = np.minimum(self._stress(result, step) * FULL / self._top, FULL)
+        return np.column_stack([places, stress])
+
+    def _path(self, result: SealResult) -> dict:
+        steps = self._steps[id(result)]
+        chosen = [result.path.nominal_steps[step] for step in steps]
+        return {
+            "frames": packed([self._frame(result, step) for step in steps]),
+            "travel": np.round(result.door_travel[steps], 6).tolist(),
+            "position": np.round([step.position for step in chosen], 6).tolist(),
+            "reaction": np.round(result.reaction[steps], 4).tolist(),
+            "peak": [float(np.round(self._stress(result, step).max(), 2)) for step in steps],
+            "state": ["".join(map(str, step.after.state)) for step in chosen],
+            "pressure": [np.round(pressure(result, step), 2).tolist() for step in chosen],
+            "gap": [np.round(step.gap, 5).tolist() for step in chosen],
+            "arc": np.round(boundary_coordinate(result), 4).tolist(),
+            "door": door_face(result),
+            "completed": result.converged,
+        }
+
+    def _design(self, result: SealResult) -> dict:
+        last = result.path.nominal_steps[-1]
+        drawn = field.undeformed(result, self._fine[id(result)])
+        return {
+            "frame": packed([self._frame(result, -1)]),
+            "drawn": packed([drawn[:, [0, -1]] / self._length]),
+            "position": last.position.tolist(),
+            "state": "".join(map(str, last.after.state)),
+            "peak": float(np.round(self._stress(result, -1).max(), 2)),
+            "door": door_face(result),
+            "completed": result.converged,
+        }
+
+
+def pressure(result: SealResult, step) -> np.ndarray:
+    """Contact pressure w_n |g_n| at the contact points, per undeformed area, shape (k,), kPa."""
+    touching = step.after.state != OPEN
+    return np.where(touching, -result.model.normal_penalty * step.gap, 0.0)
+
+
+def door_face(result: SealResult) -> list:
+    """Points along the door at its position zero, (n, 2) rounded, mm."""
+    face = trace(result.model.profile(result.door_radius), 0.2, REACH)
+    return np.round(face, 4).tolist()
+
+
+def packed(arrays) -> str:
+    """Arrays of integers up to 32767 in size as base64 text, little-endian, 16 bit."""
+    numbers = np.round(np.array(arrays)).astype("<i2")
+    return base64.b64encode(numbers.tobytes()).decode("ascii")

@@ -1,0 +1,196 @@
+"""The tables of the report: figures at the start and at the end, settings, runs."""
+
+import math
+import re
+from dataclasses import fields, is_dataclass
+from html import escape
+
+import numpy as np
+
+from seal_mdao.contact.friction import OPEN
+from seal_mdao.measures.selection import opened_points
+from seal_mdao.plotting.recorded import RecordedOptimization
+from seal_mdao.report import history as words
+from seal_mdao.report.shapes import pressure
+from seal_mdao.seal import SealResult
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+NO_VALUE = "–"
+AGREEMENT = 1e-5
+"""Difference from the recorded cost, over cost plus start, that rounding may explain."""
+
+
+def number(value, digits: int = 4) -> str:
+    """A number for reading: rounded, real minus sign, powers of ten."""
+    if value is None or not math.isfinite(value):
+        return NO_VALUE
+    text = f"{value:.{digits}g}"
+    mantissa, _, exponent = text.partition("e")
+    mantissa = mantissa.replace("-", "−")
+    return (
+        f"{mantissa}\u00a0·\u00a010{str(int(exponent)).translate(SUPERSCRIPTS)}"
+        if exponent
+        else mantissa
+    )
+
+
+def share(value: float) -> str:
+    """A ratio in percent."""
+    return f"{number(100.0 * value, 3)}\u00a0%"
+
+
+def table(head: list[str], rows: list[list], caption: str, first: str = "row") -> str:
+    """An HTML table; cells are text, or (text, class); the first of a row is its heading."""
+    lines = [f"<table><caption>{escape(caption)}</caption><thead><tr>"]
+    lines += [f'<th scope="col">{escape(cell)}</th>' for cell in head]
+    lines += ["</tr></thead><tbody>"]
+    for heading, *cells in rows:
+        lines += [f'<tr><th scope="{first}">{escape(heading)}</th>']
+        for cell in cells:
+            text, kind = cell if isinstance(cell, tuple) else (cell, "")
+            lines += [
+                f'<td class="{kind}">{escape(text)}</td>' if kind else f"<td>{escape(text)}</td>"
+            ]
+        lines += ["</tr>"]
+    return "".join([*lines, "</tbody></table>"])
+
+
+def limits_table(history: RecordedOptimization) -> str:
+    """Objective and constraints at the first and at the last point, from the recorder file."""
+    first, last = history.objective[[0, -1]]
+    name, unit = words.label(history.objective_name), words.unit(history, history.objective_name)
+    ratio = share(last / first) if first else NO_VALUE
+    rows = [[name, number(first), number(last), unit, "", ratio, "of its start"]]
+    for constraint in history.constraints:
+        use = words.use_of_limits(constraint)[-1]
+        violated = constraint.violation()[-1] > words.FEASIBLE
+        rows.append(
+            [
+                words.label(constraint.name), *map(number, constraint.values[[0, -1]]),
+                words.unit(history, constraint.name), _limits(constraint), share(use),
+                ("violated", "bad") if violated else ("satisfied", "good"),
+            ]
+        )  # fmt: skip
+    head = ["recorded quantity", "start", "end", "unit", "limit", "end / limit", ""]
+    return table(head, rows, "Objective and constraints, as the optimiser saw them")
+
+
+def _limits(constraint) -> str:
+    low, high = (number(v) for v in (constraint.lower, constraint.upper))
+    if low == NO_VALUE:
+        return f"≤ {high}"
+    if high == NO_VALUE:
+        return f"≥ {low}"
+    return f"= {low}" if low == high else f"{low} to {high}"
+
+
+def analysis_table(history: RecordedOptimization, start: SealResult, end: SealResult) -> str:
+    """Measures of both designs, analysed again for the report."""
+    pairs = zip(measures(start), measures(end), strict=True)
+    rows = [[name, number(a), number(b), unit] for (name, unit, a), (_, _, b) in pairs]
+    if is_gap_sum(history.objective_name):
+        recorded = history.objective[[0, -1]]
+        cells = [
+            number(value) if agrees(history, value, result) else (number(value), "bad")
+            for value, result in zip(recorded, (start, end), strict=True)
+        ]
+        rows.insert(1, ["the same, as recorded", *cells, "mm²"])
+    head = ["measure under the closed door", "start", "end", "unit"]
+    return table(head, rows, "First and last design, analysed again for this report")
+
+
+def is_gap_sum(name: str) -> bool:
+    """Whether a recorded variable is the cost of Eq. (71)."""
+    return name.rsplit(".", 1)[-1] == "gap_square_sum"
+
+
+def agrees(history: RecordedOptimization, recorded: float, result: SealResult) -> bool:
+    """Whether a design analysed again has the recorded cost."""
+    allowed = AGREEMENT * (abs(recorded) + abs(history.objective[0]))
+    return result.converged and abs(result.gap_square_sum - recorded) <= allowed
+
+
+def measures(result: SealResult) -> list[tuple[str, str, float]]:
+    """Name, unit and value of what an engineer asks about a design; nan where it is not known."""
+    last = result.path.nominal_steps[-1]
+    touching, opened = last.after.state != OPEN, opened_points(last.after.state)
+    lengths = result.path.discretization.contact_length
+    reached = result.converged
+    return [
+        ("sum of squared gaps", "mm²", result.gap_square_sum if reached else math.nan),
+        ("largest gap between contacts", "mm", last.gap[opened].max(initial=0.0)),
+        ("contact points in contact", "", int(touching.sum())),
+        ("length of the boundary in contact, undeformed", "mm", float(lengths[touching].sum())),
+        ("patches in contact", "", patches(touching)),
+        ("highest contact pressure", "kPa", float(pressure(result, last).max())),
+        ("deepest penetration", "mm", max(0.0, -float(last.gap.min()))),
+        ("highest von Mises stress at a particle", "kPa", float(result.stress_field().max())),
+        ("vertical force on the door", "N/m", float(result.reaction[-1, 1])),
+        ("horizontal force on the door", "N/m", float(result.reaction[-1, 0])),
+        ("area of the section", "mm²", result.area),
+        ("corner radius of the door", "mm", result.door_radius),
+        ("door travel reached", "mm", float(result.door_travel[-1])),
+    ]
+
+
+def patches(touching: np.ndarray) -> int:
+    """Stretches of neighbouring points in contact."""
+    return int(np.sum(np.diff(np.concatenate([[False], touching]).astype(int)) == 1))
+
+
+def settings_table(history: RecordedOptimization) -> str:
+    """The attributes of the model, and the further settings of the problem."""
+    rows = list(_attributes(history.model))
+    rows += [[f"problem: {name}", str(value)] for name, value in history.settings.items()]
+    return table(["setting", "value"], rows, "Model and problem (mm, kPa, N/m)")
+
+
+def _attributes(record, prefix: str = ""):
+    for field in fields(record):
+        value = getattr(record, field.name)
+        if is_dataclass(value):
+            yield from _attributes(value, f"{prefix}{field.name}: ")
+        else:
+            yield [prefix + field.name, str(value)]
+
+
+def runs_table(history: RecordedOptimization) -> str:
+    """When the file was written, by what, and how each run ended."""
+    head = ["run begun", "ended", "driver", "iterations", "analyses", "time", "result"]
+    rows = []
+    for run in history.runs:
+        begun, ended = (re.sub("T", " ", stamp)[:19] for stamp in (run.begun, run.ended))
+        if run.cut_off:
+            rows.append(
+                [begun, "cut off", run.driver, NO_VALUE, NO_VALUE, NO_VALUE, ("cut off", "bad")]
+            )
+            continue
+        kind = "good" if run.success else "bad"
+        rows.append(
+            [begun, ended, run.driver, str(run.iterations), str(run.analyses),
+             f"{number(run.seconds, 3)} s", (run.message, kind)]
+        )  # fmt: skip
+    return table(head, rows, "Runs that wrote the recorder file")
+
+
+def options_table(history: RecordedOptimization) -> str:
+    """Options of the last driver and versions it ran with."""
+    last = history.runs[-1]
+    rows = [[name, str(value)] for name, value in last.options.items()]
+    rows += [[f"version of {name}", value] for name, value in last.versions.items()]
+    return table(["option or version", "value"], rows, f"Options of {last.driver}; versions")
+
+
+def history_table(history: RecordedOptimization) -> str:
+    """Objective and largest violation of every point, for reading and copying."""
+    kind = "iteration" if history.major else "evaluation"
+    unit = words.unit(history, history.objective_name)
+    rows = [
+        [str(i), str(analysis), number(value, 6), share(violation)]
+        for i, (analysis, value, violation) in enumerate(
+            zip(history.analyses, history.objective, history.max_violation, strict=True)
+        )
+    ]
+    objective = f"{words.label(history.objective_name)} ({unit})" if unit else "objective"
+    head = [kind, "evaluation number", objective, "largest violation"]
+    return table(head, rows, "The history in figures")

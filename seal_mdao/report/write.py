@@ -1,0 +1,64 @@
+"""Make the report of a recorder file."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from seal_mdao.plotting.recorded import RecordedOptimization, read_optimization
+from seal_mdao.report.page import render
+from seal_mdao.seal import SealResult, analyze
+
+DESIGNS = 40
+"""Points of the history whose designs are analysed again at most; of more, evenly spread ones."""
+
+
+def write_report(cases, outfile=None, given: dict | None = None) -> Path:
+    """Write the HTML report of an optimisation.
+
+    The designs in the pictures are analysed again, because a recorder file holds no displacements.
+    A tqdm bar shows the progress on a terminal.
+
+    Parameters
+    ----------
+    cases : str or Path
+        File of a ``RestartRecorder`` or ``SqliteRecorder`` of the driver. Of a problem without a
+        ``SealGroup`` the report shows the histories only.
+    outfile : str or Path, optional
+        ``report.html`` beside the recorder file when left out.
+    given : dict of str to ndarray, optional
+        Inputs of the ``SealGroup`` that the file may not hold, by their own names.
+
+    Returns
+    -------
+    Path
+        The report.
+
+    Raises
+    ------
+    ValueError
+        When the file cannot be read or holds no good case.
+    OSError
+        When the report cannot be written.
+    """
+    cases = Path(cases)
+    history = read_optimization(cases)
+    history = replace(history, given=(given or {}) | history.given)
+    numbers = chosen_points(len(history.objective)) if history.model else []
+    text = render(history, cases.name, analyze_points(history, numbers), numbers)
+    out = cases.with_name("report.html") if outfile is None else Path(outfile)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_text(text, encoding="utf-8")
+    return out
+
+
+def chosen_points(count: int) -> list[int]:
+    """Points of the history whose designs are shown, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, DESIGNS)).round().astype(int)).tolist()
+
+
+def analyze_points(history: RecordedOptimization, numbers: list[int]) -> list[SealResult]:
+    """Analyse designs of the history again."""
+    bar = tqdm(numbers, desc="report", unit="analysis", disable=None, leave=False)
+    return [analyze(*history.seal_at(number)) for number in bar]

@@ -1,0 +1,79 @@
+"""Reports of a few recorder files, and a browser to look at them."""
+
+import json
+import re
+import shutil
+
+import numpy as np
+import openmdao.api as om
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.optimization import seal_problem, slsqp_driver
+from seal_mdao.report.write import write_report
+
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "chrome")
+QUIET = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+)  # fmt: skip
+
+
+class Page:
+    """A report and what is in it."""
+
+    def __init__(self, path, cases):
+        self.path, self.cases = path, cases
+        self.text = path.read_text(encoding="utf-8")
+        embedded = re.search(r'id="report-data">(.*?)</script>', self.text, re.DOTALL)
+        self.data = json.loads(embedded[1])
+
+
+@pytest.fixture(scope="session")
+def seal_page(tmp_path_factory):
+    """Report of three iterations of the seal problem with few load steps."""
+    folder = tmp_path_factory.mktemp("seal")
+    problem = seal_problem(
+        sm.door_seal(n_steps=21), keep_force=True, driver=slsqp_driver(3),
+        recorder=folder / "cases.sql", work_dir=folder,
+    )  # fmt: skip
+    problem.run_driver()
+    problem.cleanup()
+    return Page(write_report(folder / "cases.sql"), folder / "cases.sql")
+
+
+@pytest.fixture(scope="session")
+def other_page(tmp_path_factory):
+    """Report of a problem that has nothing to do with seals, with a name that is markup."""
+    folder = tmp_path_factory.mktemp("other")
+    problem = om.Problem(driver=sm.ResilientSLSQPDriver(disp=False), reports=None, work_dir=folder)
+    expressions = ["f = sum((x - 1)**2) - 3", "g = x[0] + x[1]"]
+    paraboloid = om.ExecComp(expressions, x=np.zeros(2), do_coloring=False)
+    problem.model.add_subsystem("c", paraboloid, promotes=["*"])
+    problem.model.add_design_var("x", lower=-5.0, upper=5.0)
+    problem.model.add_objective("f")
+    problem.model.add_constraint("g", upper=1.5, lower=0.0, alias="</script><b>&")
+    problem.driver.add_recorder(sm.RestartRecorder(folder / "cases.sql"))
+    problem.setup()
+    problem.run_driver()
+    problem.cleanup()
+    return Page(write_report(folder / "cases.sql", folder / "new" / "page.html"), folder)
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory):
+    """Headless Chromium that keeps what the console says."""
+    binary = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    driver = shutil.which("chromedriver")
+    if binary is None or driver is None:
+        pytest.skip("needs Chromium and its driver: apt-get install chromium chromium-driver")
+    webdriver = pytest.importorskip("selenium.webdriver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = binary
+    profile = tmp_path_factory.mktemp("profile")
+    for flag in (*QUIET, f"--user-data-dir={profile}", "--window-size=1280,1000"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    started = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    yield started
+    started.quit()
