@@ -1,4 +1,6 @@
-"""The load path: displacement-driven steps with a tangent predictor and step cutting.
+"""The load path: displacement-driven steps with a predictor and step cutting.
+
+The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
 
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
 same bits whatever was computed before.
@@ -27,6 +29,16 @@ def _initial_step(problem: PathProblem, loading: LoadPoint) -> tuple[ConvergedSt
     problem.assemble(d, loading, history)
     factor = disc.layout.factorize(problem.values)
     return _record(problem, -1, 0.0, loading, d, history, (0.0,), None), factor
+
+
+def _bend(step: ConvergedStep, euler, share) -> np.ndarray | None:
+    """What the Euler predictor missed, per square of the step: the next one misses about the same.
+
+    None where a contact state changed, for the path has a kink there.
+    """
+    if not np.array_equal(step.before.state, step.after.state):
+        return None
+    return (step.d - euler) / share**2
 
 
 def _record(problem, nominal, fraction, loading, d, history, residuals, factor) -> ConvergedStep:
@@ -78,30 +90,32 @@ def solve_path(
         raise GeometryError(
             f"the undeformed body starts {deepest:.3g} inside the rigid profile; start it farther away"
         )
-    steps, cuts = [], 0
+    steps, cuts, bend = [], 0, None
     for nominal in range(program.n_steps):
         pending = [1.0]
         while pending:
             share = pending.pop()
             end = nominal + 1.0 if not pending else last.fraction + share
             target = program.at(end)
-            guess = problem.predict(last, factor, target)
+            euler = problem.predict(last, factor, target)
+            guess = euler if bend is None else euler + (end - last.fraction) ** 2 * bend
             status, d, residuals, new_factor = newton(problem, guess, target, last.after, options)
             if status is not Status.CONVERGED:
                 if share * 0.5 < 0.5**options.max_cuts:
                     failure = _describe(problem, status, nominal, end, target, residuals)
                     return PathResult(discretization, start, steps, status, cuts, failure)
-                cuts += 1
+                cuts, bend = cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
                 # the predictor needs the tangent of the last converged step again
                 problem.assemble_at(last)
                 factor = discretization.layout.factorize(problem.values)
                 continue
-            factor = new_factor
+            factor, begun = new_factor, last.fraction
             last = _record(
                 problem, -1 if pending else nominal, end, target, d, last.after, residuals,
                 factor.kept() if keep_factors else None,
             )  # fmt: skip
+            bend = _bend(last, euler, end - begun)
             steps.append(last)
         if callback is not None:
             callback(last)
