@@ -77,6 +77,13 @@ def add_model_arguments(made: argparse.ArgumentParser) -> None:
     add("tangent_penalty", float, "tangential contact stiffness, kPa/mm", metavar="W_T")
 
 
+def existing_file(text: str) -> Path:
+    """A path for argparse; an error in one line when there is no such file."""
+    if not Path(text).is_file():
+        raise argparse.ArgumentTypeError(f"{text} is not a file")
+    return Path(text)
+
+
 def model_from(arguments: argparse.Namespace, **more) -> sm.SealModel:
     """The model that the options describe."""
     with checked_arguments():
@@ -94,6 +101,9 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         with 2.
     """
     arguments = made.parse_args(argv)
+    arguments.given = _given(made, argv)
+    if "out" not in arguments.given and getattr(arguments, "restart", None):
+        arguments.out = arguments.restart.parent
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -105,6 +115,14 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     except sm.LoadPathError as error:
         print(f"{made.prog}: {error}", file=sys.stderr)
         return 1
+
+
+def _given(made: argparse.ArgumentParser, argv) -> set[str]:
+    """Names of the options that were given, whether or not with their default."""
+    left_out = object()
+    names = {action.dest for action in made._actions}
+    parsed = made.parse_args(argv, argparse.Namespace(**dict.fromkeys(names, left_out)))
+    return {name for name in names if getattr(parsed, name) is not left_out}
 
 
 def plain(value):

@@ -5,36 +5,48 @@ import time
 
 import openmdao.api as om
 from _common import (
+    WrongArgumentError,
     add_model_arguments,
     checked_arguments,
+    existing_file,
     model_from,
     parser,
     run,
     write_summary,
 )
 from _history_figures import draw_history, end_numbers, report_end
+from _restart import continued_file, recorded_run
 
 import seal_mdao as sm
 from seal_mdao.optimization import OPTIMIZERS, major_iterations, seal_problem
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.recording.evaluations import RestartError
+from seal_mdao.recording.restart import restart
 
 FEASIBLE = 1e-3
 """Largest relative constraint violation of a design that counts as feasible."""
 
 
 def main(arguments) -> int:
-    model, cases = model_from(arguments), arguments.out / "cases.sql"
+    settings, optimizer = {"keep_force": arguments.keep_force}, arguments.optimizer
+    if arguments.restart:
+        recorded, optimizer = recorded_run(arguments)
+        model, settings = recorded.model, recorded.settings
+        cases = continued_file(arguments)
+    else:
+        model, cases = model_from(arguments), arguments.out / "cases.sql"
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
-        driver = OPTIMIZERS[arguments.optimizer](*limit)
-    cases.unlink(missing_ok=True)
+        driver = OPTIMIZERS[optimizer](*limit)
     with LoadStepProgress(model) as progress:
         with checked_arguments():
             problem = seal_problem(
-                model, keep_force=arguments.keep_force, driver=driver, recorder=cases,
-                callback=progress, work_dir=arguments.out,
+                model, driver=driver, recorder=None if arguments.restart else cases,
+                callback=progress, work_dir=arguments.out, **settings,
             )  # fmt: skip
+            if arguments.restart:
+                restart(problem, cases)
         run_numbers = optimize(problem, progress)
     history = read_optimization(cases)
     offsets, radius = history.design_at(-1)
@@ -44,15 +56,20 @@ def main(arguments) -> int:
     run_numbers["success"] = run_numbers["success"] and feasible
     if run_numbers["iterations"] is None:
         run_numbers["iterations"] = len(history.objective) - 1
-    summary = {"optimizer": arguments.optimizer, "keep_force": arguments.keep_force}
+    summary = {"optimizer": optimizer, **settings, "recorded_evaluations": history.evaluations}
     write_summary(arguments.out, run_numbers | summary | numbers)
     draw_history(history, initial, final, arguments.out)
     state = "converged" if run_numbers["success"] else "NOT CONVERGED"
     print(
-        f"{arguments.optimizer} {state} in {run_numbers['iterations']} iterations, "
+        f"{optimizer} {state} in {run_numbers['iterations']} iterations, "
         f"{run_numbers['model_evaluations']} analyses, {run_numbers['wall_s']:.1f} s: "
         f"{run_numbers['message']}"
     )
+    if arguments.restart:
+        print(
+            f"continued {arguments.restart}: {run_numbers['reused_evaluations']} recorded "
+            "evaluations used again"
+        )
     report_end(history, numbers)
     print(f"cases.sql, figures and summary.json in {arguments.out}")
     return 0 if run_numbers["success"] else 1
@@ -64,15 +81,17 @@ def optimize(problem: om.Problem, progress: LoadStepProgress) -> dict:
     try:
         success = problem.run_driver().success
         message = str(problem.driver.result.exit_status)
-        problem.record("final")
     except om.AnalysisError as error:
         success, message = False, str(error)
+    except RestartError as error:
+        raise WrongArgumentError(str(error)) from error
     iterations = major_iterations(problem)
     problem.cleanup()
     return {
         "success": bool(success),
         "iterations": iterations,
         "model_evaluations": progress.analyses,
+        "reused_evaluations": getattr(problem.driver, "reused_evaluations", 0),
         "wall_s": time.perf_counter() - begun,
         "message": message,
     }
@@ -87,8 +106,14 @@ def arguments_parser():
         help="keep the vertical reaction at the end of the path within 10 %% of its start",
     )  # fmt: skip
     made.add_argument(
-        "--max-iterations", type=int, metavar="N", help="largest number of iterations"
-    )
+        "--max-iterations", type=int, metavar="N",
+        help="largest number of iterations, those before a restart included",
+    )  # fmt: skip
+    made.add_argument(
+        "--restart", type=existing_file, metavar="CASES.sql",
+        help="continue the run recorded in this file, with its model, problem and optimiser; without "
+        "--out in its folder",
+    )  # fmt: skip
     return made
 
 

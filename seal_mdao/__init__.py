@@ -25,6 +25,8 @@ _LAZY = {
     "SealGroup": "seal_mdao.components.seal_group",
     "IpoptDriver": "seal_mdao.drivers.ipopt_driver",
     "ResilientSLSQPDriver": "seal_mdao.drivers.slsqp_driver",
+    "RestartRecorder": "seal_mdao.recording.recorder",
+    "restart": "seal_mdao.recording.restart",
 }
 
 __all__ = ["__version__", *_LAZY]

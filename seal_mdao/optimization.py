@@ -1,7 +1,7 @@
 """Problem (71) as an OpenMDAO problem: close the gap, within stress, area and size limits."""
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from seal_mdao.drivers.ipopt_driver import IpoptDriver
 from seal_mdao.drivers.run_support import RunSupport
 from seal_mdao.drivers.slsqp_driver import ResilientSLSQPDriver
 from seal_mdao.model import OFFSET_BOUND, SealModel
+from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.seal import SealResult, analyze
 
 AREA_LIMIT = 110.0
@@ -26,8 +27,9 @@ OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
 TOLERANCE = 1e-6
 """The optimisers' accuracy, in units of the scaled objective."""
-SETTINGS_OPTION = "seal_settings"
-"""Option of the recorded model that holds the settings of its ``SealModel`` as JSON."""
+PROBLEM_OPTION = "problem_settings"
+"""Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
+as JSON: what a restart needs to set up the same problem again."""
 
 
 def slsqp_driver(max_iterations: int = 50) -> Driver:
@@ -143,7 +145,8 @@ def seal_problem(
     )  # fmt: skip
     _add_variables(problem.model, limits)
     _add_responses(problem.model, limits, keep_force)
-    problem.model.options.declare(SETTINGS_OPTION, default=settings_json(model), types=str)
+    settings = {"keep_force": keep_force}
+    problem.model.options.declare(PROBLEM_OPTION, default=json.dumps(settings), types=str)
     if recorder is not None:
         _record(problem, recorder)
     problem.setup()
@@ -169,28 +172,11 @@ def _add_responses(group: om.Group, limits: Limits, keep_force: bool) -> None:
 def _record(problem: om.Problem, recorder) -> None:
     """Record every evaluation; derivatives mark those that begin a major iteration."""
     if isinstance(recorder, str | Path):
-        recorder = om.SqliteRecorder(Path(recorder).absolute())
-    driver = problem.driver
-    driver.add_recorder(recorder)
-    driver.recording_options["includes"] = ["*"]
-    driver.recording_options["record_derivatives"] = True
+        recorder = RestartRecorder(Path(recorder).absolute())
+    record_all(problem.driver, recorder)
 
 
 def major_iterations(problem: om.Problem) -> int | None:
     """Major iterations that the optimiser itself counted, None when it does not tell."""
     driver = problem.driver
     return driver.result.iter_count if isinstance(driver, RunSupport) else None
-
-
-def settings_json(model: SealModel) -> str:
-    """All attributes of a model as JSON."""
-    return json.dumps(asdict(model))
-
-
-def model_from_json(text: str) -> SealModel:
-    """The model whose attributes ``settings_json`` wrote."""
-    settings = json.loads(text)
-    defaults = SealModel()
-    for name in ("section", "material", "newton"):
-        settings[name] = type(getattr(defaults, name))(**settings[name])
-    return SealModel(**settings)

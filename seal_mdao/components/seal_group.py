@@ -8,6 +8,7 @@ from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
 from seal_mdao.dsa.sensitivity import METHODS
 from seal_mdao.model import SealModel, door_seal
+from seal_mdao.settings import SETTINGS_OPTION, settings_json
 
 
 class SealGroup(om.Group):
@@ -40,9 +41,16 @@ class SealGroup(om.Group):
             recordable=False,
             desc="Called with every converged load step.",
         )
+        self.options.declare(
+            SETTINGS_OPTION,
+            default="",
+            types=str,
+            desc="The model's attributes as JSON, filled in by setup for recorder files.",
+        )
 
     def setup(self):
         model = self.options["model"]
+        self.options[SETTINGS_OPTION] = settings_json(model)
         self.add_subsystem("geometry", SplineGeometryComp(model=model), promotes=["*"])
         self.add_subsystem("section", AreaComp(model=model), promotes=["*"])
         contact = RkpmContactComp(

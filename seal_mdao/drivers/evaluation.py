@@ -19,6 +19,8 @@ from openmdao.core.driver import RecordingDebugging
 
 from seal_mdao.drivers.counting import counting_failures
 from seal_mdao.drivers.layout import approximates_derivatives
+from seal_mdao.recording.evaluations import UNFINISHED
+from seal_mdao.recording.recorder import record_totals
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,9 +30,17 @@ if TYPE_CHECKING:
     from openmdao.core.driver import Driver
 
     from seal_mdao.drivers.layout import ProblemLayout
+    from seal_mdao.recording.evaluations import RecordedCase, RecordedEvaluations
 
 MEMORY = 64
 """Number of evaluated points whose values are kept."""
+
+
+def _describe(error: BaseException) -> str:
+    """Say why a point has no values; what is no failure of the analysis is no property of the point."""
+    if isinstance(error, AnalysisError):
+        return str(error) or type(error).__name__
+    return f"{UNFINISHED}: {type(error).__name__} {error}".strip()
 
 
 @dataclass(frozen=True)
@@ -62,16 +72,21 @@ class ModelEvaluator:
     ----------
     driver : Driver
         The driver, after its final setup. It may have an attribute ``case_failure``, which is
-        set to the reason while a failed point is recorded.
+        set to the reason while a failed point is recorded, and ``repeated_case``, which is set to
+        the number of the recorded case at whose design the model is.
     layout : ProblemLayout
         Layout of the problem.
     interruptible : callable or None
         Returns a context manager inside which the model runs.
+    recorded : RecordedEvaluations, optional
+        What an earlier run found out; at its designs the model is not run.
 
     Attributes
     ----------
     failures : int
-        Failed analyses since the start of the run.
+        Failed analyses since the start of the run, those of an earlier run included.
+    reused : int
+        Evaluations that were taken from the earlier run.
     last_error : AnalysisError or None
         The most recent failure.
     """
@@ -81,12 +96,16 @@ class ModelEvaluator:
         driver: Driver,
         layout: ProblemLayout,
         interruptible: Callable[[], AbstractContextManager] = nullcontext,
+        recorded: RecordedEvaluations | None = None,
     ):
         self.driver = driver
         self.layout = layout
         self.failures = 0
+        self.reused = 0
         self.last_error: AnalysisError | None = None
         self._interruptible = interruptible
+        self._recorded = recorded
+        self._recorded_at: dict[bytes, RecordedCase] = {}
         self._known: OrderedDict[bytes, Evaluation | AnalysisError] = OrderedDict()
         self._loaded: bytes | None = None
         self._good_vectors = None
@@ -106,10 +125,15 @@ class ModelEvaluator:
         ------
         AnalysisError
             If the analysis fails at the start; there is nothing to go back to.
+        ValueError
+            If an earlier run is to be continued and it began elsewhere, or with another model.
         """
         x, _ = self.current()
         inside = self.layout.clip(x)
-        return self._execute(inside, already_set=np.array_equal(inside, x))
+        evaluation = self._execute(inside, already_set=np.array_equal(inside, x), run=True)
+        if self._recorded is not None:
+            self._recorded.check_start()
+        return evaluation
 
     def evaluate(self, x: NDArray[np.float64]) -> Evaluation:
         """Return the values at ``x`` (on the bounds where it is outside), running at most once.
@@ -140,6 +164,9 @@ class ModelEvaluator:
         AnalysisError
             If the derivatives cannot be had at ``x``.
         """
+        known = self._recorded_totals(x)
+        if known is not None:
+            return self._as_totals(known)
         self.load(x)
         try:
             with self._interruptible():
@@ -170,7 +197,7 @@ class ModelEvaluator:
         """Bring the model into the state of ``x``, running it only when it is elsewhere."""
         x = self.layout.clip(x)
         if x.tobytes() != self._loaded:
-            self._execute(x)
+            self._execute(x, run=True)
 
     def forget(self, x: NDArray[np.float64], error: AnalysisError) -> None:
         """Treat ``x`` as failed from now on (its derivatives could not be computed)."""
@@ -186,31 +213,63 @@ class ModelEvaluator:
                 self._linear_jac[:] = self._linear_totals()
         return self._linear_jac
 
-    def _execute(self, x, already_set: bool = False) -> Evaluation:
+    def _execute(self, x, already_set: bool = False, run: bool = False) -> Evaluation:
+        """Evaluate ``x``; ``run`` the model even where an earlier run has been."""
         driver = self.driver
         self._loaded = None
         failure = None
         if not already_set:
             self._set_design(x)
-        with RecordingDebugging(driver._get_name(), driver.iter_count, driver):
-            driver.iter_count += 1
-            try:
-                evaluation = self._solve(x)
-            except (AnalysisError, KeyboardInterrupt) as error:
-                driver.case_failure = str(error) or type(error).__name__
-                failure = error
-        driver.case_failure = ""
+        recorded = self._find_recorded(x)
+        run = run or recorded is None
+        try:
+            with RecordingDebugging(driver._get_name(), driver.iter_count, driver):
+                driver.iter_count += 1
+                try:
+                    evaluation = self._solve(x, None if run else recorded)
+                except BaseException as error:
+                    driver.case_failure = _describe(error)
+                    if not isinstance(error, AnalysisError | KeyboardInterrupt):
+                        raise
+                    failure = error
+        finally:
+            driver.case_failure = ""
         if failure is None:
-            self._accept(evaluation)
+            self._accept(evaluation, loaded=run)
             return evaluation
         self._recover(x, failure)
         raise failure
 
-    def _solve(self, x) -> Evaluation:
+    def _find_recorded(self, x) -> RecordedCase | None:
+        """Return what an earlier run found at the design that is in the model."""
+        if self._recorded is None:
+            return None
+        case = self._recorded.find()
+        self.driver.repeated_case = None if case is None else case.counter
+        if case is None:
+            self.driver.iter_count = max(self.driver.iter_count, self._recorded.next_iteration)
+        else:
+            self._recorded_at[x.tobytes()] = case
+        return case
+
+    def _recorded_totals(self, x) -> NDArray[np.float64] | None:
+        """Return the derivatives that an earlier run found at ``x``, and record them again."""
+        case = self._recorded_at.get(self.layout.clip(x).tobytes())
+        rows = case and case.jacobian(self.layout.responses, self.layout.desvars)
+        if rows is not None:
+            self.driver.repeated_case = case.counter
+            record_totals(self.driver, case.totals)
+        return rows
+
+    def _solve(self, x, recorded: RecordedCase | None) -> Evaluation:
         driver = self.driver
-        active = driver._problem().model._relevance.nonlinear_active("iter")
-        with self._interruptible(), active, counting_failures(driver.result, "model"):
-            driver._run_solve_nonlinear()
+        if recorded is None:
+            active = driver._problem().model._relevance.nonlinear_active("iter")
+            with self._interruptible(), active, counting_failures(driver.result, "model"):
+                driver._run_solve_nonlinear()
+        else:
+            self.reused += 1
+            recorded.restore(driver._problem().model)
         objective = float(np.ravel(next(iter(driver.get_objective_values().values())))[0])
         driver.get_constraint_values()
         constraints = driver._vectors["constraint"].asarray().copy()
@@ -226,11 +285,11 @@ class ModelEvaluator:
         driver._vectors["design_var"].set_data(x, driver_scaling=True)
         driver._set_design_vars(driver_scaling=True)
 
-    def _accept(self, evaluation: Evaluation) -> None:
+    def _accept(self, evaluation: Evaluation, loaded: bool) -> None:
         model = self.driver._problem().model
         vectors = (model._inputs, model._outputs)
         self._good_vectors = [(vector, vector.asarray(copy=True)) for vector in vectors]
-        self._loaded = evaluation.x.tobytes()
+        self._loaded = evaluation.x.tobytes() if loaded else None
         self._remember(evaluation.x, evaluation)
 
     def _recover(self, x, failure) -> None:
@@ -252,10 +311,13 @@ class ModelEvaluator:
             self._known.popitem(last=False)
 
     def _compute_totals(self):
-        layout = self.layout
-        linear = self.linear_jacobian
-        rows = self._raw_totals(layout.responses)
+        rows = self._raw_totals(self.layout.responses)
         self._check_singular()
+        return self._as_totals(rows)
+
+    def _as_totals(self, rows):
+        """Return gradient and Jacobian out of the derivatives of all responses."""
+        layout, linear = self.layout, self.linear_jacobian
         jacobian = np.zeros((layout.m, layout.n))
         jacobian[layout.nonlinear_rows] = rows[1:]
         jacobian[layout.linear_rows] = linear

@@ -8,14 +8,12 @@ import numpy as np
 from openmdao.core.constants import INT_DTYPE
 from openmdao.core.driver import Driver
 
-from seal_mdao.drivers.evaluation import ModelEvaluator
 from seal_mdao.drivers.incumbent import Incumbent
 from seal_mdao.drivers.interrupt import InterruptGuard
 from seal_mdao.drivers.ipopt_callbacks import IpoptCallbacks
 from seal_mdao.drivers.ipopt_options import import_ipyopt, ipopt_settings
 from seal_mdao.drivers.ipopt_status import NUMBER_TROUBLE_CODES, SUCCESS_CODES, status_message
 from seal_mdao.drivers.iteration_table import IterationTable
-from seal_mdao.drivers.layout import read_layout
 from seal_mdao.drivers.run_support import (
     INTERRUPTED_FEASIBLE,
     INTERRUPTED_INFEASIBLE,
@@ -108,6 +106,7 @@ class IpoptDriver(RunSupport, Driver):
 
     def _declare_options(self):
         """Declare the options before keyword arguments are processed."""
+        super()._declare_options()
         declare = self.options.declare
         declare("tol", default=1e-6, lower=0.0, desc="Ipopt's convergence tolerance (scaled).")
         declare("maxiter", default=200, lower=0, desc="Maximum number of Ipopt iterations.")
@@ -184,7 +183,7 @@ class IpoptDriver(RunSupport, Driver):
             self.opt_settings, tol=self.options["tol"], max_iter=self.options["maxiter"]
         )
         with InterruptGuard() as guard:
-            evaluator = ModelEvaluator(self, read_layout(self), guard.running)
+            evaluator = self._evaluator(guard)
             incumbent = Incumbent(self.options["feas_tol"])
             start = evaluator.start()
             incumbent.offer(start)
@@ -192,6 +191,7 @@ class IpoptDriver(RunSupport, Driver):
             x, code, callbacks = self._solve(evaluator, incumbent, guard, settings, start.x)
         self.ipopt_code = code
         self.failed_analyses = evaluator.failures
+        self.reused_evaluations = evaluator.reused
         self._major_iterations = callbacks.iterations
         if callbacks.error is not None:
             raise callbacks.error[1].with_traceback(callbacks.error[2])

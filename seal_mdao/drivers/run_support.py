@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from seal_mdao.drivers.evaluation import ModelEvaluator
 from seal_mdao.drivers.layout import read_layout
 from seal_mdao.drivers.optimality import Optimality, measure_optimality
+from seal_mdao.recording.evaluations import RecordedEvaluations
 
 if TYPE_CHECKING:
     from openmdao.core.driver import DriverResult
+
+    from seal_mdao.drivers.interrupt import InterruptGuard
 
 INTERRUPTED_FEASIBLE = "Stopped by the user (Ctrl-C); the best feasible point found is kept"
 INTERRUPTED_INFEASIBLE = (
@@ -29,6 +33,10 @@ class RunSupport:
         One record per major iteration of the last run.
     failed_analyses : int
         Number of points of the last run at which the analysis failed.
+    reused_evaluations : int
+        Number of evaluations that the last run took from ``hotstart_file``.
+    repeated_case : int or None
+        Number of the case in ``hotstart_file`` whose evaluation is being repeated.
     """
 
     def __init__(self, **kwargs):
@@ -40,6 +48,8 @@ class RunSupport:
         self.case_failure = ""
         self.history = []
         self.failed_analyses = 0
+        self.reused_evaluations = 0
+        self.repeated_case = None
         self._exit_message = "NOT_RUN"
         self._major_iterations = 0
 
@@ -52,6 +62,24 @@ class RunSupport:
         self._total_jac = None
         self._total_jac_linear = None
         self._exc_info = None
+
+    def _declare_options(self):
+        """Declare the options before keyword arguments are processed."""
+        super()._declare_options()
+        self.options.declare(
+            "hotstart_file",
+            default=None,
+            allow_none=True,
+            types=(str, Path),
+            desc="Recorder file of an earlier run: at its designs the values and derivatives in "
+            "it are taken instead of running the model. Restarts a run where it was cut off.",
+        )
+
+    def _evaluator(self, guard: InterruptGuard) -> ModelEvaluator:
+        """Make the evaluator of a run."""
+        file = self.options["hotstart_file"]
+        recorded = None if file is None else RecordedEvaluations(file, self)
+        return ModelEvaluator(self, read_layout(self), guard.running, recorded)
 
     def get_exit_status(self) -> str:
         """Return in words how the last run ended."""

@@ -8,11 +8,9 @@ import numpy as np
 import openmdao.api as om
 from scipy.optimize import OptimizeResult
 
-from seal_mdao.drivers.evaluation import ModelEvaluator
 from seal_mdao.drivers.incumbent import Incumbent
 from seal_mdao.drivers.interrupt import InterruptGuard
 from seal_mdao.drivers.iteration_table import IterationTable
-from seal_mdao.drivers.layout import read_layout
 from seal_mdao.drivers.run_support import (
     INTERRUPTED_FEASIBLE,
     INTERRUPTED_INFEASIBLE,
@@ -143,7 +141,7 @@ class ResilientSLSQPDriver(RunSupport, om.ScipyOptimizeDriver):
         options, verbosity = self._loop_options()
         printer = self._print_on_root if verbosity > 1 else None
         with InterruptGuard() as guard:
-            evaluator = ModelEvaluator(self, read_layout(self), guard.running)
+            evaluator = self._evaluator(guard)
             incumbent = Incumbent(self.options["feas_tol"])
             start = evaluator.start()
             incumbent.offer(start)
@@ -196,6 +194,7 @@ class ResilientSLSQPDriver(RunSupport, om.ScipyOptimizeDriver):
         self.fail = ended.code != CONVERGED
         self._exit_message = ended.message
         self.failed_analyses = evaluator.failures
+        self.reused_evaluations = evaluator.reused
         self._major_iterations = ended.iterations
         constants = evaluator.layout.violated_constants(point.constraints, self.options["feas_tol"])
         if constants:

@@ -1,14 +1,14 @@
 """What an OpenMDAO recorder file says about an optimisation."""
 
 import sqlite3
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 
 import numpy as np
 import openmdao.api as om
 
 from seal_mdao.model import SealModel
-from seal_mdao.optimization import SETTINGS_OPTION, model_from_json
+from seal_mdao.recording import run_log
+from seal_mdao.recording.settings import open_cases, recorded_problem
 
 NO_LIMIT = 1e20
 """Limits from here on are OpenMDAO's way of saying that there is none."""
@@ -60,6 +60,14 @@ class RecordedOptimization:
         Recorded model evaluations.
     model : SealModel or None
         The model that was optimised, when the file holds it.
+    settings : dict
+        Further arguments of ``seal_problem``, when the file holds them.
+    runs : list of LoggedRun
+        The runs that wrote the file, when it is that of a ``RestartRecorder``.
+    units : dict of str to str
+        Units of the recorded variables that have any.
+    analyses : ndarray, shape (n,)
+        Number of the evaluation, from 1, that each point is.
     """
 
     objective_name: str
@@ -69,6 +77,15 @@ class RecordedOptimization:
     major: bool
     evaluations: int
     model: SealModel | None
+    settings: dict = field(default_factory=dict)
+    runs: list = field(default_factory=list)
+    units: dict = field(default_factory=dict)
+    analyses: np.ndarray | None = None
+
+    @property
+    def cut_off(self) -> bool:
+        """Whether the last run never came to its end, so that the last point is no result."""
+        return bool(self.runs) and self.runs[-1].cut_off
 
     @property
     def objective_ratio(self) -> np.ndarray:
@@ -101,23 +118,21 @@ def read_optimization(path) -> RecordedOptimization:
 
     The points are the major iterations when the driver's derivatives were recorded: each begins
     with a gradient. The last evaluation, or the case that the problem itself recorded at the end,
-    closes the history.
+    closes the history, unless the run was cut off: then the last major iteration does.
 
     Raises
     ------
     ValueError
-        For a file that is not there, is no recorder file, or holds no driver case.
+        For a file that is not there, is no recorder file, or holds no good driver case.
     """
-    reader = _open(path)
+    reader = open_cases(path)
     names = reader.list_cases("driver", recurse=False, out_stream=None)
-    if len(names) == 0:
-        raise ValueError(f"{path} holds no case of a driver")
     evaluated = [case for case in map(reader.get_case, names) if case.success]
-    begun = _gradient_counters(path)
-    cases = [case for case in evaluated if case.counter in begun] if begun else list(evaluated)
-    cases += [_final_case(reader) or evaluated[-1]]
-    if len(cases) > 1 and _same_design(cases[-1], cases[-2]):
-        cases.pop()
+    if not evaluated:
+        raise ValueError(f"{path} holds no case of a driver")
+    problem, runs = recorded_problem(reader), run_log.read(path)
+    cases, major = _points(reader, path, evaluated, bool(runs) and runs[-1].cut_off)
+    numbers = {case.counter: number for number, case in enumerate(evaluated, start=1)}
     objective = [case.get_objectives(scaled=False) for case in cases]
     objective_name = next(iter(objective[0].keys()))
     return RecordedOptimization(
@@ -125,19 +140,33 @@ def read_optimization(path) -> RecordedOptimization:
         objective=np.array([values[objective_name][0] for values in objective]),
         constraints=_constraints(reader, cases),
         design=_stacked([case.get_design_vars(scaled=False) for case in cases]),
-        major=bool(begun),
+        major=major,
         evaluations=len(names),
-        model=_model(reader),
+        model=problem and problem.model,
+        settings=problem.settings if problem else {},
+        runs=runs,
+        units=_units(evaluated[0]),
+        analyses=np.array([numbers.get(case.counter, len(names)) for case in cases]),
     )
 
 
-def _open(path) -> om.CaseReader:
-    if not Path(path).is_file():
-        raise ValueError(f"{path} is not a file")
-    try:
-        return om.CaseReader(str(path))
-    except (OSError, sqlite3.DatabaseError, KeyError) as error:
-        raise ValueError(f"{path} is not a file of an OpenMDAO recorder ({error})") from error
+def _points(reader: om.CaseReader, path, evaluated: list, cut_off: bool) -> tuple[list, bool]:
+    """Cases that are points of the history, and whether they are the major iterations."""
+    begun = _gradient_counters(path)
+    cases = [case for case in evaluated if case.counter in begun]
+    if not cases:
+        return evaluated, False
+    if not cut_off:
+        cases.append(_final_case(reader, evaluated[-1].counter) or evaluated[-1])
+    if len(cases) > 1 and _same_design(cases[-1], cases[-2]):
+        cases.pop()
+    return cases, True
+
+
+def _units(case) -> dict[str, str]:
+    shown = {"units": True, "prom_name": True, "val": False, "out_stream": None}
+    listed = [*case.list_inputs(**shown), *case.list_outputs(**shown)]
+    return {meta["prom_name"]: meta["units"] for _, meta in listed if meta["units"]}
 
 
 def _gradient_counters(path) -> set:
@@ -153,9 +182,11 @@ def _gradient_counters(path) -> set:
         connection.close()
 
 
-def _final_case(reader: om.CaseReader):
+def _final_case(reader: om.CaseReader, after: int):
+    """The last case of the problem itself, when it is not older than the driver's last one."""
     names = reader.list_cases("problem", out_stream=None)
-    return reader.get_case(names[-1]) if len(names) else None
+    case = reader.get_case(names[-1]) if len(names) else None
+    return case if case is not None and case.counter > after else None
 
 
 def _same_design(a, b) -> bool:
@@ -185,8 +216,3 @@ def _limit(settings: dict, side: str, size: int) -> np.ndarray:
     none = -np.inf if side == "lower" else np.inf
     limit = np.broadcast_to(np.asarray(none if value is None else value, float), size)
     return np.where(np.abs(limit) >= NO_LIMIT, none, limit)
-
-
-def _model(reader: om.CaseReader) -> SealModel | None:
-    options = reader.list_model_options(out_stream=None).get("root", {})
-    return model_from_json(options[SETTINGS_OPTION]) if SETTINGS_OPTION in options else None

@@ -1,0 +1,61 @@
+"""What ``--restart`` takes from a recorder file, and what it does not let the arguments change."""
+
+import argparse
+from pathlib import Path
+
+from _common import MODEL_OPTIONS, WrongArgumentError, checked_arguments
+
+from seal_mdao.optimization import OPTIMIZERS
+from seal_mdao.recording import run_log
+from seal_mdao.recording.recorder import copy_record
+from seal_mdao.recording.settings import RecordedProblem, open_cases, recorded_problem
+
+
+def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
+    """The problem and the optimiser of the run to continue, checked against the arguments.
+
+    Raises
+    ------
+    WrongArgumentError
+        When the file is not that of a door seal, or the arguments ask for another problem than the
+        recorded one.
+    """
+    path = arguments.restart
+    with checked_arguments():
+        problem = recorded_problem(open_cases(path))
+        optimizer = recorded_optimizer(path)
+    if problem is None:
+        raise WrongArgumentError(f"{path} does not hold the settings of a seal model")
+    recorded = {name: getattr(problem.model, name) for name in MODEL_OPTIONS} | problem.settings
+    if optimizer is not None:
+        recorded["optimizer"] = optimizer
+    for name in sorted(arguments.given.intersection(recorded)):
+        _require_same(path, name, getattr(arguments, name), recorded[name])
+    return problem, optimizer or arguments.optimizer
+
+
+def recorded_optimizer(path: Path) -> str | None:
+    """Name of the optimiser whose driver wrote the file last; None when the file does not say."""
+    runs = run_log.read(path)
+    for name, make in OPTIMIZERS.items():
+        if runs and type(make()).__name__ == runs[-1].driver:
+            return name
+    return None
+
+
+def continued_file(arguments: argparse.Namespace) -> Path:
+    """The recorder file in the output folder, with what has been recorded so far."""
+    cases = arguments.out / "cases.sql"
+    with checked_arguments():
+        copy_record(arguments.restart, cases)
+    return cases
+
+
+def _require_same(path: Path, name: str, given, recorded) -> None:
+    if given != recorded:
+        flag = f"--{name.replace('_', '-')}"
+        asked = flag if isinstance(given, bool) else f"{flag} {given}"
+        raise WrongArgumentError(
+            f"{asked}: {path} was recorded with {name} = {recorded}; a run is continued with its own "
+            "settings, so leave this argument out"
+        )

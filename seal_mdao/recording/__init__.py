@@ -1,0 +1,1 @@
+"""Recorder files that survive a kill and can be continued."""

@@ -1,0 +1,224 @@
+"""What an earlier run found out, by design, for a driver that goes through it again.
+
+A gradient-based optimiser with a deterministic model takes the same steps every time. Given the
+recorded values and derivatives at the recorded designs, it is at the last recorded point within
+moments, with everything it has learnt on the way (the approximation of the Hessian, multipliers, the
+state of the line search), and goes on from there. A design counts as recorded only when all its
+bits agree; any other one is analysed.
+"""
+
+import io
+import itertools
+import json
+import sqlite3
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from openmdao.core.analysis_error import AnalysisError
+
+UNFINISHED = "unfinished"
+"""How the message of a case begins that Ctrl-C or an error cut off: it tells nothing of the design."""
+AGREEMENT = 1e-6
+"""Relative difference up to which the start, analysed again, counts as the recorded one."""
+
+
+class RestartError(ValueError):
+    """A recorder file from which this run cannot be continued."""
+
+
+@dataclass(eq=False)
+class RecordedCase:
+    """One recorded evaluation.
+
+    Attributes
+    ----------
+    counter : int
+        Number of the case in the file.
+    failure : str
+        Why the analysis failed; empty for a good one.
+    inputs, outputs : dict of str to ndarray
+        Recorded values by absolute name, in the model's units.
+    totals : dict of str to ndarray
+        Total derivatives in driver scaling by ``"of!wrt"``; empty when they were not recorded.
+    """
+
+    counter: int
+    failure: str
+    inputs: dict
+    outputs: dict
+    totals: dict = field(default_factory=dict)
+
+    def restore(self, model) -> None:
+        """Put the recorded values into the model.
+
+        Raises
+        ------
+        AnalysisError
+            When the recorded analysis failed.
+        """
+        if self.failure:
+            raise AnalysisError(self.failure)
+        for vector, values in ((model._inputs, self.inputs), (model._outputs, self.outputs)):
+            for name, value in values.items():
+                if vector._contains_abs(name):
+                    vector._abs_get_val(name)[:] = value.ravel()
+
+    def disagreement(self, model) -> str:
+        """Name of the first output that is not what the model holds; empty when all agree."""
+        for name, value in self.outputs.items():
+            if model._outputs._contains_abs(name):
+                here = model._outputs._abs_get_val(name)
+                scale = np.abs(value).max(initial=0.0)
+                if not np.abs(here - value.ravel()).max(initial=0.0) <= AGREEMENT * scale:
+                    return name
+        return ""
+
+    def jacobian(self, of, wrt) -> np.ndarray | None:
+        """Rows of all ``of`` over columns of all ``wrt``; None when one was not recorded."""
+        if not self.totals.keys() >= {f"{o}!{w}" for o in of for w in wrt}:
+            return None
+        return np.vstack([np.hstack([self.totals[f"{o}!{w}"] for w in wrt]) for o in of])
+
+
+class RecordedEvaluations:
+    """The cases of a driver in a recorder file, found by the design that is in the model.
+
+    Parameters
+    ----------
+    path : str or Path
+    driver : Driver
+        After its final setup.
+
+    Attributes
+    ----------
+    next_iteration : int
+        Number after that of the last recorded driver iteration.
+
+    Raises
+    ------
+    RestartError
+        When the file cannot be read, or its cases lack variables of the driver.
+    RuntimeError
+        On several processes.
+    """
+
+    def __init__(self, path, driver):
+        model = driver._problem().model
+        if model.comm.size > 1:
+            raise RuntimeError("a run can be continued (hotstart_file) on one process only")
+        self.path = Path(path)
+        self._model = model
+        cases = read_cases(self.path)
+        self.next_iteration = 1 + max((number for number, _ in cases), default=-1)
+        self._sources = _independent(driver, cases[0][1].outputs if cases else {})
+        needed = {meta["source"] for meta in driver._responses.values()}.union(self._sources)
+        self._by_design = {}
+        for _, case in cases:
+            if case.outputs.keys() >= needed and not case.failure.startswith(UNFINISHED):
+                self._add(case)
+        if cases and not self._by_design:
+            raise RestartError(
+                f"no case in {path} holds the design variables, objective and constraints of this "
+                "problem"
+            )
+
+    def __len__(self) -> int:
+        return len(self._by_design)
+
+    def find(self) -> RecordedCase | None:
+        """The recorded evaluation of the design that is in the model."""
+        outputs = self._model._outputs
+        return self._by_design.get(_key(map(outputs._abs_get_val, self._sources)))
+
+    def load_start(self) -> None:
+        """Put the first recorded design into the model."""
+        for case in itertools.islice(self._by_design.values(), 1):
+            for name in self._sources:
+                self._model._outputs._abs_get_val(name)[:] = case.outputs[name].ravel()
+
+    def check_start(self) -> None:
+        """Check that the start, analysed again, is that of the recorded run.
+
+        Raises
+        ------
+        RestartError
+            When it is not in the file, or the model has found something else.
+        """
+        if not self._by_design:
+            return
+        recorded = self.find()
+        if recorded is None:
+            raise RestartError(
+                f"the start of this run is not the start of the run in {self.path}; "
+                "seal_mdao.restart(problem, path) takes it from the file"
+            )
+        different = recorded.disagreement(self._model)
+        if different:
+            raise RestartError(
+                f"{self.path} was recorded with another model: at the start {different} is not "
+                "what this model gives"
+            )
+
+    def _add(self, case: RecordedCase) -> None:
+        key = _key(case.outputs[name] for name in self._sources)
+        known = self._by_design.setdefault(key, case)
+        known.totals = known.totals or case.totals
+
+
+def _independent(driver, recorded) -> list[str]:
+    """Sources of the design variables, and what else the model takes as given and was recorded."""
+    model = driver._problem().model
+    given = {n for n, meta in model.abs_meta_iter("output") if "openmdao:indep_var" in meta["tags"]}
+    return sorted({m["source"] for m in driver._designvars.values()} | given.intersection(recorded))
+
+
+def _key(values) -> bytes:
+    return b"".join(np.ascontiguousarray(value, float).tobytes() for value in values)
+
+
+def read_cases(path) -> list[tuple[int, RecordedCase]]:
+    """Driver iteration number and evaluation of every case of a driver, in order.
+
+    Raises
+    ------
+    RestartError
+        For a file that is not there or is no recorder file.
+    """
+    if not Path(path).is_file():
+        raise RestartError(f"{path} is not a file")
+    connection = sqlite3.connect(path)
+    try:
+        rows = connection.execute(
+            "SELECT iteration_coordinate, counter, success, msg, inputs, outputs "
+            "FROM driver_iterations ORDER BY id"
+        ).fetchall()
+        derivatives = connection.execute(
+            "SELECT counter, derivatives FROM driver_derivatives ORDER BY id"
+        ).fetchall()
+    except sqlite3.DatabaseError as error:
+        raise RestartError(f"{path} is not a file of an OpenMDAO recorder ({error})") from error
+    finally:
+        connection.close()
+    totals = {}
+    for counter, blob in derivatives:
+        totals.setdefault(counter, {}).update(_fields(blob))
+    return [
+        (
+            int(coordinate.rsplit("|", 1)[1]),
+            RecordedCase(
+                counter, "" if success else message or "the analysis failed",
+                _arrays(inputs), _arrays(outputs), totals.get(counter, {}),
+            ),
+        )
+        for coordinate, counter, success, message, inputs, outputs in rows
+    ]  # fmt: skip
+
+
+def _arrays(text: str | None) -> dict:
+    return {name: np.array(value) for name, value in (json.loads(text or "null") or {}).items()}
+
+
+def _fields(blob: bytes) -> dict:
+    table = np.load(io.BytesIO(blob))
+    return {name: table[name][0] for name in table.dtype.names or ()}

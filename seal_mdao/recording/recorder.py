@@ -1,0 +1,202 @@
+"""RestartRecorder: a recorder file that is complete at any moment, and that can be continued."""
+
+import os
+import sqlite3
+from pathlib import Path
+
+import openmdao.api as om
+from openmdao.core.driver import Driver
+from openmdao.utils.record_util import create_local_meta
+
+from seal_mdao.recording import run_log
+
+LEFTOVERS = ("-journal", "-wal", "-shm")
+"""What SQLite leaves beside a file when a process is killed; it belongs to that very file."""
+
+
+class RestartRecorder(om.SqliteRecorder):
+    """SqliteRecorder whose file survives a kill at any moment and that can append to a file.
+
+    Every case is a transaction of its own, as in ``SqliteRecorder``, so a killed run loses nothing
+    but the evaluation in flight. Beyond that:
+
+    * A new file takes its name only when all that a reader needs is in it. Before, a file of that
+      name from an earlier run stays as it was.
+    * With ``append`` the cases of an existing file are kept and new ones follow them. Evaluations
+      that the driver takes from the file (``hotstart_file``) are not recorded twice.
+    * The file tells how every run ended; see ``seal_mdao.recording.run_log``.
+
+    Parameters
+    ----------
+    filepath : str or Path
+        The recorder file.
+    append : bool
+        Continue the file if it exists, instead of replacing it. Only for the problem that wrote it.
+    **options
+        Further options of ``SqliteRecorder``.
+    """
+
+    def __init__(self, filepath, append: bool = False, **options):
+        super().__init__(filepath, **options)
+        self._append = append
+        self._unpublished = None
+        self._driver = None
+        self._log_row = None
+
+    def startup(self, recording_requester, comm=None):
+        """Prepare for a new run."""
+        if recording_requester in self._started:
+            return
+        counter = self._counter
+        super().startup(recording_requester, comm)
+        self._counter = max(counter, self._last_counter())
+        if isinstance(recording_requester, Driver):
+            self._driver = recording_requester
+
+    def record_metadata_system(self, system, run_number=None):
+        """Record the options of a system once per run number; the root's make the file complete."""
+        self._once(super().record_metadata_system, system, run_number)
+        if not system.pathname and self.connection:
+            if self._log_row is None and self._driver is not None:
+                self._log_row = run_log.begin(self.connection, self._driver)
+            self._publish()
+
+    def record_metadata_solver(self, solver, run_number=None):
+        """Record the options of a solver once per run number."""
+        self._once(super().record_metadata_solver, solver, run_number)
+
+    def record_iteration_driver(self, driver, data, metadata):
+        """Record a case, unless the driver took it from this very file."""
+        if self._repeated(driver) is None:
+            super().record_iteration_driver(driver, data, metadata)
+        else:
+            self._counter -= 1
+
+    def record_derivatives_driver(self, driver, data, metadata):
+        """Record derivatives with the number of the case to which they belong."""
+        repeated = self._repeated(driver)
+        if repeated is None:
+            super().record_derivatives_driver(driver, data, metadata)
+        elif self.connection and not self._has_derivatives(repeated):
+            counter, self._counter = self._counter, repeated
+            super().record_derivatives_driver(driver, data, metadata)
+            self._counter = counter
+
+    def shutdown(self):
+        """Note how the run ended and close the file."""
+        if self.connection and self._log_row is not None:
+            run_log.end(self.connection, self._log_row, self._driver.result)
+            self._log_row = None
+        if self.connection:
+            self._publish()
+        super().shutdown()
+        self.connection = self.metadata_connection = None
+
+    def _initialize_database(self, comm):
+        """Open the file to continue, or begin a new one under another name."""
+        if comm is not None and comm.size > 1:
+            if self._append:
+                raise RuntimeError("RestartRecorder appends to a file on one process only")
+            super()._initialize_database(comm)
+            return
+        path = Path(self._filepath)
+        if self._append and path.is_file():
+            self._connect(path)
+            self._database_initialized = True
+            return
+        self._unpublished = path.with_name(path.name + ".new")
+        _remove(self._unpublished)
+        self._filepath = str(self._unpublished)
+        super()._initialize_database(comm)
+        self._filepath = str(path)
+
+    def _publish(self) -> None:
+        """Give the new file its name."""
+        if self._unpublished is None:
+            return
+        self.connection.close()
+        _remove_leftovers(Path(self._filepath))
+        os.replace(self._unpublished, self._filepath)
+        self._unpublished = None
+        self._connect(self._filepath)
+
+    def _connect(self, path) -> None:
+        self.connection = self.metadata_connection = sqlite3.connect(path)
+
+    def _last_counter(self) -> int:
+        if not (self._append and self.connection):
+            return 0
+        query = "SELECT MAX(counter) FROM driver_iterations"
+        return self.connection.execute(query).fetchone()[0] or 0
+
+    def _repeated(self, driver) -> int | None:
+        """Number of the case in this file whose evaluation the driver repeats."""
+        return getattr(driver, "repeated_case", None) if self._append else None
+
+    def _has_derivatives(self, counter: int) -> bool:
+        query = "SELECT 1 FROM driver_derivatives WHERE counter=? LIMIT 1"
+        return self.connection.execute(query, (counter,)).fetchone() is not None
+
+    def _once(self, record, requester, run_number) -> None:
+        """Record metadata unless the file that is continued holds them already."""
+        try:
+            record(requester, run_number)
+        except sqlite3.IntegrityError:
+            if not self._append:
+                raise
+
+
+def record_all(driver, recorder) -> None:
+    """Let a driver record all that a restart needs: every variable, and the derivatives."""
+    driver.add_recorder(recorder)
+    driver.recording_options["includes"] = ["*"]
+    driver.recording_options["record_derivatives"] = True
+
+
+def record_totals(driver, totals: dict) -> None:
+    """Hand derivatives (by ``"of!wrt"``) that were not computed just now to a driver's recorders."""
+    if not (driver.recording_options["record_derivatives"] and driver._rec_mgr.has_recorders()):
+        return
+    name, stack = driver._get_name(), driver._recording_iter
+    stack.push((name, driver.iter_count))
+    try:
+        driver._rec_mgr.record_derivatives(driver, totals, create_local_meta(name))
+    finally:
+        stack.pop()
+
+
+def _remove_leftovers(path: Path) -> None:
+    for ending in LEFTOVERS:
+        path.with_name(path.name + ending).unlink(missing_ok=True)
+
+
+def _remove(path: Path) -> None:
+    path.unlink(missing_ok=True)
+    _remove_leftovers(path)
+
+
+def copy_record(source, target) -> None:
+    """Copy a recorder file, also one that a killed process left behind; the copy appears at once.
+
+    Raises
+    ------
+    ValueError
+        When the source is not a SQLite file.
+    """
+    target = Path(target)
+    if target.exists() and target.samefile(source):
+        return
+    fresh = target.with_name(target.name + ".new")
+    _remove(fresh)
+    here, there = sqlite3.connect(source), sqlite3.connect(fresh)
+    try:
+        here.backup(there)
+    except sqlite3.DatabaseError as error:
+        there.close()
+        _remove(fresh)
+        raise ValueError(f"{source} is not a recorder file ({error})") from error
+    finally:
+        here.close()
+        there.close()
+    _remove_leftovers(target)
+    os.replace(fresh, target)

@@ -1,0 +1,43 @@
+"""Continue a recorded optimisation, of any OpenMDAO problem."""
+
+from pathlib import Path
+
+from seal_mdao.drivers.run_support import RunSupport
+from seal_mdao.recording.evaluations import RecordedEvaluations
+from seal_mdao.recording.recorder import RestartRecorder, record_all
+
+
+def restart(problem, path) -> None:
+    """Make ``problem.run_driver()`` continue the run recorded in ``path``.
+
+    The driver begins at the recorded start and takes the values and derivatives of all recorded
+    points from the file, which brings it to the last recorded point as it was there; new cases are
+    appended to the file. Call it after ``setup``, and with no other recorder on the driver, for the
+    problem and driver that wrote the file.
+
+    Parameters
+    ----------
+    problem : Problem
+    path : str or Path
+        File of a ``RestartRecorder`` or ``SqliteRecorder``, which has recorded the derivatives
+        (``recording_options["record_derivatives"]``). Without them every point is analysed again.
+
+    Raises
+    ------
+    TypeError
+        When the problem's driver is none of this package.
+    RestartError
+        A ValueError: when the file cannot be read, or is not that of this problem. That it is not
+        that of this model shows when the run begins.
+    """
+    driver = problem.driver
+    if not isinstance(driver, RunSupport):
+        raise TypeError(
+            f"only the drivers of seal_mdao can continue a run, not {type(driver).__name__}; "
+            "Problem.load_case takes any driver to a recorded point"
+        )
+    path = Path(path).absolute()  # a bare name would mean a file in OpenMDAO's output folder
+    problem.final_setup()
+    RecordedEvaluations(path, driver).load_start()
+    driver.options["hotstart_file"] = str(path)
+    record_all(driver, RestartRecorder(path, append=True))

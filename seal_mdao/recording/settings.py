@@ -1,0 +1,58 @@
+"""The seal problem that a recorder file belongs to."""
+
+import json
+import sqlite3
+from dataclasses import dataclass
+from pathlib import Path
+
+import openmdao.api as om
+
+from seal_mdao.model import SealModel
+from seal_mdao.optimization import PROBLEM_OPTION
+from seal_mdao.settings import SETTINGS_OPTION, model_from_json
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedProblem:
+    """What ``seal_problem`` needs to set up a recorded problem again.
+
+    Attributes
+    ----------
+    model : SealModel
+    settings : dict
+        Further keyword arguments of ``seal_problem``.
+    """
+
+    model: SealModel
+    settings: dict
+
+
+def open_cases(path) -> om.CaseReader:
+    """Reader of a recorder file.
+
+    Raises
+    ------
+    ValueError
+        For a file that is not there or is no recorder file.
+    """
+    if not Path(path).is_file():
+        raise ValueError(f"{path} is not a file")
+    try:
+        return om.CaseReader(str(path))
+    except (OSError, sqlite3.DatabaseError, KeyError, TypeError) as error:
+        raise ValueError(f"{path} is not a file of an OpenMDAO recorder ({error})") from error
+
+
+def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:
+    """The problem of a recorder file; None when there is no ``SealGroup`` in it.
+
+    Raises
+    ------
+    ValueError
+        When the settings are those of another version of the package.
+    """
+    for options in reader.list_model_options(out_stream=None).values():
+        if options.get(SETTINGS_OPTION):
+            settings = json.loads(options[PROBLEM_OPTION]) if PROBLEM_OPTION in options else {}
+            return RecordedProblem(model_from_json(options[SETTINGS_OPTION]), settings)
+    return None

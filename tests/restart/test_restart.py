@@ -1,0 +1,306 @@
+"""A run that was cut off goes on as if nothing had happened."""
+
+import os
+import shutil
+import signal
+import sqlite3
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import openmdao.api as om
+import pytest
+from valley import designs, kill_at, killed, record, valley_problem
+
+import seal_mdao as sm
+from seal_mdao.recording import run_log
+
+# Python 3.12 and newer warn of forks; the children here only compute and write a file
+pytestmark = pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
+
+
+def whole_run(make_driver, on_call=None, **options):
+    """Problem and recorded designs of a run from start to end, in ``whole.sql``."""
+    problem = record(valley_problem(make_driver(**options), on_call), "whole.sql")
+    result = problem.run_driver()
+    problem.cleanup()
+    return problem, result, designs("whole.sql")
+
+
+def cut_run(make_driver, call):
+    """A run that is killed in its ``call``-th analysis."""
+    assert killed(record(valley_problem(make_driver(), kill_at(call))).run_driver)
+
+
+def continued(make_driver, path="cases.sql", on_call=None, **options):
+    problem = valley_problem(make_driver(**options), on_call)
+    sm.restart(problem, path)
+    result = problem.run_driver()
+    problem.cleanup()
+    return problem, result
+
+
+def gradient_counters(path):
+    connection = sqlite3.connect(path)
+    rows = connection.execute("SELECT counter FROM driver_derivatives ORDER BY id").fetchall()
+    connection.close()
+    return [row[0] for row in rows]
+
+
+@pytest.mark.parametrize("call", [2, 3, 7, 12])
+def test_continued_run_is_bitwise_the_uninterrupted_one(make_driver, call):
+    whole, result, expected = whole_run(make_driver)
+    assert result.success
+    assert len(expected) > 13
+    cut_run(make_driver, call)
+    assert np.array_equal(designs(), expected[: call - 1])
+    problem, again = continued(make_driver)
+    assert again.success
+    assert again.exit_status == result.exit_status
+    assert again.iter_count == result.iter_count
+    assert np.array_equal(designs(), expected)
+    assert gradient_counters("cases.sql") == gradient_counters("whole.sql")
+    assert problem.get_val("f") == whole.get_val("f")
+    assert np.array_equal(problem.get_val("x"), whole.get_val("x"))
+
+
+def test_nothing_recorded_is_analysed_again_but_the_start(make_driver):
+    _, _, expected = whole_run(make_driver)
+    cut_run(make_driver, 9)
+    problem, _ = continued(make_driver)
+    assert problem.driver.reused_evaluations == 7
+    assert problem.model.valley.calls == len(expected) - 8 + 1
+    # one gradient may have been in flight
+    assert problem.model.valley.gradients <= len(gradient_counters("whole.sql")) - 3
+
+
+@pytest.mark.parametrize("gradient", [1, 4])
+def test_kill_in_a_gradient(make_driver, gradient):
+    _, _, expected = whole_run(make_driver)
+
+    def in_gradient(component, _):
+        if component.gradients == gradient:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    problem = record(valley_problem(make_driver()))
+    problem.model.valley.options["on_gradient"] = in_gradient
+    assert killed(problem.run_driver)
+    assert len(gradient_counters("cases.sql")) == gradient - 1
+    continued(make_driver)
+    assert np.array_equal(designs(), expected)
+    assert gradient_counters("cases.sql") == gradient_counters("whole.sql")
+
+
+def run_and_die(make_driver, moment):
+    """Record a slow run and kill this process after ``moment`` seconds."""
+    timer = threading.Timer(moment, os.kill, (os.getpid(), signal.SIGKILL))
+    timer.daemon = True
+    timer.start()
+    slow = valley_problem(make_driver())
+    slow.model.valley.options["on_call"] = lambda *_: time.sleep(2e-3)
+    record(slow).run_driver()
+    time.sleep(60.0)
+
+
+def test_kill_at_any_moment(make_driver, rng):
+    """Also before the first case, while the file is made, and while a case is written."""
+    _, result, expected = whole_run(make_driver)
+    begun = time.perf_counter()
+    problem = valley_problem(make_driver())
+    problem.model.valley.options["on_call"] = lambda *_: time.sleep(2e-3)
+    record(problem, "timed.sql").run_driver()
+    problem.cleanup()
+    seconds = time.perf_counter() - begun
+    lengths = set()
+    for moment in rng.uniform(0.0, seconds, 12):
+        Path("cases.sql").unlink(missing_ok=True)
+        assert killed(partial(run_and_die, make_driver, moment))
+        if not Path("cases.sql").exists():
+            lengths.add(None)  # killed before there was anything to record
+            continue
+        already = designs()
+        lengths.add(len(already))
+        assert np.array_equal(already, expected[: len(already)])
+        _, again = continued(make_driver)
+        assert again.success == result.success
+        assert np.array_equal(designs(), expected)
+    assert len(lengths) >= 3  # the moments did differ
+
+
+def test_many_cuts_one_after_the_other(make_driver):
+    _, result, expected = whole_run(make_driver)
+    shutil.copy("whole.sql", "kept.sql")
+    cut_run(make_driver, 2)
+    for _ in range(4):
+        problem = valley_problem(make_driver(), kill_at(4))
+        sm.restart(problem, "cases.sql")
+        assert killed(problem.run_driver)
+    assert len(designs()) == 1 + 4 * 2
+    problem, again = continued(make_driver)
+    assert np.array_equal(designs(), expected)
+    assert again.success == result.success
+    log = run_log.read("cases.sql")
+    assert [run.cut_off for run in log] == [True] * 5 + [False]
+
+
+def test_completed_run_is_completed_at_once(make_driver):
+    _, result, expected = whole_run(make_driver)
+    problem, again = continued(make_driver, "whole.sql")
+    assert problem.model.valley.calls <= 2  # the start as a check, and the end for its state
+    assert again.success
+    assert again.exit_status == result.exit_status
+    assert np.array_equal(designs("whole.sql"), expected)
+    assert problem.get_val("f")[0] < 1.0
+
+
+def test_iteration_limit_is_lifted(make_driver):
+    _, _, expected = whole_run(make_driver)
+    problem = record(valley_problem(make_driver(maxiter=5)))
+    assert not problem.run_driver().success
+    problem.cleanup()
+    already = len(designs())
+    problem, result = continued(make_driver)
+    assert result.success
+    assert problem.model.valley.calls < len(expected)
+    assert np.array_equal(designs()[:already], expected[:already])
+    assert np.array_equal(problem.get_val("x"), expected[-1])
+
+
+def test_lost_gradient_is_made_up_for(make_driver):
+    _, _, expected = whole_run(make_driver)
+    counters = gradient_counters("whole.sql")
+    shutil.copy("whole.sql", "cases.sql")
+    connection = sqlite3.connect("cases.sql")
+    with connection:
+        connection.execute("DELETE FROM driver_derivatives WHERE counter > ?", (counters[3],))
+        connection.execute("DELETE FROM driver_iterations WHERE counter > ?", (counters[4],))
+    connection.close()
+    continued(make_driver)
+    assert np.array_equal(designs(), expected)
+    assert gradient_counters("cases.sql") == counters
+
+
+def test_failed_analyses_are_not_repeated(make_driver):
+    _, _, easy = whole_run(make_driver)
+    hole = easy[len(easy) // 2]  # on the way of both drivers
+
+    def fails_at(x):
+        return np.abs(x - hole).max() < 1e-3
+
+    def fails(component, x):
+        if fails_at(x):
+            raise om.AnalysisError("no solution here")
+
+    whole, result, expected = whole_run(make_driver, on_call=fails)
+    assert whole.driver.failed_analyses > 0
+
+    def must_not_fail(component, x):
+        assert not fails_at(x)
+
+    problem, again = continued(make_driver, "whole.sql", on_call=must_not_fail)
+    assert problem.driver.failed_analyses == whole.driver.failed_analyses
+    assert again.exit_status == result.exit_status
+    assert np.array_equal(designs("whole.sql"), expected)
+
+
+def test_analysis_that_ctrl_c_cut_off_is_repeated(make_driver):
+    _, _, expected = whole_run(make_driver)
+
+    def interrupt(component, _):
+        if component.calls == 8:
+            raise KeyboardInterrupt
+
+    problem = record(valley_problem(make_driver(), interrupt))
+    problem.run_driver()
+    problem.cleanup()
+    _, result = continued(make_driver)
+    assert result.success
+    assert np.array_equal(designs()[-(len(expected) - 7) :], expected[7:])
+
+
+def test_evaluation_that_an_error_cut_off_is_repeated(make_driver):
+    _, _, expected = whole_run(make_driver)
+
+    def stumble(component, _):
+        if component.calls == 8:
+            raise MemoryError("no memory left")
+
+    problem = record(valley_problem(make_driver(), stumble))
+    with pytest.raises(MemoryError):
+        problem.run_driver()
+    problem.cleanup()
+    reader = om.CaseReader("cases.sql")
+    last = reader.get_case(-1)
+    assert not last.success
+    assert last.msg.startswith("unfinished: MemoryError")
+    assert last.msg.endswith("no memory left")
+    assert run_log.read("cases.sql")[0].message == "Ended by an exception"
+    _, result = continued(make_driver)
+    assert result.success
+    assert np.array_equal(designs()[8:], expected[7:])
+
+
+def test_plain_recorder_gets_the_whole_run(make_driver):
+    _, _, expected = whole_run(make_driver)
+    cut_run(make_driver, 9)
+    problem = valley_problem(make_driver(hotstart_file="cases.sql"))
+    problem.driver.add_recorder(om.SqliteRecorder("./plain.sql"))
+    problem.driver.recording_options["record_derivatives"] = True
+    problem.run_driver()
+    problem.cleanup()
+    assert np.array_equal(designs("plain.sql"), expected)
+    assert gradient_counters("plain.sql") == gradient_counters("whole.sql")
+
+
+def test_empty_file_begins_at_the_start(make_driver):
+    _, _, expected = whole_run(make_driver)
+    cut_run(make_driver, 1)
+    assert len(designs()) == 0
+    _, result = continued(make_driver)
+    assert result.success
+    assert np.array_equal(designs(), expected)
+
+
+def test_start_comes_from_the_file(make_driver):
+    problem = record(valley_problem(make_driver(maxiter=2)))
+    problem.set_val("x", [0.3, -0.7, 0.1])
+    problem.run_driver()
+    problem.cleanup()
+    problem, _ = continued(make_driver)
+    assert designs()[0].tolist() == [0.3, -0.7, 0.1]
+    assert problem.driver.reused_evaluations > 0
+    elsewhere = valley_problem(make_driver(hotstart_file="cases.sql"))
+    with pytest.raises(ValueError, match="not the start of the run"):
+        elsewhere.run_driver()
+
+
+def test_other_model_is_noticed(make_driver):
+    cut_run(make_driver, 5)
+    problem = valley_problem(make_driver(), steep=20.001)
+    sm.restart(problem, "cases.sql")
+    with pytest.raises(ValueError, match=r"recorded with another model: at the start valley\.f"):
+        problem.run_driver()
+
+
+def test_file_without_the_constraint_is_refused(make_driver):
+    problem = valley_problem(make_driver())
+    problem.driver.add_recorder(om.SqliteRecorder("./cases.sql"))
+    problem.driver.recording_options["record_constraints"] = False
+    problem.run_driver()
+    problem.cleanup()
+    with pytest.raises(ValueError, match="holds the design variables, objective and constraints"):
+        sm.restart(valley_problem(make_driver()), "cases.sql")
+
+
+def test_wrong_files_and_drivers(make_driver, tmp_path):
+    problem = valley_problem(make_driver())
+    with pytest.raises(ValueError, match="is not a file"):
+        sm.restart(problem, "nowhere.sql")
+    for text in ("", "some text that is no database"):
+        (tmp_path / "text.sql").write_text(text)
+        with pytest.raises(ValueError, match="not a file of an OpenMDAO recorder"):
+            sm.restart(problem, "text.sql")
+    with pytest.raises(TypeError, match="load_case"):
+        sm.restart(valley_problem(om.ScipyOptimizeDriver()), "cases.sql")
