@@ -21,6 +21,9 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.profile import RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 
+# Share of the step that the Euler predictor may miss if its miss is to predict the next one.
+SMALL_BEND = 0.03
+
 
 def _initial_step(problem: PathProblem, loading: LoadPoint) -> tuple[ConvergedStep, object]:
     """The undeformed state, with its factor."""
@@ -31,14 +34,17 @@ def _initial_step(problem: PathProblem, loading: LoadPoint) -> tuple[ConvergedSt
     return _record(problem, -1, 0.0, loading, d, history, (0.0,), None), factor
 
 
-def _bend(step: ConvergedStep, euler, share) -> np.ndarray | None:
+def _bend(step: ConvergedStep, before, euler, share) -> np.ndarray | None:
     """What the Euler predictor missed, per square of the step: the next one misses about the same.
 
-    None where a contact state changed, for the path has a kink there.
+    None where a contact state changed, for the path has a kink there, and where it is no small
+    correction of the step.
     """
-    if not np.array_equal(step.before.state, step.after.state):
+    missed = step.d - euler
+    small = np.abs(missed).max() <= SMALL_BEND * np.abs(euler - before).max()
+    if not (small and np.array_equal(step.before.state, step.after.state)):
         return None
-    return (step.d - euler) / share**2
+    return missed / share**2
 
 
 def _record(problem, nominal, fraction, loading, d, history, residuals, factor) -> ConvergedStep:
@@ -57,7 +63,7 @@ def solve_path(
     law: ContactLaw,
     program: LoadProgram,
     options: NewtonOptions | None = None,
-    keep_factors: bool = False,
+    factor_memory: float = 0.0,
     callback: Callable[[ConvergedStep], None] | None = None,
 ) -> PathResult:
     """Follow a load program from the undeformed state.
@@ -66,8 +72,9 @@ def solve_path(
     ----------
     program : LoadProgram
         Motion of the profile, imposed displacements and dead loads.
-    keep_factors : bool
-        Keep the factor of every converged tangent, for the sensitivities.
+    factor_memory : float
+        GiB for the factors of converged tangents, which the sensitivities use again. The first that
+        fit are kept; the sweeps make the others again.
     callback : callable, optional
         Called with every ``ConvergedStep`` that completes a nominal step.
 
@@ -90,7 +97,7 @@ def solve_path(
         raise GeometryError(
             f"the undeformed body starts {deepest:.3g} inside the rigid profile; start it farther away"
         )
-    steps, cuts, bend = [], 0, None
+    steps, cuts, bend, memory = [], 0, None, factor_memory * 2**30
     for nominal in range(program.n_steps):
         pending = [1.0]
         while pending:
@@ -110,12 +117,14 @@ def solve_path(
                 problem.assemble_at(last)
                 factor = discretization.layout.factorize(problem.values)
                 continue
-            factor, begun = new_factor, last.fraction
+            factor, before = new_factor, last
+            memory -= factor.nbytes
+            kept = factor.kept() if memory >= 0.0 else None
             last = _record(
                 problem, -1 if pending else nominal, end, target, d, last.after, residuals,
-                factor.kept() if keep_factors else None,
+                kept,
             )  # fmt: skip
-            bend = _bend(last, euler, end - begun)
+            bend = _bend(last, before.d, euler, end - before.fraction)
             steps.append(last)
         if callback is not None:
             callback(last)
