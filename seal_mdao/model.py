@@ -81,7 +81,8 @@ class SealModel:
     n_steps : int
         Equal load steps from start to depth.
     newton : NewtonOptions
-    solver : {"auto", "banded", "superlu"}
+    solver : {"auto", "banded", "superlu", "pardiso"}
+        "auto": the band where it is narrow, else PARDISO where pypardiso is installed, else SuperLU.
     """
 
     rays: int = BASE_RAYS

@@ -16,6 +16,9 @@ from seal_mdao.measures.selection import MeasurePoints, opened_points, stress_po
 from seal_mdao.measures.stress import von_mises_at
 from seal_mdao.model import SealModel
 
+FACTOR_MEMORY = 2.0
+"""GiB for factors that are kept for sensitivities."""
+
 
 @dataclass(frozen=True, eq=False)
 class SealResult:
@@ -171,7 +174,8 @@ def analyze(
     door_radius : float, optional
         Corner radius of the door, mm; the drawn one when left out.
     keep_factors : bool
-        Keep the factor of every converged tangent for sensitivities.
+        Keep the factors of the converged tangents for sensitivities, as far as ``FACTOR_MEMORY``
+        (GiB) goes.
     callback : callable, optional
         Called with each ``ConvergedStep`` that completes a nominal step.
 
@@ -187,8 +191,9 @@ def analyze(
     """
     offsets = model.check_offsets(boundary_offsets)
     result = analyze_particles(
-        model, model.particles(offsets), door_radius, keep_factors=keep_factors, callback=callback
-    )
+        model, model.particles(offsets), door_radius,
+        factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
+    )  # fmt: skip
     return SealResult(model, offsets, result.door_radius, result.path)
 
 
@@ -198,14 +203,17 @@ def analyze_particles(
     door_radius=None,
     *,
     points: MeasurePoints | None = None,
-    keep_factors=False,
+    factor_memory=0.0,
     callback=None,
 ) -> SealResult:
-    """As ``analyze``, with the particles (n, 2) themselves, and the places of the measures given."""
+    """As ``analyze``, with the particles (n, 2) themselves, and the places of the measures given.
+
+    Factors of converged tangents are kept as far as ``factor_memory`` (GiB) goes.
+    """
     radius = model.check_door_radius(door_radius)
     path = solve_path(
         discretize(model.body, particles), model.material, model.profile(radius), model.law,
-        model.program, model.newton, keep_factors, callback,
+        model.program, model.newton, factor_memory, callback,
     )  # fmt: skip
     return SealResult(model, None, radius, path, points)
 

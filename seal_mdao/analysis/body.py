@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from seal_mdao.analysis.linear_solver import TangentLayout, tangent_layout
+from seal_mdao.analysis.equations import TangentLayout, tangent_layout
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
@@ -35,7 +35,7 @@ class Body:
     n_gauss : int
         Gauss points per direction of a cell.
     solver : str
-        "auto", "banded" or "superlu".
+        "auto", "banded", "superlu" or "pardiso".
     """
 
     cells: np.ndarray

@@ -1,115 +1,18 @@
-"""Where the entries of the tangent go, and its factorisation: banded LAPACK or sparse SuperLU.
+"""Storage of the tangent and its factorisation: banded LAPACK, SuperLU, or PARDISO when installed."""
 
-The assembly kernels add to one flat buffer through precomputed slots, so they do not know which
-solver is behind. The last entry of the buffer collects what belongs to imposed displacements.
-"""
-
-from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from scipy.linalg import lapack
-from scipy.sparse import csc_array, csr_array
-from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from seal_mdao.analysis.condensation import (
-    Condensation,
-    condense_force,
-    condense_tangent,
-    coupled_particles,
-)
-
-SOLVERS = ("auto", "banded", "superlu")
-
-# The band is narrowed by trying that many starting particles in the body, and at its base.
-SEARCHED_STARTS = 24
+SOLVERS = ("auto", "banded", "superlu", "pardiso")
 
 # Banded factorisation costs n width^2, SuperLU about n^1.5 here, at a lower rate: measured on one
 # core with 300 to 12,000 unknowns, the band wins up to a half-width of some 60 n^(1/4).
 WIDEST_BAND = 50.0
-
-
-class Scatter(NamedTuple):
-    """Destinations of the element entries of one shape table.
-
-    Attributes
-    ----------
-    equations : ndarray of int, shape (n, 2)
-        Place of every component in a force buffer: its equation, -1 where it is imposed, those of
-        constrained particles behind the equations.
-    start : ndarray of int, shape (n_groups + 1,)
-        Where the slots of a group begin.
-    slots : ndarray of int32
-        Flat (group, column, row) with local rows and columns ordered (component, neighbour).
-    """
-
-    equations: np.ndarray
-    start: np.ndarray
-    slots: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class TangentLayout:
-    """Equation numbers, scatter maps and the storage of the tangent.
-
-    Attributes
-    ----------
-    equations : ndarray of int, shape (n, 2)
-        Equation of every displacement component, -1 where it is imposed.
-    n_equations, size, force_size : int
-        Unknowns, and lengths of the value and the force buffers.
-    scatter : tuple of Scatter
-        One for each raw shape table, in the order given.
-    storage : BandedStorage or SparseStorage
-    condensation : Condensation, optional
-        None where no particle is constrained.
-    """
-
-    equations: np.ndarray
-    n_equations: int
-    size: int
-    force_size: int
-    scatter: tuple
-    storage: object
-    condensation: Condensation | None
-
-    @property
-    def force_scatter(self) -> Scatter:
-        """For forces alone, through transformed shape functions."""
-        return Scatter(self.equations, np.empty(0, int), np.empty(0, np.int32))
-
-    def condense_force(self, force: np.ndarray) -> None:
-        """Bring what the raw shape functions put on constrained particles to the equations."""
-        if self.condensation is not None:
-            condense_force(self.condensation, force)
-
-    def condense_tangent(self, values: np.ndarray) -> None:
-        """Bring the rows and columns of constrained particles to the equations."""
-        if self.condensation is not None:
-            condense_tangent(self.condensation, values)
-
-    def factorize(self, values: np.ndarray):
-        """Factor of the matrix in the buffer ``values``, which may be overwritten by it.
-
-        The factor is good until the buffer is filled again; ``factor.kept()`` stays.
-        """
-        return self.storage.factorize(values)
-
-    def reduce(self, nodal: np.ndarray | None):
-        """Values of particles (n, 2) in the order of the equations; zero for None."""
-        if nodal is None:
-            return 0.0
-        free = self.equations >= 0
-        out = np.empty(self.n_equations)
-        out[self.equations[free]] = nodal[free]
-        return out
-
-    def gather(self, vector: np.ndarray) -> np.ndarray:
-        """Spread a solution (n_equations, ...) to particles (n, 2, ...), zero where imposed."""
-        padded = np.concatenate([vector, np.zeros((1, *vector.shape[1:]))])
-        return padded[self.equations]
 
 
 class BandedFactor:
@@ -117,6 +20,10 @@ class BandedFactor:
 
     def __init__(self, storage, band, pivots):
         self.storage, self.band, self.pivots = storage, band, pivots
+
+    @property
+    def nbytes(self) -> int:
+        return self.band.nbytes
 
     def kept(self):
         """A copy that does not share the buffer of the matrix."""
@@ -161,6 +68,11 @@ class SparseFactor:
     def __init__(self, lu):
         self.lu = lu
 
+    @property
+    def nbytes(self) -> int:
+        """Values and row numbers of L and U."""
+        return 12 * self.lu.nnz
+
     def kept(self):
         """The factor itself: SuperLU has its own memory."""
         return self
@@ -195,172 +107,8 @@ class SparseStorage(NamedTuple):
         return SparseFactor(lu)
 
 
-def _coupling(n_particles, tables, transformation, coupled):
-    """Particles whose equations are coupled, as a CSR pattern."""
-    pattern = csr_array((n_particles, n_particles), dtype=np.int32)
-    raw = np.ones(n_particles, np.int32)
-    if transformation is not None:
-        raw[transformation.constrained] = 0
-        rows = np.repeat(transformation.union, coupled.size)
-        columns = np.tile(coupled, transformation.union.size)
-        clique = csr_array((np.ones(rows.size, np.int32), (rows, columns)), shape=pattern.shape)
-        pattern = pattern + clique + clique.T
-    for table in tables:
-        group = np.repeat(np.arange(table.n_groups), np.diff(table.start))
-        kept = raw[table.neighbours] > 0
-        at = group[kept], table.neighbours[kept]
-        sees = csr_array((np.ones(at[0].size, np.int32), at), shape=(table.n_groups, n_particles))
-        pattern = pattern + sees.T @ sees
-    pattern = csr_array(pattern)
-    pattern.sort_indices()
-    return pattern
-
-
-@nb.njit(cache=True, error_model="numpy")
-def _half_width(start, neighbours, equations):
-    """Largest distance between the equations of coupled particles."""
-    width = 0
-    for row in range(start.size - 1):
-        for i in range(2):
-            own = equations[row, i]
-            if own < 0:
-                continue
-            for near in neighbours[start[row] : start[row + 1]]:
-                for k in range(2):
-                    if equations[near, k] >= 0:
-                        width = max(width, abs(equations[near, k] - own))
-    return width
-
-
-def _number(fixed, order) -> np.ndarray:
-    """Equations (n, 2) of the particles in the given order, -1 for imposed components."""
-    equations = np.full(fixed.shape, -1)
-    free = ~fixed[order]
-    rank = np.cumsum(free.ravel()).reshape(free.shape) - 1
-    equations[order] = np.where(free, rank, -1)
-    return equations
-
-
-def _spread(places: np.ndarray) -> np.ndarray:
-    """At most ``SEARCHED_STARTS`` of ``places``, evenly."""
-    return places[:: max(1, -(-places.size // SEARCHED_STARTS))]
-
-
-def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, int]:
-    """Equation numbers that keep the band narrow.
-
-    Reverse Cuthill-McKee, and breadth-first orders from starts all over the body and around its
-    base: where a ring is tied to a base, the former's own start is far from the best.
-
-    Parameters
-    ----------
-    fixed : ndarray of bool, shape (n, 2)
-    coupling : csr_array
-    base : ndarray of int
-        Particles around the essential boundary.
-
-    Returns
-    -------
-    equations : ndarray of int, shape (n, 2)
-        -1 for imposed components.
-    width : int
-        Half-width of the band.
-    """
-    movable = np.flatnonzero(~fixed.all(axis=1))
-    graph = csr_array(coupling[movable][:, movable])
-    orders = [reverse_cuthill_mckee(graph, symmetric_mode=True)]
-    for start in np.union1d(
-        _spread(np.arange(movable.size)), _spread(np.flatnonzero(np.isin(movable, base)))
-    ):
-        order = breadth_first_order(graph, start, directed=False, return_predecessors=False)
-        if order.size == movable.size:
-            orders.append(order)
-    numbered = [_number(fixed, movable[order]) for order in orders]
-    widths = [_half_width(coupling.indptr, coupling.indices, number) for number in numbered]
-    best = int(np.argmin(widths))
-    return numbered[best], widths[best]
-
-
-class _Places(NamedTuple):
-    """What decides the slot of an entry.
-
-    Attributes
-    ----------
-    equations : ndarray of int, shape (n, 2)
-        Of ``Scatter``: from ``n_equations`` on they belong to constrained particles.
-    n_equations : int
-    coupled : ndarray of int, shape (n,)
-        Place among the ``n_coupled`` coupled particles, -1 for others.
-    rows, width, pointers, indices :
-        The storage: banded where ``rows`` > 0, else compressed columns.
-    first_row, first_column, dump : int
-        Where the rows and the columns of constrained particles begin; the last entry.
-    """
-
-    equations: np.ndarray
-    n_equations: int
-    n_constrained: int
-    coupled: np.ndarray
-    n_coupled: int
-    rows: int
-    width: int
-    pointers: np.ndarray
-    indices: np.ndarray
-    first_row: int
-    first_column: int
-    dump: int
-
-
-@nb.njit(cache=True, error_model="numpy")
-def _stored(places, row, column):
-    """Slot of the entry of two equations."""
-    if row < 0 or column < 0:
-        return places.dump
-    if places.rows > 0:
-        return column * places.rows + 2 * places.width + row - column
-    first = places.pointers[column]
-    return first + np.searchsorted(places.indices[first : places.pointers[column + 1]], row)
-
-
-@nb.njit(cache=True, error_model="numpy")
-def _slot(places, p, i, q, k):
-    """Slot of row (particle p, component i) and column (q, k)."""
-    row, column = places.equations[p, i], places.equations[q, k]
-    if row >= places.n_equations:
-        at = (row - places.n_equations) * 2 * places.n_coupled
-        return places.first_row + at + k * places.n_coupled + places.coupled[q]
-    if column >= places.n_equations:
-        if row < 0:
-            return places.dump
-        at = (i * places.n_coupled + places.coupled[p]) * 2 * places.n_constrained
-        return places.first_column + at + column - places.n_equations
-    return _stored(places, row, column)
-
-
-@nb.njit(cache=True, error_model="numpy")
-def _fill_slots(table, places, begin, slots):
-    """Slots of all groups of a table."""
-    for g in range(table.start.size - 1):
-        near = table.neighbours[table.start[g] : table.start[g + 1]]
-        n, at = near.size, begin[g]
-        for j in range(2 * n):
-            for i in range(2 * n):
-                slots[at] = _slot(places, near[i % n], i // n, near[j % n], j // n)
-                at += 1
-
-
-@nb.njit(cache=True, error_model="numpy")
-def _fill_block(places, rows, columns, slots):
-    """``slots`` (2, r, 2, s) of the equations ``rows`` (2, r) and ``columns`` (2, s)."""
-    for i in range(2):
-        for a in range(rows.shape[1]):
-            for k in range(2):
-                for b in range(columns.shape[1]):
-                    slots[i, a, k, b] = _stored(places, rows[i, a], columns[k, b])
-
-
-def _sparse_storage(equations, n, coupling):
-    """Compressed columns of the dof pattern that belongs to a particle coupling pattern."""
+def _compressed(equations, n, coupling):
+    """Column pointers and sorted rows of the dof pattern of a particle coupling pattern."""
     coupling = coupling.tocoo()
     rows, columns = [], []
     for i in range(2):
@@ -372,80 +120,37 @@ def _sparse_storage(equations, n, coupling):
     r, c = np.concatenate(rows), np.concatenate(columns)
     pattern = csc_array((np.ones(r.size, np.int8), (r, c)), shape=(n, n))
     pattern.sort_indices()
-    return SparseStorage(n, pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32))
+    return pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)
 
 
-def _choose(solver, n, width):
-    if solver != "auto":
-        return solver
-    return "banded" if width <= WIDEST_BAND * n**0.25 else "superlu"
-
-
-def tangent_layout(
-    fixed: np.ndarray, tables, transformation=None, solver: str = "auto"
-) -> TangentLayout:
-    """Equation numbers and storage for the given raw shape tables.
+def storage_for(solver: str, n: int, width: int, equations, coupling):
+    """The storage of ``n`` equations with half-width ``width``, which decides the solver.
 
     Parameters
     ----------
-    fixed : ndarray of bool, shape (n, 2)
-        Imposed components.
-    tables : sequence of ShapeTable
-    transformation : EssentialTransformation, optional
-    solver : {"auto", "banded", "superlu"}
+    solver : {"auto", "banded", "superlu", "pardiso"}
+        "auto" takes the band where it is narrow, else PARDISO where pypardiso is installed.
+    equations : ndarray of int, shape (n_particles, 2)
+    coupling : csr_array
+        Coupled particles.
+
+    Raises
+    ------
+    ValueError
+        Unknown solver.
+    ImportError
+        PARDISO asked for, pypardiso not installed.
     """
     if solver not in SOLVERS:
         raise ValueError(f"solver must be one of {SOLVERS}, got {solver!r}")
-    if transformation is not None and transformation.constrained.size == 0:
-        transformation = None
-    constrained = coupled = np.empty(0, int)
-    if transformation is not None:
-        constrained = transformation.constrained
-        coupled = coupled_particles(transformation, tables)
-    coupling = _coupling(len(fixed), tables, transformation, coupled)
-    equations, width = number_equations(fixed, coupling, coupled)
-    n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
-    none = np.empty(0, np.int32)
-    if _choose(solver, n, width) == "banded":
-        storage = BandedStorage(n, width)
-        kind = (storage.rows, width, none, none)
-    else:
-        storage = _sparse_storage(equations, n, coupling)
-        kind = (0, 0, storage.pointers, storage.indices)
-    places = _Places(
-        equations.copy(), n, c, np.full(len(fixed), -1), v, *kind, storage.size,
-        storage.size + 4 * c * v, storage.size + 8 * c * v,
-    )  # fmt: skip
-    places.equations[constrained] = n + np.arange(2 * c).reshape(2, c).T
-    places.coupled[coupled] = np.arange(v)
-    scatter = []
-    for table in tables:
-        begin = np.concatenate([[0], np.cumsum((2 * np.diff(table.start)) ** 2)])
-        slots = np.empty(begin[-1], np.int32)
-        _fill_slots(table, places, begin, slots)
-        scatter.append(Scatter(places.equations, begin, slots))
-    condensation = (
-        None
-        if transformation is None
-        else _condensation(transformation, coupled, equations, places)
-    )
-    return TangentLayout(
-        equations, n, places.dump + 1, n + 2 * c + 1, tuple(scatter), storage, condensation
-    )
+    if solver == "auto":
+        sparse = "pardiso" if find_spec("pypardiso") else "superlu"
+        solver = "banded" if width <= WIDEST_BAND * n**0.25 else sparse
+    if solver == "banded":
+        return BandedStorage(n, width)
+    pattern = _compressed(equations, n, coupling)
+    if solver == "superlu":
+        return SparseStorage(n, *pattern)
+    from seal_mdao.analysis.pardiso import PardisoStorage
 
-
-def _condensation(transformation, coupled, equations, places) -> Condensation:
-    """Where the products of T with the constrained rows and columns go."""
-    union = transformation.union
-    of_union = np.ascontiguousarray(equations[union].T)
-    of_coupled = np.ascontiguousarray(equations[coupled].T)
-    union_slots = np.empty((2, union.size, 2, coupled.size), np.int32)
-    coupled_slots = np.empty((2, coupled.size, 2, union.size), np.int32)
-    _fill_block(places, of_union, of_coupled, union_slots)
-    of_coupled[:, places.coupled[transformation.constrained]] = -1
-    _fill_block(places, of_coupled, of_union, coupled_slots)
-    return Condensation(
-        np.ascontiguousarray(transformation.matrix), places.coupled[transformation.constrained],
-        places.coupled[union], of_union, union_slots, coupled_slots, places.n_equations,
-        places.first_row, places.first_column,
-    )  # fmt: skip
+    return PardisoStorage(n, *pattern)

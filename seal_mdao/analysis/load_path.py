@@ -1,4 +1,6 @@
-"""The load path: displacement-driven steps with a tangent predictor and step cutting.
+"""The load path: displacement-driven steps with a predictor and step cutting.
+
+The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
 
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
 same bits whatever was computed before.
@@ -19,6 +21,9 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.profile import RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 
+# Share of the step that the Euler predictor may miss if its miss is to predict the next one.
+SMALL_BEND = 0.03
+
 
 def _initial_step(problem: PathProblem, loading: LoadPoint) -> tuple[ConvergedStep, object]:
     """The undeformed state, with its factor."""
@@ -27,6 +32,19 @@ def _initial_step(problem: PathProblem, loading: LoadPoint) -> tuple[ConvergedSt
     problem.assemble(d, loading, history)
     factor = disc.layout.factorize(problem.values)
     return _record(problem, -1, 0.0, loading, d, history, (0.0,), None), factor
+
+
+def _bend(step: ConvergedStep, before, euler, share) -> np.ndarray | None:
+    """What the Euler predictor missed, per square of the step: the next one misses about the same.
+
+    None where a contact state changed, for the path has a kink there, and where it is no small
+    correction of the step.
+    """
+    missed = step.d - euler
+    small = np.abs(missed).max() <= SMALL_BEND * np.abs(euler - before).max()
+    if not (small and np.array_equal(step.before.state, step.after.state)):
+        return None
+    return missed / share**2
 
 
 def _record(problem, nominal, fraction, loading, d, history, residuals, factor) -> ConvergedStep:
@@ -45,7 +63,7 @@ def solve_path(
     law: ContactLaw,
     program: LoadProgram,
     options: NewtonOptions | None = None,
-    keep_factors: bool = False,
+    factor_memory: float = 0.0,
     callback: Callable[[ConvergedStep], None] | None = None,
 ) -> PathResult:
     """Follow a load program from the undeformed state.
@@ -54,8 +72,9 @@ def solve_path(
     ----------
     program : LoadProgram
         Motion of the profile, imposed displacements and dead loads.
-    keep_factors : bool
-        Keep the factor of every converged tangent, for the sensitivities.
+    factor_memory : float
+        GiB for the factors of converged tangents, which the sensitivities use again. The first that
+        fit are kept; the sweeps make the others again.
     callback : callable, optional
         Called with every ``ConvergedStep`` that completes a nominal step.
 
@@ -78,30 +97,34 @@ def solve_path(
         raise GeometryError(
             f"the undeformed body starts {deepest:.3g} inside the rigid profile; start it farther away"
         )
-    steps, cuts = [], 0
+    steps, cuts, bend, memory = [], 0, None, factor_memory * 2**30
     for nominal in range(program.n_steps):
         pending = [1.0]
         while pending:
             share = pending.pop()
             end = nominal + 1.0 if not pending else last.fraction + share
             target = program.at(end)
-            guess = problem.predict(last, factor, target)
+            euler = problem.predict(last, factor, target)
+            guess = euler if bend is None else euler + (end - last.fraction) ** 2 * bend
             status, d, residuals, new_factor = newton(problem, guess, target, last.after, options)
             if status is not Status.CONVERGED:
                 if share * 0.5 < 0.5**options.max_cuts:
                     failure = _describe(problem, status, nominal, end, target, residuals)
                     return PathResult(discretization, start, steps, status, cuts, failure)
-                cuts += 1
+                cuts, bend = cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
                 # the predictor needs the tangent of the last converged step again
                 problem.assemble_at(last)
                 factor = discretization.layout.factorize(problem.values)
                 continue
-            factor = new_factor
+            factor, before = new_factor, last
+            memory -= factor.nbytes
+            kept = factor.kept() if memory >= 0.0 else None
             last = _record(
                 problem, -1 if pending else nominal, end, target, d, last.after, residuals,
-                factor.kept() if keep_factors else None,
+                kept,
             )  # fmt: skip
+            bend = _bend(last, before.d, euler, end - before.fraction)
             steps.append(last)
         if callback is not None:
             callback(last)

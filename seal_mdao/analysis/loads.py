@@ -7,8 +7,8 @@ particle, where the shape functions interpolate, they are physical forces per un
 import numpy as np
 
 from seal_mdao.analysis.body import Discretization
+from seal_mdao.analysis.equations import Scatter
 from seal_mdao.analysis.internal_force import assemble_internal
-from seal_mdao.analysis.linear_solver import Scatter
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import build_table

@@ -3,8 +3,8 @@
 import numpy as np
 
 from seal_mdao.analysis.body import Discretization
+from seal_mdao.analysis.equations import Scatter
 from seal_mdao.analysis.internal_force import assemble_internal
-from seal_mdao.analysis.linear_solver import Scatter
 from seal_mdao.analysis.loading import LoadPoint
 from seal_mdao.analysis.result import ConvergedStep
 from seal_mdao.contact.assembly import assemble_points, interpolate

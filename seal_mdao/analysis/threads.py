@@ -14,6 +14,11 @@ def _controller() -> ThreadpoolController:
     return ThreadpoolController()
 
 
+def forget_libraries() -> None:
+    """Look for BLAS libraries again: one has been loaded."""
+    _controller.cache_clear()
+
+
 def one_blas_thread(function):
     """Run ``function`` with BLAS limited to one thread; the setting is restored afterwards."""
 

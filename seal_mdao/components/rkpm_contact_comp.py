@@ -7,7 +7,7 @@ from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS, check_paramete
 from seal_mdao.dsa.sensitivity import METHODS, particle_gradient
 from seal_mdao.errors import GeometryError, LoadPathError
 from seal_mdao.model import SealModel
-from seal_mdao.seal import analyze_particles, measure_points
+from seal_mdao.seal import FACTOR_MEMORY, analyze_particles, measure_points
 
 
 class RkpmContactComp(om.ExplicitComponent):
@@ -30,6 +30,13 @@ class RkpmContactComp(om.ExplicitComponent):
             default=(),
             check_valid=check_parameters,
             desc=f"Further inputs with exact partials, out of {', '.join(OPTIONAL_INPUTS)}.",
+        )
+        self.options.declare(
+            "factor_memory",
+            default=FACTOR_MEMORY,
+            types=(int, float),
+            lower=0.0,
+            desc="GiB for factors of converged tangents; those beyond are made again for the partials.",
         )
         self.options.declare(
             "callback",
@@ -111,7 +118,7 @@ class RkpmContactComp(om.ExplicitComponent):
                     np.array(inputs["particles"]),
                     inputs["door_radius"],
                     points=self._points,
-                    keep_factors=True,
+                    factor_memory=self.options["factor_memory"],
                     callback=self.options["callback"],
                 )
                 result.require_converged()

@@ -8,6 +8,7 @@ from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
 from seal_mdao.dsa.sensitivity import METHODS
 from seal_mdao.model import SealModel, door_seal
+from seal_mdao.seal import FACTOR_MEMORY
 from seal_mdao.settings import SETTINGS_OPTION, settings_json
 
 
@@ -35,6 +36,13 @@ class SealGroup(om.Group):
             desc=f"Further promoted inputs, out of {', '.join(OPTIONAL_INPUTS)}.",
         )
         self.options.declare(
+            "factor_memory",
+            default=FACTOR_MEMORY,
+            types=(int, float),
+            lower=0.0,
+            desc="GiB for the factors that the contact partials use again.",
+        )
+        self.options.declare(
             "callback",
             default=None,
             allow_none=True,
@@ -57,6 +65,7 @@ class SealGroup(om.Group):
             model=model,
             sensitivity=self.options["sensitivity"],
             parameters=self.options["parameters"],
+            factor_memory=self.options["factor_memory"],
             callback=self.options["callback"],
         )
         self.add_subsystem("contact", contact, promotes=["*"])

@@ -52,70 +52,74 @@ def _point_gradients(slopes, k, q_count, f):
 
 
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _jacobian_rates(f, first, second, count, out):
-    """J' = cof F : F' for the columns of ``first`` (F'_1j) and ``second`` (F'_2j)."""
-    f11, f12, f21, f22 = f[0], f[1], f[2], f[3]
-    for p in range(count):
-        out[p] = f22 * first[0, p] - f21 * first[1, p] - f12 * second[0, p] + f11 * second[1, p]
+def _add_pressure(weight, f, e0, e1, e2, e3, out):
+    """out += weight cof F : e, over all parameters or measures."""
+    c0, c1, c2, c3 = weight * f[3], -weight * f[2], -weight * f[1], weight * f[0]
+    for m in range(out.size):
+        out[m] += c0 * e0[m] + c1 * e1[m] + c2 * e2[m] + c3 * e3[m]
 
 
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _stress_rates(w, moduli, first, second, pressure_rate, cofactor, count, out):
-    """``out`` (count) = w (A : F' + p' cof F) for one component of P."""
-    a0, a1, a2, a3 = w * moduli[0], w * moduli[1], w * moduli[2], w * moduli[3]
-    scale = w * cofactor
-    for p in range(count):
-        out[p] = (
-            a0 * first[0, p] + a1 * first[1, p] + a2 * second[0, p] + a3 * second[1, p]
-            + scale * pressure_rate[p]
-        )  # fmt: skip
+def _stress_of(w, a, f, pressure, e0, e1, e2, e3, d0, d1, d2, d3):
+    """d = w (A : e + p cof F), components 11, 12, 21, 22, over all parameters or measures."""
+    for m in range(pressure.size):
+        x0, x1, x2, x3, p = w * e0[m], w * e1[m], w * e2[m], w * e3[m], w * pressure[m]
+        d0[m] = a[0, 0] * x0 + a[0, 1] * x1 + a[0, 2] * x2 + a[0, 3] * x3 + p * f[3]
+        d1[m] = a[1, 0] * x0 + a[1, 1] * x1 + a[1, 2] * x2 + a[1, 3] * x3 - p * f[2]
+        d2[m] = a[2, 0] * x0 + a[2, 1] * x1 + a[2, 2] * x2 + a[2, 3] * x3 - p * f[1]
+        d3[m] = a[3, 0] * x0 + a[3, 1] * x1 + a[3, 2] * x2 + a[3, 3] * x3 + p * f[0]
+
+
+@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _add_scaled(out, factor, values):
+    """out += factor values."""
+    for m in range(out.size):
+        out[m] += factor * values[m]
 
 
 @nb.njit(cache=True, error_model="numpy")
-def _cell_stress_rates(
-    weights, weight_rate, slopes, slope_rates, constants, count, stress, stress_rates
-):
+def _cell_stress_rates(weights, weight_rate, slopes, slope_rates, constants, stress, stress_rates):
     """(w P) and (w P)' of one cell at all steps.
 
     Parameters
     ----------
-    weight_rate : ndarray, shape (q, count)
-    slopes, slope_rates : ndarray, shapes (2 K, 2 q), (2 K, 2 q, count)
+    weight_rate : ndarray, shape (q, P)
+    slopes, slope_rates : ndarray, shapes (2 K, 2 q), (2 K, 2 q, P)
         grad u, and F'.
-    stress, stress_rates : ndarray, shapes (2 K, 2 q), (2 q, 2 K, count)
+    stress, stress_rates : ndarray, shapes (2 K, 2 q), (2 q, 2 K, P)
         Written.
     """
     c10, c01, bulk = constants
     q_count = weights.size
     f, p, moduli = np.empty((q_count, 5)), np.empty((q_count, 4)), np.empty((q_count, 4, 4))
-    pressure_rate, j_rate = np.empty(count), np.empty(count)
+    pressure_rate = np.empty(weight_rate.shape[1])
     for k in range(slopes.shape[0] // 2):
         _point_gradients(slopes, k, q_count, f)
         volume, swelling = projected_jacobian(weights, f, q_count)
+        i, j = 2 * k, 2 * k + 1
         pressure_rate[:] = 0.0
         for q in range(q_count):
+            x, y = 2 * q, 2 * q + 1
             point_moduli(f[q], bulk * swelling, c10, c01, p[q], moduli[q])
-            first = slope_rates[2 * k, 2 * q : 2 * q + 2]
-            second = slope_rates[2 * k + 1, 2 * q : 2 * q + 2]
-            _jacobian_rates(f[q], first, second, count, j_rate)
-            w, excess = weights[q] * bulk / volume, (f[q, 4] - swelling) * bulk / volume
-            for r in range(count):
-                pressure_rate[r] += w * j_rate[r] + weight_rate[q, r] * excess
+            _add_pressure(
+                weights[q] * bulk / volume, f[q], slope_rates[i, x], slope_rates[i, y],
+                slope_rates[j, x], slope_rates[j, y], pressure_rate,
+            )  # fmt: skip
+            excess = (f[q, 4] - swelling) * bulk / volume
+            _add_scaled(pressure_rate, excess, weight_rate[q])
         for q in range(q_count):
-            w = weights[q]
-            cofactor = (f[q, 3], -f[q, 2], -f[q, 1], f[q, 0])
-            first = slope_rates[2 * k, 2 * q : 2 * q + 2]
-            second = slope_rates[2 * k + 1, 2 * q : 2 * q + 2]
-            for i in range(2):
-                for j in range(2):
-                    c = 2 * i + j
-                    out = stress_rates[2 * q + j, 2 * k + i]
-                    _stress_rates(
-                        w, moduli[q, c], first, second, pressure_rate, cofactor[c], count, out
-                    )
-                    for r in range(count):
-                        out[r] += weight_rate[q, r] * p[q, c]
-                    stress[2 * k + i, 2 * q + j] = w * p[q, c]
+            x, y, w = 2 * q, 2 * q + 1, weights[q]
+            stress[i, x], stress[i, y] = w * p[q, 0], w * p[q, 1]
+            stress[j, x], stress[j, y] = w * p[q, 2], w * p[q, 3]
+            _stress_of(
+                w, moduli[q], f[q], pressure_rate, slope_rates[i, x], slope_rates[i, y],
+                slope_rates[j, x], slope_rates[j, y], stress_rates[x, i], stress_rates[y, i],
+                stress_rates[x, j], stress_rates[y, j],
+            )  # fmt: skip
+            _add_scaled(stress_rates[x, i], p[q, 0], weight_rate[q])
+            _add_scaled(stress_rates[y, i], p[q, 1], weight_rate[q])
+            _add_scaled(stress_rates[x, j], p[q, 2], weight_rate[q])
+            _add_scaled(stress_rates[y, j], p[q, 3], weight_rate[q])
 
 
 @nb.njit(cache=True, error_model="numpy")
@@ -166,8 +170,8 @@ def add_internal_rates(table, weights, rates, weight_rates, constants, d, equati
         np.dot(u, b_rate_of, f_rate)
         p_rate = _block(stress_rates, points, rows * count)
         _cell_stress_rates(
-            weights[cell], w_rate, slopes, f_rate.reshape(rows, points, count), constants, count,
-            stress, p_rate.reshape(points, rows, count),
+            weights[cell], w_rate, slopes, f_rate.reshape(rows, points, count), constants, stress,
+            p_rate.reshape(points, rows, count),
         )  # fmt: skip
         on_rates, on_b = _block(moving, rows, n * count), _block(moved, n, rows * count)
         np.dot(stress, b_rate, on_rates)
@@ -179,25 +183,6 @@ def add_internal_rates(table, weights, rates, weight_rates, constants, d, equati
                     to = out[k, equations[near[a], i]]
                     for p in range(count):
                         to[which[p]] += on_rates[row, a * count + p] + on_b[a, row * count + p]
-
-
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _add_pressure(weight, f, e0, e1, e2, e3, out):
-    """out += weight cof F : e, over all measures."""
-    c0, c1, c2, c3 = weight * f[3], -weight * f[2], -weight * f[1], weight * f[0]
-    for m in range(out.size):
-        out[m] += c0 * e0[m] + c1 * e1[m] + c2 * e2[m] + c3 * e3[m]
-
-
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _dual_stress(w, a, f, pressure, e0, e1, e2, e3, d0, d1, d2, d3):
-    """d = w (A : e + p cof F), components 11, 12, 21, 22, over all measures."""
-    for m in range(pressure.size):
-        x0, x1, x2, x3, p = w * e0[m], w * e1[m], w * e2[m], w * e3[m], w * pressure[m]
-        d0[m] = a[0, 0] * x0 + a[0, 1] * x1 + a[0, 2] * x2 + a[0, 3] * x3 + p * f[3]
-        d1[m] = a[1, 0] * x0 + a[1, 1] * x1 + a[1, 2] * x2 + a[1, 3] * x3 - p * f[2]
-        d2[m] = a[2, 0] * x0 + a[2, 1] * x1 + a[2, 2] * x2 + a[2, 3] * x3 - p * f[1]
-        d3[m] = a[3, 0] * x0 + a[3, 1] * x1 + a[3, 2] * x2 + a[3, 3] * x3 + p * f[0]
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
@@ -249,9 +234,8 @@ def _cell_dual_stress(weights, slopes, strain, constants, count, stresses, dual,
         for q in range(q_count):
             x, y = 2 * q, 2 * q + 1
             excess = f[q, 4] - swelling
-            for m in range(count):
-                pressures[q, m] += excess * pressure[m]
-            _dual_stress(
+            _add_scaled(pressures[q], excess, pressure)
+            _stress_of(
                 weights[q], moduli[q], f[q], pressure, strain[x, i], strain[y, i], strain[x, j],
                 strain[y, j], dual[x, i], dual[y, i], dual[x, j], dual[y, j],
             )  # fmt: skip

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from seal_mdao.analysis.body import Body, Discretization, discretize
-from seal_mdao.analysis.linear_solver import tangent_layout
+from seal_mdao.analysis.equations import tangent_layout
 from seal_mdao.rkpm.integration import CellTable
 from seal_mdao.rkpm.shape_functions import PointSet, ShapeTable
 from seal_mdao.rkpm.tables import PointTable, raw_table, transform_table

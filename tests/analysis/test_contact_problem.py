@@ -104,17 +104,18 @@ def test_newton_is_quadratic_once_the_contact_set_settles(drawn):
         if above.size:
             k = above[-1]
             constants.append(r[k + 1] / r[k] ** 2)
-    assert len(constants) > 80
+    # in the other steps the predictor leaves one correction above rounding
+    assert len(constants) > 35
     assert np.median(constants) < 3.0
     assert np.max(constants) < 200.0
 
 
 def test_iterations_of_the_drawn_seal(drawn):
-    """About three a step with the predictor; an undamped Newton without it needs over ten."""
+    """About two and a half a step with the predictor; Newton without it needs over ten."""
     counts = drawn.newton_iterations
     assert drawn.step_cuts == 0
     assert counts.shape == (105,)
-    assert counts.sum() < 330
+    assert counts.sum() < 280
     # the door is still in the air: nothing to solve
     assert not counts[:4].any()
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from bodies import dense, internal, square, wave
 
-from seal_mdao.analysis.linear_solver import SOLVERS, BandedStorage, tangent_layout
+from seal_mdao.analysis.equations import tangent_layout
+from seal_mdao.analysis.linear_solver import SOLVERS, BandedStorage
 
 
 @pytest.fixture

@@ -27,6 +27,7 @@ from seal_mdao.dsa.point_rates import (
 )
 from seal_mdao.dsa.sensitivity import measure_count, particle_gradient, path_problem
 from seal_mdao.measures.stress import von_mises_at
+from seal_mdao.seal import analyze_particles
 
 
 @pytest.fixture
@@ -277,6 +278,18 @@ def test_with_friction_the_last_step_alone_is_not_enough(random_design):
     alone, swept = end_rates(random_design, history=False), end_rates(random_design)
     change = np.abs(alone.solution - swept.solution).max()
     assert change > 0.1 * np.abs(swept.solution).max()
+
+
+def test_factors_beyond_the_memory_are_made_again(drawn_model):
+    """The first that fit are kept; the sensitivities are the same to the last bit."""
+    one = sm.analyze(drawn_model, keep_factors=True)
+    size = one.path.steps[0].factor.nbytes / 2**30
+    few = analyze_particles(drawn_model, drawn_model.drawn_particles, factor_memory=10.5 * size)
+    assert [step.factor is not None for step in few.path.steps] == [True] * 10 + [False] * 95
+    for method in ("direct", "adjoint"):
+        expected, found = (sm.differentiate(r, method=method) for r in (one, few))
+        np.testing.assert_array_equal(found.von_mises, expected.von_mises)
+        np.testing.assert_array_equal(found.reaction, expected.reaction)
 
 
 def test_particle_gradient_contracts_to_the_design_gradient(random_design):

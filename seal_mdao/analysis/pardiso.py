@@ -1,0 +1,99 @@
+"""PARDISO of oneMKL by way of pypardiso (extra ``pardiso``), for clouds too wide for a band.
+
+The ordering is found once for a design; each factorisation then is numerical only.
+"""
+
+import sys
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from seal_mdao.analysis.threads import forget_libraries
+
+# Phases, and the matrix type: real, structurally symmetric.
+ORDER, FACTORIZE, SOLVE = 11, 22, 33
+STRUCTURALLY_SYMMETRIC = 1
+TRANSPOSE, FACTOR_KIB = 12, 17
+TRANSPOSED = 2
+
+
+def import_pypardiso():
+    """The module, or a one-line ImportError that names the extra."""
+    try:
+        import pypardiso
+    except ImportError as error:
+        raise ImportError(
+            f'the solver "pardiso" needs pypardiso ({error}): pip install "seal_mdao[pardiso]"'
+        ) from None
+    return pypardiso
+
+
+class PardisoFactor:
+    """Factors that live in a PARDISO handle, which is freed with them."""
+
+    def __init__(self, handle, matrix):
+        self.handle, self.matrix = handle, matrix
+
+    @property
+    def nbytes(self) -> int:
+        return 1024 * int(self.handle.get_iparm(FACTOR_KIB))
+
+    def kept(self):
+        """This factor, with a matrix of its own; the next factorisation takes another handle."""
+        self.handle.shared = False
+        return PardisoFactor(self.handle, self.matrix.copy())
+
+    def solve(self, rhs, transposed=False):
+        """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
+        # the stored columns are the rows of the transposed matrix
+        self.handle.set_iparm(TRANSPOSE, 0 if transposed else TRANSPOSED)
+        self.handle.set_phase(SOLVE)
+        return self.handle._call_pardiso(self.matrix, np.asfortranarray(rhs))
+
+
+class PardisoStorage:
+    """Compressed columns; the pattern is symmetric."""
+
+    def __init__(self, n, pointers, indices):
+        module = import_pypardiso()
+        forget_libraries()
+        self.n, self.pointers, self.indices = n, pointers, indices
+        self._module, self._handle = module, None
+
+    @property
+    def size(self):
+        return self.indices.size
+
+    def _ordered(self, matrix):
+        """A handle that knows the ordering and holds no factor that is still wanted."""
+        if self._handle is None or not self._handle.shared:
+            solver = _handle_class(self._module)(mtype=STRUCTURALLY_SYMMETRIC)
+            solver.set_phase(ORDER)
+            solver._call_pardiso(matrix, np.zeros(self.n))
+            self._handle = solver
+        return self._handle
+
+    def factorize(self, values):
+        matrix = csr_array(
+            (values[: self.size], self.indices, self.pointers), shape=(self.n, self.n)
+        )
+        try:
+            handle = self._ordered(matrix)
+            handle.set_phase(FACTORIZE)
+            handle._call_pardiso(matrix, np.zeros(self.n))
+        except self._module.PyPardisoError as error:
+            raise np.linalg.LinAlgError(f"the tangent is singular (PARDISO: {error})") from None
+        return PardisoFactor(handle, matrix)
+
+
+def _handle_class(module):
+    """PARDISO's handle, which frees MKL's memory when it is dropped."""
+
+    class Handle(module.PyPardisoSolver):
+        shared = True
+
+        def __del__(self):
+            if not sys.is_finalizing():
+                self.free_memory(everything=True)
+
+    return Handle

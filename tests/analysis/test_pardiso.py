@@ -1,0 +1,57 @@
+"""PARDISO gives the same solutions; without pypardiso the error names the extra."""
+
+import sys
+
+import numpy as np
+import pytest
+from bodies import dense, internal, square, wave
+from scipy.sparse import csr_array
+
+import seal_mdao as sm
+from seal_mdao.analysis.linear_solver import storage_for
+from seal_mdao.analysis.pardiso import import_pypardiso
+
+
+def test_missing_pypardiso_is_an_error_of_one_line(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pypardiso", None)
+    with pytest.raises(ImportError, match=r"seal_mdao\[pardiso\]") as raised:
+        import_pypardiso()
+    assert "\n" not in str(raised.value)
+
+
+def test_factors_solve_and_outlive_the_next_factorisation(rng):
+    pytest.importorskip("pypardiso")
+    disc = square(rng, solver="pardiso")
+    layout = disc.layout
+    values = internal(disc, np.where(disc.body.fixed, 0.0, wave(disc, 0.05)))[1]
+    values[: layout.storage.size] *= 1.0 + 0.1 * rng.standard_normal(layout.storage.size)
+    matrix, rhs = dense(layout, values), rng.standard_normal((layout.n_equations, 3))
+    first = layout.factorize(values).kept()
+    second = layout.factorize(2.0 * values)
+    tolerance = 1e-14 * np.linalg.cond(matrix)
+    for factor, share in ((first, 1.0), (second, 0.5)):
+        exact = share * np.linalg.solve(matrix, rhs)
+        back = share * np.linalg.solve(matrix.T, rhs)
+        scale = max(np.abs(exact).max(), np.abs(back).max())
+        assert np.abs(factor.solve(rhs) - exact).max() < tolerance * scale
+        assert np.abs(factor.solve(rhs[:, 0]) - exact[:, 0]).max() < tolerance * scale
+        assert np.abs(factor.solve(rhs, transposed=True) - back).max() < tolerance * scale
+        assert factor.nbytes > 0
+
+
+def test_analysis_and_sensitivities_do_not_depend_on_the_solver(drawn, drawn_model):
+    pytest.importorskip("pypardiso")
+    other = sm.analyze(drawn_model.with_(solver="pardiso"), keep_factors=True)
+    np.testing.assert_allclose(other.reaction, drawn.reaction, rtol=0.0, atol=1e-7)
+    for method in ("direct", "adjoint"):
+        found, expected = (sm.differentiate(r, method=method) for r in (other, drawn))
+        scale = np.abs(expected.von_mises).max()
+        np.testing.assert_allclose(found.von_mises, expected.von_mises, rtol=0.0, atol=1e-7 * scale)
+
+
+def test_automatic_choice_for_a_wide_body_takes_pardiso_when_it_is_there(rng):
+    pytest.importorskip("pypardiso")
+    disc = square(rng, n=5)
+    everything = csr_array(np.ones((25, 25)))
+    storage = storage_for("auto", 18, 10_000, disc.layout.equations, everything)
+    assert type(storage).__name__ == "PardisoStorage"
