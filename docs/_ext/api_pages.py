@@ -18,7 +18,9 @@ TITLES = {
     "dsa": "Design sensitivity analysis",
     "components": "OpenMDAO components",
     "drivers": "OpenMDAO drivers",
+    "recording": "Recorder files",
     "plotting": "Figures",
+    "report": "HTML report",
     "verification": "Benchmarks",
 }
 

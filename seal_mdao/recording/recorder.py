@@ -18,13 +18,11 @@ class RestartRecorder(om.SqliteRecorder):
     """SqliteRecorder whose file survives a kill at any moment and that can append to a file.
 
     Every case is a transaction of its own, as in ``SqliteRecorder``, so a killed run loses nothing
-    but the evaluation in flight. Beyond that:
-
-    * A new file takes its name only when all that a reader needs is in it. Before, a file of that
-      name from an earlier run stays as it was.
-    * With ``append`` the cases of an existing file are kept and new ones follow them. Evaluations
-      that the driver takes from the file (``hotstart_file``) are not recorded twice.
-    * The file tells how every run ended; see ``seal_mdao.recording.run_log``.
+    but the evaluation in flight. Beyond that, a new file takes its name only when all that a reader
+    needs is in it; before, a file of that name from an earlier run stays as it was. With ``append``
+    the cases of an existing file are kept and new ones follow them; evaluations that the driver
+    takes from the file (``hotstart_file``) are not recorded twice. The file also tells how every run
+    ended; see ``seal_mdao.recording.run_log``.
 
     Parameters
     ----------

@@ -60,19 +60,23 @@ def limits_table(history: RecordedOptimization) -> str:
     first, last = history.objective[[0, -1]]
     name, unit = words.label(history.objective_name), words.unit(history, history.objective_name)
     ratio = share(last / first) if first else NO_VALUE
-    rows = [[name, number(first), number(last), unit, "", ratio, "of its start"]]
+    rows = [[_with_unit(name, unit), number(first), number(last), "", ratio, "of its start"]]
     for constraint in history.constraints:
         use = words.use_of_limits(constraint)[-1]
         violated = constraint.violation()[-1] > words.FEASIBLE
         rows.append(
             [
-                words.label(constraint.name), *map(number, constraint.values[[0, -1]]),
-                words.unit(history, constraint.name), _limits(constraint), share(use),
+                _with_unit(words.label(constraint.name), words.unit(history, constraint.name)),
+                *map(number, constraint.values[[0, -1]]), _limits(constraint), share(use),
                 ("violated", "bad") if violated else ("satisfied", "good"),
             ]
         )  # fmt: skip
-    head = ["recorded quantity", "start", "end", "unit", "limit", "end / limit", ""]
+    head = ["recorded quantity", "start", "end", "limit", "end / limit", ""]
     return table(head, rows, "Objective and constraints, as the optimiser saw them")
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name} ({unit})" if unit else name
 
 
 def _limits(constraint) -> str:
