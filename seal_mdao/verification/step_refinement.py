@@ -44,8 +44,21 @@ class StepStudy(NamedTuple):
     @property
     def orders(self) -> np.ndarray:
         """Least-squares slope of log error over log steps of every column, shape (3,)."""
-        log_n = np.log(self.steps[:-1])
-        return -np.polyfit(log_n, np.log(self.errors), 1)[0]
+        return observed_orders(self.steps, self.errors)
+
+    @property
+    def first_order(self) -> float:
+        """What ``orders`` would be for an error of exactly 1 / steps.
+
+        A little more than one, because the finest row is not the limit.
+        """
+        exact = 1.0 / self.steps[:-1] - 1.0 / self.steps[-1]
+        return float(observed_orders(self.steps, exact[:, None])[0])
+
+
+def observed_orders(steps: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Least-squares slopes of log errors (m - 1, k) over log steps (m,), shape (k,)."""
+    return -np.polyfit(np.log(steps[:-1]), np.log(errors), 1)[0]
 
 
 def refine_steps(friction_history: str, steps=STEPS, **changes) -> StepStudy:
