@@ -12,9 +12,19 @@ from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.area import section_area
-from seal_mdao.measures.selection import MeasurePoints, opened_points, stress_points
+from seal_mdao.measures.selection import (
+    MeasurePoints,
+    contact_patches,
+    curve_steps,
+    opened_points,
+    stress_points,
+    touching_stretch,
+)
 from seal_mdao.measures.stress import von_mises_at
 from seal_mdao.model import SealModel
+
+CURVE_DEPTHS = (2.0, 4.0, 6.0, 8.0, 10.0)
+"""Door travels at which the reaction is a measure, mm; those within the depth are taken."""
 
 FACTOR_MEMORY = 2.0
 """GiB for factors that are kept for sensitivities."""
@@ -232,4 +242,8 @@ def measure_points(model: SealModel) -> MeasurePoints:
     grid = model.grid
     inner = grid.particle(np.arange(grid.rays), 0)
     rows = [(grid.free_outer, False), (inner, True)]
-    return MeasurePoints(stress_points(rows, drawn.stress_field()), opened_points(end.after.state))
+    state = end.after.state
+    return MeasurePoints(
+        stress_points(rows, drawn.stress_field()), opened_points(state), touching_stretch(state),
+        contact_patches(state), curve_steps(drawn.door_travel, CURVE_DEPTHS),
+    )  # fmt: skip

@@ -4,8 +4,9 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS, check_parameters, start_value
-from seal_mdao.dsa.sensitivity import METHODS, particle_gradient
+from seal_mdao.dsa.sensitivity import METHODS, measured, particle_gradient
 from seal_mdao.errors import GeometryError, LoadPathError
+from seal_mdao.measures.catalogue import FURTHER_MEASURES, check_measures
 from seal_mdao.model import SealModel
 from seal_mdao.seal import FACTOR_MEMORY, analyze_particles, measure_points
 
@@ -30,6 +31,12 @@ class RkpmContactComp(om.ExplicitComponent):
             default=(),
             check_valid=check_parameters,
             desc=f"Further inputs with exact partials, out of {', '.join(OPTIONAL_INPUTS)}.",
+        )
+        self.options.declare(
+            "measures",
+            default=(),
+            check_valid=check_measures,
+            desc=f"Further outputs with exact partials, out of {', '.join(FURTHER_MEASURES)}.",
         )
         self.options.declare(
             "factor_memory",
@@ -87,6 +94,14 @@ class RkpmContactComp(om.ExplicitComponent):
             desc="Force of the seal on the door at the end of the path: horizontal, vertical.",
         )
 
+        for name in self.options["measures"]:
+            measure, size = FURTHER_MEASURES[name], self._points.size_of(name)
+            if size == 0:
+                raise ValueError(
+                    f"measure {name!r} has no entries for a depth of {model.depth} mm; leave it out"
+                )
+            self.add_output(name, shape=size, units=measure.units, desc=measure.text)
+
     def setup_partials(self):
         self.declare_partials("*", "*")
         # complex step cannot pass through the closest-point search and the solver
@@ -95,13 +110,18 @@ class RkpmContactComp(om.ExplicitComponent):
     def compute(self, inputs, outputs):
         result = self._analysis(inputs)
         for name in outputs:
+            if name in self.options["measures"]:
+                outputs[name] = measured(result, name)
+                continue
             value = getattr(result, name)
             outputs[name] = value[-1] if name == "reaction" else value
 
     def compute_partials(self, inputs, partials):
         result = self._analysis(inputs)
         scalars = ("door_radius", *self.options["parameters"])
-        gradient = particle_gradient(result, scalars, self.options["sensitivity"])
+        gradient = particle_gradient(
+            result, scalars, self.options["sensitivity"], self.options["measures"]
+        )
         for name, by_measure in gradient.items():
             for measure, rows in by_measure.items():
                 if rows.size:

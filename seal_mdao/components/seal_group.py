@@ -7,6 +7,7 @@ from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS, check_paramete
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
 from seal_mdao.dsa.sensitivity import METHODS
+from seal_mdao.measures.catalogue import FURTHER_MEASURES, check_measures
 from seal_mdao.model import SealModel, door_seal
 from seal_mdao.seal import FACTOR_MEMORY
 from seal_mdao.settings import SETTINGS_OPTION, settings_json
@@ -34,6 +35,12 @@ class SealGroup(om.Group):
             default=(),
             check_valid=check_parameters,
             desc=f"Further promoted inputs, out of {', '.join(OPTIONAL_INPUTS)}.",
+        )
+        self.options.declare(
+            "measures",
+            default=(),
+            check_valid=check_measures,
+            desc=f"Further promoted outputs, out of {', '.join(FURTHER_MEASURES)}.",
         )
         self.options.declare(
             "factor_memory",
@@ -65,6 +72,7 @@ class SealGroup(om.Group):
             model=model,
             sensitivity=self.options["sensitivity"],
             parameters=self.options["parameters"],
+            measures=self.options["measures"],
             factor_memory=self.options["factor_memory"],
             callback=self.options["callback"],
         )

@@ -33,27 +33,11 @@ from seal_mdao.dsa.point_rates import (
     add_shape_seeds,
     point_adjoint,
 )
+from seal_mdao.measures.functional import Seeds
 from seal_mdao.rkpm.cells import add_weight_seeds
 from seal_mdao.rkpm.essential import transformation_seeds
 from seal_mdao.rkpm.integration import cell_table_seeds
 from seal_mdao.rkpm.tables import PointTable, table_seeds
-
-
-@dataclass(frozen=True, eq=False)
-class Seeds:
-    """What M measures take from one converged step.
-
-    Attributes
-    ----------
-    gap : ndarray, shape (M, k)
-    force : ndarray, shape (M, k, 2)
-    gradient : ndarray, shape (M, s, 4)
-        On F at the stress particles.
-    """
-
-    gap: np.ndarray
-    force: np.ndarray
-    gradient: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,17 +1,19 @@
 """Sensitivities of the seal's measures: one table, direct or adjoint."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.dsa.adjoint import AdjointSweep, Seeds
+from seal_mdao.dsa.adjoint import AdjointGradient, AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.linearization import point_table_rates
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
 from seal_mdao.dsa.point_rates import gradient_rates
 from seal_mdao.geometry.area import section_area
-from seal_mdao.measures.stress import constants_gradient, von_mises_at
+from seal_mdao.measures.catalogue import FURTHER_MEASURES, check_measures, end_functional
+from seal_mdao.measures.functional import Functional, stacked
+from seal_mdao.rkpm.tables import PointTable
 from seal_mdao.seal import SealResult
 
 METHODS = ("auto", "direct", "adjoint")
@@ -31,6 +33,8 @@ class Sensitivities:
         At the end of the path.
     area : ndarray, shape (P,), or None
         None when the parameters are not the boundary offsets.
+    further : dict of str to ndarray, shape (m, P)
+        Of the optional measures asked for.
     """
 
     parameters: tuple
@@ -39,6 +43,7 @@ class Sensitivities:
     gap_square_sum: np.ndarray
     reaction: np.ndarray
     area: np.ndarray | None
+    further: dict = field(default_factory=dict)
 
 
 def path_problem(result: SealResult) -> PathProblem:
@@ -50,7 +55,7 @@ def path_problem(result: SealResult) -> PathProblem:
 
 
 def differentiate(
-    result: SealResult, scalars=("door_radius",), method: str = "auto"
+    result: SealResult, scalars=("door_radius",), method: str = "auto", measures=()
 ) -> Sensitivities:
     """Exact derivatives of the end measures with respect to boundary offsets and scalars.
 
@@ -63,6 +68,8 @@ def differentiate(
         bulk_modulus, depth.
     method : {"auto", "direct", "adjoint"}
         "auto" takes the method with fewer right-hand sides.
+    measures : sequence of str
+        Names out of ``FURTHER_MEASURES``.
 
     Returns
     -------
@@ -72,27 +79,33 @@ def differentiate(
     Raises
     ------
     ValueError
-        Unknown method or parameter.
+        Unknown method, parameter or measure.
     LoadPathError
         For a path that was not completed.
     """
     if method not in METHODS:
         raise ValueError(f"method must be one of {METHODS}, got {method!r}")
+    check_measures("measures", measures)
     result.require_converged()
     rates = parameter_rates(result.model, scalars)
+    wanted = _Wanted.of(result, measures)
     if method == "auto":
-        method = "adjoint" if measure_count(result) < rates.count else "direct"
+        method = "adjoint" if wanted.functional.count < rates.count else "direct"
     if method == "direct":
-        stress, gap, reaction = direct_rates(result, rates)
+        table = direct_rates(result, wanted, rates)
     else:
-        stress, gap, reaction = _contracted(result, rates)
+        table = _contracted(adjoint_gradient(result, wanted), rates)
     area = None
     if result.boundary_offsets is not None:
         area = np.zeros(rates.count)
         gradient = section_area(result.model.splines, result.boundary_offsets)[1]
         area[: gradient.size] = gradient
-    square = 2.0 * result.gap @ gap
-    return Sensitivities(rates.names, stress, gap, square, reaction, area)
+    rows = wanted.by_name(table)
+    square = 2.0 * result.gap @ rows["gap"]
+    return Sensitivities(
+        rates.names, rows["von_mises"], rows["gap"], square, rows["reaction"], area,
+        {name: rows[name] for name in measures},
+    )  # fmt: skip
 
 
 def measure_count(result: SealResult) -> int:
@@ -100,7 +113,14 @@ def measure_count(result: SealResult) -> int:
     return len(result.points.stress) + len(result.points.gap) + 2
 
 
-def particle_gradient(result: SealResult, scalars=("door_radius",), method: str = "auto") -> dict:
+def measured(result: SealResult, name: str) -> np.ndarray:
+    """Value of one of the ``FURTHER_MEASURES``."""
+    return FURTHER_MEASURES[name].of(result, result.path.discretization.everywhere).values
+
+
+def particle_gradient(
+    result: SealResult, scalars=("door_radius",), method: str = "auto", measures=()
+) -> dict:
     """Derivatives of the end measures with respect to every particle and scalar parameters.
 
     Parameters
@@ -110,75 +130,102 @@ def particle_gradient(result: SealResult, scalars=("door_radius",), method: str 
         As for ``differentiate``.
     method : {"auto", "direct", "adjoint"}
         "auto" takes the method with fewer right-hand sides.
+    measures : sequence of str
+        Names out of ``FURTHER_MEASURES``.
 
     Returns
     -------
     dict of str to dict of str to ndarray
         By input ("particles" and the scalars), then by measure (von_mises, gap, gap_square_sum,
-        reaction): shape (m, n, 2) for the particles, (m, 1) for a scalar.
+        reaction, and those asked for): shape (m, n, 2) for the particles, (m, 1) for a scalar.
     """
-    n = len(result.particles)
+    n, wanted = len(result.particles), _Wanted.of(result, measures)
     if method == "auto":
-        method = "adjoint" if measure_count(result) < 2 * n + len(scalars) else "direct"
+        method = "adjoint" if wanted.functional.count < 2 * n + len(scalars) else "direct"
     if method == "adjoint":
-        gradient = adjoint_gradient(result)
+        gradient = adjoint_gradient(result, wanted)
         rows = gradient.particles
         columns = scalar_columns(gradient, parameter_rates(result.model, scalars))
     else:
         unit = np.eye(2 * n).reshape(2 * n, n, 2)
-        table = np.concatenate(direct_rates(result, parameter_rates(result.model, scalars, unit)))
+        table = direct_rates(result, wanted, parameter_rates(result.model, scalars, unit))
         rows, columns = table[:, : 2 * n].reshape(-1, n, 2), table[:, 2 * n :]
-    by_input = {"particles": _by_measure(result, rows)}
+    by_input = {"particles": wanted.by_name(rows)}
     for place, name in enumerate(scalars):
-        by_input[name] = _by_measure(result, columns[:, place : place + 1])
+        by_input[name] = wanted.by_name(columns[:, place : place + 1])
     for table in by_input.values():
         table["gap_square_sum"] = 2.0 * np.tensordot(result.gap, table["gap"], 1)[None]
     return by_input
 
 
-def _by_measure(result, rows) -> dict:
-    """Rows of stresses, gaps and reactions by name."""
-    n_stress = len(result.points.stress)
-    return {"von_mises": rows[:n_stress], "gap": rows[n_stress:-2], "reaction": rows[-2:]}
+@dataclass(frozen=True, eq=False)
+class _Wanted:
+    """The measures to differentiate.
+
+    Attributes
+    ----------
+    functional : Functional
+    table : PointTable
+        Particles whose F it takes.
+    sizes : dict of str to int
+        Rows of every measure, in order.
+    """
+
+    functional: Functional
+    table: PointTable
+    sizes: dict
+
+    @classmethod
+    def of(cls, result: SealResult, measures):
+        disc, points = result.path.discretization, result.points
+        sizes = {"von_mises": len(points.stress), "gap": len(points.gap), "reaction": 2}
+        if not measures:
+            table = disc.table_at(points.stress)
+            return cls(end_functional(result, table, np.arange(len(points.stress))), table, sizes)
+        table = disc.everywhere
+        further = [FURTHER_MEASURES[name].of(result, table) for name in measures]
+        sizes |= {name: part.count for name, part in zip(measures, further, strict=True)}
+        return cls(stacked([end_functional(result, table, points.stress), *further]), table, sizes)
+
+    def by_name(self, rows) -> dict:
+        """Rows of all measures as pieces by name."""
+        ends = np.cumsum(list(self.sizes.values()))[:-1]
+        return dict(zip(self.sizes, np.split(rows, ends), strict=True))
 
 
-def direct_rates(result: SealResult, rates: ParameterRates):
-    """Rates of von Mises stresses (s, P), gaps (g, P) and end reaction (2, P), direct method."""
-    disc, step = result.path.discretization, result.end
+def direct_rates(result: SealResult, wanted: _Wanted, rates: ParameterRates) -> np.ndarray:
+    """Rates of all wanted measures, (M, P), by the direct method."""
+    disc, functional, table = result.path.discretization, wanted.functional, wanted.table
     sweep = DirectSweep(result.path, path_problem(result), rates)
-    end = sweep.run()[len(result.path.steps) - 1]
-    table = disc.table_at(result.points.stress)
+    by_place = sweep.run(functional.seeds)
     table_rate = point_table_rates(disc, table, rates.velocity, sweep.shape.matrix)
-    f_rate = np.empty((table.table.n_groups, 4, rates.count))
-    gradient_rates(table.table, table_rate, step.d, disc.layout.equations, end.solution, f_rate)
-    material = result.model.material
-    by_gradient = von_mises_at(table.table, step.d, material)[1]
-    stress = np.einsum("sr,srp->sp", by_gradient, f_rate)
-    stress += constants_gradient(table.table, step.d, material) @ rates.constants.T
-    return stress, end.gap[result.points.gap], end.reaction
+    out = np.einsum("mni,pni->mp", functional.particles, rates.velocity, optimize=True)
+    out += functional.contact @ rates.contact.T + functional.constants @ rates.constants.T
+    for place, seeds in functional.seeds.items():
+        here = by_place[place]
+        out += seeds.gap @ here.gap + np.tensordot(seeds.force, here.force, 2)
+        if seeds.gradient.any():
+            f_rate = np.empty((table.table.n_groups, 4, rates.count))
+            gradient_rates(
+                table.table, table_rate, result.path.steps[place].d, disc.layout.equations,
+                here.solution, f_rate,
+            )  # fmt: skip
+            out += np.tensordot(seeds.gradient, f_rate, 2)
+    return out
 
 
-def adjoint_gradient(result: SealResult):
-    """Gradients of stresses, gaps and reactions (in this order) by the adjoint method."""
-    step, points = result.end, result.points
-    disc, m = result.path.discretization, measure_count(result)
-    n_stress, n_gap = len(points.stress), len(points.gap)
-    table = disc.table_at(points.stress)
-    seeds = Seeds(
-        np.zeros((m, len(step.gap))), np.zeros((m, len(step.gap), 2)), np.zeros((m, n_stress, 4))
-    )
-    by_gradient = von_mises_at(table.table, step.d, result.model.material)[1]
-    seeds.gradient[np.arange(n_stress), np.arange(n_stress)] = by_gradient
-    seeds.gap[n_stress + np.arange(n_gap), points.gap] = 1.0
-    for c in range(2):
-        seeds.force[m - 2 + c, :, c] = 1.0
-    sweep = AdjointSweep(result.path, path_problem(result), table, m)
-    gradient = sweep.run({len(result.path.steps) - 1: seeds})
-    gradient.constants[:n_stress] += constants_gradient(table.table, step.d, result.model.material)
-    return gradient
+def adjoint_gradient(result: SealResult, wanted: _Wanted) -> AdjointGradient:
+    """Gradients of all wanted measures by the adjoint method."""
+    functional = wanted.functional
+    sweep = AdjointSweep(result.path, path_problem(result), wanted.table, functional.count)
+    gradient = sweep.run(functional.seeds)
+    return AdjointGradient(
+        gradient.particles + functional.particles, gradient.contact + functional.contact,
+        gradient.constants + functional.constants, gradient.motion,
+    )  # fmt: skip
 
 
-def scalar_columns(gradient, rates: ParameterRates) -> np.ndarray:
+def scalar_columns(gradient: AdjointGradient, rates: ParameterRates) -> np.ndarray:
     """Derivatives of the adjoint measures with respect to the scalars at the end of ``rates``."""
     first = sum(name.endswith("]") for name in rates.names)
     return (
@@ -188,12 +235,9 @@ def scalar_columns(gradient, rates: ParameterRates) -> np.ndarray:
     )
 
 
-def _contracted(result: SealResult, rates: ParameterRates):
-    """Adjoint gradients contracted with the parameters' rates."""
-    gradient = adjoint_gradient(result)
+def _contracted(gradient: AdjointGradient, rates: ParameterRates) -> np.ndarray:
+    """Adjoint gradients contracted with the parameters' rates, (M, P)."""
     columns = scalar_columns(gradient, rates)
     shape = rates.count - columns.shape[1]
-    by_shape = np.einsum("mni,pni->mp", gradient.particles, rates.velocity[:shape])
-    table = np.hstack([by_shape, columns])
-    n_stress = len(result.points.stress)
-    return table[:n_stress], table[n_stress:-2], table[-2:]
+    by_shape = np.tensordot(gradient.particles, rates.velocity[:shape], ((1, 2), (1, 2)))
+    return np.hstack([by_shape, columns])

@@ -19,10 +19,25 @@ class MeasurePoints:
         Particles at which the von Mises stress is a measure.
     gap : ndarray of int
         Contact points (places in ``body.contact``) whose normal gap is a measure.
+    stretch : ndarray of int
+        Contact points from the first to the last one in contact.
+    patches : tuple of ndarray of int
+        All contact points, divided in the middle of the opened stretch.
+    curve : ndarray of int
+        Nominal steps, from 0, whose reaction is a measure.
     """
 
     stress: np.ndarray
     gap: np.ndarray
+    stretch: np.ndarray
+    patches: tuple
+    curve: np.ndarray
+
+    def size_of(self, measure: str) -> int:
+        """Entries of an optional measure."""
+        return {"patch_pressure": len(self.patches), "reaction_curve": self.curve.size}.get(
+            measure, 1
+        )
 
 
 def local_maxima(values: np.ndarray, periodic: bool) -> np.ndarray:
@@ -53,10 +68,30 @@ def stress_points(rows, stress: np.ndarray, count: int = STRESS_COUNT) -> np.nda
     return np.concatenate(ranked)[:count]
 
 
-def opened_points(state: np.ndarray) -> np.ndarray:
-    """Contact points that stand open between the first and the last one in contact."""
+def touching_stretch(state: np.ndarray) -> np.ndarray:
+    """Contact points from the first to the last one in contact."""
     touching = np.flatnonzero(state != OPEN)
     if touching.size == 0:
         return touching
-    between = np.arange(touching[0], touching[-1] + 1)
+    return np.arange(touching[0], touching[-1] + 1)
+
+
+def opened_points(state: np.ndarray) -> np.ndarray:
+    """Contact points that stand open between the first and the last one in contact."""
+    between = touching_stretch(state)
     return between[state[between] == OPEN]
+
+
+def contact_patches(state: np.ndarray) -> tuple:
+    """All contact points: before and after the middle of the opened stretch, or in one piece."""
+    everywhere, opened = np.arange(state.size), opened_points(state)
+    if opened.size == 0:
+        return (everywhere,)
+    middle = opened[opened.size // 2]
+    return everywhere[:middle], everywhere[middle:]
+
+
+def curve_steps(travel: np.ndarray, depths) -> np.ndarray:
+    """Steps, from 0, whose ``travel`` is nearest to those of the ``depths`` that are reached."""
+    reached = [depth for depth in depths if depth <= travel[-1] + 1e-9]
+    return np.array([np.argmin(np.abs(travel - depth)) for depth in reached], int)

@@ -1,0 +1,127 @@
+"""Optional measures: values, central differences, direct against adjoint, the component."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import openmdao.api as om
+import pytest
+from step_study import perturbed, same_sequence
+
+import seal_mdao as sm
+from seal_mdao.dsa.sensitivity import measured
+from seal_mdao.measures.catalogue import FURTHER_MEASURES
+from seal_mdao.seal import measure_points
+
+NAMES = tuple(FURTHER_MEASURES)
+PARAMETERS = ("door_radius", "normal_penalty", "tangent_penalty", "friction", "c10", "c01", "depth")
+
+
+@pytest.fixture(scope="module")
+def by_method(random_design):
+    return {
+        method: sm.differentiate(random_design, PARAMETERS, method, NAMES)
+        for method in ("direct", "adjoint")
+    }
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_direct_and_adjoint_agree(by_method, name):
+    direct, adjoint = (by_method[method].further[name] for method in ("direct", "adjoint"))
+    scale = np.abs(direct).max(axis=0)
+    assert (np.abs(direct - adjoint) <= 1e-9 * scale).all()
+
+
+@pytest.mark.parametrize(
+    ("parameter", "step"),
+    [
+        ("boundary_offsets[3]", 1e-5),
+        ("boundary_offsets[7]", 1e-5),
+        ("boundary_offsets[18]", 1e-5),
+        ("door_radius", 1e-5),
+        ("normal_penalty", 400.0),
+        ("friction", 3e-5),
+        ("c10", 1e-1),
+        ("depth", 1e-5),
+    ],
+)
+def test_central_differences(random_design, by_method, parameter, step):
+    """Of four steps the two neighbours that agree best, whatever the analytic value is."""
+    table = by_method["direct"]
+    p = table.parameters.index(parameter)
+    slopes = []
+    for size in (step, step / 4, step / 16, step / 64):
+        plus, minus = (perturbed(random_design, parameter, s * size) for s in (1, -1))
+        if not (same_sequence(plus, random_design) and same_sequence(minus, random_design)):
+            continue
+        plus, minus = (replace(r, frozen_points=random_design.points) for r in (plus, minus))
+        slopes.append({n: (measured(plus, n) - measured(minus, n)) / (2 * size) for n in NAMES})
+    assert len(slopes) >= 3
+    for name in NAMES:
+        exact = table.further[name][:, p]
+        pairs = [(np.abs(a[name] - b[name]).max(), b[name]) for a, b in pairwise(slopes)]
+        slope = min(pairs, key=lambda pair: pair[0])[1]
+        assert np.abs(slope - exact).max() <= 1e-5 * np.abs(exact).max(), name
+
+
+def test_the_measures_of_always_do_not_change_with_the_further_ones(random_design, by_method):
+    alone = sm.differentiate(random_design, PARAMETERS, "adjoint")
+    for name in ("von_mises", "gap", "reaction"):
+        expected = getattr(alone, name)
+        found = getattr(by_method["adjoint"], name)
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-11 * np.abs(expected).max())
+
+
+def test_values_of_the_drawn_seal(drawn):
+    """The norm bounds the stress, the patches press, the curve ends at the reaction."""
+    points = measure_points(drawn.model)
+    stress = drawn.stress_field().max()
+    assert stress <= measured(drawn, "stress_norm")[0] <= 1.1 * stress
+    left, right = measured(drawn, "patch_pressure")
+    deepest = 1e4 * drawn.max_penetration
+    assert 0.5 * deepest < max(left, right) <= deepest
+    assert min(left, right) > 5.0
+    curve = measured(drawn, "reaction_curve")
+    np.testing.assert_allclose(drawn.door_travel[points.curve], [2, 4, 6, 8, 10], atol=1e-9)
+    assert curve[-1] == drawn.reaction[-1, 1]
+    # seven points 0.99 mm apart: their sum is the trapezoidal rule
+    assert measured(drawn, "gap_square_integral")[0] == pytest.approx(
+        drawn.gap_square_sum, rel=0.05
+    )
+
+
+def test_integral_hardly_depends_on_the_refinement(drawn):
+    fine = sm.analyze(sm.door_seal(rays=116, layers=5))
+    coarse, finer = (measured(r, "gap_square_integral")[0] for r in (drawn, fine))
+    assert finer == pytest.approx(coarse, rel=0.15)
+    assert fine.gap_square_sum > 1.7 * drawn.gap_square_sum
+
+
+@pytest.mark.parametrize("mode", ["fwd", "rev"])
+def test_totals_of_the_group(mode, tmp_path):
+    model = sm.door_seal(depth=7.0, n_steps=25, start=10.03)
+    problem = om.Problem(sm.SealGroup(model=model, measures=NAMES), reports=None, work_dir=tmp_path)
+    problem.setup(mode=mode)
+    problem.run_model()
+    result = sm.analyze(model, keep_factors=True)
+    exact = sm.differentiate(result, measures=NAMES).further
+    for name in NAMES:
+        np.testing.assert_array_equal(problem.get_val(name), measured(result, name))
+        totals = problem.compute_totals([name], ["boundary_offsets", "door_radius"])
+        found = np.hstack([totals[name, w] for w in ("boundary_offsets", "door_radius")])
+        np.testing.assert_allclose(
+            found, exact[name], rtol=0.0, atol=1e-9 * np.abs(exact[name]).max()
+        )
+
+
+def test_unknown_repeated_and_empty_measures_are_refused(drawn):
+    with pytest.raises(ValueError, match="stress_nrom"):
+        sm.differentiate(drawn, measures=("stress_nrom",))
+    with pytest.raises(ValueError, match="twice"):
+        sm.SealGroup(measures=("stress_norm", "stress_norm"))
+    with pytest.raises(ValueError, match="string"):
+        sm.SealGroup(measures="stress_norm")
+    shallow = sm.door_seal(depth=1.0, n_steps=15)
+    problem = om.Problem(sm.SealGroup(model=shallow, measures=("reaction_curve",)), reports=None)
+    with pytest.raises(ValueError, match="no entries"):
+        problem.setup()
