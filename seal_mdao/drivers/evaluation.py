@@ -257,6 +257,7 @@ class ModelEvaluator:
         case = self._recorded_at.get(self.layout.clip(x).tobytes())
         rows = case and case.jacobian(self.layout.responses, self.layout.desvars)
         if rows is not None:
+            self._check_jacobian = False  # the earlier run has looked at the first one
             self.driver.repeated_case = case.counter
             record_totals(self.driver, case.totals)
         return rows

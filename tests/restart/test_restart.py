@@ -304,3 +304,46 @@ def test_wrong_files_and_drivers(make_driver, tmp_path):
             sm.restart(problem, "text.sql")
     with pytest.raises(TypeError, match="load_case"):
         sm.restart(valley_problem(om.ScipyOptimizeDriver()), "cases.sql")
+
+
+class OneSided(om.ExplicitComponent):
+    """f = (x - 1)^4 + max(0, y)^2: y has no effect where it is negative, as at the optimum."""
+
+    def setup(self):
+        self.add_input("x", 3.0)
+        self.add_input("y", 0.5)
+        self.add_output("f")
+        self.declare_partials("*", "*")
+
+    def compute(self, inputs, outputs):
+        outputs["f"] = (inputs["x"] - 1.0) ** 4 + np.maximum(0.0, inputs["y"]) ** 2
+
+    def compute_partials(self, inputs, partials):
+        partials["f", "x"] = 4.0 * (inputs["x"] - 1.0) ** 3
+        partials["f", "y"] = 2.0 * np.maximum(0.0, inputs["y"])
+
+
+def test_first_jacobian_is_not_looked_at_twice(make_driver):
+    """A variable without effect is an error at the start of a run only, also of a continued one."""
+
+    def problem(**options):
+        made = om.Problem(
+            driver=make_driver(singular_jac_behavior="error", **options), reports=None
+        )
+        made.model.add_subsystem("c", OneSided(), promotes=["*"])
+        made.model.add_design_var("x", lower=-5.0, upper=5.0)
+        made.model.add_design_var("y", lower=-1.0, upper=1.0)
+        made.model.add_objective("f")
+        made.setup()
+        return made
+
+    first = record(problem(maxiter=5))
+    first.run_driver()
+    first.cleanup()
+    assert first.get_val("y")[0] < 0.0
+    again = problem()
+    sm.restart(again, "cases.sql")
+    assert again.run_driver().success
+    assert again.driver.reused_evaluations > 0
+    assert again.driver.result.deriv_evals > 0
+    again.cleanup()

@@ -1,0 +1,60 @@
+"""The recorder file holds all that is needed to set up the seal problem again."""
+
+import inspect
+import json
+
+import numpy as np
+import openmdao.api as om
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.optimization import PROBLEM_OPTION, seal_problem, slsqp_driver
+from seal_mdao.recording.settings import open_cases, recorded_problem
+
+NOT_THE_PROBLEM = {"model", "driver", "recorder", "callback", "work_dir", "reports"}
+"""Arguments of ``seal_problem`` that do not say what is optimised."""
+MODEL = {"n_steps": 21, "friction": 0.3, "segments": 32, "newton": sm.NewtonOptions(max_cuts=7)}
+
+
+def test_every_setting_of_the_problem_is_recorded(tmp_path):
+    model = sm.door_seal(**MODEL)
+    first = seal_problem(
+        model, keep_force=True, driver=slsqp_driver(1), recorder=tmp_path / "cases.sql",
+        work_dir=tmp_path,
+    )  # fmt: skip
+    settings = json.loads(first.model.options[PROBLEM_OPTION])
+    assert settings.keys() == inspect.signature(seal_problem).parameters.keys() - NOT_THE_PROBLEM
+    first.run_driver()
+    first.cleanup()
+    recorded = recorded_problem(open_cases(tmp_path / "cases.sql"))
+    assert recorded.model == model
+    assert recorded.settings == settings
+    again = seal_problem(recorded.model, driver=slsqp_driver(1), **recorded.settings)
+    again.final_setup()
+    for name, limit in first.driver._cons.items():
+        other = again.driver._cons[name]
+        for side in ("lower", "upper"):
+            assert np.array_equal(limit[side], other[side])  # those of the drawn seal
+
+
+def test_file_without_a_seal(tmp_path):
+    problem = om.Problem(reports=None, work_dir=tmp_path)
+    problem.add_recorder(om.SqliteRecorder(tmp_path / "cases.sql"))
+    problem.setup()
+    problem.run_model()
+    problem.cleanup()
+    assert recorded_problem(open_cases(tmp_path / "cases.sql")) is None
+
+
+def test_settings_of_another_version():
+    from seal_mdao.settings import model_from_json, settings_json
+
+    text = settings_json(sm.door_seal())
+    for wrong in (
+        text.replace('"friction":', '"rubbing":'),
+        text.replace('"c10":', '"c100":'),
+        text.replace('"newton":', '"newtons":'),
+    ):
+        with pytest.raises(ValueError, match="not those of this version's model"):
+            model_from_json(wrong)
+    assert model_from_json(text) == sm.door_seal()
