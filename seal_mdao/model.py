@@ -58,7 +58,9 @@ class SealModel:
     section : Section
         Drawn section.
     outer_parameters, inner_parameters : int
-        Spline control values of the two boundaries.
+        Free spline control values of the two boundaries.
+    symmetric : bool
+        The control values are those of one half of the section, the other is its mirror image.
     material : MooneyRivlin
     door : {"corner", "flat"}
         Rounded corner with a vertical side, or wholly flat.
@@ -93,6 +95,7 @@ class SealModel:
     section: Section = field(default_factory=Section)
     outer_parameters: int = 14
     inner_parameters: int = 11
+    symmetric: bool = False
     material: MooneyRivlin = field(default_factory=MooneyRivlin)
     door: str = "corner"
     corner_x: float = 2.0
@@ -199,7 +202,9 @@ class SealModel:
 
     @cached_property
     def splines(self) -> BoundarySplines:
-        return BoundarySplines(self.section, self.outer_parameters, self.inner_parameters)
+        return BoundarySplines(
+            self.section, self.outer_parameters, self.inner_parameters, self.symmetric
+        )
 
     @cached_property
     def drawn_particles(self) -> np.ndarray:

@@ -45,16 +45,21 @@ class BoundarySplines:
     Attributes
     ----------
     outer_parameters, inner_parameters : int
-        Number of control values of the outer and of the inner boundary, in this order.
+        Number of free control values of the outer and of the inner boundary, in this order.
     section : Section
+    symmetric : bool
+        The control values are those of one half, from the base upward; the other half is its mirror
+        image. The first one of the inner boundary lies on the axis.
     """
 
     section: Section
     outer_parameters: int = 14
     inner_parameters: int = 11
+    symmetric: bool = False
 
     def __post_init__(self):
-        for name, least in (("outer_parameters", 2), ("inner_parameters", 4)):
+        outer, inner = (1, 3) if self.symmetric else (2, 4)
+        for name, least in (("outer_parameters", outer), ("inner_parameters", inner)):
             value = getattr(self, name)
             if not isinstance(value, Integral) or value < least:
                 raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")
@@ -63,22 +68,38 @@ class BoundarySplines:
     def count(self) -> int:
         return self.outer_parameters + self.inner_parameters
 
+    @property
+    def outer_controls(self) -> int:
+        """Control values of the whole outer boundary."""
+        return 2 * self.outer_parameters if self.symmetric else self.outer_parameters
+
+    @property
+    def inner_controls(self) -> int:
+        """Control values of the whole inner boundary."""
+        return 2 * self.inner_parameters - 1 if self.symmetric else self.inner_parameters
+
     def outer_basis(self, angle: np.ndarray) -> np.ndarray:
         """Outer spline functions at ray angles in [0, 2 pi), zero on the base, (n, outer)."""
         angle = np.mod(np.asarray(angle, float), 2 * np.pi)
         d0 = self.section.base_angle
-        return clamped_basis(angle, self.outer_parameters, d0, 2 * np.pi - d0)
+        values = clamped_basis(angle, self.outer_controls, d0, 2 * np.pi - d0)
+        if self.symmetric:
+            values += values[:, ::-1]
+        return values[:, : self.outer_parameters]
 
     def inner_basis(self, angle: np.ndarray) -> np.ndarray:
         """Inner spline functions at any ray angles, (n, inner)."""
-        return periodic_basis(np.asarray(angle, float), self.inner_parameters)
+        values = periodic_basis(np.asarray(angle, float), self.inner_controls)
+        if self.symmetric:
+            values[:, 1:] += values[:, :0:-1]
+        return values[:, : self.inner_parameters]
 
     @cached_property
     def breaks(self) -> np.ndarray:
         """Ray angles in [0, 2 pi] between which both boundaries are smooth."""
         d0 = self.section.base_angle
-        outer = np.linspace(d0, 2 * np.pi - d0, self.outer_parameters)
-        inner = np.linspace(0.0, 2 * np.pi, self.inner_parameters + 1)
+        outer = np.linspace(d0, 2 * np.pi - d0, self.outer_controls)
+        inner = np.linspace(0.0, 2 * np.pi, self.inner_controls + 1)
         own = [2 * d0, 2 * np.pi - 2 * d0]
         return np.unique(np.concatenate([outer, inner, own]))
 

@@ -149,3 +149,25 @@ def test_too_few_control_values_are_refused(wrong):
 def test_numbers_of_control_values_are_integers(wrong):
     with pytest.raises((TypeError, ValueError), match=next(iter(wrong))):
         BoundarySplines(Section(), **wrong)
+
+
+def test_symmetric_splines_are_those_of_mirrored_control_values():
+    half = BoundarySplines(SPLINES.section, 5, 4, symmetric=True)
+    whole = BoundarySplines(SPLINES.section, 10, 7)
+    angle = np.linspace(0.0, 2 * np.pi, 181)
+    outer, inner = np.arange(1.0, 6.0), np.arange(1.0, 5.0)
+    np.testing.assert_allclose(
+        half.outer_basis(angle) @ outer, whole.outer_basis(angle) @ [*outer, *outer[::-1]]
+    )
+    np.testing.assert_allclose(
+        half.inner_basis(angle) @ inner, whole.inner_basis(angle) @ [*inner, *inner[:0:-1]]
+    )
+    np.testing.assert_array_equal(half.breaks, whole.breaks)
+
+
+def test_symmetric_designs_are_their_own_mirror_images(rng):
+    model = sm.door_seal(symmetric=True, outer_parameters=5, inner_parameters=4)
+    section = model.particles(rng.uniform(-0.5, 0.5, model.n_offsets))
+    row = section.reshape(-1, model.layers, 2)
+    np.testing.assert_allclose(row[:, :, 0], -np.roll(row[::-1], 1, axis=0)[:, :, 0], atol=1e-13)
+    np.testing.assert_allclose(row[:, :, 1], np.roll(row[::-1], 1, axis=0)[:, :, 1], atol=1e-13)
