@@ -35,28 +35,29 @@ def test_direct_and_adjoint_agree(by_method, name):
 @pytest.mark.parametrize(
     ("parameter", "step"),
     [
-        ("boundary_offsets[3]", 1e-5),
-        ("boundary_offsets[7]", 1e-5),
-        ("boundary_offsets[18]", 1e-5),
-        ("door_radius", 1e-5),
-        ("normal_penalty", 400.0),
-        ("friction", 3e-5),
+        ("boundary_offsets[3]", 4e-5),
+        ("boundary_offsets[7]", 4e-5),
+        ("boundary_offsets[18]", 4e-5),
+        ("door_radius", 4e-5),
+        ("normal_penalty", 200.0),
+        ("friction", 2e-4),
         ("c10", 1e-1),
-        ("depth", 1e-5),
+        ("depth", 1e-4),
     ],
 )
 def test_central_differences(random_design, by_method, parameter, step):
-    """Of four steps the two neighbours that agree best, whatever the analytic value is."""
+    """Extrapolated over halved steps; of these the two neighbours that agree best."""
     table = by_method["direct"]
     p = table.parameters.index(parameter)
     slopes = []
-    for size in (step, step / 4, step / 16, step / 64):
+    for size in (step, step / 2, step / 4, step / 8):
         plus, minus = (perturbed(random_design, parameter, s * size) for s in (1, -1))
         if not (same_sequence(plus, random_design) and same_sequence(minus, random_design)):
             continue
         plus, minus = (replace(r, frozen_points=random_design.points) for r in (plus, minus))
         slopes.append({n: (measured(plus, n) - measured(minus, n)) / (2 * size) for n in NAMES})
     assert len(slopes) >= 3
+    slopes = [{n: (4 * b[n] - a[n]) / 3 for n in NAMES} for a, b in pairwise(slopes)]
     for name in NAMES:
         exact = table.further[name][:, p]
         pairs = [(np.abs(a[name] - b[name]).max(), b[name]) for a, b in pairwise(slopes)]
