@@ -6,6 +6,8 @@ and solution of the same order in SciPy on the same core.
 
 import argparse
 import json
+import os
+import platform
 import resource
 import subprocess
 import sys
@@ -20,9 +22,11 @@ from threadpoolctl import threadpool_limits
 
 import seal_mdao as sm
 from seal_mdao.analysis.body import discretize
+from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.analysis.loading import LoadPoint
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.contact.friction import no_history
+from seal_mdao.dsa.sensitivity import particle_gradient
 
 CLOUDS = ((58, 3), (116, 5), (174, 7), (290, 11), (580, 21), (754, 27))
 
@@ -44,48 +48,66 @@ def dense_reference(n):
     return best(lambda: scipy.linalg.lu_solve(scipy.linalg.lu_factor(matrix), rhs), 30)
 
 
-def kernel_shares(model):
+def kernel_times(model):
     """Times of the parts of a Newton iteration at the end of the path, s."""
     result = sm.analyze(model)
-    disc, step = result.path.discretization, result.path.steps[-1]
+    disc, (before, step) = result.path.discretization, result.path.steps[-2:]
     problem = PathProblem(disc, model.material, model.profile(result.door_radius), model.law)
-    rhs = np.ones(disc.layout.n_equations)
-    problem.assemble_at(step)
-    factor = disc.layout.factorize(problem.values).kept()
+    rhs, layout = np.ones(disc.layout.n_equations), disc.layout
+    raw = disc.transformation.coefficients(step.d)
+    problem.assemble_at(before)
+    factor = layout.factorize(problem.values).kept()
 
     def factorize():
         problem.assemble_at(step)
-        disc.layout.factorize(problem.values)
+        layout.factorize(problem.values)
+
+    def internal():
+        assemble_internal(
+            disc.cells.raw, disc.weights, problem.constants, raw, layout.scatter[0],
+            problem.internal, problem.values,
+        )  # fmt: skip
 
     assemble = best(lambda: problem.assemble_at(step), 100)
+    cells = best(internal, 100)
     return {
-        "n_equations": disc.layout.n_equations,
-        "assemble": assemble,
-        "factorize": best(factorize, 100) - assemble,
-        "solve": best(lambda: factor.solve(rhs), 100),
+        "n_equations": layout.n_equations,
+        "assembly": assemble,
+        "assembly of cells": cells,
+        "contact, condensation": assemble - cells,
+        "factorisation": best(factorize, 100) - assemble,
+        "solution": best(lambda: factor.solve(rhs), 100),
+        "predictor": best(lambda: problem.predict(before, factor, step.loading), 100),
     }
 
 
 def analysis_figures(model):
-    """Analysis and sensitivities of the drawn seal, absolute (s) and as ratios."""
-    parts = kernel_shares(model)
+    """Analysis and sensitivities of the drawn seal: absolute times (ms) and ratios."""
+    parts = kernel_times(model)
     dense = dense_reference(parts["n_equations"])
-    analysis = best(lambda: sm.analyze(model), 5)
+    analysis = best(lambda: sm.analyze(model), 7)
     result = sm.analyze(model, keep_factors=True)
     iterations = int(result.newton_iterations.sum())
     times = {
-        m: best(lambda m=m: sm.differentiate(result, method=m), 5) for m in ("direct", "adjoint")
+        (method, which): best(lambda f=function, m=method: f(result, method=m), 5)
+        for method in ("direct", "adjoint")
+        for which, function in (("26 parameters", sm.differentiate),)
     }
-    iteration = parts["assemble"] + parts["factorize"] + parts["solve"]
+    times["adjoint", "all particle coordinates"] = best(
+        lambda: particle_gradient(result, method="adjoint"), 5
+    )
+    times["direct", "all particle coordinates"] = best(
+        lambda: particle_gradient(result, method="direct"), 1
+    )
+    iteration = parts["assembly"] + parts["factorisation"] + parts["solution"]
     return {
-        **{f"{name}_ms": 1e3 * parts[name] for name in ("assemble", "factorize", "solve")},
-        "dense_ms": 1e3 * dense,
-        "iteration_over_dense": iteration / dense,
-        "analysis_s": analysis,
-        "analysis_over_dense": analysis / dense,
-        "newton_iterations": iterations,
-        "direct_over_analysis": times["direct"] / analysis,
-        "adjoint_over_analysis": times["adjoint"] / analysis,
+        "dense LU and solution, same order (ms)": 1e3 * dense,
+        **{f"{name} (ms)": 1e3 * t for name, t in parts.items() if name != "n_equations"},
+        "Newton iteration / dense": iteration / dense,
+        "analysis (ms)": 1e3 * analysis,
+        "analysis / dense": analysis / dense,
+        "Newton iterations": iterations,
+        **{f"{m}, {which} / analysis": t / analysis for (m, which), t in times.items()},
     }
 
 
@@ -102,12 +124,12 @@ def openmdao_figures(model):
         of = ["gap_square_sum", "von_mises", "area", "reaction"]
         wrt = ["boundary_offsets", "door_radius"]
         totals.append(best(lambda of=of, wrt=wrt: prob.compute_totals(of, wrt), 1))
-    return {"totals_over_run_model": min(totals[1:]) / min(run[1:])}
+    return {"compute_totals / run_model": min(totals[1:]) / min(run[1:])}
 
 
 def growth(largest):
     """Time of one Newton iteration against the number of particles, and the fitted exponent."""
-    rows = []
+    rows = {}
     for rays, layers in CLOUDS:
         if rays * layers > largest:
             break
@@ -122,12 +144,13 @@ def growth(largest):
             problem.assemble(d, point, history)
             disc.layout.factorize(problem.values).solve(rhs)
 
-        rows.append((rays * layers, best(iteration, 3)))
-    n, t = np.log(np.array(rows)).T
-    return {
-        "particles_and_seconds": rows,
-        "exponent": float(np.polyfit(n, t, 1)[0]) if len(rows) > 1 else None,
-        "peak_memory_MiB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        kind = type(disc.layout.storage).__name__.removesuffix("Storage").lower()
+        rows[f"iteration, {rays} x {layers} particles, {kind} (ms)"] = 1e3 * best(iteration, 3)
+    n = [rays * layers for rays, layers in CLOUDS[: len(rows)]]
+    slope = np.polyfit(np.log(n), np.log(list(rows.values())), 1)[0] if len(n) > 1 else None
+    return rows | {
+        "growth exponent": slope,
+        "peak memory (MiB)": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     }
 
 
@@ -136,7 +159,7 @@ def start_up():
 
     def run(code, **environment):
         start = time.perf_counter()
-        subprocess.run([sys.executable, "-c", code], check=True, env={**_environ(), **environment})
+        subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, **environment})
         return time.perf_counter() - start
 
     base = min(run("import openmdao.api") for _ in range(3))
@@ -145,36 +168,62 @@ def start_up():
     with tempfile.TemporaryDirectory() as folder:
         first = run(short, NUMBA_CACHE_DIR=folder)
         later = run(short, NUMBA_CACHE_DIR=folder)
-    return {"import_extra_s": both - base, "first_analysis_s": first, "later_process_s": later}
+    return {
+        "import beyond OpenMDAO's (s)": both - base,
+        "first analysis ever, kernels compiled (s)": first,
+        "the same in a later process (s)": later,
+    }
 
 
-def _environ():
-    import os
+def machine() -> str:
+    """Processor and versions."""
+    names = (
+        [
+            line.split(":")[1].strip()
+            for line in Path("/proc/cpuinfo").read_text().splitlines()
+            if line.startswith("model name")
+        ]
+        if Path("/proc/cpuinfo").exists()
+        else []
+    )
+    return (
+        f"{names[0] if names else platform.processor()}, one core; Python "
+        f"{platform.python_version()}, NumPy {np.__version__}, SciPy {scipy.__version__}"
+    )
 
-    return dict(os.environ)
+
+def page(figures) -> str:
+    """The tables as Markdown."""
+    lines = [f"Measured on {machine()}.", ""]
+    for title, table in figures.items():
+        lines += [f"| {title} | |", "|---|---|"]
+        lines += [f"| {name} | {_text(value)} |" for name, value in table.items()]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _text(value) -> str:
+    return f"{value:.3g}" if isinstance(value, float) and value < 1000 else f"{value:.0f}"
 
 
 def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, help="write benchmarks.json there")
+    parser.add_argument("--out", type=Path, help="write benchmarks.json and benchmarks.md there")
     parser.add_argument("--largest", type=int, default=21_000, help="largest cloud (particles)")
     arguments = parser.parse_args(argv)
     model = sm.door_seal()
     with threadpool_limits(1):
         figures = {
-            "analysis": analysis_figures(model),
-            "openmdao": openmdao_figures(model),
+            "drawn seal, 174 particles": analysis_figures(model),
+            "through OpenMDAO": openmdao_figures(model),
             "growth": growth(arguments.largest),
-            "start_up": start_up(),
+            "start": start_up(),
         }
-    for title, table in figures.items():
-        print(title)
-        for name, value in table.items():
-            text = f"{value:.4g}" if isinstance(value, float) else value
-            print(f"  {name:28} {text}")
+    print(page(figures))
     if arguments.out:
         arguments.out.mkdir(parents=True, exist_ok=True)
         (arguments.out / "benchmarks.json").write_text(json.dumps(figures, indent=1))
+        (arguments.out / "benchmarks.md").write_text(page(figures), encoding="utf-8")
 
 
 if __name__ == "__main__":
