@@ -97,7 +97,8 @@ def status(history: RecordedOptimization) -> tuple[str, str, str]:
         return "unknown", "End not recorded", f"The file does not say how the run ended. {limits}"
     last = history.runs[-1]
     if last.cut_off:
-        text = f"The run was cut off after {history.evaluations} recorded analyses. {limits}"
+        many = "analysis" if history.evaluations == 1 else "analyses"
+        text = f"The run was cut off after {history.evaluations} recorded {many}. {limits}"
         return "stopped", "Cut off", text
     if last.success and feasible:
         return "converged", "Converged", f"{last.message}. {limits}"
@@ -114,7 +115,7 @@ def key_figures(history: RecordedOptimization, designs) -> list[tuple[str, str, 
             tables.share(last / first) if first else tables.number(last),
             f"of its start: {tables.number(first, 3)} → {tables.number(last, 3)}",
         ),
-        (kind, str(len(history.objective) - 1), f"{history.evaluations} analyses recorded"),
+        (kind, str(len(history.objective) - 1), f"{history.evaluations} evaluations recorded"),
         ("largest violation", tables.share(history.max_violation[-1]), "of a constraint at the end"),
     ]  # fmt: skip
     if designs:
