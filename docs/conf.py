@@ -15,10 +15,11 @@ os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "_generated"
-sys.path.insert(0, str(HERE / "_ext"))
+sys.path[:0] = [str(HERE / "_ext"), str(HERE)]
 
 import api_pages  # noqa: E402
 import equation_index  # noqa: E402
+from figures import limits  # noqa: E402
 
 import seal_mdao  # noqa: E402
 
@@ -36,7 +37,8 @@ run_script(str(HERE / "_ext" / "code_reference.py"), str(fragments))
 index = equation_index.table(equation_index.read())
 (fragments / "equation_index.md").write_text(index, encoding="utf-8")
 api_pages.write_all(GENERATED / "api")
-run_script(str(HERE / "make_figures.py"), "--missing")
+jobs = str(min(2, os.cpu_count() or 1))
+run_script(str(HERE / "make_figures.py"), "--missing", "--jobs", jobs)
 
 # ---- the project ----
 
@@ -62,6 +64,7 @@ myst_substitutions = {
     path.stem: json.loads(path.read_text(encoding="utf-8"))
     for path in sorted((GENERATED / "numbers").glob("*.json"))
 }
+myst_substitutions["tolerances"] = limits.texts()
 
 napoleon_google_docstring = False
 napoleon_use_ivar = True

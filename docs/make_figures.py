@@ -3,6 +3,7 @@
     python docs/make_figures.py                 everything, into docs/_generated
     python docs/make_figures.py --missing       only what is not there yet
     python docs/make_figures.py --only seal     one group
+    python docs/make_figures.py --jobs 2        two groups at a time
     python docs/make_figures.py --reduced --out DIR   coarse and quick, for tests
 
 Every group writes its PNG files and, at its end, ``numbers/<group>.json``: the numbers that the
@@ -11,6 +12,7 @@ pages quote.
 
 import argparse
 import json
+import multiprocessing
 import sys
 import time
 from importlib import import_module
@@ -20,11 +22,17 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 GROUPS = {
-    "theory": "figures.theory",
-    "seal": "figures.seal",
+    "sensitivities": "figures.sensitivities",
+    "refinement": "figures.refinement",
+    "rates": "figures.rates",
+    "examples": "figures.examples",
+    "exact": "figures.exact",
+    "contact": "figures.contact_benchmarks",
     "optimisation": "figures.optimisation",
+    "seal": "figures.seal",
+    "theory": "figures.theory",
 }
-"""Module of every group; its ``make(out, reduced)`` returns the numbers."""
+"""Module of every group, the slowest first; its ``make(out, reduced)`` returns the numbers."""
 
 
 def make(group: str, out: Path, reduced: bool) -> None:
@@ -37,16 +45,29 @@ def make(group: str, out: Path, reduced: bool) -> None:
     print(f"{group}: {time.perf_counter() - start:.1f} s", flush=True)
 
 
+def make_all(groups: list[str], out: Path, reduced: bool, jobs: int) -> None:
+    """Make several groups, ``jobs`` at a time."""
+    tasks = [(group, out, reduced) for group in groups]
+    if jobs == 1:
+        for task in tasks:
+            make(*task)
+        return
+    # a process of its own for every group; spawned, for numba's threads do not survive a fork
+    with multiprocessing.get_context("spawn").Pool(jobs, maxtasksperchild=1) as pool:
+        pool.starmap(make, tasks, chunksize=1)
+
+
 def main(arguments=None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", choices=GROUPS, metavar="GROUP", default=list(GROUPS))
     parser.add_argument("--missing", action="store_true", help="skip groups that are there")
     parser.add_argument("--reduced", action="store_true", help="coarse and quick")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="groups at a time")
     parser.add_argument("--out", type=Path, default=HERE / "_generated")
     options = parser.parse_args(arguments)
-    for group in options.only:
-        if not (options.missing and (options.out / "numbers" / f"{group}.json").exists()):
-            make(group, options.out, options.reduced)
+    there = options.out / "numbers"
+    groups = [g for g in options.only if not (options.missing and (there / f"{g}.json").exists())]
+    make_all(groups, options.out, options.reduced, options.jobs)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,113 @@
+"""Benchmarks of contact and friction: Hertz, a dragged block, a belt."""
+
+from pathlib import Path
+
+import numpy as np
+
+from figures.limits import within
+from figures.tables import percent, power, table
+from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
+from seal_mdao.verification.hertz import press_cylinder
+from seal_mdao.verification.sliding import drag_block, pull_belt
+
+FRICTION = 0.3
+
+
+def make(out: Path, reduced: bool) -> dict:
+    """Pictures, tables and numbers."""
+    return _hertz(out, reduced) | _drag(out) | _belt(out, reduced)
+
+
+def _hertz(out: Path, reduced: bool) -> dict:
+    found = [press_cylinder(n) for n in ((4,) if reduced else (4, 8, 12))]
+    errors = [(h.half_width / h.exact_half_width - 1, h.peak / h.exact_peak - 1) for h in found]
+    within("hertz", np.abs(errors).max())
+    rows = [
+        [str(len(h.x)), *(percent(value) for value in error)]
+        for h, error in zip(found, errors, strict=True)
+    ]
+    save(hertz_picture(found), out / "hertz.png")
+    head = ["points in contact", "error of the half-width", "error of the peak pressure"]
+    finest = ", ".join(percent(abs(value)) for value in errors[-1])
+    return {"hertz_table": table(head, rows), "hertz": finest}
+
+
+@styled
+def hertz_picture(found: list):
+    figure, axes = subplots(width=5.6, height=3.5)
+    s = np.linspace(0.0, np.pi, 201)
+    axes.plot(np.cos(s), np.sin(s), color=GREY, label="Hertz")
+    for h, color, marker in zip(found, CYCLE, MARKERS, strict=False):
+        axes.plot(
+            h.x / h.exact_half_width, h.pressure / h.exact_peak, marker, color=color,
+            label=f"{len(h.x)} points in contact", markersize=4,
+        )  # fmt: skip
+    axes.set_xlabel("place / half-width")
+    axes.set_ylabel("pressure / peak pressure")
+    axes.legend(loc="lower center")
+    return figure
+
+
+def _drag(out: Path) -> dict:
+    found = drag_block(FRICTION)
+    error = np.abs(np.abs(found.ratio[found.slipping]) / FRICTION - 1.0).max()
+    balance = np.abs(found.base_ratio - found.ratio).max()
+    save(drag_picture(found), out / "drag.png")
+    return {"drag": power(within("drag", error)), "drag_base": power(within("drag_base", balance))}
+
+
+@styled
+def drag_picture(found):
+    figure, axes = subplots(width=5.6, height=3.4)
+    for level in (-FRICTION, FRICTION):
+        axes.axhline(level, color=GREY, linestyle="--", linewidth=1.0)
+    axes.plot(found.travel, found.ratio, color=BLUE, linewidth=1.0, zorder=2)
+    for chosen, fill, label in (
+        (found.slipping, VERMILION, "all points slip"), (~found.slipping, "white", "some stick"),
+    ):  # fmt: skip
+        axes.plot(
+            found.travel[chosen], found.ratio[chosen], "o", markerfacecolor=fill,
+            markeredgecolor=BLUE, markersize=4.5, label=label, zorder=3,
+        )  # fmt: skip
+    axes.set_xlabel("travel of the plane / height of the block")
+    axes.set_ylabel("tangential / normal force")
+    axes.legend(loc="center")
+    return figure
+
+
+def _belt(out: Path, reduced: bool) -> dict:
+    found = [pull_belt(FRICTION, t) for t in ((0.4,) if reduced else (0.4, 0.2, 0.1))]
+    rows = []
+    for belt in found:
+        corrected = belt.exact / (1.0 + 0.5 * belt.thickness)
+        rows.append([
+            f"{belt.thickness:g}", f"{belt.exponent:.4f}", percent(belt.exponent / belt.exact - 1),
+            percent(belt.exponent / corrected - 1),
+        ])  # fmt: skip
+    numbers = {"belt_exact": f"{found[0].exact:.4f}"}
+    if not reduced:
+        coarse, thin = (belt.exponent / belt.exact for belt in found[-2:])
+        within("belt_limit", abs(2.0 * thin - coarse - 1.0))
+        within("belt_corrected", abs(thin * (1.0 + 0.5 * found[-1].thickness) - 1.0))
+        numbers["belt"] = percent(within("belt", abs(thin - 1.0)))
+        numbers["belt_limit"] = percent(abs(2.0 * thin - coarse - 1.0))
+    save(belt_picture(found), out / "belt.png")
+    head = ["thickness / radius", "$\\ln(T_2/T_1)$", "against $\\mu\\varphi$",
+            "against $\\mu\\varphi\\,R/(R + t/2)$"]  # fmt: skip
+    return numbers | {"belt_table": table(head, rows)}
+
+
+@styled
+def belt_picture(found):
+    figure, axes = subplots(width=5.2, height=3.3)
+    thickness = np.array([belt.thickness for belt in found])
+    exponent = np.array([belt.exponent for belt in found])
+    t = np.linspace(0.0, 1.05 * thickness.max(), 51)
+    axes.plot(t, found[0].exact / (1 + 0.5 * t), color=GREY, linestyle="--",
+              label="$\\mu\\varphi\\,R/(R + t/2)$")  # fmt: skip
+    axes.plot(0.0, found[0].exact, "s", color=VERMILION, label="$\\mu\\varphi$")
+    axes.plot(thickness, exponent, "o", color=BLUE, label="computed")
+    axes.set_xlabel("thickness / radius")
+    axes.set_ylabel("$\\ln(T_2 / T_1)$")
+    axes.legend()
+    return figure

@@ -1,0 +1,149 @@
+"""Finite differences for the sensitivity page, with the functions of ``run_scripts``."""
+
+import sys
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+import seal_mdao as sm
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "run_scripts"))
+
+from _estimates import error_scale, plateau
+from _finite_differences import (
+    SCHEMES,
+    Design,
+    Differences,
+    evaluation_noise,
+    measure_names,
+    measure_rates,
+    measure_values,
+)
+
+from seal_mdao.verification.gradients import design_away, second_order_limit
+
+__all__ = [
+    "SCHEMES", "Case", "Estimated", "Quotient", "at_step", "away", "case", "error_scale",
+    "estimate", "limit", "measure_names", "measure_rates",
+]  # fmt: skip
+
+TIGHT = sm.NewtonOptions(tolerance=1e-11)
+STEPS = (3e-5, 1e-5, 3e-6)
+"""Steps out of which the most certain derivative of every measure is taken, mm."""
+AWAY_STEPS = (2e-5, 7e-6)
+
+
+class Case(NamedTuple):
+    """A design analysed and differentiated.
+
+    Attributes
+    ----------
+    design : Design
+    result : SealResult
+    analytic : ndarray, shape (m, P)
+    """
+
+    design: Design
+    result: sm.SealResult
+    analytic: np.ndarray
+
+    def differences_in_state(self, other: sm.SealResult) -> int:
+        """Entries in which the contact sequences of two paths differ, -1 for other step numbers."""
+        here, there = self.result.path.contact_state, other.path.contact_state
+        return int(np.sum(here != there)) if here.shape == there.shape else -1
+
+
+def _case(model: sm.SealModel, values: np.ndarray) -> Case:
+    design = Design(model, values)
+    result = design.analyze(keep_factors=True)
+    return Case(design, result, measure_rates(sm.differentiate(result, method="direct")))
+
+
+@cache
+def away(seed: int) -> Case:
+    """A random design 0.3 mm away from the drawn seal."""
+    model = sm.door_seal(newton=TIGHT)
+    return _case(model, design_away(model, seed))
+
+
+@cache
+def case(radius: float | None = None, **changes) -> Case:
+    """The drawn seal, or another door radius or model; computed once."""
+    model = sm.door_seal(newton=TIGHT, **changes)
+    radius = model.drawn_door_radius if radius is None else radius
+    return _case(model, np.append(np.zeros(model.n_offsets), radius))
+
+
+class Quotient(NamedTuple):
+    """A second-order difference quotient.
+
+    Attributes
+    ----------
+    value : ndarray, shape (m,)
+    step : float
+    scheme : str
+        central, forward or backward.
+    changed : int
+        Contact states that differ along the paths of its analyses.
+    """
+
+    value: np.ndarray
+    step: float
+    scheme: str
+    changed: int
+
+
+def at_step(origin: Case, parameter: int, scheme: str, step: float) -> Quotient:
+    """One quotient, whatever the contact does."""
+    value, changed = 0.0, 0
+    for place, weight in SCHEMES[scheme]:
+        result = origin.result
+        if place != 0:
+            result = origin.design.moved(parameter, place * step).analyze()
+            changed += abs(origin.differences_in_state(result))
+        value = value + weight / step * measure_values(result)
+    return Quotient(value, step, scheme, changed)
+
+
+class Estimated(NamedTuple):
+    """Derivatives from finite differences.
+
+    Attributes
+    ----------
+    value : ndarray, shape (m,)
+    scheme : str
+        central, forward or backward.
+    """
+
+    value: np.ndarray
+    scheme: str
+
+
+@cache
+def noise() -> np.ndarray:
+    """Rounding of the drawn seal's measures."""
+    return evaluation_noise(case().design)
+
+
+def _differences(origin: Case, parameter: int, steps) -> Differences:
+    found = Differences(origin.design, origin.result, parameter, noise(), steps)
+    if found.same.sum() < 2:
+        raise RuntimeError(f"parameter {parameter}: the contact sequence changes at steps {steps}")
+    return found
+
+
+def estimate(origin: Case, parameter: int) -> Estimated:
+    """The most certain derivative out of the quotients that keep the contact sequence."""
+    found = _differences(origin, parameter, STEPS)
+    size = np.linalg.norm([weight for _, weight in SCHEMES[found.scheme]])
+    best = plateau(found.quotient[found.same], found.steps[found.same], size * noise())
+    return Estimated(best.value, found.scheme)
+
+
+def limit(origin: Case, parameter: int) -> Estimated:
+    """Quotients of two steps extrapolated to step zero."""
+    found = _differences(origin, parameter, AWAY_STEPS)
+    value = second_order_limit(found.steps[found.same], found.quotient[found.same])
+    return Estimated(value, found.scheme)

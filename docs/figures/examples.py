@@ -1,0 +1,55 @@
+"""The run scripts as a user runs them: their pictures and what they print."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "run_scripts"
+COMMANDS = {
+    "analysis": "analyze_door_seal.py --out out/analysis",
+    "sensitivities": (
+        "verify_sensitivities.py --parameters 2 25 --steps 1e-4 1e-5 1e-6 --repeats 2"
+        " --out out/sensitivities"
+    ),
+    "optimization": "optimize_door_seal.py --out out/optimization",
+    "history": "plot_history.py out/optimization/cases.sql --out out/history",
+}
+"""Command lines in the order in which they run."""
+REDUCED = {
+    "analysis": " --n-steps 21",
+    "sensitivities": " --n-steps 21 --parameters 25 --steps 1e-5 --repeats 1",
+    "optimization": " --n-steps 21 --max-iterations 2",
+    "history": "",
+}
+
+
+def make(out: Path, reduced: bool) -> dict:
+    """Run the scripts in ``out/examples`` and keep what they print as MyST fragments."""
+    folder, fragments = out / "examples", out / "fragments"
+    folder.mkdir(parents=True, exist_ok=True)
+    fragments.mkdir(parents=True, exist_ok=True)
+    for name, command in COMMANDS.items():
+        printed = run(command + (REDUCED[name] if reduced else ""), folder, reduced)
+        text = f"```text\n$ python run_scripts/{command}\n{printed.rstrip()}\n```\n"
+        (fragments / f"example_{name}.md").write_text(text, encoding="utf-8")
+    return {"commands": str(len(COMMANDS))}
+
+
+def run(command: str, folder: Path, unfinished: bool) -> str:
+    """What a script prints; with ``unfinished`` an optimisation may end at its iteration limit.
+
+    Raises
+    ------
+    RuntimeError
+        When it fails.
+    """
+    script, *arguments = command.split()
+    environment = {**os.environ, "OPENMDAO_REPORTS": "0", "OPENMDAO_WORKDIR": str(folder)}
+    done = subprocess.run(
+        [sys.executable, str(SCRIPTS / script), *arguments], cwd=folder, env=environment,
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if done.returncode not in ((0, 1) if unfinished else (0,)) or not done.stdout:
+        raise RuntimeError(f"{command} failed:\n{done.stdout}{done.stderr}")
+    return done.stdout

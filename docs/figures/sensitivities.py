@@ -1,0 +1,261 @@
+"""The sensitivity page: Table 1 for all parameters, step study, cost, agreement of both methods."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+
+import seal_mdao as sm
+from figures import straddling
+from figures.differences import (
+    SCHEMES,
+    Case,
+    at_step,
+    away,
+    case,
+    error_scale,
+    estimate,
+    limit,
+    measure_names,
+    measure_rates,
+)
+from figures.limits import within
+from figures.tables import percent, power, table
+from seal_mdao.plotting import save, step_study
+from seal_mdao.verification.two_methods import (
+    DOORS,
+    FRICTIONS,
+    PATHS,
+    analyze_case,
+    method_difference,
+)
+
+TAU = 1e-6
+"""Perturbation of the paper's Table 1, mm."""
+STUDIED = (2, 3, 17)
+AWAY_SEEDS, AWAY_PARAMETERS = (1, 3), (0, 4, 9, 13, 16, 20, 25)
+KNOT_PARAMETER, KNOT_STEPS = 17, (1e-3, 1e-4, 1e-5)
+STUDY_STEPS = np.array([1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6])
+SCALARS = {
+    "friction": 1e-4, "c10": 1e-3, "c01": 1e-3, "bulk_modulus": 20.0, "depth": 1e-4,
+    "normal_penalty": 5.0, "tangent_penalty": 1e-2,
+}  # fmt: skip
+"""Scalar parameters and the steps of their central differences."""
+
+
+def make(out: Path, reduced: bool) -> dict:
+    """Pictures, tables and numbers of the page."""
+    drawn = case()
+    parameters = range(24, 26) if reduced else range(26)
+    estimates = {p: estimate(drawn, p) for p in parameters}
+    steps = STUDY_STEPS[2 :: 3 if reduced else 1]
+    study = _study(drawn, STUDIED[:1] if reduced else STUDIED, steps)
+    save(step_study(steps, study), out / "step_study.png")
+    fragments = out / "fragments"
+    fragments.mkdir(parents=True, exist_ok=True)
+    (fragments / "table_1.md").write_text(table_1(drawn, estimates), encoding="utf-8")
+    numbers = _accuracy(drawn, estimates) | _cost(drawn, 1 if reduced else 5) | _agreement(drawn)
+    numbers |= _away(AWAY_PARAMETERS[:1] if reduced else AWAY_PARAMETERS) | _two_methods(reduced)
+    numbers["knot"] = knot_table(reduced)
+    numbers["scalars"] = scalar_table(drawn, ("friction",) if reduced else SCALARS)
+    return numbers | straddling.make(out, reduced)
+
+
+# ---- Table 1 ----
+
+
+def _rows(names) -> list[int]:
+    """Measures that Table 1 lists: all but the single gaps."""
+    return [i for i, name in enumerate(names) if name == "gap_square_sum" or name[:4] != "gap_"]
+
+
+def symbol(name: str) -> str:
+    """A measure as the paper writes it."""
+    if name.startswith("von_mises"):
+        return f"$\\sigma_{{{name.split('_')[-1]}}}$"
+    return {
+        "area": "Area", "gap_square_sum": "$\\sum g_n^2$", "reaction_x": "$F_x$",
+        "reaction_y": "$F_y$",
+    }[name]  # fmt: skip
+
+
+def table_1(drawn: Case, estimates: dict) -> str:
+    """The paper's Table 1 for every parameter."""
+    names, rows = measure_names(drawn.result), []
+    for p, found in estimates.items():
+        rows.append([f"**$u_{{{p + 1}}}$**", "", "", ""])
+        for i in _rows(names):
+            exact, value = drawn.analytic[i, p], found.value[i]
+            ratio = "–" if exact == 0.0 else f"{100 * value / exact:.2f}"
+            rows.append([symbol(names[i]), f"{TAU * value:.6e}", f"{TAU * exact:.6e}", ratio])
+    head = ["$\\Psi$", "$\\Delta\\Psi$", "$\\Psi'$", "$(\\Delta\\Psi/\\Psi') \\times 100$"]
+    return table(head, rows, "sensitivity")
+
+
+def _errors(origin: Case, estimates: dict) -> np.ndarray:
+    """Relative errors, shape (m, parameters)."""
+    columns = list(estimates)
+    value = np.array([found.value for found in estimates.values()]).T
+    scale = error_scale(origin.analytic)[:, columns]
+    return np.abs(value - origin.analytic[:, columns]) / scale
+
+
+def _accuracy(drawn: Case, estimates: dict) -> dict:
+    error = _errors(drawn, estimates)
+    gap = measure_names(drawn.result).index("gap_square_sum")
+    central = np.array([found.scheme == "central" for found in estimates.values()])
+    within("differences_gap", error[gap, central].max())
+    return {
+        "worst": power(within("differences", error.max())),
+        "worst_central": power(error[:, central].max()),
+        "worst_gap": power(error[gap, central].max()),
+        "worst_gap_one_sided": power(error[gap, ~central].max(initial=0.0)),
+        "entries": str(error.size),
+        "one_sided": str(np.sum(~central)),
+    }
+
+
+def _away(parameters) -> dict:
+    """The largest errors at designs away from the drawn seal."""
+    rows = []
+    for seed in AWAY_SEEDS:
+        origin = away(seed)
+        error = _errors(origin, {p: limit(origin, p) for p in parameters})
+        gap = measure_names(origin.result).index("gap_square_sum")
+        worst = within("differences", error.max()), within("differences_gap", error[gap].max())
+        square = f"{origin.result.gap_square_sum:.4f}"
+        rows.append([str(seed), square, str(error.size), *(power(value) for value in worst)])
+    head = ["design", "$\\sum g_n^2$ (mm²)", "derivatives", "all measures", "$\\sum g_n^2$"]
+    return {"away_table": table(head, rows)}
+
+
+def knot_table(reduced: bool) -> str:
+    """Errors of one stress derivative with the kernel's knot on the neighbours and beside it."""
+    rows = []
+    for step in KNOT_STEPS[2:] if reduced else KNOT_STEPS:
+        row = [power(step, 0)]
+        for support in (2.0, 2.05):
+            origin = case(support=support)
+            names = measure_names(origin.result)
+            i = names.index(KNOT_MEASURE) if KNOT_MEASURE in names else 1
+            found = at_step(origin, KNOT_PARAMETER, "central", step)
+            exact = origin.analytic[i, KNOT_PARAMETER]
+            row.append(power(abs(found.value[i] / exact - 1.0)))
+        rows.append(row)
+    return table(["step (mm)", "`support=2.0`", "`support=2.05`"], rows)
+
+
+KNOT_MEASURE = "von_mises_47"
+
+
+def group_of(name: str) -> str:
+    """Which curve of the step study a measure belongs to."""
+    if name == KNOT_MEASURE:
+        return "stress at 47"
+    for start, group in (
+        ("von_mises", "other stresses"), ("gap_square_sum", "sum of squared gaps"),
+        ("gap", "gaps"), ("reaction", "reactions"),
+    ):  # fmt: skip
+        if name.startswith(start):
+            return group
+    return name
+
+
+def _study(drawn: Case, parameters, steps) -> dict:
+    """Relative errors of plain central quotients, (derivatives, steps), by group of measures."""
+    scale, groups = error_scale(drawn.analytic), {}
+    for p in parameters:
+        found = [at_step(drawn, p, "central", step) for step in steps]
+        value = np.array([np.where(f.changed, np.nan, f.value) for f in found])
+        error = np.abs(value - drawn.analytic[:, p]) / scale[:, p]
+        for name, column in zip(measure_names(drawn.result), error.T, strict=True):
+            if name != "area":
+                groups.setdefault(group_of(name), []).append(column)
+    return {name: np.array(rows) for name, rows in groups.items()}
+
+
+# ---- cost and agreement ----
+
+
+def _cost(drawn: Case, repeats: int) -> dict:
+    """Median times of both methods for 26 parameters over that of the analysis."""
+    times = []
+    for _ in range(repeats):
+        stamps = [time.perf_counter()]
+        result = drawn.design.analyze(keep_factors=True)
+        stamps.append(time.perf_counter())
+        for method in ("direct", "adjoint"):
+            sm.differentiate(result, method=method)
+            stamps.append(time.perf_counter())
+        times.append(np.diff(stamps))
+    analysis, direct, adjoint = np.median(times, axis=0)
+    return {
+        "direct_cost": percent(direct / analysis, 0),
+        "each_cost": percent(direct / analysis / 26, 1),
+        "adjoint_cost": percent(adjoint / analysis, 0),
+    }
+
+
+def _agreement(drawn: Case) -> dict:
+    adjoint = measure_rates(sm.differentiate(drawn.result, method="adjoint"))
+    difference = np.abs(adjoint - drawn.analytic) / error_scale(drawn.analytic)
+    return {"direct_adjoint": power(within("two_methods", difference.max()))}
+
+
+def _two_methods(reduced: bool) -> dict:
+    """Largest differences of both methods over all friction and door cases."""
+    frictions = ("accumulated",) if reduced else FRICTIONS
+    rows, worst = [], 0.0
+    for friction in frictions:
+        for path in PATHS:
+            results = [analyze_case(friction, door, path) for door in DOORS]
+            found = [within("two_methods", method_difference(result)) for result in results]
+            cuts = ", ".join(str(result.step_cuts) for result in results)
+            rows.append([friction, path, cuts, *(power(value) for value in found)])
+            worst = max(worst, *found)
+    head = ["friction", "path", "cuts", *DOORS]
+    return {"two_methods_table": table(head, rows), "two_methods": power(worst)}
+
+
+# ---- parameters beyond shape ----
+
+
+def scalar_table(drawn: Case, names) -> str:
+    """Differences beside analytic derivatives with respect to the scalar parameters."""
+    rates = sm.differentiate(drawn.result, tuple(names), method="direct")
+    rows = []
+    for name in names:
+        scheme, value = _scalar_quotient(drawn, name)
+        column = rates.parameters.index(name)
+        exact = np.array([
+            rates.gap_square_sum[column], rates.reaction[1, column], rates.von_mises[0, column],
+        ])  # fmt: skip
+        for i, measure in enumerate(("$\\sum g_n^2$", "$F_y$", "largest stress")):
+            label = f"`{name}`" + (f" ({scheme})" if scheme != "central" else "")
+            ratio = f"{100 * value[i] / exact[i]:.4f}"
+            rows.append([
+                "" if i else label, measure, f"{value[i]:.6e}", f"{exact[i]:.6e}", ratio,
+            ])  # fmt: skip
+    head = ["parameter", "measure", "difference", "analytic", "ratio, %"]
+    return table(head, rows, "sensitivity")
+
+
+def _scalar_quotient(drawn: Case, name: str):
+    """The first scheme that keeps the contact sequence, and its quotients of three measures."""
+    for scheme, places in SCHEMES.items():
+        results = [_scalar_result(drawn, name, place * SCALARS[name]) for place, _ in places]
+        if all(drawn.differences_in_state(result) == 0 for result in results):
+            weights = [weight / SCALARS[name] for _, weight in places]
+            return scheme, np.array(weights) @ [_three_measures(result) for result in results]
+    raise RuntimeError(f"{name}: every quotient alters the contact sequence")
+
+
+def _scalar_result(drawn: Case, name: str, change: float) -> sm.SealResult:
+    model = drawn.design.model
+    owner = model.material if hasattr(model.material, name) else model
+    changed = model.with_parameters({name: getattr(owner, name) + change})
+    return sm.seal.analyze_particles(changed, drawn.result.particles, points=drawn.result.points)
+
+
+def _three_measures(result: sm.SealResult) -> list:
+    return [result.gap_square_sum, result.reaction[-1, 1], result.von_mises[0]]

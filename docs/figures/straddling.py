@@ -1,0 +1,110 @@
+"""A finite difference that straddles a change of the contact sequence, along the door's radius."""
+
+from pathlib import Path
+
+import numpy as np
+
+from figures.differences import Case, at_step, case, measure_names
+from figures.tables import power, table
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, styled, subplots
+
+RADII = np.linspace(4.002, 4.006, 13)
+PARAMETER = 25
+AWAY = 5e-4
+"""Distance from the change at which the differences are taken, mm."""
+STEPS = (2e-3, 1e-3, 6e-4, 4e-4, 1e-4, 1e-5)
+
+
+def _row(origin: Case) -> int:
+    return measure_names(origin.result).index("gap_square_sum")
+
+
+def slope(radius: float) -> float:
+    """Analytic derivative of the sum of squared gaps in the door's radius."""
+    found = case(radius)
+    return found.analytic[_row(found), PARAMETER]
+
+
+def find_change(radii, halvings: int) -> tuple[float, float]:
+    """The two radii, near to each other, between which the derivative jumps most."""
+    slopes = np.array([slope(r) for r in radii])
+    first = int(np.argmax(np.abs(np.diff(slopes))))
+    low, high = radii[first], radii[first + 1]
+    below, above = slopes[first], slopes[first + 1]
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        value = slope(middle)
+        if abs(value - below) < abs(value - above):
+            low, below = middle, value
+        else:
+            high, above = middle, value
+    return low, high
+
+
+def changed_points(low: Case, high: Case) -> str:
+    """Which contact states differ, in words."""
+    words = ("open", "sticks", "slips")
+    here, there = low.result.path.contact_state, high.result.path.contact_state
+    travel = low.result.door_travel
+    return "; ".join(
+        f"contact point {p}, {words[here[s, p]]} below and {words[there[s, p]]} above, in the step "
+        f"to {travel[s]:.1f} mm"
+        for s, p in np.argwhere(here != there)
+    )
+
+
+def make(out: Path, reduced: bool) -> dict:
+    """Picture, table and numbers."""
+    radii = RADII[::4] if reduced else RADII
+    low, high = find_change(radii, 4 if reduced else 10)
+    origin = case(low - AWAY)
+    row = _row(origin)
+    exact = origin.analytic[row, PARAMETER]
+    rows, shown = [], {}
+    for step in STEPS[2:4] if reduced else STEPS:
+        found = at_step(origin, PARAMETER, "central", step)
+        error = abs(found.value[row] / exact - 1.0)
+        shown[step] = found.value[row]
+        rows.append([power(step, 0), str(found.changed), f"{found.value[row]:.6f}", power(error)])
+    save(picture(radii, low, high, origin, shown), out / "straddling.png")
+    beyond = case(high)
+    check = at_step(beyond, PARAMETER, "forward", 1e-6)
+    head = ["step (mm)", "states that differ", "difference quotient", "relative error"]
+    return {
+        "straddle_radius": f"{0.5 * (low + high):.6f}",
+        "straddle_where": changed_points(case(low), beyond),
+        "straddle_below": f"{slope(low):.4f}",
+        "straddle_above": f"{slope(high):.4f}",
+        "straddle_forward": f"{check.value[row]:.4f}",
+        "straddle_table": table(head, rows),
+        "straddle_exact": f"{exact:.6f}",
+    }
+
+
+@styled
+def picture(radii, low: float, high: float, origin: Case, quotients: dict):
+    figure, (left, right) = subplots(1, 2, width=10.0, height=3.8)
+    at = np.sort(np.concatenate([radii, [low, high]]))
+    value = 1e3 * np.array([case(r).result.gap_square_sum for r in at])
+    left.plot(at, value, "o-", color=BLUE, markersize=3)
+    left.set_ylabel("sum of squared gaps ($10^{-3}$ mm²)")
+    for side, label in ((at <= low, "analytic derivative"), (at >= high, None)):
+        slopes = [slope(r) for r in at[side]]
+        right.plot(at[side], slopes, "o-", color=BLUE, markersize=3, label=label)
+    radius = origin.design.values[-1]
+    for step, quotient in quotients.items():
+        straddles = radius + step > high
+        ends = [radius - step, radius + step]
+        right.plot(
+            ends, [quotient, quotient], color=VERMILION if straddles else GREY, linewidth=1.4,
+            marker="|", markersize=7,
+        )  # fmt: skip
+    right.plot([], [], color=VERMILION, marker="|", label="difference across the change")
+    right.plot([], [], color=GREY, marker="|", label="difference beside it")
+    right.set_ylabel("its derivative (mm)")
+    right.legend(loc="lower left")
+    for axes in (left, right):
+        axes.axvline(0.5 * (low + high), color=GREY, linestyle=":", linewidth=1.0)
+        axes.set_xlabel("door radius (mm)")
+        axes.set_xlim(radii[0] - 3e-4, radii[-1] + 3e-4)
+    return figure

@@ -1,0 +1,24 @@
+"""Numbers and tables as MyST text."""
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def power(value: float, digits: int = 1) -> str:
+    """A small or large number as text, such as 2.3 × 10⁻⁷."""
+    if value == 0.0:
+        return "0"
+    mantissa, exponent = f"{value:.{digits}e}".split("e")
+    ten = f"10{str(int(exponent)).translate(SUPERSCRIPT)}"
+    return ten if mantissa == "1" else f"{mantissa} × {ten}"
+
+
+def percent(value: float, digits: int = 2) -> str:
+    """A share as text."""
+    return f"{100 * value:.{digits}f} %"
+
+
+def table(header, rows, name: str = "") -> str:
+    """A pipe table; no cell may hold a pipe."""
+    lines = [header, ["---"] * len(header), *rows]
+    text = "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+    return f"{{.{name}}}\n{text}\n" if name else text + "\n"
