@@ -49,7 +49,7 @@ def report_end(history: RecordedOptimization, numbers: dict) -> None:
     """Two lines about the last design."""
     kind = "major iterations" if history.major else "evaluations"
     print(
-        f"{len(history.objective) - 1} {kind}: sum of squared gaps at "
+        f"{len(history.objective) - 1} {kind}: cost at "
         f"{100 * numbers['objective_ratio']:.4f} % of its start, "
         f"largest constraint violation {numbers['max_constraint_violation']:.1e}"
     )

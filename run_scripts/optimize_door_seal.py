@@ -28,9 +28,18 @@ from seal_mdao.report.write import write_report
 FEASIBLE = 1e-3
 """Largest relative constraint violation of a design that counts as feasible."""
 
+PROBLEM_FLAGS = {
+    "keep_force": "keep the vertical reaction at the end of the path within 10 % of its start",
+    "clamp_load": "keep the whole load curve: the reaction at 2, 4, 6, 8 and 10 mm within 10 %",
+    "pressure_floor": "keep half of the drawn seal's contact pressure in each patch",
+    "stress_norm": "limit the p-norm of the stress of the whole section, not seven stresses",
+    "gap_integral": "minimise the integral of g^2 over the opened stretch, not a sum over points",
+}
+
 
 def main(arguments) -> int:
-    settings, optimizer = {"keep_force": arguments.keep_force}, arguments.optimizer
+    settings = {name: getattr(arguments, name) for name in PROBLEM_FLAGS}
+    optimizer = arguments.optimizer
     if arguments.restart:
         recorded, optimizer = recorded_run(arguments)
         model, settings = recorded.model, recorded.settings
@@ -103,10 +112,9 @@ def arguments_parser():
     made = parser(__doc__, "out/optimization")
     add_model_arguments(made)
     made.add_argument("--optimizer", choices=sorted(OPTIMIZERS), default="SLSQP", help="method")
-    made.add_argument(
-        "--keep-force", action="store_true",
-        help="keep the vertical reaction at the end of the path within 10 %% of its start",
-    )  # fmt: skip
+    for name, text in PROBLEM_FLAGS.items():
+        flag = f"--{name.replace('_', '-')}"
+        made.add_argument(flag, action="store_true", help=text.replace("%", "%%"))
     made.add_argument(
         "--max-iterations", type=int, metavar="N",
         help="largest number of iterations, those before a restart included",

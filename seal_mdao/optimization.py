@@ -12,6 +12,7 @@ from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.drivers.ipopt_driver import IpoptDriver
 from seal_mdao.drivers.run_support import RunSupport
 from seal_mdao.drivers.slsqp_driver import ResilientSLSQPDriver
+from seal_mdao.dsa.sensitivity import measured
 from seal_mdao.model import OFFSET_BOUND, SealModel
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.seal import SealResult, analyze
@@ -21,7 +22,9 @@ AREA_LIMIT = 110.0
 STRESS_SHARE, STRESS_FLOOR = 0.8, 100.0
 """Each stress has to fall to this share of its start, but not below the floor (kPa)."""
 FORCE_BAND = 0.1
-"""Relative change of the vertical reaction that ``keep_force`` allows."""
+"""Relative change of the vertical reaction that ``keep_force`` and ``clamp_load`` allow."""
+PRESSURE_SHARE = 0.5
+"""Share of the drawn seal's contact pressure that ``pressure_floor`` asks of each patch."""
 
 OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
@@ -58,8 +61,8 @@ class Limits:
         Upper limit, mm^2.
     von_mises : ndarray, shape (7,)
         Upper limits, kPa.
-    force : tuple of float
-        Lower and upper limit of the vertical reaction when it is kept, N/m.
+    further : dict of str to ndarray
+        Values of the drawn seal of the optional measures asked for.
     door_radius : tuple of float
         Bounds, mm.
     """
@@ -67,12 +70,18 @@ class Limits:
     gap_square_sum: float
     area: float
     von_mises: np.ndarray
-    force: tuple
     door_radius: tuple
+    further: dict
 
 
-def problem_limits(drawn: SealResult) -> Limits:
+def problem_limits(drawn: SealResult, measures=()) -> Limits:
     """Limits that follow from the analysis of the drawn seal.
+
+    Parameters
+    ----------
+    drawn : SealResult
+    measures : sequence of str
+        Optional measures that the problem uses.
 
     Raises
     ------
@@ -85,13 +94,13 @@ def problem_limits(drawn: SealResult) -> Limits:
             "no contact point of the drawn seal stands open between others in contact, so the gap "
             "to minimise is zero; choose a larger depth"
         )
-    force, radius = drawn.reaction[-1, 1], model.drawn_door_radius
+    radius = model.drawn_door_radius
     return Limits(
         gap_square_sum=cost,
         area=AREA_LIMIT,
         von_mises=np.maximum(STRESS_SHARE * drawn.von_mises, STRESS_FLOOR),
-        force=((1 - FORCE_BAND) * force, (1 + FORCE_BAND) * force),
         door_radius=(radius - OFFSET_BOUND, radius + OFFSET_BOUND),
+        further={name: measured(drawn, name) for name in measures},
     )
 
 
@@ -99,6 +108,10 @@ def seal_problem(
     model: SealModel,
     *,
     keep_force: bool = False,
+    clamp_load: bool = False,
+    pressure_floor: bool = False,
+    stress_norm: bool = False,
+    gap_integral: bool = False,
     driver: Driver | None = None,
     recorder=None,
     callback=None,
@@ -112,6 +125,14 @@ def seal_problem(
     model : SealModel
     keep_force : bool
         Keep the vertical reaction at the end of the path within 10 % of its start.
+    clamp_load : bool
+        Keep the whole load curve: the same at 2, 4, 6, 8 and 10 mm, as far as the door goes.
+    pressure_floor : bool
+        Keep half of the drawn seal's contact pressure in each patch.
+    stress_norm : bool
+        Limit the p-norm of the stress of all particles instead of seven stresses.
+    gap_integral : bool
+        Minimise the integral of g^2 over the opened stretch instead of the sum over points.
     driver : Driver, optional
         SLSQP when left out.
     recorder : str, Path or CaseRecorder, optional
@@ -137,15 +158,25 @@ def seal_problem(
     """
     drawn = analyze(model)
     drawn.require_converged()
-    limits = problem_limits(drawn)
+    chosen = {
+        "reaction_curve": clamp_load, "patch_pressure": pressure_floor,
+        "stress_norm": stress_norm, "gap_square_integral": gap_integral,
+    }  # fmt: skip
+    measures = tuple(name for name, wanted in chosen.items() if wanted)
+    limits = problem_limits(drawn, measures)
     options = {} if work_dir is None else {"work_dir": str(work_dir)}
     problem = om.Problem(
-        SealGroup(model=model, callback=callback), driver=driver or slsqp_driver(), reports=reports,
-        **options,
+        SealGroup(model=model, callback=callback, measures=measures),
+        driver=driver or slsqp_driver(), reports=reports, **options,
     )  # fmt: skip
     _add_variables(problem.model, limits)
-    _add_responses(problem.model, limits, keep_force)
-    settings = {"keep_force": keep_force}
+    _add_responses(problem.model, limits)
+    if keep_force:
+        _add_band(problem.model, "reaction", drawn.reaction[-1, 1:], indices=[1])
+    settings = {
+        "keep_force": keep_force, "clamp_load": clamp_load, "pressure_floor": pressure_floor,
+        "stress_norm": stress_norm, "gap_integral": gap_integral,
+    }  # fmt: skip
     problem.model.options.declare(PROBLEM_OPTION, default=json.dumps(settings), types=str)
     if recorder is not None:
         _record(problem, recorder)
@@ -160,13 +191,33 @@ def _add_variables(group: om.Group, limits: Limits) -> None:
     group.add_design_var("door_radius", lower=low, upper=high, ref0=middle, ref=middle + 1.0)
 
 
-def _add_responses(group: om.Group, limits: Limits, keep_force: bool) -> None:
-    group.add_objective("gap_square_sum", ref=OBJECTIVE_REF * limits.gap_square_sum)
+def _add_responses(group: om.Group, limits: Limits) -> None:
+    """Objective and constraints; the optional measures take the place of their simple forms."""
+    further = limits.further
+    if "gap_square_integral" in further:
+        start = float(further["gap_square_integral"][0])
+        group.add_objective("gap_square_integral", ref=OBJECTIVE_REF * start)
+    else:
+        group.add_objective("gap_square_sum", ref=OBJECTIVE_REF * limits.gap_square_sum)
     group.add_constraint("area", upper=limits.area, ref=limits.area)
-    group.add_constraint("von_mises", upper=limits.von_mises, ref=limits.von_mises)
-    if keep_force:
-        low, high = limits.force
-        group.add_constraint("reaction", indices=[1], lower=low, upper=high, ref=0.5 * (low + high))
+    if "stress_norm" in further:
+        upper = max(STRESS_SHARE * float(further["stress_norm"][0]), STRESS_FLOOR)
+        group.add_constraint("stress_norm", upper=upper, ref=upper)
+    else:
+        group.add_constraint("von_mises", upper=limits.von_mises, ref=limits.von_mises)
+    if "reaction_curve" in further:
+        _add_band(group, "reaction_curve", further["reaction_curve"])
+    if "patch_pressure" in further:
+        floor = PRESSURE_SHARE * further["patch_pressure"]
+        group.add_constraint("patch_pressure", lower=floor, ref=floor)
+
+
+def _add_band(group: om.Group, name: str, start: np.ndarray, indices=None) -> None:
+    """Keep forces within ``FORCE_BAND`` of their start."""
+    group.add_constraint(
+        name, indices=indices, lower=(1 - FORCE_BAND) * start, upper=(1 + FORCE_BAND) * start,
+        ref=start,
+    )  # fmt: skip
 
 
 def _record(problem: om.Problem, recorder) -> None:

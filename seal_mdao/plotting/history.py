@@ -46,7 +46,7 @@ def cost_history(history: RecordedOptimization) -> Figure:
             )  # fmt: skip
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{100 * v:g} %"))
-    axes.set_ylabel("sum of squared gaps / its start")
+    axes.set_ylabel("cost / its start")
     _iteration_axis(axes, history)
     axes.legend(loc="lower left")
     return figure

@@ -10,6 +10,10 @@ FEASIBLE = 1e-3
 """Largest relative violation of a limit that counts as satisfied."""
 NAMES = {
     "gap_square_sum": "sum of squared gaps",
+    "gap_square_integral": "integral of the squared gap",
+    "stress_norm": "norm of all stresses",
+    "patch_pressure": "contact pressure of patch",
+    "reaction_curve": "vertical reaction along the path",
     "area": "area of the section",
     "reaction": "vertical reaction",
     "boundary_offsets": "boundary offsets",
