@@ -58,7 +58,14 @@ exclude_patterns = ["_build", "_generated/fragments", "Thumbs.db", ".DS_Store"]
 # napoleon refers to attributes by their bare names, of which there are several
 suppress_warnings = ["ref.python"]
 
-myst_enable_extensions = ["dollarmath", "amsmath", "substitution", "colon_fence", "attrs_inline"]
+myst_enable_extensions = [
+    "dollarmath",
+    "amsmath",
+    "substitution",
+    "colon_fence",
+    "attrs_block",
+    "attrs_inline",
+]
 myst_heading_anchors = 3
 myst_substitutions = {
     path.stem: json.loads(path.read_text(encoding="utf-8"))

@@ -176,7 +176,7 @@ def run_scripts(folder: Path = ROOT / "run_scripts") -> str:
     parts = []
     for path in sorted(folder.glob("[!_]*.py")):
         summary = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
-        parts += [f"## {path.name}\n", summary.split("\n\n")[0] + "\n"]
+        parts += [f"### {path.name}\n", summary.split("\n\n")[0] + "\n"]
         parts += ["```text", script_help(path).rstrip(), "```\n"]
     return "\n".join(parts)
 

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "run_scripts"
@@ -31,7 +32,8 @@ def make(out: Path, reduced: bool) -> dict:
     fragments.mkdir(parents=True, exist_ok=True)
     for name, command in COMMANDS.items():
         printed = run(command + (REDUCED[name] if reduced else ""), folder, reduced)
-        text = f"```text\n$ python run_scripts/{command}\n{printed.rstrip()}\n```\n"
+        shown = " \\\n    ".join(textwrap.wrap(f"$ python run_scripts/{command}", 82))
+        text = f"```text\n{shown}\n{printed.rstrip()}\n```\n"
         (fragments / f"example_{name}.md").write_text(text, encoding="utf-8")
     return {"commands": str(len(COMMANDS))}
 

@@ -38,7 +38,8 @@ def make(out: Path, reduced: bool) -> dict:
 
 def _steps(out: Path, reduced: bool) -> dict:
     steps = STEPS[:2] if reduced else STEPS
-    found = {"incremental": refine_steps("incremental", steps)}
+    more = () if reduced else (800, 1600, 3200)
+    found = {"incremental": refine_steps("incremental", (*steps, *more))}
     found["accumulated"] = refine_steps("accumulated", (*steps, 4 * steps[-1]))
     save(step_picture(found), out / "step_refinement.png")
     numbers = {}
@@ -66,7 +67,7 @@ def step_picture(found: dict):
     looks = (("accumulated", BLUE, "o-"), ("incremental", VERMILION, "s--"))
     for rule, color, style in looks:
         study = found[rule]
-        left.semilogx(study.steps, study.gap_square_sum, style, color=color, label=rule, base=2)
+        left.loglog(study.steps, study.gap_square_sum, style, color=color, label=rule, base=2)
     left.set_ylabel("sum of squared gaps (mm²)")
     study = found["accumulated"]
     for column, name in enumerate(NAMES):
@@ -79,7 +80,9 @@ def step_picture(found: dict):
     right.set_xticks(study.steps[:-1], [str(n) for n in study.steps[:-1]])
     right.set_yscale("log", base=10)
     right.set_ylim(bottom=study.errors.min() / 60.0)
-    left.set_xticks(study.steps, [str(n) for n in study.steps])
+    left.set_yscale("log", base=10)
+    steps = found["incremental"].steps
+    left.set_xticks(steps, [str(n) for n in steps])
     right.set_title("accumulated", fontsize=10)
     right.set_ylabel(f"distance from {study.steps[-1]} steps, relative")
     for axes in (left, right):

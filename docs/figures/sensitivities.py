@@ -21,7 +21,7 @@ from figures.differences import (
 )
 from figures.limits import within
 from figures.tables import percent, power, table
-from seal_mdao.plotting import save, step_study
+from seal_mdao.plotting import save, sensitivity_errors, step_study
 from seal_mdao.verification.two_methods import (
     DOORS,
     FRICTIONS,
@@ -51,6 +51,7 @@ def make(out: Path, reduced: bool) -> dict:
     steps = STUDY_STEPS[2 :: 3 if reduced else 1]
     study = _study(drawn, STUDIED[:1] if reduced else STUDIED, steps)
     save(step_study(steps, study), out / "step_study.png")
+    save(error_map(drawn, estimates), out / "sensitivity_errors.png")
     fragments = out / "fragments"
     fragments.mkdir(parents=True, exist_ok=True)
     (fragments / "table_1.md").write_text(table_1(drawn, estimates), encoding="utf-8")
@@ -113,6 +114,16 @@ def _accuracy(drawn: Case, estimates: dict) -> dict:
         "entries": str(error.size),
         "one_sided": str(np.sum(~central)),
     }
+
+
+def error_map(drawn: Case, estimates: dict):
+    """Relative errors of all derivatives as a picture."""
+    one_sided = np.array([found.scheme != "central" for found in estimates.values()])
+    names = [f"$u_{{{p + 1}}}$" for p in estimates]
+    return sensitivity_errors(
+        _errors(drawn, estimates), measure_names(drawn.result), names, np.ones(len(names), bool),
+        one_sided,
+    )  # fmt: skip
 
 
 def _away(parameters) -> dict:

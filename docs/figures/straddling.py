@@ -6,7 +6,7 @@ import numpy as np
 
 from figures.differences import Case, at_step, case, measure_names
 from figures.tables import power, table
-from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, styled, subplots
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, signed, styled, subplots
 
 RADII = np.linspace(4.002, 4.006, 13)
 PARAMETER = 25
@@ -73,9 +73,9 @@ def make(out: Path, reduced: bool) -> dict:
     return {
         "straddle_radius": f"{0.5 * (low + high):.6f}",
         "straddle_where": changed_points(case(low), beyond),
-        "straddle_below": f"{slope(low):.4f}",
-        "straddle_above": f"{slope(high):.4f}",
-        "straddle_forward": f"{check.value[row]:.4f}",
+        "straddle_below": signed(slope(low), 4),
+        "straddle_above": signed(slope(high), 4),
+        "straddle_forward": signed(check.value[row], 4),
         "straddle_table": table(head, rows),
         "straddle_exact": f"{exact:.6f}",
     }
@@ -102,9 +102,9 @@ def picture(radii, low: float, high: float, origin: Case, quotients: dict):
     right.plot([], [], color=VERMILION, marker="|", label="difference across the change")
     right.plot([], [], color=GREY, marker="|", label="difference beside it")
     right.set_ylabel("its derivative (mm)")
-    right.legend(loc="lower left")
     for axes in (left, right):
         axes.axvline(0.5 * (low + high), color=GREY, linestyle=":", linewidth=1.0)
         axes.set_xlabel("door radius (mm)")
         axes.set_xlim(radii[0] - 3e-4, radii[-1] + 3e-4)
+    figure.legend(loc="outside lower right", ncols=3)
     return figure

@@ -1,5 +1,7 @@
 """Numbers and tables as MyST text."""
 
+import re
+
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -17,8 +19,13 @@ def percent(value: float, digits: int = 2) -> str:
     return f"{100 * value:.{digits}f} %"
 
 
+def _cell(value) -> str:
+    """With a real minus sign before a number."""
+    return re.sub(r"^-(?=[\d.])", "\N{MINUS SIGN}", str(value))
+
+
 def table(header, rows, name: str = "") -> str:
     """A pipe table; no cell may hold a pipe."""
     lines = [header, ["---"] * len(header), *rows]
-    text = "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+    text = "\n".join("| " + " | ".join(map(_cell, line)) + " |" for line in lines)
     return f"{{.{name}}}\n{text}\n" if name else text + "\n"
