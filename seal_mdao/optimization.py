@@ -29,20 +29,36 @@ PRESSURE_SHARE = 0.5
 OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
 TOLERANCE = 1e-6
-"""The optimisers' accuracy, in units of the scaled objective."""
+"""Accuracy of objective (SLSQP) and constraints (IPOPT), scaled."""
+OPTIMALITY = 1e-3
+"""Largest entry of the scaled Lagrangian's gradient at which IPOPT stops; SLSQP at twice this.
+
+The cost is zero where the gap is closed, and its derivative jumps where a contact state changes: a
+closed gap leaves about this much.
+"""
+MOVE_LIMIT = 0.2
+"""Largest change of a variable in an iteration of SLSQP, mm."""
 PROBLEM_OPTION = "problem_settings"
 """Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
 as JSON: what a restart needs to set up the same problem again."""
 
 
-def slsqp_driver(max_iterations: int = 50) -> Driver:
-    """SLSQP that backs off when an analysis fails."""
-    return ResilientSLSQPDriver(tol=TOLERANCE, maxiter=max_iterations, disp=False)
+def slsqp_driver(max_iterations: int = 60) -> Driver:
+    """SLSQP that backs off when an analysis fails, and stops at optimality.
+
+    The move limit holds the first steps back: contact is lost or gained within tenths of a mm.
+    """
+    return ResilientSLSQPDriver(
+        tol=TOLERANCE, maxiter=max_iterations, move_limit=MOVE_LIMIT, require_optimality=True,
+        optimality_tol=2 * OPTIMALITY, disp=False,
+    )  # fmt: skip
 
 
-def ipopt_driver(max_iterations: int = 200) -> Driver:
+def ipopt_driver(max_iterations: int = 100) -> Driver:
     """IPOPT; needs the extra ``ipopt``."""
-    return IpoptDriver(tol=TOLERANCE, maxiter=max_iterations, disp=False)
+    driver = IpoptDriver(tol=OPTIMALITY, maxiter=max_iterations, disp=False)
+    driver.opt_settings["constr_viol_tol"] = TOLERANCE
+    return driver
 
 
 OPTIMIZERS = {"SLSQP": slsqp_driver, "IPOPT": ipopt_driver}
