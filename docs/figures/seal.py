@@ -8,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 
 import seal_mdao as sm
 from seal_mdao.geometry.section import ray_directions
-from seal_mdao.plotting import deformed_shapes, gap_profile, reaction_curve, section
+from seal_mdao.plotting import deformed_shapes, section
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION, save, styled, subplots
 
 
@@ -24,16 +24,10 @@ def make(out: Path, reduced: bool) -> dict:
     save(geometry(result), out / "geometry.png")
     save(newton(result), out / "newton.png")
     save(deformed_shapes(result), out / "deformed_shapes.png")
-    save(reaction_curve(result), out / "reaction_curve.png")
-    save(gap_profile(result, earlier=(6.0, 8.0)), out / "gap_profile.png")
     return {
-        "iterations": str(result.newton_iterations.sum()),
-        "cuts": str(result.step_cuts),
         "gap_square_sum": f"{result.gap_square_sum:.4f}",
         "max_gap": f"{result.gap.max():.3f}",
-        "area": f"{result.area:.3f}",
         "force": f"{result.reaction[-1, 1]:.2f}",
-        "stress": f"{result.von_mises.max():.1f}",
     }
 
 

@@ -55,8 +55,8 @@ def changed_points(low: Case, high: Case) -> str:
 
 def make(out: Path, reduced: bool) -> dict:
     """Picture, table and numbers."""
-    radii = RADII[::4] if reduced else RADII
-    low, high = find_change(radii, 4 if reduced else 10)
+    radii = RADII[::12] if reduced else RADII
+    low, high = find_change(radii, 0 if reduced else 10)
     origin = case(low - AWAY)
     row = _row(origin)
     exact = origin.analytic[row, PARAMETER]
