@@ -7,6 +7,7 @@ same bits whatever was computed before.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -110,6 +111,8 @@ def solve_path(
             if status is not Status.CONVERGED:
                 if share * 0.5 < 0.5**options.max_cuts:
                     failure = _describe(problem, status, nominal, end, target, residuals)
+                    # nothing is differentiated; an exception that holds the path stays small
+                    steps = [replace(step, factor=None) for step in steps]
                     return PathResult(discretization, start, steps, status, cuts, failure)
                 cuts, bend = cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]

@@ -281,3 +281,11 @@ def test_dead_load_is_balanced_by_the_base():
         np.testing.assert_allclose(held.sum(axis=0), [-0.3 * size, size], rtol=0.0, atol=1e-9)
         tops.append(path.displacement()[top])
     np.testing.assert_allclose(tops[1], 2 * tops[0], rtol=1e-3)
+
+
+def test_failed_path_holds_no_factors():
+    """Drivers keep the exceptions of failed analyses, and these the path."""
+    model = sm.door_seal(friction=0.0)
+    failed = sm.analyze(model, keep_factors=True)
+    assert not failed.converged
+    assert all(step.factor is None for step in failed.path.steps)
