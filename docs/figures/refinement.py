@@ -17,8 +17,8 @@ from seal_mdao.verification.seal_refinement import LEVELS, corner_level, flat_le
 from seal_mdao.verification.step_refinement import STEPS, refine_steps
 
 FRAMES = {
-    "rotated by 0.7": Frame(angle=0.7),
-    "shifted by (30, -50) mm": Frame(shift=(30.0, -50.0)),
+    "rotated by 0.7 rad": Frame(angle=0.7),
+    "shifted by (30, −50) mm": Frame(shift=(30.0, -50.0)),
     "mirrored": Frame(mirrored=True),
     "in metres and pascals": Frame(size=1e-3, stress=1e3),
     "all at once": Frame(2.0, True, (3.0, 4.0), 1e-3, 1e3),
