@@ -77,6 +77,13 @@ def add_model_arguments(made: argparse.ArgumentParser) -> None:
     add("tangent_penalty", float, "tangential contact stiffness, kPa/mm", metavar="W_T")
 
 
+def positive_integer(text: str) -> int:
+    """A number of repetitions for argparse."""
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not an integer of at least 1")
+    return int(text)
+
+
 def existing_file(text: str) -> Path:
     """A path for argparse; an error in one line when there is no such file."""
     if not Path(text).is_file():

@@ -5,7 +5,14 @@ import sys
 import time
 
 import numpy as np
-from _common import add_model_arguments, model_from, parser, run, write_summary
+from _common import (
+    add_model_arguments,
+    model_from,
+    parser,
+    positive_integer,
+    run,
+    write_summary,
+)
 from _estimates import error_scale
 from _finite_differences import (
     STEPS,
@@ -220,7 +227,7 @@ def arguments_parser():
         "--parameters", type=int, nargs="+", metavar="P",
         help="numbers of the parameters to verify, the last one is the door radius; all when left out",
     )  # fmt: skip
-    made.add_argument("--repeats", type=int, default=5, metavar="N", help="repeats of the timing")
+    made.add_argument("--repeats", type=positive_integer, default=5, metavar="N", help="repeats of the timing")
     return made
 
 
