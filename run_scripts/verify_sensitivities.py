@@ -227,7 +227,9 @@ def arguments_parser():
         "--parameters", type=int, nargs="+", metavar="P",
         help="numbers of the parameters to verify, the last one is the door radius; all when left out",
     )  # fmt: skip
-    made.add_argument("--repeats", type=positive_integer, default=5, metavar="N", help="repeats of the timing")
+    made.add_argument(
+        "--repeats", type=positive_integer, default=5, metavar="N", help="repeats of the timing"
+    )
     return made
 
 
