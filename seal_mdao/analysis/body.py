@@ -10,6 +10,7 @@ from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
+from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_table
 
@@ -185,5 +186,5 @@ def add_tributary_seeds(body: Body, particles, length_bar, x_bar) -> None:
     edges = particles[body.contact_ends] - particles[body.contact][:, None]
     unit = edges / np.linalg.norm(edges, axis=2, keepdims=True)
     pull = 0.5 * length_bar[:, :, None, None] * unit
-    np.add.at(x_bar, (slice(None), body.contact_ends), pull)
-    np.add.at(x_bar, (slice(None), body.contact), -pull.sum(axis=2))
+    scatter_add(x_bar, body.contact_ends, pull)
+    scatter_add(x_bar, body.contact, -pull.sum(axis=2))

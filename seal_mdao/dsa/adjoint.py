@@ -2,7 +2,9 @@
 
     K_n^T lambda_n = (dm/dd_n)^T + (dx_n/dd)^T (dh_n/dx)^T h-bar_n,    n = N..1
 
-with h-bar_n the seed on the history that step n hands on. The explicit part of a parameter's
+with h-bar_n the seed on the history that step n hands on. Of all measures together no more than a
+few right-hand sides are needed for a step: what is measured there, and what is handed on (see
+``handed_on``). lambda_n = Lambda_n C_n mixes their solutions. The explicit part of a parameter's
 influence is collected as seeds on B, w, Phi, ... and pulled back to the particles once at the end.
 """
 
@@ -14,19 +16,11 @@ from seal_mdao.analysis.body import add_tributary_seeds
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
 from seal_mdao.analysis.threads import one_blas_thread
-from seal_mdao.contact.friction import (
-    CARRIED,
-    FORCE_X,
-    GAP,
-    LENGTH,
-    RADIUS,
-    XI,
-    XI_0,
-    X,
-)
-from seal_mdao.dsa.blocks import blocks
-from seal_mdao.dsa.internal_rates import add_internal_seeds
-from seal_mdao.dsa.linearization import converged_factor, local_contact, profile_share
+from seal_mdao.contact.friction import CARRIED, FORCE_X, GAP, LENGTH, OPEN, RADIUS, XI, XI_0, X
+from seal_mdao.dsa.blocks import is_full
+from seal_mdao.dsa.handed_on import adjoint_displacements, handed_on, unit_seeds
+from seal_mdao.dsa.internal_seeds import add_internal_seeds
+from seal_mdao.dsa.linearization import local_contact, profile_share
 from seal_mdao.dsa.point_rates import (
     add_displacement_seeds,
     add_gradient_seeds,
@@ -37,6 +31,7 @@ from seal_mdao.measures.functional import Seeds
 from seal_mdao.rkpm.cells import add_weight_seeds
 from seal_mdao.rkpm.essential import transformation_seeds
 from seal_mdao.rkpm.integration import cell_table_seeds
+from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.tables import PointTable, table_seeds
 
 
@@ -78,6 +73,7 @@ class AdjointSweep:
         self.path, self.problem, self.stress, self.m = path, problem, stress, n_measures
         self.disc = disc = path.discretization
         k, m = len(disc.body.contact), n_measures
+        self.every = np.arange(k)
         self.n_steps = round(path.steps[-1].fraction)
         self.grad_bar = np.zeros((disc.cells.table.grad.size, m))
         self.weight_bar = np.zeros((*disc.weights.shape, m))
@@ -87,63 +83,96 @@ class AdjointSweep:
         self.contact, self.constants = np.zeros((4, m)), np.zeros((3, m))
         self.motion = np.zeros((2, m))
 
-    def step(self, step, seeds: Seeds | None, history_bar, adjoint) -> np.ndarray:
+    def step(self, step, following, seeds: Seeds | None, history_bar):
         """One backward step.
 
         Parameters
         ----------
+        step, following : ConvergedStep
+            The one before, and the one whose history seeds come in; None at the end.
+        seeds : Seeds, optional
+            Of what is measured at the step.
         history_bar : ndarray, shape (k, 3, M)
             Seeds on the history that the step hands on.
-        adjoint : ndarray, shape (n_equations + 1, M)
-            Zero; written: the adjoint displacements, the last row zero.
 
         Returns
         -------
+        adjoints : ndarray, shape (n_equations + 1, c)
+            Lambda of c right-hand sides, the last row zero.
+        mix : ndarray, shape (c, M)
+            C: the adjoint displacements of all measures are ``adjoints @ mix``.
         ndarray, shape (k, 3, M)
             Seeds on the history with which the step began.
         """
-        disc, problem = self.disc, self.problem
-        equations, table = disc.layout.equations, disc.contact.table
-        local = local_contact(problem, step)
-        out_bar = np.zeros((len(step.gap), 6, self.m))
-        out_bar[:, XI : CARRIED + 1] = history_bar
-        if seeds is not None:
-            out_bar[:, GAP] += seeds.gap.T
-            out_bar[:, FORCE_X:XI] += np.moveaxis(seeds.force, 0, 2)
-            add_gradient_seeds(
-                self.stress.table, np.moveaxis(seeds.gradient, 0, 2), step.d, equations, adjoint,
-                self.stress_bar,
+        disc, table = self.disc, self.disc.contact.table
+        local = local_contact(self.problem, step)
+        handed = handed_on(local, following)
+        which = np.empty(0, int) if seeds is None else measures_at(seeds)
+        touched = step.after.state != OPEN
+        touched[handed.points] = True
+        points = self.every if which.size else np.flatnonzero(touched)
+        local = local[points]
+        out_bar = np.zeros((points.size, 6, self.m))
+        out_bar[:, XI : CARRIED + 1] = history_bar[points]
+        loads = np.zeros((disc.layout.n_equations + 1, which.size + handed.points.size))
+        mix = np.zeros((loads.shape[1], self.m))
+        if handed.points.size:
+            at = np.searchsorted(points, handed.points)
+            through_x = local[at, :, X:XI_0].transpose(0, 2, 1) @ out_bar[at]
+            mix[which.size :] = np.einsum("sc,scm->sm", handed.directions, through_x)
+            add_displacement_seeds(
+                table, handed.points, unit_seeds(handed.directions), disc.layout.equations,
+                loads[:, which.size :],
             )  # fmt: skip
-        through_x = local[:, :, X:XI_0].transpose(0, 2, 1) @ out_bar
-        add_displacement_seeds(table, through_x, equations, adjoint)
-        adjoint[:-1] = converged_factor(problem, step).solve(adjoint[:-1], transposed=True)
-        adjoint[-1] = 0.0
-        at_points = np.empty((len(step.gap), 2, self.m))
-        point_adjoint(table, adjoint, equations, at_points)
-        out_bar[:, FORCE_X:XI] -= at_points
-        return self._collect_contact(step, local, out_bar, adjoint)
+        if which.size:
+            mix[np.arange(which.size), which] = 1.0
+            self._add_measured(step, seeds, which, local, out_bar, loads[:, : which.size])
+        adjoints = adjoint_displacements(self.problem, step, loads)
+        at_points = np.empty((points.size, 2, len(mix)))
+        point_adjoint(table, points, adjoints, disc.layout.equations, at_points)
+        out_bar[:, FORCE_X:XI] -= at_points @ mix
+        return adjoints, mix, self._collect_contact(step, points, local, out_bar, adjoints, mix)
 
-    def _collect_contact(self, step, local, out_bar, adjoint) -> np.ndarray:
+    def _add_measured(self, step, seeds, which, local, out_bar, loads) -> None:
+        """Add the seeds of the measures ``which`` to ``out_bar`` (k, 6, M), and ``loads``."""
+        own = np.zeros((len(local), 6, which.size))
+        own[:, GAP] = seeds.gap[which].T
+        own[:, FORCE_X:XI] = np.moveaxis(seeds.force[which], 0, 2)
+        out_bar[:, :, which] += own
+        through_x = local[:, :, X:XI_0].transpose(0, 2, 1) @ own
+        equations = self.disc.layout.equations
+        add_displacement_seeds(self.disc.contact.table, self.every, through_x, equations, loads)
+        grad_bar = np.zeros((len(self.stress_bar), which.size))
+        add_gradient_seeds(
+            self.stress.table, np.moveaxis(seeds.gradient[which], 0, 2), step.d, equations, loads,
+            grad_bar,
+        )  # fmt: skip
+        self.stress_bar[:, which] += grad_bar
+
+    def _collect_contact(self, step, points, local, out_bar, adjoints, mix) -> np.ndarray:
         """Add what the contact points of one step see of the parameters."""
         in_bar = local.transpose(0, 2, 1) @ out_bar
-        x_bar = in_bar[:, X:XI_0]
-        self.x_bar += x_bar
+        x_bar = np.ascontiguousarray(in_bar[:, X:XI_0])
+        self.x_bar[points] += x_bar
         self.motion -= profile_share(step, self.n_steps) * x_bar.sum(axis=0)
-        self.length_bar += in_bar[:, LENGTH]
+        self.length_bar[points] += in_bar[:, LENGTH]
         self.contact += in_bar[:, RADIUS:].sum(axis=0)
         add_shape_seeds(
-            self.disc.contact.table, x_bar, step.force, step.d, adjoint,
+            self.disc.contact.table, points, x_bar, step.force, step.d, adjoints, mix,
             self.disc.layout.equations, self.phi_bar,
         )  # fmt: skip
-        return in_bar[:, XI_0:LENGTH]
+        history_bar = np.zeros((self.every.size, 3, self.m))
+        history_bar[points] = in_bar[:, XI_0:LENGTH]
+        return history_bar
 
-    def _collect_internal(self, steps, adjoints) -> None:
-        """Add the explicit terms of the internal force over a block of steps."""
-        disc = self.disc
+    def _collect_internal(self, swept) -> None:
+        """Add the explicit terms of the internal force over some steps, given with their adjoints."""
+        disc, (steps, adjoints, mixes) = self.disc, zip(*swept, strict=True)
         add_internal_seeds(
             disc.cells.table, disc.weights, self.problem.constants,
-            np.array([step.d for step in steps]), adjoints, disc.layout.equations, self.grad_bar,
-            self.weight_bar, self.constants,
+            np.array([step.d for step in steps]),
+            np.cumsum([0, *map(len, mixes)]), np.hstack(adjoints), np.vstack(mixes),
+            disc.layout.equations, self.grad_bar, self.weight_bar, self.constants,
         )  # fmt: skip
 
     @one_blas_thread
@@ -155,17 +184,23 @@ class AdjointSweep:
         seeds : dict of int to Seeds
             By place in ``path.steps``.
         """
-        n_equations = self.disc.layout.n_equations
-        history_bar = np.zeros((len(self.disc.body.contact), 3, self.m))
+        history_bar, following = np.zeros((self.every.size, 3, self.m)), None
         places = range(max(seeds), -1, -1)
         if self.problem.law.friction == 0.0:
             places = sorted(seeds, reverse=True)
-        for block in blocks(places, n_equations, self.m):
-            steps = [self.path.steps[place] for place in block]
-            adjoints = np.zeros((len(block), n_equations + 1, self.m))
-            for place, step, adjoint in zip(block, steps, adjoints, strict=True):
-                history_bar = self.step(step, seeds.get(place), history_bar, adjoint)
-            self._collect_internal(steps, adjoints)
+        swept, size = [], 0
+        for place in places:
+            step = self.path.steps[place]
+            adjoints, mix, history_bar = self.step(step, following, seeds.get(place), history_bar)
+            following = step
+            if len(mix):
+                swept.append((step, adjoints, mix))
+                size += adjoints.nbytes
+            if is_full(size):
+                self._collect_internal(swept)
+                swept, size = [], 0
+        if swept:
+            self._collect_internal(swept)
         self._collect_start(history_bar)
         return AdjointGradient(
             self._pull_back(), self.contact.T.copy(), self.constants.T.copy(), self.motion.T.copy()
@@ -201,7 +236,7 @@ class AdjointSweep:
         self._pull_back_matrix(matrix_bar, particles_bar)
         add_weight_seeds(body.cell_map, disc.particles, weight_bar, particles_bar)
         add_tributary_seeds(body, disc.particles, self.length_bar.T, particles_bar)
-        np.add.at(particles_bar, (slice(None), body.contact), x_bar)
+        scatter_add(particles_bar, body.contact, x_bar)
         return particles_bar
 
     def _pull_back_matrix(self, matrix_bar, particles_bar):
@@ -215,6 +250,13 @@ class AdjointSweep:
             self.disc.cloud, rows, np.ascontiguousarray(phi_bar),
             np.zeros((self.m, raw.grad.size)), particles_bar,
         )  # fmt: skip
+
+
+def measures_at(seeds: Seeds) -> np.ndarray:
+    """The measures that take something from a step."""
+    return np.flatnonzero(
+        seeds.gap.any(axis=1) | seeds.force.any(axis=(1, 2)) | seeds.gradient.any(axis=(1, 2))
+    )
 
 
 def _measures_first(bar) -> np.ndarray:

@@ -8,3 +8,8 @@ def blocks(places, n_equations: int, n_columns: int) -> list:
     """Consecutive pieces of ``places``, as long as their vectors fit in ``BLOCK_BYTES``."""
     size = max(1, BLOCK_BYTES // (8 * n_equations * n_columns))
     return [places[first : first + size] for first in range(0, len(places), size)]
+
+
+def is_full(nbytes: int) -> bool:
+    """Whether vectors of that size make a block."""
+    return nbytes >= BLOCK_BYTES

@@ -3,8 +3,8 @@
     K_n d'_n = -(dR_n/dX) V - (dR_n/dh_{n-1}) h'_{n-1},    n = 1..N
 
 with h the contact history (xi, |t|, elastic slip). K_n is the tangent of the converged step, its
-factor the one that the predictor used. Without friction there is no history: only the steps at
-which something is measured are solved.
+factor the one that the predictor used. Only the steps at which something is measured are solved for
+all of d'; of the others no more than what they hand on, see ``handed_on``.
 """
 
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ from seal_mdao.analysis.result import PathResult
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import CARRIED, FORCE_X, GAP, LENGTH, RADIUS, XI, XI_0, X
 from seal_mdao.dsa.blocks import blocks
+from seal_mdao.dsa.handed_on import handed_on, handed_on_adjoints
 from seal_mdao.dsa.internal_rates import add_internal_rates
 from seal_mdao.dsa.linearization import (
     contact_input_rates,
@@ -115,26 +116,44 @@ class DirectSweep:
                 load += constants_load(problem, step.d, self.rates.constants)
         return loads
 
-    def step(self, step, history_rates, load) -> StepRates:
-        """Solve (70) at one converged step; ``load`` is its row of ``explicit_loads``, added to."""
-        disc, problem = self.disc, self.problem
-        equations, table = disc.layout.equations, disc.contact.table
-        local = local_contact(problem, step)
+    def _load(self, step, history_rates, load) -> np.ndarray:
+        """Complete the fictitious load ``load`` of (70), and return the local derivatives.
+
+        ``inputs`` hold the explicit rates of the contact points' inputs then.
+        """
+        table, inputs = self.disc.contact.table, self.inputs
+        local = local_contact(self.problem, step)
         explicit = self.contact_velocity.copy()
         displacement_rates(table, self.shape.contact, step.d, explicit)
         explicit -= profile_share(step, self.n_steps) * self.rates.motion.T
-        inputs = self.inputs
         inputs[:, X:XI_0] = explicit
         inputs[:, XI_0:LENGTH] = history_rates
         force_rate = local[:, FORCE_X:XI] @ inputs
         add_force_rates(
-            table, self.shape.contact, step.force, force_rate, step.after.state, equations, load
+            table, self.shape.contact, step.force, force_rate, step.after.state,
+            self.disc.layout.equations, load,
+        )  # fmt: skip
+        return local
+
+    def step(self, step, history_rates, load) -> StepRates:
+        """Solve (70) at one converged step; ``load`` is its row of ``explicit_loads``, added to."""
+        local = self._load(step, history_rates, load)
+        solution = -converged_factor(self.problem, step).solve(load[:-1])
+        add_solution_rates(
+            self.disc.contact.table, self.disc.layout.equations, solution, self.inputs[:, X:XI_0]
         )
-        solution = -converged_factor(problem, step).solve(load[:-1])
-        add_solution_rates(table, equations, solution, inputs[:, X:XI_0])
-        out = local @ inputs
+        out = local @ self.inputs
         history = out[:, XI : CARRIED + 1].copy()
         return StepRates(solution, out[:, GAP].copy(), out[:, FORCE_X:XI].copy(), history)
+
+    def pass_by(self, step, following, history_rates, load) -> np.ndarray:
+        """Rates (k, 3, P) of the history that one step hands on; right where ``following`` uses them."""
+        local = self._load(step, history_rates, load)
+        handed = handed_on(local, following)
+        moved = -handed_on_adjoints(self.problem, step, handed).T @ load
+        for i, direction, rate in zip(*handed, moved, strict=True):
+            self.inputs[i, X:XI_0] += np.outer(direction, rate)
+        return local[:, XI : CARRIED + 1] @ self.inputs
 
     @one_blas_thread
     def run(self, measured=None) -> dict:
@@ -145,17 +164,18 @@ class DirectSweep:
         measured : collection of int, optional
             Places of the steps to return; the last one when left out.
         """
-        last = len(self.path.steps) - 1
-        measured = {last} if measured is None else set(measured)
+        every = self.path.steps
+        measured = {len(every) - 1} if measured is None else set(measured)
         places = range(max(measured) + 1)
         if self.problem.law.friction == 0.0:
             places = sorted(measured)
         history, wanted = self.start(), {}
         for block in blocks(places, self.disc.layout.n_equations, self.rates.count):
-            steps = [self.path.steps[place] for place in block]
-            for place, step, load in zip(block, steps, self.explicit_loads(steps), strict=True):
-                rates = self.step(step, history, load)
-                history = rates.history
+            loads = self.explicit_loads([every[place] for place in block])
+            for place, load in zip(block, loads, strict=True):
                 if place in measured:
-                    wanted[place] = rates
+                    wanted[place] = self.step(every[place], history, load)
+                    history = wanted[place].history
+                else:
+                    history = self.pass_by(every[place], every[place + 1], history, load)
         return wanted

@@ -73,13 +73,12 @@ def gradient_rates(table, rates, d, equations, solution, out):
 
 
 @nb.njit(cache=True, error_model="numpy")
-def add_displacement_seeds(table, x_bar, equations, out):
-    """Transpose of ``add_solution_rates``: seeds (k, 2, M) to ``out`` (n_equations + 1, M)."""
-    for i in range(table.start.size - 1):
+def add_displacement_seeds(table, points, x_bar, equations, out):
+    """Transpose of ``add_solution_rates``: seeds (s, 2, M) on s of the points to ``out``
+    (n_equations + 1, M)."""
+    for k, i in enumerate(points):
         for c in range(2):
-            seed = x_bar[i, c]
-            if not seed.any():
-                continue
+            seed = x_bar[k, c]
             for a in range(table.start[i], table.start[i + 1]):
                 row, phi = out[equations[table.neighbours[a], c]], table.phi[a]
                 for m in range(seed.size):
@@ -87,31 +86,44 @@ def add_displacement_seeds(table, x_bar, equations, out):
 
 
 @nb.njit(cache=True, error_model="numpy")
-def point_adjoint(table, adjoint, equations, out):
-    """Adjoint displacement of single points: ``out`` (k, 2, M) from ``adjoint`` (n_equations + 1, M).
+def point_adjoint(table, points, adjoint, equations, out):
+    """Adjoint displacement of s single points: ``out`` (s, 2, M) from ``adjoint``
+    (n_equations + 1, M).
 
     The last row of ``adjoint``, that of imposed components, is zero.
     """
     out[:] = 0.0
-    for i in range(table.start.size - 1):
+    for k, i in enumerate(points):
         for a in range(table.start[i], table.start[i + 1]):
             phi = table.phi[a]
             for c in range(2):
                 row = adjoint[equations[table.neighbours[a], c]]
                 for m in range(row.size):
-                    out[i, c, m] += phi * row[m]
+                    out[k, c, m] += phi * row[m]
 
 
 @nb.njit(cache=True, error_model="numpy")
-def add_shape_seeds(table, x_bar, force, d, adjoint, equations, phi_bar):
-    """Add seeds on Phi: x_bar . d from the point's displacement, -T . adjoint from its force."""
-    for i in range(table.start.size - 1):
+def add_shape_seeds(table, points, x_bar, force, d, adjoint, mix, equations, phi_bar):
+    """Add seeds on Phi: x_bar . d from the point's displacement, -T . lambda from its force.
+
+    Parameters
+    ----------
+    x_bar : ndarray, shape (s, 2, M)
+        Of the ``points`` (s,).
+    adjoint, mix : ndarray, shapes (n_equations + 1, c), (c, M)
+        lambda is their product.
+    """
+    for k, i in enumerate(points):
         for a in range(table.start[i], table.start[i + 1]):
             near, out = table.neighbours[a], phi_bar[a]
             for c in range(2):
-                row, u, t = adjoint[equations[near, c]], d[near, c], force[i, c]
-                for m in range(row.size):
-                    out[m] += x_bar[i, c, m] * u - t * row[m]
+                u, t, row = d[near, c], force[i, c], adjoint[equations[near, c]]
+                for m in range(out.size):
+                    out[m] += x_bar[k, c, m] * u
+                if t != 0.0:
+                    for j in range(row.size):
+                        for m in range(out.size):
+                            out[m] -= t * row[j] * mix[j, m]
 
 
 @nb.njit(cache=True, error_model="numpy")

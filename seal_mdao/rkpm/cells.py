@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.errors import GeometryError
+from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import PointSet
 
 
@@ -90,4 +91,4 @@ def add_weight_seeds(mapping, particles, weight_bar, x_bar) -> None:
     scaled = weight_bar * mapping.reference_weights
     turned = np.stack([t[1][..., ::-1] * [1, -1], -t[0][..., ::-1] * [1, -1]])
     corner = np.einsum("mcq,dqa,dcqi->mcai", scaled, mapping.slopes, turned)
-    np.add.at(x_bar, (slice(None), mapping.cells), corner)
+    scatter_add(x_bar, mapping.cells, corner)

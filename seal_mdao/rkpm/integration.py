@@ -18,6 +18,7 @@ import numba as nb
 import numpy as np
 
 from seal_mdao.rkpm.cells import CellMap
+from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
 from seal_mdao.rkpm.tables import PointTable, raw_rates, raw_seeds, raw_table
 from seal_mdao.rkpm.transformed import (
@@ -80,8 +81,8 @@ def edge_normals(rule: EdgeRule, vectors: np.ndarray) -> np.ndarray:
 def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) -> None:
     """Transpose of ``edge_normals``: seeds (M, n_cells, 8, 2) added to ``x_bar`` (M, n, 2)."""
     pull = 0.5 * np.stack([-normal_bar[..., 1], normal_bar[..., 0]], axis=-1)
-    np.add.at(x_bar, (slice(None), rule.ends[..., 1]), pull)
-    np.add.at(x_bar, (slice(None), rule.ends[..., 0]), -pull)
+    scatter_add(x_bar, rule.ends[..., 1], pull)
+    scatter_add(x_bar, rule.ends[..., 0], -pull)
 
 
 def integration_points(mapping: CellMap, rule: EdgeRule) -> PointSet:

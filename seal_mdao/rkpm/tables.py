@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from seal_mdao.errors import SingularMomentMatrixError
 from seal_mdao.rkpm.essential import EssentialTransformation
+from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_derivatives import forward_shape_functions, reverse_shape_functions
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable, evaluate_shape_functions
 from seal_mdao.rkpm.transformed import (
@@ -173,4 +174,4 @@ def add_point_seeds(points: PointSet, point_bar: np.ndarray, x_bar: np.ndarray) 
     """Transpose of ``PointSet.at``: seeds on the points (M, n_points, 2) to the particles."""
     for k in range(points.anchors.shape[1]):
         weighted = point_bar * points.weights[:, k, None]
-        np.add.at(x_bar, (slice(None), points.anchors[:, k]), weighted)
+        scatter_add(x_bar, points.anchors[:, k], weighted)

@@ -1,5 +1,7 @@
 """Single terms of the sensitivity equations: rates, transposes, sweeps, contractions."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from step_study import perturbed, same_sequence
@@ -12,10 +14,13 @@ from seal_mdao.analysis.body import (
     tributary_rates,
 )
 from seal_mdao.analysis.internal_force import assemble_internal
+from seal_mdao.contact.friction import OPEN, STICK
 from seal_mdao.dsa.blocks import blocks
 from seal_mdao.dsa.direct import DirectSweep
-from seal_mdao.dsa.internal_rates import add_internal_rates, add_internal_seeds
-from seal_mdao.dsa.linearization import discretization_rates, point_table_rates
+from seal_mdao.dsa.handed_on import handed_on
+from seal_mdao.dsa.internal_rates import add_internal_rates
+from seal_mdao.dsa.internal_seeds import add_internal_seeds
+from seal_mdao.dsa.linearization import discretization_rates, local_contact, point_table_rates
 from seal_mdao.dsa.parameters import SCALARS, parameter_rates
 from seal_mdao.dsa.point_rates import (
     add_displacement_seeds,
@@ -113,13 +118,16 @@ def test_internal_seeds_are_the_transpose_of_internal_rates(drawn, disc, velocit
     add_internal_rates(
         table, disc.weights, rates.cells, rates.weights, problem.constants, d, equations, loads
     )
-    adjoint = rng.standard_normal((3, disc.layout.n_equations + 1, 2))
-    adjoint[:, -1] = 0.0
+    # one adjoint in the first step, none in the second, three in the third
+    first, mix = np.array([0, 1, 1, 4]), rng.standard_normal((4, 2))
+    adjoints = rng.standard_normal((disc.layout.n_equations + 1, 4))
+    adjoints[-1] = 0.0
+    adjoint = np.array([adjoints[:, i:j] @ mix[i:j] for i, j in pairwise(first)])
     grad_bar, weight_bar = np.zeros((table.grad.size, 2)), np.zeros((*disc.weights.shape, 2))
     constants_bar = np.zeros((3, 2))
     add_internal_seeds(
-        table, disc.weights, problem.constants, d, adjoint, equations, grad_bar, weight_bar,
-        constants_bar,
+        table, disc.weights, problem.constants, d, first, adjoints, mix, equations, grad_bar,
+        weight_bar, constants_bar,
     )  # fmt: skip
     ahead = -np.einsum("kem,kep->mp", adjoint[:, :-1], loads[:, :-1])
     back = np.einsum("cqm,pcq->mp", weight_bar, rates.weights)
@@ -162,26 +170,28 @@ def test_short_blocks_give_the_same_sensitivities(drawn, monkeypatch):
 
 def test_displacement_seeds_are_the_transpose_of_solution_rates(disc, rng):
     table, equations, n = disc.contact.table, disc.layout.equations, disc.layout.n_equations
-    solution, seed = rng.standard_normal((n, 4)), rng.standard_normal((51, 2, 3))
+    points = np.array([3, 20, 20, 47])
+    solution, seed = rng.standard_normal((n, 4)), rng.standard_normal((4, 2, 3))
     moved, pulled = np.zeros((51, 2, 4)), np.zeros((n + 1, 3))
     add_solution_rates(table, equations, solution, moved)
-    add_displacement_seeds(table, seed, equations, pulled)
+    add_displacement_seeds(table, points, seed, equations, pulled)
     np.testing.assert_allclose(
-        pulled[:-1].T @ solution, np.einsum("kim,kip->mp", seed, moved), atol=1e-11
+        pulled[:-1].T @ solution, np.einsum("kim,kip->mp", seed, moved[points]), atol=1e-11
     )
 
 
 def test_point_adjoint_is_the_field_of_the_adjoint_coefficients(disc, rng):
-    adjoint, out = rng.standard_normal((disc.layout.n_equations + 1, 3)), np.empty((51, 2, 3))
+    points = np.array([50, 2, 17])
+    adjoint, out = rng.standard_normal((disc.layout.n_equations + 1, 3)), np.empty((3, 2, 3))
     adjoint[-1] = 0.0
     equations, table = disc.layout.equations, disc.contact.table
-    point_adjoint(table, adjoint, equations, out)
+    point_adjoint(table, points, adjoint, equations, out)
     fields = np.zeros((51, 174))
     for k in range(51):
         near = slice(table.start[k], table.start[k + 1])
         fields[k, table.neighbours[near]] = table.phi[near]
     exact = np.einsum("ka,aim->kim", fields, adjoint[equations])
-    np.testing.assert_allclose(out, exact, atol=1e-13)
+    np.testing.assert_allclose(out, exact[points], atol=1e-13)
 
 
 def test_gradient_seeds_are_the_transpose_of_gradient_rates(drawn, disc, rng):
@@ -278,6 +288,32 @@ def test_with_friction_the_last_step_alone_is_not_enough(random_design):
     alone, swept = end_rates(random_design, history=False), end_rates(random_design)
     change = np.abs(alone.solution - swept.solution).max()
     assert change > 0.1 * np.abs(swept.solution).max()
+
+
+def test_steps_passed_by_hand_on_all_that_matters(random_design):
+    """No more is solved for than the displacements of points that stick in the next step."""
+    last = len(random_design.path.steps) - 1
+    solved = end_rates(random_design, measured=range(last + 1))
+    passed = end_rates(random_design)
+    for name in ("solution", "gap", "force"):
+        a, b = getattr(passed, name), getattr(solved, name)
+        np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-10 * np.abs(b).max())
+
+
+def test_a_point_that_goes_on_sticking_hands_on_its_natural_coordinate_alone(random_design):
+    problem, steps = path_problem(random_design), random_design.path.steps
+    seen = set()
+    for step, following in pairwise(steps):
+        local = local_contact(problem, step)
+        points, directions = handed_on(local, following)
+        assert set(points) == set(np.flatnonzero(following.after.state == STICK))
+        np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0, rtol=1e-14)
+        for i in set(points):
+            went_on = step.after.state[i] == STICK and step.before.state[i] != OPEN
+            assert np.sum(points == i) == (1 if went_on else 2)
+            seen.add(bool(went_on))
+    assert seen == {True, False}
+    assert handed_on(local, None).points.size == 0
 
 
 def test_factors_beyond_the_memory_are_made_again(drawn_model):

@@ -1,0 +1,165 @@
+"""The transpose of ``internal_rates`` for the adjoint method.
+
+Of L = -lambda . f the seeds on B and w are, with the adjoint strains e = -grad lambda,
+
+    dL/dB_ja = sum w P_ij (-lambda_ia) + w S_ij d_ia,    S = A : e + p cof F,
+    dL/dw    = sum P : e + (J - J_c) p,                  p = K/V_c sum_q w cof F : e,
+
+summed over load steps. What a few adjoints of every step give is mixed into the measures at the end.
+"""
+
+import numba as nb
+import numpy as np
+
+from seal_mdao.analysis.internal_force import projected_jacobian
+from seal_mdao.dsa.cell_kernels import block, cell_displacements, point_gradients, widest_group
+from seal_mdao.materials.mooney_rivlin import energy_derivatives, unit_energy_gradients
+
+
+@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _outer(stress, lam, dual, d, out):
+    """out = w P_ij (-lambda_i) + w S_ij d_i for one neighbour and one j; all (2, S) but ``out``."""
+    for c in range(out.size):
+        out[c] = (
+            stress[0, c] * lam[0, c]
+            + stress[1, c] * lam[1, c]
+            + dual[0, c] * d[0, c]
+            + dual[1, c] * d[1, c]
+        )
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _cell_dual_stress(weights, slopes, strain, constants, first, stress, dual, scalars):
+    """Stresses of one cell, and w S of the adjoint strains e, a column for each adjoint.
+
+    With the energy in T = F : F and J, w S needs F : e and cof F : e only,
+
+        S = 2 W_T e + W_J X e + 2 W_TJ (cof F : e) F + (2 W_TJ F : e + W_JJ cof F : e + p) cof F,
+
+    X e = (e_22, -e_21, -e_12, e_11).
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (2 K, 2 q)
+    strain : ndarray, shape (2 q, 2, S)
+        e_ij at [(point, j), i].
+    first : ndarray of int, shape (K + 1,)
+        Where the adjoints of a step begin.
+    stress, dual : ndarray, shape (2 q, 2, S)
+        Written: w P of the adjoint's step, and w S.
+    scalars : ndarray, shape (q + 3, S)
+        Written: dL/dw, and the derivatives of L with respect to C10, C01 and K.
+    """
+    c10, c01, bulk = constants
+    q_count = weights.size
+    f, unit, w_ = np.empty((q_count, 5)), np.empty((q_count, 4)), np.empty((q_count, 4))
+    on_f, on_cof = np.empty(q_count), np.empty(q_count)
+    scalars[:] = 0.0
+    for k in range(first.size - 1):
+        if first[k] == first[k + 1]:
+            continue
+        point_gradients(slopes, k, q_count, f)
+        volume, swelling = projected_jacobian(weights, f, q_count)
+        for q in range(q_count):
+            t = f[q, 0] ** 2 + f[q, 1] ** 2 + f[q, 2] ** 2 + f[q, 3] ** 2
+            unit[q] = unit_energy_gradients(t, 1.0 + f[q, 4])
+            w_[q] = energy_derivatives(t, 1.0 + f[q, 4], c10, c01)
+            w_[q, 1] += bulk * swelling
+        for c in range(first[k], first[k + 1]):
+            pressure = 0.0
+            for q in range(q_count):
+                x, y = 2 * q, 2 * q + 1
+                e0, e1, e2, e3 = strain[x, 0, c], strain[y, 0, c], strain[x, 1, c], strain[y, 1, c]
+                on_f[q] = f[q, 0] * e0 + f[q, 1] * e1 + f[q, 2] * e2 + f[q, 3] * e3
+                on_cof[q] = f[q, 3] * e0 - f[q, 2] * e1 - f[q, 1] * e2 + f[q, 0] * e3
+                pressure += weights[q] * bulk / volume * on_cof[q]
+            for q in range(q_count):
+                x, y, w = 2 * q, 2 * q + 1, weights[q]
+                e0, e1, e2, e3 = strain[x, 0, c], strain[y, 0, c], strain[x, 1, c], strain[y, 1, c]
+                f0, f1, f2, f3 = f[q, 0], f[q, 1], f[q, 2], f[q, 3]
+                by_t, by_j, by_tj, by_jj = w_[q]
+                stress[x, 0, c] = w * (2.0 * by_t * f0 + by_j * f3)
+                stress[y, 0, c] = w * (2.0 * by_t * f1 - by_j * f2)
+                stress[x, 1, c] = w * (2.0 * by_t * f2 - by_j * f1)
+                stress[y, 1, c] = w * (2.0 * by_t * f3 + by_j * f0)
+                along_f = 2.0 * by_tj * on_cof[q]
+                along_cof = 2.0 * by_tj * on_f[q] + by_jj * on_cof[q] + pressure
+                dual[x, 0, c] = w * (2.0 * by_t * e0 + by_j * e3 + along_f * f0 + along_cof * f3)
+                dual[y, 0, c] = w * (2.0 * by_t * e1 - by_j * e2 + along_f * f1 - along_cof * f2)
+                dual[x, 1, c] = w * (2.0 * by_t * e2 - by_j * e1 + along_f * f2 - along_cof * f1)
+                dual[y, 1, c] = w * (2.0 * by_t * e3 + by_j * e0 + along_f * f3 + along_cof * f0)
+                scalars[q, c] = 2.0 * by_t * on_f[q] + by_j * on_cof[q]
+                scalars[q, c] += (f[q, 4] - swelling) * pressure
+                first_t, first_j, second_t, second_j = unit[q]
+                scalars[q_count, c] += w * (2.0 * first_t * on_f[q] + first_j * on_cof[q])
+                scalars[q_count + 1, c] += w * (2.0 * second_t * on_f[q] + second_j * on_cof[q])
+                scalars[q_count + 2, c] += w * swelling * on_cof[q]
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_internal_seeds(
+    table, weights, constants, d, first, adjoints, mix, equations, grad_bar, weight_bar,
+    constants_bar,
+):  # fmt: skip
+    """Of L = -lambda . f add dL/dB, dL/dw, dL/d(constants) over a block of K load steps.
+
+    Parameters
+    ----------
+    d : ndarray, shape (K, n, 2)
+    first : ndarray of int, shape (K + 1,)
+        Where the adjoints of a step begin.
+    adjoints : ndarray, shape (n_equations + 1, S)
+        Adjoint displacements of all steps side by side; the last row is zero.
+    mix : ndarray, shape (S, M)
+        lambda of the M measures is ``adjoints[:, k] @ mix[k]`` with the columns k of a step.
+    grad_bar, weight_bar, constants_bar : ndarray, shapes (grad.size, M), (n_cells, q, M), (3, M)
+        Added to; the constants are C10, C01 and the bulk modulus.
+    """
+    q_count, rows, points = table.group_size, 2 * d.shape[0], 2 * table.group_size
+    total, count = mix.shape
+    step_of = np.empty(total, np.int64)
+    for k in range(first.size - 1):
+        step_of[first[k] : first[k + 1]] = k
+    widest = widest_group(table)
+    displacements, turned = np.empty(rows * widest), np.empty(points * widest)
+    slopes, strain = np.empty((rows, points)), np.empty((points, 2 * total))
+    stress, dual = np.empty((points, 2, total)), np.empty((points, 2, total))
+    duals, moved = np.empty(widest * 2 * total), np.empty((widest, 2, total))
+    terms = np.empty((points * widest + q_count + 3) * total)
+    mixed = np.empty((points * widest + q_count + 3) * count)
+    for cell in range(table.start.size - 1):
+        s0 = table.start[cell]
+        n = table.start[cell + 1] - s0
+        near = table.neighbours[s0 : s0 + n]
+        grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
+        u, b, lam = (
+            block(displacements, rows, n),
+            block(turned, n, points),
+            block(duals, n, 2 * total),
+        )
+        cell_displacements(d, near, u)
+        for a in range(n):
+            for r in range(points):
+                b[a, r] = grad[r, a]
+            for i in range(2):
+                own = adjoints[equations[near[a], i]]
+                for c in range(total):
+                    lam[a, i * total + c] = -own[c]
+                    moved[a, i, c] = u[2 * step_of[c] + i, a]
+        np.dot(u, b, slopes)
+        np.dot(grad, lam, strain)
+        size = points * n
+        of_adjoints = block(terms, size + q_count + 3, total)
+        _cell_dual_stress(
+            weights[cell], slopes, strain.reshape(points, 2, total), constants, first, stress, dual,
+            of_adjoints[size:],
+        )  # fmt: skip
+        by_neighbour = lam.reshape(n, 2, total)
+        for r in range(points):
+            for a in range(n):
+                _outer(stress[r], by_neighbour[a], dual[r], moved[a], of_adjoints[r * n + a])
+        of_measures = block(mixed, size + q_count + 3, count)
+        np.dot(of_adjoints, mix, of_measures)
+        grad_bar[s0 * points : (s0 + n) * points] += of_measures[:size]
+        weight_bar[cell] += of_measures[size : size + q_count]
+        constants_bar += of_measures[size + q_count :]
