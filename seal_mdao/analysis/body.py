@@ -182,9 +182,9 @@ def tributary_rates(body: Body, particles: np.ndarray, velocity: np.ndarray) -> 
 
 
 def add_tributary_seeds(body: Body, particles, length_bar, x_bar) -> None:
-    """Transpose of ``tributary_rates``: seeds (M, k) on the lengths added to ``x_bar`` (M, n, 2)."""
+    """Transpose of ``tributary_rates``: seeds (k, M) on the lengths added to ``x_bar`` (n, 2, M)."""
     edges = particles[body.contact_ends] - particles[body.contact][:, None]
     unit = edges / np.linalg.norm(edges, axis=2, keepdims=True)
-    pull = 0.5 * length_bar[:, :, None, None] * unit
+    pull = 0.5 * unit[..., None] * length_bar[:, None, None]
     scatter_add(x_bar, body.contact_ends, pull)
-    scatter_add(x_bar, body.contact, -pull.sum(axis=2))
+    scatter_add(x_bar, body.contact, -pull.sum(axis=1))

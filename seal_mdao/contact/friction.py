@@ -258,14 +258,15 @@ def contact_points(
 
 
 @nb.njit(cache=True, error_model="numpy")
-def contact_linearization(profile, law, position, x, length, history, out):
-    """Full local derivatives at a converged step: ``out`` (n, 6, 10), see the input names above."""
-    for i in range(x.shape[0]):
+def contact_linearization(profile, law, position, x, length, history, points, out):
+    """Full local derivatives of the ``points`` (s,) at a converged step: ``out`` (s, 6, 10), see the
+    input names above."""
+    for k, i in enumerate(points):
         piece, xi, g_n = closest_point(profile, x[i, 0] - position[0], x[i, 1] - position[1])
         state_0, carried = history.state[i], history.variables[i]
         state, tau = OPEN, 0.0
         if g_n < 0.0:
             state, tau = traction(law, g_n, elastic_slip(g_n, xi, state_0, carried))
         linearize_contact_point(
-            profile, law, piece, xi, g_n, state, tau, state_0, carried, length[i], 10, out[i]
+            profile, law, piece, xi, g_n, state, tau, state_0, carried, length[i], 10, out[k]
         )

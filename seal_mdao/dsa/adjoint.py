@@ -18,7 +18,7 @@ from seal_mdao.analysis.result import PathResult
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import CARRIED, FORCE_X, GAP, LENGTH, OPEN, RADIUS, XI, XI_0, X
 from seal_mdao.dsa.blocks import is_full
-from seal_mdao.dsa.handed_on import adjoint_displacements, handed_on, unit_seeds
+from seal_mdao.dsa.handed_on import adjoint_displacements, handed_on, sticking, unit_seeds
 from seal_mdao.dsa.internal_seeds import add_internal_seeds
 from seal_mdao.dsa.linearization import local_contact, profile_share
 from seal_mdao.dsa.point_rates import (
@@ -105,13 +105,12 @@ class AdjointSweep:
             Seeds on the history with which the step began.
         """
         disc, table = self.disc, self.disc.contact.table
-        local = local_contact(self.problem, step)
-        handed = handed_on(local, following)
         which = np.empty(0, int) if seeds is None else measures_at(seeds)
-        touched = step.after.state != OPEN
-        touched[handed.points] = True
+        used, touched = sticking(following), step.after.state != OPEN
+        touched[used] = True
         points = self.every if which.size else np.flatnonzero(touched)
-        local = local[points]
+        local = local_contact(self.problem, step, points)
+        handed = handed_on(used, local[np.searchsorted(points, used)])
         out_bar = np.zeros((points.size, 6, self.m))
         out_bar[:, XI : CARRIED + 1] = history_bar[points]
         loads = np.zeros((disc.layout.n_equations + 1, which.size + handed.points.size))
@@ -119,7 +118,7 @@ class AdjointSweep:
         if handed.points.size:
             at = np.searchsorted(points, handed.points)
             through_x = local[at, :, X:XI_0].transpose(0, 2, 1) @ out_bar[at]
-            mix[which.size :] = np.einsum("sc,scm->sm", handed.directions, through_x)
+            mix[which.size :] = (handed.directions[:, :, None] * through_x).sum(axis=1)
             add_displacement_seeds(
                 table, handed.points, unit_seeds(handed.directions), disc.layout.equations,
                 loads[:, which.size :],
@@ -210,7 +209,9 @@ class AdjointSweep:
         """Seeds on the history of the undeformed state, which moves with the design."""
         out_bar = np.zeros((len(history_bar), 6, self.m))
         out_bar[:, XI : CARRIED + 1] = history_bar
-        in_bar = local_contact(self.problem, self.path.start).transpose(0, 2, 1) @ out_bar
+        in_bar = (
+            local_contact(self.problem, self.path.start, self.every).transpose(0, 2, 1) @ out_bar
+        )
         self.x_bar += in_bar[:, X:XI_0]
         self.contact += in_bar[:, RADIUS:].sum(axis=0)
 
@@ -218,26 +219,23 @@ class AdjointSweep:
         """All collected seeds to the particles, (M, n, 2)."""
         disc = self.disc
         body, cloud, transformation = disc.body, disc.cloud, disc.transformation
-        particles_bar = np.zeros((self.m, *disc.particles.shape))
-        weight_bar, x_bar = _measures_first(self.weight_bar), _measures_first(self.x_bar)
+        particles_bar = np.zeros((*disc.particles.shape, self.m))
         tables = (
             (disc.contact, self.phi_bar, np.zeros((disc.contact.table.grad.size, self.m))),
             (self.stress, np.zeros((self.stress.table.phi.size, self.m)), self.stress_bar),
         )
         matrix_bar = cell_table_seeds(
-            cloud, disc.cells, _measures_first(self.grad_bar), weight_bar, particles_bar,
-            transformation,
-        )  # fmt: skip
+            cloud, disc.cells, self.grad_bar, self.weight_bar, particles_bar, transformation
+        )
         for table, phi_bar, grad_bar in tables:
             matrix_bar = matrix_bar + table_seeds(
-                cloud, table, _measures_first(phi_bar), _measures_first(grad_bar), particles_bar,
-                transformation,
-            )  # fmt: skip
+                cloud, table, phi_bar, grad_bar, particles_bar, transformation
+            )
         self._pull_back_matrix(matrix_bar, particles_bar)
-        add_weight_seeds(body.cell_map, disc.particles, weight_bar, particles_bar)
-        add_tributary_seeds(body, disc.particles, self.length_bar.T, particles_bar)
-        scatter_add(particles_bar, body.contact, x_bar)
-        return particles_bar
+        add_weight_seeds(body.cell_map, disc.particles, self.weight_bar, particles_bar)
+        add_tributary_seeds(body, disc.particles, self.length_bar, particles_bar)
+        scatter_add(particles_bar, body.contact, self.x_bar)
+        return np.ascontiguousarray(np.moveaxis(particles_bar, -1, 0))
 
     def _pull_back_matrix(self, matrix_bar, particles_bar):
         """Seeds on the essential transformation to the particles."""
@@ -245,10 +243,10 @@ class AdjointSweep:
         rows_bar = transformation_seeds(transformation, matrix_bar)
         raw = rows.raw
         point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
-        phi_bar = rows_bar[:, point, np.searchsorted(transformation.union, raw.neighbours)]
+        phi_bar = rows_bar[point, np.searchsorted(transformation.union, raw.neighbours)]
         table_seeds(
             self.disc.cloud, rows, np.ascontiguousarray(phi_bar),
-            np.zeros((self.m, raw.grad.size)), particles_bar,
+            np.zeros((raw.grad.size, self.m)), particles_bar,
         )  # fmt: skip
 
 
@@ -257,8 +255,3 @@ def measures_at(seeds: Seeds) -> np.ndarray:
     return np.flatnonzero(
         seeds.gap.any(axis=1) | seeds.force.any(axis=(1, 2)) | seeds.gradient.any(axis=(1, 2))
     )
-
-
-def _measures_first(bar) -> np.ndarray:
-    """Seeds (..., M) as (M, ...)."""
-    return np.ascontiguousarray(np.moveaxis(bar, -1, 0))

@@ -17,7 +17,7 @@ from seal_mdao.analysis.result import PathResult
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import CARRIED, FORCE_X, GAP, LENGTH, RADIUS, XI, XI_0, X
 from seal_mdao.dsa.blocks import blocks
-from seal_mdao.dsa.handed_on import handed_on, handed_on_adjoints
+from seal_mdao.dsa.handed_on import handed_on, handed_on_adjoints, sticking
 from seal_mdao.dsa.internal_rates import add_internal_rates
 from seal_mdao.dsa.linearization import (
     contact_input_rates,
@@ -92,6 +92,7 @@ class DirectSweep:
         self.contact_velocity = points_velocity(rates.velocity, self.disc.body.contact)
         self.n_steps = round(path.steps[-1].fraction)
         k = len(self.disc.body.contact)
+        self.every = np.arange(k)
         self.inputs = np.zeros((k, 10, rates.count))
         self.inputs[:, LENGTH] = self.shape.length
         self.inputs[:, RADIUS:] = contact_input_rates(rates, k)
@@ -101,7 +102,8 @@ class DirectSweep:
         inputs = self.inputs
         inputs[:, X:XI_0] = self.contact_velocity
         inputs[:, XI_0:LENGTH] = 0.0
-        return (local_contact(self.problem, self.path.start) @ inputs)[:, XI : CARRIED + 1].copy()
+        local = local_contact(self.problem, self.path.start, self.every)
+        return local[:, XI : CARRIED + 1] @ inputs
 
     def explicit_loads(self, steps) -> np.ndarray:
         """Structural fictitious loads of a block of steps, shape (K, n_equations + 1, P)."""
@@ -122,7 +124,7 @@ class DirectSweep:
         ``inputs`` hold the explicit rates of the contact points' inputs then.
         """
         table, inputs = self.disc.contact.table, self.inputs
-        local = local_contact(self.problem, step)
+        local = local_contact(self.problem, step, self.every)
         explicit = self.contact_velocity.copy()
         displacement_rates(table, self.shape.contact, step.d, explicit)
         explicit -= profile_share(step, self.n_steps) * self.rates.motion.T
@@ -149,7 +151,8 @@ class DirectSweep:
     def pass_by(self, step, following, history_rates, load) -> np.ndarray:
         """Rates (k, 3, P) of the history that one step hands on; right where ``following`` uses them."""
         local = self._load(step, history_rates, load)
-        handed = handed_on(local, following)
+        used = sticking(following)
+        handed = handed_on(used, local[used])
         moved = -handed_on_adjoints(self.problem, step, handed).T @ load
         for i, direction, rate in zip(*handed, moved, strict=True):
             self.inputs[i, X:XI_0] += np.outer(direction, rate)

@@ -10,6 +10,7 @@ points that stick in the next step, and of a point that sticks in both the tange
 they move by -Lambda_n^T f'_n, whatever the parameters (direct) or measures (adjoint).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -39,18 +40,25 @@ class HandedOn(NamedTuple):
     directions: np.ndarray
 
 
-def handed_on(local: np.ndarray, following: ConvergedStep | None) -> HandedOn:
-    """What the step after the one linearised in ``local`` (k, 6, 10) uses; nothing for None."""
+def sticking(following: ConvergedStep | None) -> np.ndarray:
+    """Points whose history the step after uses; none for None."""
+    if following is None:
+        return np.empty(0, int)
+    return np.flatnonzero(following.after.state == STICK)
+
+
+def handed_on(used: np.ndarray, local: np.ndarray) -> HandedOn:
+    """What the next step uses of this one, linearised in ``local`` (s, 6, 10) at the points
+    ``used`` (s,)."""
     points, directions = [], []
-    sticking = () if following is None else np.flatnonzero(following.after.state == STICK)
-    for i in sticking:
-        # rates of the natural coordinate and of what is carried, with the point's displacement
-        along, carried = local[i, XI, X:XI_0], local[i, CARRIED, X:XI_0]
-        area = along[0] * carried[1] - along[1] * carried[0]
-        size = float(np.hypot(*along))
-        if abs(area) <= PARALLEL * size * np.hypot(*carried):
+    # rates of the natural coordinate and of what is carried, with the point's displacement
+    rates = local[:, [XI, CARRIED], X:XI_0].tolist()
+    for i, ((along_x, along_y), (carried_x, carried_y)) in zip(used, rates, strict=True):
+        size = math.hypot(along_x, along_y)
+        area = along_x * carried_y - along_y * carried_x
+        if abs(area) <= PARALLEL * size * math.hypot(carried_x, carried_y):
             points.append(i)
-            directions.append(along / size)
+            directions.append((along_x / size, along_y / size))
         else:
             points += [i, i]
             directions += [(1.0, 0.0), (0.0, 1.0)]

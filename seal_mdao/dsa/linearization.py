@@ -69,12 +69,12 @@ def point_table_rates(discretization, table: PointTable, velocity, matrix) -> Ta
     return table_rates(discretization.cloud, table, velocity, discretization.transformation, matrix)
 
 
-def local_contact(problem: PathProblem, step: ConvergedStep) -> np.ndarray:
-    """Derivatives of force and history of every contact point, shape (k, 6, 10)."""
-    out = np.empty((len(step.gap), 6, 10))
+def local_contact(problem: PathProblem, step: ConvergedStep, points: np.ndarray) -> np.ndarray:
+    """Derivatives of force and history of the contact points ``points`` (s,), shape (s, 6, 10)."""
+    out = np.empty((points.size, 6, 10))
     contact_linearization(
         problem.profile, problem.law, step.position, step.contact_x,
-        problem.discretization.contact_length, step.before, out,
+        problem.discretization.contact_length, step.before, points, out,
     )  # fmt: skip
     return out
 

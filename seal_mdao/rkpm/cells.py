@@ -86,9 +86,9 @@ def weight_rates(mapping: CellMap, particles: np.ndarray, velocity: np.ndarray) 
 
 
 def add_weight_seeds(mapping, particles, weight_bar, x_bar) -> None:
-    """Transpose of ``weight_rates``: seeds (M, n_cells, q) on the weights to ``x_bar`` (M, n, 2)."""
+    """Transpose of ``weight_rates``: seeds (n_cells, q, M) on the weights to ``x_bar`` (n, 2, M)."""
     t = tangents(mapping, particles)
-    scaled = weight_bar * mapping.reference_weights
+    scaled = weight_bar * mapping.reference_weights[:, None]
     turned = np.stack([t[1][..., ::-1] * [1, -1], -t[0][..., ::-1] * [1, -1]])
-    corner = np.einsum("mcq,dqa,dcqi->mcai", scaled, mapping.slopes, turned)
+    corner = np.einsum("cqm,dqa,dcqi->caim", scaled, mapping.slopes, turned, optimize=True)
     scatter_add(x_bar, mapping.cells, corner)

@@ -107,9 +107,9 @@ def transformation_rates(transformation: EssentialTransformation, rows_rate: np.
 
 
 def transformation_seeds(transformation: EssentialTransformation, matrix_bar: np.ndarray):
-    """Transpose of ``transformation_rates``: seeds on T (M, c, u) to seeds on the raw rows."""
-    z = np.einsum("dc,mdu->mcu", transformation.lambda_inverse, matrix_bar)
-    rows_bar = np.where(transformation.is_constrained, 0.0, -z)
+    """Transpose of ``transformation_rates``: seeds on T (c, u, M) to seeds on the raw rows."""
+    z = np.einsum("dc,dum->cum", transformation.lambda_inverse, matrix_bar)
+    rows_bar = np.where(transformation.is_constrained[:, None], 0.0, -z)
     where = np.searchsorted(transformation.union, transformation.constrained)
-    rows_bar[:, :, where] -= np.einsum("mcu,du->mcd", z, transformation.matrix)
+    rows_bar[:, where] -= np.einsum("cum,du->cdm", z, transformation.matrix)
     return rows_bar

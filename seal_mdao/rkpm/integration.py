@@ -79,8 +79,8 @@ def edge_normals(rule: EdgeRule, vectors: np.ndarray) -> np.ndarray:
 
 
 def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) -> None:
-    """Transpose of ``edge_normals``: seeds (M, n_cells, 8, 2) added to ``x_bar`` (M, n, 2)."""
-    pull = 0.5 * np.stack([-normal_bar[..., 1], normal_bar[..., 0]], axis=-1)
+    """Transpose of ``edge_normals``: seeds (n_cells, 8, 2, M) added to ``x_bar`` (n, 2, M)."""
+    pull = 0.5 * np.stack([-normal_bar[..., 1, :], normal_bar[..., 0, :]], axis=-2)
     scatter_add(x_bar, rule.ends[..., 1], pull)
     scatter_add(x_bar, rule.ends[..., 0], -pull)
 
@@ -209,37 +209,42 @@ def _correct_rates(full, full_rates, weights, normals, weight_rates, normal_rate
 def _correct_seeds(
     full, weights, normals, phi_bar, grad_bar, full_phi_bar, full_grad_bar, weight_bar, normal_bar
 ):
-    q_count, points = weights.shape[1], full.group_size
+    q_count, points, count = weights.shape[1], full.group_size, phi_bar.shape[1]
     for cell in range(full.start.size - 1):
         s0 = full.start[cell]
         n = full.start[cell + 1] - s0
         phi = full.phi[s0 * points : (s0 + n) * points].reshape(points, n)
         grad = full.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
-        shift, shift_bar = np.empty((2, n)), np.empty((2, n))
+        shift, shift_bar = np.empty((2, n)), np.zeros((2, n, count))
         volume = _cell_correction(grad, phi, weights[cell], normals[cell], n, q_count, shift)
-        for m in range(phi_bar.shape[0]):
-            seed = grad_bar[m, 2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
-            phi_seed = phi_bar[m, s0 * q_count : (s0 + n) * q_count].reshape(q_count, n)
-            at, size = s0 * points, n * points
-            out_phi = full_phi_bar[m, at : at + size].reshape(points, n)
-            out = full_grad_bar[m, 2 * at : 2 * (at + size)].reshape(points, 2, n)
-            shift_bar[:] = 0.0
-            for q in range(q_count):
-                for j in range(2):
-                    for i in range(n):
-                        shift_bar[j, i] += seed[q, j, i] / volume
-            for q in range(q_count):
+        here, full_here = (
+            slice(s0 * q_count, (s0 + n) * q_count),
+            slice(s0 * points, (s0 + n) * points),
+        )
+        phi_seed, out_phi = phi_bar[here], full_phi_bar[full_here]
+        seed = grad_bar[2 * here.start : 2 * here.stop].reshape(q_count, 2, n, count)
+        out = full_grad_bar[2 * full_here.start : 2 * full_here.stop].reshape(points, 2, n, count)
+        for q in range(q_count):
+            for j in range(2):
                 for i in range(n):
-                    out_phi[q, i] = phi_seed[q, i]
-                for j in range(2):
-                    for i in range(n):
-                        out[q, j, i] = seed[q, j, i] - weights[cell, q] * shift_bar[j, i]
-                        weight_bar[m, cell, q] -= (grad[q, j, i] + shift[j, i]) * shift_bar[j, i]
-            for e in range(normals.shape[1]):
-                for j in range(2):
-                    for i in range(n):
-                        out_phi[q_count + e, i] += shift_bar[j, i] * normals[cell, e, j]
-                        normal_bar[m, cell, e, j] += shift_bar[j, i] * phi[q_count + e, i]
+                    for m in range(count):
+                        shift_bar[j, i, m] += seed[q, j, i, m] / volume
+        out_phi[: q_count * n] = phi_seed
+        for q in range(q_count):
+            w = weights[cell, q]
+            for j in range(2):
+                for i in range(n):
+                    slope = grad[q, j, i] + shift[j, i]
+                    for m in range(count):
+                        out[q, j, i, m] = seed[q, j, i, m] - w * shift_bar[j, i, m]
+                        weight_bar[cell, q, m] -= slope * shift_bar[j, i, m]
+        for e in range(normals.shape[1]):
+            for j in range(2):
+                for i in range(n):
+                    normal, value = normals[cell, e, j], phi[q_count + e, i]
+                    for m in range(count):
+                        out_phi[(q_count + e) * n + i, m] += shift_bar[j, i, m] * normal
+                        normal_bar[cell, e, j, m] += shift_bar[j, i, m] * value
 
 
 def build_cell_table(
@@ -279,19 +284,19 @@ def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transforma
 
 
 def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, transformation):
-    """Pull seeds on the cells' gradients (M, grad.size) back to the particles.
+    """Pull seeds on the cells' gradients (grad.size, M) back to the particles.
 
-    ``weight_bar`` (M, n_cells, q) and ``x_bar`` (M, n, 2) are added to; returns the seeds on T.
+    ``weight_bar`` (n_cells, q, M) and ``x_bar`` (n, 2, M) are added to; returns the seeds on T.
     """
-    m = len(grad_bar)
-    phi_bar = np.zeros((m, cells.table.phi.size))
+    m = grad_bar.shape[1]
+    phi_bar = np.zeros((cells.table.phi.size, m))
     phi_bar, grad_bar, matrix_bar = untransformed_seeds(
         cells.raw, cells.table, phi_bar, grad_bar, transformation
     )
     full = cells.full.raw
-    full_phi, full_grad = np.zeros((m, full.phi.size)), np.zeros((m, full.grad.size))
+    full_phi, full_grad = np.zeros((full.phi.size, m)), np.zeros((full.grad.size, m))
     normals = edge_normals(cells.rule, cloud.particles)
-    normal_bar = np.zeros((m, *normals.shape))
+    normal_bar = np.zeros((*normals.shape, m))
     _correct_seeds(
         full, cells.weights, normals, phi_bar, grad_bar, full_phi, full_grad, weight_bar, normal_bar
     )

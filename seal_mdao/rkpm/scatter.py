@@ -5,20 +5,20 @@ import numpy as np
 
 
 def scatter_add(out: np.ndarray, rows: np.ndarray, values: np.ndarray) -> None:
-    """out[m, rows[k]] += values[m, k] with repeated rows, in order.
+    """out[rows[k]] += values[k] with repeated rows, in order.
 
     Parameters
     ----------
-    out : ndarray, shape (M, n, 2)
+    out : ndarray, shape (n, 2, M)
     rows : ndarray of int, any shape
-    values : ndarray, shape (M, *rows.shape, 2)
+    values : ndarray, shape (*rows.shape, 2, M)
     """
-    _scatter_add(out, rows.ravel(), np.ascontiguousarray(values).reshape(len(out), -1, 2))
+    _scatter_add(out, rows.ravel(), np.ascontiguousarray(values).reshape(-1, *out.shape[1:]))
 
 
 @nb.njit(cache=True, error_model="numpy")
 def _scatter_add(out, rows, values):
-    for m in range(out.shape[0]):
-        for k in range(rows.size):
-            for c in range(2):
-                out[m, rows[k], c] += values[m, k, c]
+    for k in range(rows.size):
+        for c in range(out.shape[1]):
+            for m in range(out.shape[2]):
+                out[rows[k], c, m] += values[k, c, m]

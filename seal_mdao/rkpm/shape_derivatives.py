@@ -194,12 +194,12 @@ def reverse_shape_functions(cloud, points, start, neighbours, phi_bar, grad_bar,
 
     Parameters
     ----------
-    phi_bar, grad_bar : ndarray, shapes (M, ...)
+    phi_bar, grad_bar : ndarray, shapes (..., M)
         Seeds of M measures in the flat layout of ``ShapeTable``.
-    x_bar, point_bar : ndarray, shapes (M, n_particles, 2), (M, n_points, 2)
+    x_bar, point_bar : ndarray, shapes (n_particles, 2, M), (n_points, 2, M)
         Added to: derivatives with respect to the particle and the point coordinates.
     """
-    m, n_measures = cloud.n_basis, phi_bar.shape[0]
+    m, n_measures = cloud.n_basis, phi_bar.shape[1]
     n_groups = start.size - 1
     group_size = points.shape[0] // n_groups
     moments, inverse, b = np.empty((3, m, m)), np.empty((m, m)), np.empty((3, m))
@@ -218,12 +218,11 @@ def reverse_shape_functions(cloud, points, start, neighbours, phi_bar, grad_bar,
             _prepare(points[point], near, cloud, h, k, moments, inverse, b)
             linearize_point(h, k, b, moments, inverse, direct, pull, chain)
             at = start[g] * group_size + q * n
-            for measure in range(n_measures):
-                seed[:n, measure] = phi_bar[measure, at : at + n]
-                seed[n:, measure] = grad_bar[measure, 2 * at : 2 * (at + n)]
+            seed[:n] = phi_bar[at : at + n]
+            seed[n:] = grad_bar[2 * at : 2 * (at + n)]
             reverse_point(direct, pull, chain, seed, out)
-            for measure in range(n_measures):
-                for i in range(n):
-                    for d in range(2):
-                        x_bar[measure, near[i], d] -= out[2 * i + d, measure]
-                        point_bar[measure, point, d] += out[2 * i + d, measure]
+            for i in range(n):
+                for d in range(2):
+                    for measure in range(n_measures):
+                        x_bar[near[i], d, measure] -= out[2 * i + d, measure]
+                        point_bar[point, d, measure] += out[2 * i + d, measure]

@@ -139,9 +139,9 @@ def table_rates(
 
 
 def raw_seeds(cloud: Cloud, point_table: PointTable, phi_bar, grad_bar, x_bar) -> None:
-    """Transpose of ``raw_rates``: seeds on the raw table added to ``x_bar`` (M, n_particles, 2)."""
+    """Transpose of ``raw_rates``: seeds on the raw table added to ``x_bar`` (n_particles, 2, M)."""
     raw, points = point_table.raw, point_table.points
-    point_bar = np.zeros((len(phi_bar), *point_table.coordinates.shape))
+    point_bar = np.zeros((*point_table.coordinates.shape, x_bar.shape[2]))
     reverse_shape_functions(
         cloud, point_table.coordinates, raw.start, raw.neighbours, phi_bar, grad_bar, x_bar,
         point_bar,
@@ -154,13 +154,13 @@ def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transf
 
     Parameters
     ----------
-    phi_bar, grad_bar : ndarray, shapes (M, phi.size), (M, grad.size)
-    x_bar : ndarray, shape (M, n_particles, 2)
+    phi_bar, grad_bar : ndarray, shapes (phi.size, M), (grad.size, M)
+    x_bar : ndarray, shape (n_particles, 2, M)
         Added to.
 
     Returns
     -------
-    ndarray, shape (M, c, u), or None
+    ndarray, shape (c, u, M), or None
         Seeds on T, which the caller sums over all tables before pulling them back.
     """
     phi_bar, grad_bar, matrix_bar = untransformed_seeds(
@@ -171,7 +171,7 @@ def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transf
 
 
 def add_point_seeds(points: PointSet, point_bar: np.ndarray, x_bar: np.ndarray) -> None:
-    """Transpose of ``PointSet.at``: seeds on the points (M, n_points, 2) to the particles."""
+    """Transpose of ``PointSet.at``: seeds on the points (n_points, 2, M) to the particles."""
     for k in range(points.anchors.shape[1]):
-        weighted = point_bar * points.weights[:, k, None]
+        weighted = point_bar * points.weights[:, k, None, None]
         scatter_add(x_bar, points.anchors[:, k], weighted)

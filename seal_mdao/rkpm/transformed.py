@@ -166,20 +166,23 @@ def _transform_seeds(
         _positions(near, here, in_new)
         of_union = np.empty(union.size, np.int64)
         _positions(union, here, of_union)
-        for measure in range(bar.shape[0]):
-            for row in range(raw.group_size * n_rows):
-                old = raw.start[g] * raw.group_size * n_rows + row * n_raw
-                new = table.start[g] * raw.group_size * n_rows + row * n_new
-                for i in range(n_raw):
-                    if in_c[i] < 0:
-                        raw_bar[measure, old + i] = bar[measure, new + in_new[i]]
-                    else:
-                        value = 0.0
-                        for u in range(union.size):
-                            seed = bar[measure, new + of_union[u]]
-                            value += seed * matrix[in_c[i], u]
-                            matrix_bar[measure, in_c[i], u] += seed * values[old + i]
-                        raw_bar[measure, old + i] = value
+        for row in range(raw.group_size * n_rows):
+            old = raw.start[g] * raw.group_size * n_rows + row * n_raw
+            new = table.start[g] * raw.group_size * n_rows + row * n_new
+            for i in range(n_raw):
+                out = raw_bar[old + i]
+                if in_c[i] < 0:
+                    seed = bar[new + in_new[i]]
+                    for m in range(out.size):
+                        out[m] = seed[m]
+                    continue
+                for m in range(out.size):
+                    out[m] = 0.0
+                for u in range(union.size):
+                    seed, on_matrix = bar[new + of_union[u]], matrix_bar[in_c[i], u]
+                    for m in range(out.size):
+                        out[m] += seed[m] * matrix[in_c[i], u]
+                        on_matrix[m] += seed[m] * values[old + i]
 
 
 def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation, matrix_rate):
@@ -213,9 +216,9 @@ def untransformed_seeds(raw: ShapeTable, table: ShapeTable, phi_bar, grad_bar, t
     if transformation is None or transformation.constrained.size == 0:
         return phi_bar, grad_bar, None
     c, u, matrix = transformation.constrained, transformation.union, transformation.matrix
-    m = len(phi_bar)
-    matrix_bar = np.zeros((m, *matrix.shape))
-    raw_phi, raw_grad = np.empty((m, raw.phi.size)), np.empty((m, raw.grad.size))
+    m = phi_bar.shape[1]
+    matrix_bar = np.zeros((*matrix.shape, m))
+    raw_phi, raw_grad = np.empty((raw.phi.size, m)), np.empty((raw.grad.size, m))
     _transform_seeds(raw, table, c, u, matrix, raw.phi, 1, phi_bar, raw_phi, matrix_bar)
     _transform_seeds(raw, table, c, u, matrix, raw.grad, 2, grad_bar, raw_grad, matrix_bar)
     return raw_phi, raw_grad, matrix_bar

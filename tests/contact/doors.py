@@ -76,6 +76,7 @@ def linearized(profile, law, x, history, length=1.0):
     before = ContactHistory(np.array([state]), np.array([variables], float))
     out = np.full((1, 6, 10), np.nan)
     contact_linearization(
-        profile, law, np.zeros(2), np.array([x], float), np.array([float(length)]), before, out
-    )
+        profile, law, np.zeros(2), np.array([x], float), np.array([float(length)]), before,
+        np.array([0]), out,
+    )  # fmt: skip
     return out[0]

@@ -17,7 +17,7 @@ from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.contact.friction import OPEN, STICK
 from seal_mdao.dsa.blocks import blocks
 from seal_mdao.dsa.direct import DirectSweep
-from seal_mdao.dsa.handed_on import handed_on
+from seal_mdao.dsa.handed_on import handed_on, sticking
 from seal_mdao.dsa.internal_rates import add_internal_rates
 from seal_mdao.dsa.internal_seeds import add_internal_seeds
 from seal_mdao.dsa.linearization import discretization_rates, local_contact, point_table_rates
@@ -73,10 +73,10 @@ def test_tributary_rates_against_central_differences(drawn, velocity):
 
 def test_tributary_seeds_are_the_transpose_of_their_rates(drawn, velocity, rng):
     body, x = drawn.model.body, drawn.particles
-    seed, x_bar = rng.standard_normal((2, 51)), np.zeros((2, 174, 2))
+    seed, x_bar = rng.standard_normal((51, 2)), np.zeros((174, 2, 2))
     add_tributary_seeds(body, x, seed, x_bar)
-    forward = seed @ tributary_rates(body, x, velocity).T
-    np.testing.assert_allclose(np.einsum("mai,pai->mp", x_bar, velocity), forward, atol=1e-12)
+    forward = seed.T @ tributary_rates(body, x, velocity).T
+    np.testing.assert_allclose(np.einsum("aim,pai->mp", x_bar, velocity), forward, atol=1e-12)
 
 
 def test_structural_fictitious_load_against_central_differences(drawn, disc, velocity):
@@ -304,8 +304,8 @@ def test_a_point_that_goes_on_sticking_hands_on_its_natural_coordinate_alone(ran
     problem, steps = path_problem(random_design), random_design.path.steps
     seen = set()
     for step, following in pairwise(steps):
-        local = local_contact(problem, step)
-        points, directions = handed_on(local, following)
+        used = sticking(following)
+        points, directions = handed_on(used, local_contact(problem, step, used))
         assert set(points) == set(np.flatnonzero(following.after.state == STICK))
         np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0, rtol=1e-14)
         for i in set(points):
@@ -313,7 +313,7 @@ def test_a_point_that_goes_on_sticking_hands_on_its_natural_coordinate_alone(ran
             assert np.sum(points == i) == (1 if went_on else 2)
             seen.add(bool(went_on))
     assert seen == {True, False}
-    assert handed_on(local, None).points.size == 0
+    assert sticking(None).size == 0
 
 
 def test_factors_beyond_the_memory_are_made_again(drawn_model):

@@ -76,11 +76,11 @@ def test_weight_rates_are_exact(rng):
 
 def test_weight_seeds_are_the_transpose_of_weight_rates(rng):
     mapping = cell_map(CELLS, 2)
-    velocity, seed = rng.standard_normal((3, 6, 2)), rng.standard_normal((2, 2, 4))
-    x_bar = np.zeros((2, 6, 2))
+    velocity, seed = rng.standard_normal((3, 6, 2)), rng.standard_normal((2, 4, 2))
+    x_bar = np.zeros((6, 2, 2))
     add_weight_seeds(mapping, PARTICLES, seed, x_bar)
-    forward = np.einsum("mcq,pcq->mp", seed, weight_rates(mapping, PARTICLES, velocity))
-    np.testing.assert_allclose(np.einsum("mai,pai->mp", x_bar, velocity), forward, atol=1e-14)
+    forward = np.einsum("cqm,pcq->mp", seed, weight_rates(mapping, PARTICLES, velocity))
+    np.testing.assert_allclose(np.einsum("aim,pai->mp", x_bar, velocity), forward, atol=1e-14)
 
 
 @pytest.mark.parametrize("corner", [[0.3, 0.4], [-1.0, -1.0]])

@@ -122,11 +122,11 @@ def test_normal_seeds_are_the_transpose_of_edge_normals(rng):
     model = sm.door_seal()
     rule, n = model.body.edge_rule, len(model.drawn_particles)
     velocity = rng.standard_normal((2, n, 2))
-    seed = rng.standard_normal((3, *rule.ends.shape[:2], 2))
-    x_bar = np.zeros((3, n, 2))
+    seed = rng.standard_normal((*rule.ends.shape[:2], 2, 3))
+    x_bar = np.zeros((n, 2, 3))
     add_normal_seeds(rule, seed, x_bar)
-    forward = np.einsum("mcej,pcej->mp", seed, edge_normals(rule, velocity))
-    np.testing.assert_allclose(np.einsum("mai,pai->mp", x_bar, velocity), forward, rtol=1e-11)
+    forward = np.einsum("cejm,pcej->mp", seed, edge_normals(rule, velocity))
+    np.testing.assert_allclose(np.einsum("aim,pai->mp", x_bar, velocity), forward, rtol=1e-11)
 
 
 def test_integration_points_lie_on_the_edges(seal):
@@ -169,23 +169,23 @@ def test_cell_seeds_are_the_transpose_of_cell_rates(seal, rng):
     velocity = rng.standard_normal((2, n, 2))
     forward = discretization_rates(disc, velocity)
     _, dgrad = rate_rows(disc.cells.table, forward.cells, n, 2)
-    grad_bar = rng.standard_normal((1, disc.cells.table.grad.size))
-    weight_bar = rng.standard_normal((1, *disc.weights.shape))
+    grad_bar = rng.standard_normal((disc.cells.table.grad.size, 1))
+    weight_bar = rng.standard_normal((*disc.weights.shape, 1))
     zero_phi = np.zeros(disc.cells.table.phi.size)
-    _, seed = rows(disc.cells.table, n, (zero_phi, grad_bar[0]))
+    _, seed = rows(disc.cells.table, n, (zero_phi, grad_bar[:, 0]))
     ahead = np.einsum("qja,qjap->p", seed, dgrad)
-    ahead += np.einsum("cq,pcq->p", weight_bar[0], forward.weights)
+    ahead += np.einsum("cq,pcq->p", weight_bar[..., 0], forward.weights)
 
-    x_bar, weight_bar = np.zeros((1, n, 2)), weight_bar.copy()
+    x_bar, weight_bar = np.zeros((n, 2, 1)), weight_bar.copy()
     matrix_bar = cell_table_seeds(cloud, disc.cells, grad_bar, weight_bar, x_bar, transformation)
     add_weight_seeds(model.body.cell_map, disc.particles, weight_bar, x_bar)
     raw = disc.constrained_rows.raw
     point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
     rows_bar = transformation_seeds(transformation, matrix_bar)
-    own = rows_bar[:, point, np.searchsorted(transformation.union, raw.neighbours)]
+    own = rows_bar[point, np.searchsorted(transformation.union, raw.neighbours)]
     table_seeds(
-        cloud, disc.constrained_rows, np.ascontiguousarray(own), np.zeros((1, raw.grad.size)), x_bar
+        cloud, disc.constrained_rows, np.ascontiguousarray(own), np.zeros((raw.grad.size, 1)), x_bar
     )
-    back = np.einsum("ai,pai->p", x_bar[0], velocity)
-    size = np.abs(x_bar[0] * velocity).sum(axis=(1, 2))
+    back = np.einsum("ai,pai->p", x_bar[..., 0], velocity)
+    size = np.abs(x_bar[..., 0] * velocity).sum(axis=(1, 2))
     np.testing.assert_allclose(back, ahead, rtol=0.0, atol=1e-12 * size.max())

@@ -133,30 +133,30 @@ def test_reverse_is_the_transpose_of_forward_through_the_transformation(cloud, r
     matrix_rate = rates_of(cloud, constrained_rows, transformation, velocity)
     rates = table_rates(cloud, table, velocity, transformation, matrix_rate)
     dphi, dgrad = rate_rows(table.table, rates, N, 3)
-    phi_bar = rng.standard_normal((1, table.table.phi.size))
-    grad_bar = rng.standard_normal((1, table.table.grad.size))
-    seed_phi, seed_grad = rows(table.table, N, (phi_bar[0], grad_bar[0]))
+    phi_bar = rng.standard_normal((table.table.phi.size, 1))
+    grad_bar = rng.standard_normal((table.table.grad.size, 1))
+    seed_phi, seed_grad = rows(table.table, N, (phi_bar[:, 0], grad_bar[:, 0]))
     forward = np.einsum("qa,qap->p", seed_phi, dphi) + np.einsum("qja,qjap->p", seed_grad, dgrad)
 
-    x_bar = np.zeros((1, N, 2))
+    x_bar = np.zeros((N, 2, 1))
     matrix_bar = table_seeds(cloud, table, phi_bar, grad_bar, x_bar, transformation)
     rows_bar = transformation_seeds(transformation, matrix_bar)
     raw = constrained_rows.raw
     point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
-    own_bar = rows_bar[:, point, np.searchsorted(transformation.union, raw.neighbours)]
+    own_bar = rows_bar[point, np.searchsorted(transformation.union, raw.neighbours)]
     own_bar = np.ascontiguousarray(own_bar)
-    table_seeds(cloud, constrained_rows, own_bar, np.zeros((1, raw.grad.size)), x_bar)
-    backward = np.einsum("ai,pai->p", x_bar[0], velocity)
-    size = np.abs(x_bar[0] * velocity).sum(axis=(1, 2))
+    table_seeds(cloud, constrained_rows, own_bar, np.zeros((raw.grad.size, 1)), x_bar)
+    backward = np.einsum("ai,pai->p", x_bar[..., 0], velocity)
+    size = np.abs(x_bar[..., 0] * velocity).sum(axis=(1, 2))
     np.testing.assert_allclose(backward, forward, rtol=0.0, atol=1e-12 * size.max())
 
 
 def test_transformation_seeds_are_the_transpose_of_transformation_rates(cloud, rng):
     _, transformation, _ = transformed(cloud, at(CONSTRAINED))
     u = transformation.union.size
-    rows_rate, matrix_bar = rng.standard_normal((5, u, 4)), rng.standard_normal((3, 5, u))
-    forward = np.einsum("mcu,cup->mp", matrix_bar, transformation_rates(transformation, rows_rate))
-    backward = np.einsum("mcu,cup->mp", transformation_seeds(transformation, matrix_bar), rows_rate)
+    rows_rate, matrix_bar = rng.standard_normal((5, u, 4)), rng.standard_normal((5, u, 3))
+    forward = np.einsum("cum,cup->mp", matrix_bar, transformation_rates(transformation, rows_rate))
+    backward = np.einsum("cum,cup->mp", transformation_seeds(transformation, matrix_bar), rows_rate)
     np.testing.assert_allclose(backward, forward, rtol=1e-12, atol=1e-12 * np.abs(forward).max())
 
 

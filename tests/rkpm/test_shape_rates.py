@@ -94,17 +94,17 @@ def test_reverse_is_the_transpose_of_forward(moving, rng):
     _, cloud, table, velocity = moving
     rates = table_rates(cloud, table, velocity)
     dphi, dgrad = rate_rows(table.table, rates, 25, 3)
-    phi_bar = rng.standard_normal((2, table.table.phi.size))
-    grad_bar = rng.standard_normal((2, table.table.grad.size))
-    x_bar = np.zeros((2, 25, 2))
+    phi_bar = rng.standard_normal((table.table.phi.size, 2))
+    grad_bar = rng.standard_normal((table.table.grad.size, 2))
+    x_bar = np.zeros((25, 2, 2))
     assert table_seeds(cloud, table, phi_bar, grad_bar, x_bar) is None
     for m in range(2):
-        seed_phi, seed_grad = rows(table.table, 25, (phi_bar[m], grad_bar[m]))
+        seed_phi, seed_grad = rows(table.table, 25, (phi_bar[:, m], grad_bar[:, m]))
         forward = np.einsum("qa,qap->p", seed_phi, dphi) + np.einsum(
             "qja,qjap->p", seed_grad, dgrad
         )
         size = np.abs(np.einsum("qja,qjap->qjap", seed_grad, dgrad)).sum()
-        backward = np.einsum("ai,pai->p", x_bar[m], velocity)
+        backward = np.einsum("ai,pai->p", x_bar[..., m], velocity)
         np.testing.assert_allclose(forward, backward, rtol=0.0, atol=1e-13 * size)
 
 
