@@ -126,6 +126,8 @@ class AdjointSweep:
         if which.size:
             mix[np.arange(which.size), which] = 1.0
             self._add_measured(step, seeds, which, local, out_bar, loads[:, : which.size])
+        if len(mix) > self.m:
+            loads, mix = loads @ mix, np.eye(self.m)
         adjoints = adjoint_displacements(self.problem, step, loads)
         at_points = np.empty((points.size, 2, len(mix)))
         point_adjoint(table, points, adjoints, disc.layout.equations, at_points)

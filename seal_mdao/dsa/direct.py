@@ -140,22 +140,30 @@ class DirectSweep:
     def step(self, step, history_rates, load) -> StepRates:
         """Solve (70) at one converged step; ``load`` is its row of ``explicit_loads``, added to."""
         local = self._load(step, history_rates, load)
+        solution = self._solve(step, load)
+        out = local @ self.inputs
+        history = out[:, XI : CARRIED + 1].copy()
+        return StepRates(solution, out[:, GAP].copy(), out[:, FORCE_X:XI].copy(), history)
+
+    def _solve(self, step, load) -> np.ndarray:
+        """All of d', also added to the contact points' displacements."""
         solution = -converged_factor(self.problem, step).solve(load[:-1])
         add_solution_rates(
             self.disc.contact.table, self.disc.layout.equations, solution, self.inputs[:, X:XI_0]
         )
-        out = local @ self.inputs
-        history = out[:, XI : CARRIED + 1].copy()
-        return StepRates(solution, out[:, GAP].copy(), out[:, FORCE_X:XI].copy(), history)
+        return solution
 
     def pass_by(self, step, following, history_rates, load) -> np.ndarray:
         """Rates (k, 3, P) of the history that one step hands on; right where ``following`` uses them."""
         local = self._load(step, history_rates, load)
         used = sticking(following)
         handed = handed_on(used, local[used])
-        moved = -handed_on_adjoints(self.problem, step, handed).T @ load
-        for i, direction, rate in zip(*handed, moved, strict=True):
-            self.inputs[i, X:XI_0] += np.outer(direction, rate)
+        if handed.points.size > self.rates.count:
+            self._solve(step, load)
+        else:
+            moved = -handed_on_adjoints(self.problem, step, handed).T @ load
+            for i, direction, rate in zip(*handed, moved, strict=True):
+                self.inputs[i, X:XI_0] += np.outer(direction, rate)
         return local[:, XI : CARRIED + 1] @ self.inputs
 
     @one_blas_thread

@@ -43,8 +43,9 @@ def matrix_rates(discretization: Discretization, velocity: np.ndarray) -> np.nda
     dense = np.zeros((rows.raw.neighbours.size, len(velocity)))
     for g in range(rows.raw.n_groups):
         which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
-        block = rates.phi[rates.start[g, 1] : rates.start[g + 1, 1]].reshape(-1, which.size)
-        dense[rows.raw.start[g] : rows.raw.start[g + 1], which] = block
+        here = slice(rows.raw.start[g], rows.raw.start[g + 1])
+        block = rates.phi[rates.start[g, 1] : rates.start[g + 1, 1]]
+        dense[here, which] = block.reshape(here.stop - here.start, which.size)
     return transformation_rates(
         transformation, rows_on_union(rows.raw, transformation.union, dense)
     )

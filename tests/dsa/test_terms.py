@@ -15,6 +15,7 @@ from seal_mdao.analysis.body import (
 )
 from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.contact.friction import OPEN, STICK
+from seal_mdao.dsa.adjoint import AdjointSweep
 from seal_mdao.dsa.blocks import blocks
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.handed_on import handed_on, sticking
@@ -30,7 +31,14 @@ from seal_mdao.dsa.point_rates import (
     gradient_rates,
     point_adjoint,
 )
-from seal_mdao.dsa.sensitivity import measure_count, particle_gradient, path_problem
+from seal_mdao.dsa.sensitivity import (
+    _Wanted,
+    adjoint_gradient,
+    measure_count,
+    particle_gradient,
+    path_problem,
+)
+from seal_mdao.measures.functional import Seeds
 from seal_mdao.measures.stress import von_mises_at
 from seal_mdao.seal import analyze_particles
 
@@ -298,6 +306,29 @@ def test_steps_passed_by_hand_on_all_that_matters(random_design):
     for name in ("solution", "gap", "force"):
         a, b = getattr(passed, name), getattr(solved, name)
         np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-10 * np.abs(b).max())
+
+
+def test_few_parameters_and_few_measures_are_solved_for_themselves(random_design):
+    """With fewer of them than displacements handed on, both methods take the shorter way."""
+    rates = parameter_rates(random_design.model)
+    column = rates.names.index("door_radius")
+    problem = path_problem(random_design)
+    last = len(random_design.path.steps) - 1
+    one = parameter_rates(
+        random_design.model, ("door_radius",), np.empty((0, *random_design.particles.shape))
+    )
+    found = DirectSweep(random_design.path, problem, one).run()[last].gap[:, 0]
+    expected = end_rates(random_design).gap[:, column]
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
+    wanted = _Wanted.of(random_design, ())
+    whole = adjoint_gradient(random_design, wanted)
+    seeds = wanted.functional.seeds[last]
+    alone = Seeds(seeds.gap[-1:], seeds.force[-1:], seeds.gradient[-1:])
+    single = AdjointSweep(random_design.path, problem, wanted.table, 1).run({last: alone})
+    exact = whole.particles[-1] - wanted.functional.particles[-1]
+    np.testing.assert_allclose(
+        single.particles[0], exact, rtol=0.0, atol=1e-10 * np.abs(exact).max()
+    )
 
 
 def test_a_point_that_goes_on_sticking_hands_on_its_natural_coordinate_alone(random_design):
