@@ -8,6 +8,7 @@ derivatives of the curve's own design velocity.
 import numba as nb
 import numpy as np
 
+from seal_mdao.geometry.bounds import PIECES_A_RUN
 from seal_mdao.geometry.profile import LINE, curve_point
 
 
@@ -42,6 +43,22 @@ def _candidate(profile, piece, x, y, last):
     return square, gap, profile.start[piece] + size * a
 
 
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def _distance(profile, run, x, y):
+    """From the centre of the circle around a run of pieces."""
+    dx, dy = x - profile.run_centre[run, 0], y - profile.run_centre[run, 1]
+    return (dx * dx + dy * dy) ** 0.5
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _within_reach(profile, x, y):
+    """A distance that the profile is certainly not farther away than, a little enlarged."""
+    nearest = np.inf
+    for run in range(profile.run_radius.size):
+        nearest = min(nearest, _distance(profile, run, x, y) + profile.run_radius[run])
+    return (1.0 + 1e-9) * nearest
+
+
 @nb.njit(cache=True, error_model="numpy")
 def closest_point(profile, x, y):
     """Solve the contact consistency condition (18).
@@ -60,12 +77,16 @@ def closest_point(profile, x, y):
     """
     best, best_gap, best_xi, best_piece = np.inf, 0.0, 0.0, -1
     last = profile.kind.size - 1
-    for piece in range(profile.kind.size):
-        square, gap, xi = _candidate(profile, piece, x, y, last)
-        slack = 1e-12 * (square + best) if best < np.inf else 0.0
-        tie = abs(square - best) <= slack and abs(gap) > abs(best_gap)
-        if square < best - slack or tie:
-            best, best_gap, best_xi, best_piece = square, gap, xi, piece
+    farthest = _within_reach(profile, x, y)
+    for run in range(profile.run_radius.size):
+        if _distance(profile, run, x, y) - profile.run_radius[run] > farthest:
+            continue
+        for piece in range(run * PIECES_A_RUN, min((run + 1) * PIECES_A_RUN, last + 1)):
+            square, gap, xi = _candidate(profile, piece, x, y, last)
+            slack = 1e-12 * (square + best) if best < np.inf else 0.0
+            tie = abs(square - best) <= slack and abs(gap) > abs(best_gap)
+            if square < best - slack or tie:
+                best, best_gap, best_xi, best_piece = square, gap, xi, piece
     return best_piece, best_xi, best_gap
 
 

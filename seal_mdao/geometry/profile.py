@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numba as nb
 import numpy as np
 
+from seal_mdao.geometry.bounds import bounding_circles
+
 LINE, ARC = 0, 1
 
 PROFILE_EXTENT = 100.0
@@ -33,6 +35,8 @@ class RigidProfile(NamedTuple):
         Natural coordinate at the start of the piece, and its extent.
     origin_rate, angle_rate, radius_rate, start_rate : ndarray
         Derivatives with respect to the shape parameter (the corner radius of a door).
+    run_centre, run_radius : ndarray, shapes (b, 2), (b,)
+        Circles of ``geometry.bounds`` around runs of pieces.
     """
 
     kind: np.ndarray
@@ -45,6 +49,14 @@ class RigidProfile(NamedTuple):
     angle_rate: np.ndarray
     radius_rate: np.ndarray
     start_rate: np.ndarray
+    run_centre: np.ndarray
+    run_radius: np.ndarray
+
+    @classmethod
+    def of(cls, kind, origin, angle, radius, start, length, *rates):
+        """The profile of these pieces, with the circles around them."""
+        circles = bounding_circles(kind == LINE, origin, angle, radius, length)
+        return cls(kind, origin, angle, radius, start, length, *rates, *circles)
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
@@ -107,7 +119,7 @@ def _profile(pieces, rates) -> RigidProfile:
     )
     start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
     d_start = np.concatenate([[0.0], np.cumsum(d_length)[:-1]])
-    return RigidProfile(
+    return RigidProfile.of(
         kind.astype(np.int64), origin.astype(float), angle.astype(float), radius.astype(float),
         start, length.astype(float), d_origin, d_angle, d_radius, d_start,
     )  # fmt: skip

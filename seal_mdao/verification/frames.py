@@ -90,7 +90,7 @@ def moved_profile(profile: RigidProfile, frame: Frame) -> RigidProfile:
     kind, length, radius = profile.kind[order], frame.size * length[order], profile.radius[order]
     start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
     none = np.zeros(len(kind))
-    return RigidProfile(
+    return RigidProfile.of(
         kind.copy(), np.ascontiguousarray(frame.places(origin[order])),
         angle[order] + frame.angle, np.where(kind == ARC, frame.size, 1.0) * radius, start, length,
         np.zeros((len(kind), 2)), none, none, none,

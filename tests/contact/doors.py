@@ -18,7 +18,7 @@ from seal_mdao.geometry.profile import (
 def hollow(radius):
     """A rigid bore with the body inside: an arc walked clockwise, radius negative."""
     one = np.ones(1)
-    return RigidProfile(
+    return RigidProfile.of(
         np.array([ARC]), np.array([[0.5, 0.2]]), np.array([2.0]), np.array([-radius]),
         0 * one, np.array([2 * np.pi * radius]), np.zeros((1, 2)), 0 * one, -one, 0 * one,
     )  # fmt: skip

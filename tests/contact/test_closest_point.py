@@ -6,7 +6,8 @@ from doors import FORMS, RADIUS, curve, normal
 from scipy.optimize import minimize_scalar
 
 from seal_mdao.contact.kinematics import closest_point
-from seal_mdao.geometry.profile import polyline_profile
+from seal_mdao.geometry.bounds import PIECES_A_RUN
+from seal_mdao.geometry.profile import curve_point, polyline_profile
 
 CENTRE, LOW = np.array([6.0 - RADIUS, RADIUS]), -0.5 * np.pi
 
@@ -169,3 +170,37 @@ def chord_form(chords):
     angle = np.linspace(LOW, 0.0, chords + 1)
     arc = CENTRE + RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
     return np.vstack([[-98.0, 0.0], arc, [6.0, 104.0]])
+
+
+def many_chords(count):
+    """A wavy rigid face of many chords, and the same with all of them in sight of every search."""
+    s = np.linspace(-8.0, 8.0, count + 1)
+    profile = polyline_profile(np.column_stack([s, 0.6 * np.sin(2.0 * s) + 0.05 * s**2]))
+    return profile, profile._replace(run_radius=np.full_like(profile.run_radius, np.inf))
+
+
+def test_a_search_that_leaves_far_pieces_out_finds_the_same(rng):
+    profile, all_in_sight = many_chords(500)
+    assert profile.run_radius.size == 32
+    for x, y in rng.uniform((-9.0, -3.0), (9.0, 5.0), (500, 2)):
+        assert closest_point(profile, x, y) == closest_point(all_in_sight, x, y)
+
+
+def test_circles_hold_their_pieces(rng):
+    for profile in (many_chords(100)[0], FORMS["corner"](4.0), FORMS["circle"](4.0)):
+        assert np.isinf(profile.run_radius[[0, -1]]).all()
+        for piece in range(profile.kind.size):
+            run = piece // PIECES_A_RUN
+            for share in (0.0, 0.3, 1.0):
+                xi = profile.start[piece] + share * profile.length[piece]
+                away = np.array(curve_point(profile, piece, xi)[0]) - profile.run_centre[run]
+                assert np.hypot(*away) <= profile.run_radius[run] * (1.0 + 1e-12)
+
+
+def test_few_circles_of_thousands_of_chords_reach_a_point():
+    """The search looks at these chords only, and at the circles."""
+    profile, all_in_sight = many_chords(4800)
+    distances = np.hypot(*(profile.run_centre - np.array([1.0, -0.5])).T)
+    looked_at = distances - profile.run_radius <= (distances + profile.run_radius).min()
+    assert looked_at.sum() < 0.1 * looked_at.size
+    assert closest_point(profile, 1.0, -0.5) == closest_point(all_in_sight, 1.0, -0.5)
