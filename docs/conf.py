@@ -54,7 +54,7 @@ extensions = [
     "docstrings",
     "paper_math",
 ]
-exclude_patterns = ["_build", "_generated/fragments", "Thumbs.db", ".DS_Store"]
+exclude_patterns = ["_build", "benchmarks", "_generated/fragments", "Thumbs.db", ".DS_Store"]
 # napoleon refers to attributes by their bare names, of which there are several
 suppress_warnings = ["ref.python"]
 
