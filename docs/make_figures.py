@@ -31,6 +31,7 @@ GROUPS = {
     "optimisation": "figures.optimisation",
     "seal": "figures.seal",
     "theory": "figures.theory",
+    "drivers": "figures.drivers",
 }
 """Module of every group, the slowest first; its ``make(out, reduced)`` returns the numbers."""
 
