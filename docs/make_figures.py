@@ -32,6 +32,7 @@ GROUPS = {
     "seal": "figures.seal",
     "theory": "figures.theory",
     "drivers": "figures.drivers",
+    "performance": "figures.performance",
 }
 """Module of every group, the slowest first; its ``make(out, reduced)`` returns the numbers."""
 

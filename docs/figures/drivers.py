@@ -14,6 +14,7 @@ SHORT = {
     "Optimal solution found": "optimal",
     "Optimization terminated successfully": "optimal",
 }
+NBSP = "\N{NO-BREAK SPACE}"
 FEW = (1, 6, 35, 71)
 """Problems of the reduced mode."""
 
@@ -61,14 +62,16 @@ def make(out: Path, reduced: bool) -> dict:
                     if not s.success:
                         raise RuntimeError(f"problem {number}, {driver}: {s.status}")
                     found.append(s)
-                    analyses = f"{s.iterations} / {s.model_evals} / {s.deriv_evals}"
-                    row += [power(s.error, 0), analyses, _status(s)]
+                    row += [
+                        power(s.error, 0).replace(" ", NBSP),
+                        f"{_status(s)}: {s.iterations}{NBSP}/{NBSP}{s.model_evals}",
+                    ]
                 rows.append(row)
         finally:
             os.chdir(here)
     head = ["problem", "variables", "constraints", "known optimum"]
     for name in ("IPOPT", "SLSQP"):
-        head += [f"{name}: error", "iterations / analyses / gradients", "status"]
+        head += [f"{name}: error", "status: iterations / analyses"]
     return {
         "table": table(head, rows),
         "problems": len(rows),

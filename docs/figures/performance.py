@@ -1,0 +1,41 @@
+"""How the cost grows with the cloud, drawn from the figures of the last benchmark."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, styled, subplots
+
+BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks" / "benchmarks.json"
+
+
+def _by_particles(table: dict, start: str) -> np.ndarray:
+    """Particles and values of the rows whose name begins with ``start``, shape (2, n)."""
+    found = [
+        (int(size[1]) * int(size[2]), value)
+        for name, value in table.items()
+        if name.startswith(start) and (size := re.search(r"(\d+) x (\d+)", name))
+    ]
+    return np.array(sorted(found)).T
+
+
+@styled
+def make(out: Path, reduced: bool) -> dict:
+    """Time of a Newton iteration, and shares of the sensitivities, against the particles."""
+    figures = json.loads(BENCHMARKS.read_text(encoding="utf-8"))
+    growth, shares = figures["growth"], figures["sensitivities of 8 steps"]
+    exponent = growth["growth exponent"]
+    figure, (left, right) = subplots(1, 2, width=10.0, height=3.8)
+    n, time = _by_particles(growth, "iteration")
+    left.loglog(n, time, "o-", color=BLUE, label="assembly, factorisation, solution")
+    left.loglog(n, time[0] * n / n[0], "--", color=GREY, label="proportional to the particles")
+    left.set(xlabel="particles", ylabel="one Newton iteration, ms")
+    for method, color in (("direct", VERMILION), ("adjoint", BLUE)):
+        right.semilogx(*_by_particles(shares, method), "o-", color=color, label=method)
+    right.set(xlabel="particles", ylabel="sensitivities / analysis, 8 steps", ylim=(0.0, None))
+    for axes in (left, right):
+        axes.legend()
+    save(figure, out / "growth.png")
+    return {"exponent": f"{exponent:.2f}"}
