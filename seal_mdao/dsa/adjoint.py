@@ -113,19 +113,15 @@ class AdjointSweep:
         handed = handed_on(used, local[np.searchsorted(points, used)])
         out_bar = np.zeros((points.size, 6, self.m))
         out_bar[:, XI : CARRIED + 1] = history_bar[points]
-        loads = np.zeros((disc.layout.n_equations + 1, which.size + handed.points.size))
+        first = which.size
+        loads = np.zeros((disc.layout.n_equations + 1, first + handed.points.size))
         mix = np.zeros((loads.shape[1], self.m))
         if handed.points.size:
             at = np.searchsorted(points, handed.points)
-            through_x = local[at, :, X:XI_0].transpose(0, 2, 1) @ out_bar[at]
-            mix[which.size :] = (handed.directions[:, :, None] * through_x).sum(axis=1)
-            add_displacement_seeds(
-                table, handed.points, unit_seeds(handed.directions), disc.layout.equations,
-                loads[:, which.size :],
-            )  # fmt: skip
-        if which.size:
-            mix[np.arange(which.size), which] = 1.0
-            self._add_measured(step, seeds, which, local, out_bar, loads[:, : which.size])
+            mix[first:] = self._add_handed(handed, local[at], out_bar[at], loads[:, first:])
+        if first:
+            mix[np.arange(first), which] = 1.0
+            self._add_measured(step, seeds, which, local, out_bar, loads[:, :first])
         if len(mix) > self.m:
             loads, mix = loads @ mix, np.eye(self.m)
         adjoints = adjoint_displacements(self.problem, step, loads)
@@ -133,6 +129,13 @@ class AdjointSweep:
         point_adjoint(table, points, adjoints, disc.layout.equations, at_points)
         out_bar[:, FORCE_X:XI] -= at_points @ mix
         return adjoints, mix, self._collect_contact(step, points, local, out_bar, adjoints, mix)
+
+    def _add_handed(self, handed, local, out_bar, loads) -> np.ndarray:
+        """Add a column to ``loads`` for every displacement handed on; its share in all measures."""
+        seeds, equations = unit_seeds(handed.directions), self.disc.layout.equations
+        add_displacement_seeds(self.disc.contact.table, handed.points, seeds, equations, loads)
+        through_x = local[:, :, X:XI_0].transpose(0, 2, 1) @ out_bar
+        return (handed.directions[:, :, None] * through_x).sum(axis=1)
 
     def _add_measured(self, step, seeds, which, local, out_bar, loads) -> None:
         """Add the seeds of the measures ``which`` to ``out_bar`` (k, 6, M), and ``loads``."""
