@@ -36,7 +36,7 @@ OPTIMALITY = 1e-3
 The cost is zero where the gap is closed, and its derivative jumps where a contact state changes: a
 closed gap leaves about this much.
 """
-MOVE_LIMIT = 0.2
+MOVE_LIMIT = 0.5
 """Largest change of a variable in an iteration of SLSQP, mm."""
 PROBLEM_OPTION = "problem_settings"
 """Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
