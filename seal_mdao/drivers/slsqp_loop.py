@@ -52,15 +52,16 @@ NEIGHBOUR_DISTANCE = 0.3
 """Largest distance of the neighbours, relative to the largest change of the failed step."""
 
 CREEP = 0.01
-"""After failures, a step smaller than this fraction of the wanted one is no real progress."""
+"""A step smaller than this fraction of the wanted one is no real progress."""
 
 MAX_CREEPING = 3
-"""Iterations without real progress in a row after which backing off is given up."""
+"""Iterations without real progress in a row after which the run has to begin again."""
 
 LEAPS = (1.0, 1.5, 2.0, 3.0)
 """Multiples of the wanted step at which the far side of a failing region is looked for."""
 
-MAX_LEAPS = 10
+MAX_WAYS_OUT = 4
+"""Times that the run may begin again for want of progress."""
 
 SCATTER = (1.0, 0.5, 0.5, 0.25, 0.25, 0.1)
 """Largest distances of points tried around the best one where no leap helps, relative to the
@@ -69,7 +70,7 @@ wanted step, or to the move limit if that is smaller; SLSQP begins again at the 
 SAFE_RATIO = 1e3
 """Largest slope of the objective at a start, relative to the move limit.
 
-Far longer steps cost the kernel's line search all its digits.
+The kernel's least-distance subproblem loses digits with the square of this ratio.
 """
 
 
@@ -107,10 +108,11 @@ class SlsqpLoop:
         self._form = SlsqpForm(evaluator.layout)
         self._radius = options.move_limit
         self.iterations = 0
-        self._leaps = 0
-        self._failed = 0
+        self._ways_out = 0
+        self._failures_before = 0
         self._creeping = 0
         self._afresh = False
+        self._held_back = False
         self._random = np.random.default_rng(0)
         self._kernel: SlsqpKernel
         self._point: Evaluation
@@ -165,7 +167,8 @@ class SlsqpLoop:
         if self._options.require_optimality and self._optimal():
             return CONVERGED
         before = self._kernel.snapshot()
-        self._trials, self._failed, back_offs = 0, 0, 0
+        self._failures_before = self._evaluator.failures
+        self._trials = back_offs = 0
         while True:
             mode = self._direction()
             if mode in (INCOMPATIBLE, LINE_SEARCH_STUCK) and self._creeping:
@@ -181,7 +184,7 @@ class SlsqpLoop:
                 self._back_off(back_offs)
                 back_offs += 1
                 self._kernel.restore(before)
-                if self._failed >= self._options.max_failures:
+                if max(self._failed, back_offs) >= self._options.max_failures:
                     return STALLED
                 continue
             self._accept(point, totals, back_offs)
@@ -209,32 +212,36 @@ class SlsqpLoop:
         kernel = self._kernel
         while kernel.mode == NEEDS_VALUES:
             self._trials += 1
-            failed = self._failed
-            point = self._evaluate_near(neighbours)
+            trial = kernel.x.copy()
+            point = self._evaluate_near(trial, neighbours)
+            moved = not np.array_equal(kernel.x, trial)
             self._incumbent.offer(point)
             values = self._form.values(point, *self._totals, self._scale)
             kernel.call(values, *self._bounds, self._tol)
-            if self._failed > failed and kernel.mode == NEEDS_VALUES:
+            if moved and kernel.mode == NEEDS_VALUES:
                 raise self._evaluator.last_error
         return point
 
-    def _evaluate_near(self, neighbours: int) -> Evaluation:
+    @property
+    def _failed(self) -> int:
+        """Failed analyses since the last accepted point."""
+        return self._evaluator.failures - self._failures_before
+
+    def _evaluate_near(self, trial: NDArray[np.float64], neighbours: int) -> Evaluation:
         """Evaluate the kernel's trial point, or one of its neighbours where it fails."""
         kernel, x = self._kernel, self._point.x
-        trial = kernel.x.copy()
         self._trial_step = np.abs(trial - x).max()
         distance = NEIGHBOUR_DISTANCE * self._trial_step
         for left in range(neighbours, -1, -1):
             try:
                 return self._evaluator.evaluate(kernel.x)
             except AnalysisError:
-                self._failed += 1
                 if not left or self._failed >= self._options.max_failures:
                     raise
             near = self._around(trial, distance)
             kernel.move(np.clip(near, x - self._radius, x + self._radius))
 
-    def _around(self, x, distance: float) -> NDArray[np.float64]:
+    def _around(self, x: NDArray[np.float64], distance: float) -> NDArray[np.float64]:
         """Return a random point in the box of a given half width, within the bounds."""
         change = distance * self._random.uniform(-1.0, 1.0, x.size)
         return self._evaluator.layout.clip(x + change)
@@ -243,7 +250,6 @@ class SlsqpLoop:
         try:
             return self._evaluator.totals(point.x)
         except AnalysisError as error:
-            self._failed += 1
             self._evaluator.forget(point.x, error)
             raise
 
@@ -253,8 +259,8 @@ class SlsqpLoop:
 
     def _accept(self, point: Evaluation, totals: tuple, back_offs: int) -> None:
         step = float(np.abs(point.x - self._point.x).max())
-        held_back = back_offs or self._radius < self._options.move_limit
-        creeps = held_back and step < CREEP * np.abs(self._wanted).max()
+        self._held_back = bool(back_offs) or self._radius < self._options.move_limit
+        creeps = self._may_creep() and step < CREEP * self._reach()
         self._creeping = self._creeping + 1 if creeps else 0
         self.iterations += 1
         self._table.add(
@@ -273,16 +279,29 @@ class SlsqpLoop:
         if not back_offs:
             self._radius = min(self._options.move_limit, 2.0 * self._radius)
 
+    def _may_creep(self) -> bool:
+        """Return whether tiny steps are to be noticed.
+
+        Without failures they come of kinks, on whose other side the slope is another; where
+        SciPy's own tests may end the run its iterates are left alone.
+        """
+        fresh_start_left = self._options.require_optimality and self._ways_out < MAX_WAYS_OUT
+        return self._held_back or fresh_start_left
+
+    def _reach(self) -> float:
+        """Return the length of the wanted step, or the move limit if that is smaller."""
+        return min(self._options.move_limit, np.abs(self._wanted).max())
+
     def _find_way_out(self) -> bool:
-        """Begin again elsewhere when failures leave no way forward."""
-        if self._leaps >= MAX_LEAPS:
+        """Begin again elsewhere when there is no way forward from the point."""
+        if self._ways_out >= MAX_WAYS_OUT:
             return False
-        self._leaps += 1
+        self._ways_out += 1
         return self._leap() or self._scatter()
 
     def _scatter(self) -> bool:
         """Restart at a random point around the best one, be it better or worse."""
-        reach = min(self._options.move_limit, np.abs(self._wanted).max())
+        reach = self._reach()
         for distance in SCATTER:
             x = self._around(self._incumbent.best.x, distance * reach)
             try:
@@ -324,10 +343,13 @@ class SlsqpLoop:
     def _result(self, code: int) -> LoopResult:
         message = EXIT_MODES.get(code, f"Unknown exit mode {code} of SLSQP")
         if code == STALLED:
-            message = (
-                "Stopped: failed analyses leave no way forward from the best point found. "
-                f"Last failure: {self._evaluator.last_error}"
-            )
+            failure = self._evaluator.last_error
+            message = "Stopped: tiny steps leave no way forward from the best point found."
+            if failure is not None:
+                message = (
+                    "Stopped: failed analyses leave no way forward from the best point found. "
+                    f"Last failure: {failure}"
+                )
         elif code == LINE_SEARCH_STUCK:
             code = CONVERGED if self._optimal() else code
             message = f"{EXIT_MODES[code]} ({self._optimality()})"
