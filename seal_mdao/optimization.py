@@ -30,13 +30,13 @@ OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
 TOLERANCE = 1e-6
 """Accuracy of objective (SLSQP) and constraints (IPOPT), scaled."""
-OPTIMALITY = 1e-3
-"""Largest entry of the scaled Lagrangian's gradient at which IPOPT stops; SLSQP at twice this.
+OPTIMALITY = 2e-3
+"""Largest entry of the scaled Lagrangian's gradient at which both optimisers stop.
 
 The cost is zero where the gap is closed, and its derivative jumps where a contact state changes: a
-closed gap leaves about this much.
+closed gap leaves about this much. What can still be gained then is at most the cost itself.
 """
-MOVE_LIMIT = 0.2
+MOVE_LIMIT = 0.5
 """Largest change of a variable in an iteration of SLSQP, mm."""
 PROBLEM_OPTION = "problem_settings"
 """Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
@@ -46,11 +46,12 @@ as JSON: what a restart needs to set up the same problem again."""
 def slsqp_driver(max_iterations: int = 60) -> Driver:
     """SLSQP that backs off when an analysis fails, and stops at optimality.
 
-    The move limit holds the first steps back: contact is lost or gained within tenths of a mm.
+    The move limit holds the first steps back: they would go from bound to bound, and contact is
+    lost or gained within tenths of a mm.
     """
     return ResilientSLSQPDriver(
         tol=TOLERANCE, maxiter=max_iterations, move_limit=MOVE_LIMIT, require_optimality=True,
-        optimality_tol=2 * OPTIMALITY, disp=False,
+        optimality_tol=OPTIMALITY, disp=False,
     )  # fmt: skip
 
 

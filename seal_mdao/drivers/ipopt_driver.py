@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from openmdao.core.analysis_error import AnalysisError
 from openmdao.core.constants import INT_DTYPE
 from openmdao.core.driver import Driver
 
@@ -14,6 +15,7 @@ from seal_mdao.drivers.ipopt_callbacks import IpoptCallbacks
 from seal_mdao.drivers.ipopt_options import import_ipyopt, ipopt_settings
 from seal_mdao.drivers.ipopt_status import NUMBER_TROUBLE_CODES, SUCCESS_CODES, status_message
 from seal_mdao.drivers.iteration_table import IterationTable
+from seal_mdao.drivers.optimality import Optimality
 from seal_mdao.drivers.run_support import (
     INTERRUPTED_FEASIBLE,
     INTERRUPTED_INFEASIBLE,
@@ -256,6 +258,8 @@ class IpoptDriver(RunSupport, Driver):
         evaluator.load(x)
         self.fail = stopped or code not in SUCCESS_CODES
         self._exit_message = self._describe_end(code, callbacks, evaluator, incumbent)
+        if callbacks.stalled and not callbacks.interrupted:
+            self._accept_stalled(incumbent.best, evaluator)
         constants = evaluator.layout.violated_constants(
             evaluator.current()[1], self.options["feas_tol"]
         )
@@ -269,6 +273,17 @@ class IpoptDriver(RunSupport, Driver):
             self._print_on_root(f"Optimization FAILED.\n{self._exit_message}\n{'-' * 35}")
         elif self.options["disp"]:
             self._print_on_root(f"Optimization Complete\n{self._exit_message}\n{'-' * 35}")
+
+    def _accept_stalled(self, best, evaluator) -> None:
+        """Count a run that failures have stopped as a success where its best point is optimal."""
+        try:
+            totals = evaluator.totals(best.x)
+        except AnalysisError:
+            return
+        reached = Optimality.at(evaluator.layout, best.x, best.constraints, *totals)
+        if reached.satisfied(self.options["tol"]):
+            self.fail = False
+            self._exit_message = f"Failed analyses all around, but the {reached}"
 
     @staticmethod
     def _describe_end(code, callbacks, evaluator, incumbent) -> str:

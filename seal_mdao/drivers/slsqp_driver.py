@@ -37,13 +37,20 @@ class ResilientSLSQPDriver(RunSupport, om.ScipyOptimizeDriver):
     *A failed analysis* (AnalysisError, or a value that is nan or infinite) is not given to SLSQP
     as a large objective: the line search would interpolate with a made-up value, accept the
     point after ten contractions whatever it is, and may take the tiny step for convergence.
-    Instead SLSQP's state from before the step is restored and the quadratic subproblem is solved
-    again in a box around the last good point, half the failed step at first, then smaller. After
-    ``max_failures`` failures the far side of the failing region is tried at a few points along
-    the failed step; the run goes on from there if one is better, and stops otherwise.
+    Instead a few points around the failed one are tried: solvers often fail at scattered designs
+    with good ones in between, and SLSQP goes on from a neighbour as if it had wanted it. If that
+    does not help, SLSQP's state from before the step is restored and the step is taken again,
+    half as long at first, then shorter.
 
-    *A move limit* is the same box with a given size: a trust region. It grows back after good
-    steps, up to ``move_limit``. SLSQP keeps its approximation of the Hessian all the while.
+    *No way forward.* Where ``max_failures`` analyses fail in an iteration, and after several
+    iterations of tiny steps, the far side of the failing region is tried at a few points along
+    the step, and then random points around the best one; the run begins again from there, up to
+    four times, and stops otherwise. The random numbers are the same in every run. Without
+    failures this is done only with ``require_optimality`` (tiny steps come of kinks then).
+
+    *A move limit* shortens steps by halves until no variable changes by more, in the direction
+    that SLSQP wants. After failures it grows back with good steps. SLSQP keeps its approximation
+    of the Hessian all the while, except where it begins again.
 
     *The end.* As in SciPy a run is a success when the objective changes by less than ``tol``,
     which need not be an optimum. With ``require_optimality`` only a point that satisfies the

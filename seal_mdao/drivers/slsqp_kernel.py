@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 NEEDS_VALUES = 1
 NEEDS_DERIVATIVES = -1
 CONVERGED = 0
+INCOMPATIBLE = 4
 LINE_SEARCH_STUCK = 8
 
 EXIT_MODES = {
@@ -166,6 +167,18 @@ class SlsqpKernel:
             self.call(start, lower, upper, 0.0)
         self._state["line"] = min(self._state["line"], 1)
         return self.mode
+
+    def move(self, x: NDArray[np.float64]) -> None:
+        """Put another point in the place of the trial point that the kernel wants.
+
+        The step is kept in the buffer, after the Hessian (n (n + 1) / 2 entries), the point it
+        begins at (n), and the weights of the constraints (m).
+        """
+        n = self.x.size
+        begin = n * (n + 1) // 2
+        step = begin + n + self._state["m"]
+        self._buffer[step : step + n] = x - self._buffer[begin : begin + n]
+        self.x[:] = x
 
     def snapshot(self) -> tuple:
         """Return a copy of the state, for `restore`."""

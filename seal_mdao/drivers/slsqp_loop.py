@@ -1,14 +1,17 @@
 """SLSQP's major iterations, with a way back from failed analyses and a limit on the step.
 
 The state before every quadratic subproblem is kept. When an analysis fails at the trial point
-that the subproblem and the line search lead to, the state is put back, the subproblem is solved
-again in a box around the last good point that the failed step does not fit into, and so on. So
-SLSQP never hears of a failed point, and the approximation of the Hessian learns nothing from it.
-The box also serves as move limit: it is a trust region in the largest-change norm.
+that the subproblem and the line search lead to, points around it are tried first: solvers often
+fail at scattered designs, whose neighbours are as good. Where they fail as well the state is put
+back, the step of the subproblem is taken again, shorter than the failed one, and so on. So SLSQP
+never hears of a failed point, and the approximation of the Hessian learns nothing from it.
 
-A step that the box has shortened says nothing about convergence (a change of the objective below
-the tolerance may just mean a small box). Therefore each subproblem is first solved without the
-box, which costs no analysis, and only that solution may end the run.
+The same shortening serves as move limit. The subproblem itself is not restricted to the limit:
+its solution in a small box is a corner of it, all variables changed by as much as they may, and
+in a small box the linearised constraints have no solution.
+
+A step that has been shortened says nothing about convergence (a change of the objective below
+the tolerance may just mean a short step). Only the full step of a subproblem may end the run.
 """
 
 from __future__ import annotations
@@ -24,6 +27,7 @@ from seal_mdao.drivers.slsqp_form import SlsqpForm
 from seal_mdao.drivers.slsqp_kernel import (
     CONVERGED,
     EXIT_MODES,
+    INCOMPATIBLE,
     LINE_SEARCH_STUCK,
     NEEDS_DERIVATIVES,
     NEEDS_VALUES,
@@ -41,21 +45,32 @@ if TYPE_CHECKING:
 BACK_OFF = (0.5, 0.25, 0.1)
 """Fraction of a failed step that is allowed next; the last entry is used again and again."""
 
+NEIGHBOURS = (3, 3, 0)
+"""Points tried around a failed trial point, in the order of ``BACK_OFF``."""
+
+NEIGHBOUR_DISTANCE = 0.3
+"""Largest distance of the neighbours, relative to the largest change of the failed step."""
+
 CREEP = 0.01
-"""After failures, a step smaller than this fraction of the wanted one is no real progress."""
+"""A step smaller than this fraction of the wanted one is no real progress."""
 
 MAX_CREEPING = 3
-"""Iterations without real progress in a row after which backing off is given up."""
+"""Iterations without real progress in a row after which the run has to begin again."""
 
 LEAPS = (1.0, 1.5, 2.0, 3.0)
 """Multiples of the wanted step at which the far side of a failing region is looked for."""
 
-MAX_LEAPS = 5
+MAX_WAYS_OUT = 4
+"""Times that the run may begin again for want of progress."""
+
+SCATTER = (1.0, 0.5, 0.5, 0.25, 0.25, 0.1)
+"""Largest distances of points tried around the best one where no leap helps, relative to the
+wanted step, or to the move limit if that is smaller; SLSQP begins again at the first good one."""
 
 SAFE_RATIO = 1e3
-"""Ratio of the wanted step to the box up to which the kernel solves the boxed problem well.
+"""Largest slope of the objective at a start, relative to the move limit.
 
-Its least-distance subproblem loses digits with the square of this ratio; at 1e6 it fails.
+The kernel's least-distance subproblem loses digits with the square of this ratio.
 """
 
 
@@ -93,9 +108,12 @@ class SlsqpLoop:
         self._form = SlsqpForm(evaluator.layout)
         self._radius = options.move_limit
         self.iterations = 0
-        self._leaps = 0
+        self._ways_out = 0
+        self._failures_before = 0
         self._creeping = 0
         self._afresh = False
+        self._held_back = False
+        self._random = np.random.default_rng(0)
         self._kernel: SlsqpKernel
         self._point: Evaluation
         self._totals: tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -111,7 +129,7 @@ class SlsqpLoop:
         self._restart(start, self._derivatives(start))
         while True:
             code = self._major_iteration()
-            if code == STALLED and self._leap():
+            if code == STALLED and self._find_way_out():
                 continue
             if code == LINE_SEARCH_STUCK and self._begin_afresh():
                 continue
@@ -149,61 +167,84 @@ class SlsqpLoop:
         if self._options.require_optimality and self._optimal():
             return CONVERGED
         before = self._kernel.snapshot()
-        self._trials = failed = 0
+        self._failures_before = self._evaluator.failures
+        self._trials = back_offs = 0
         while True:
-            mode = self._direction(before)
-            if mode == LINE_SEARCH_STUCK and self._creeping:
+            mode = self._direction()
+            if mode in (INCOMPATIBLE, LINE_SEARCH_STUCK) and self._creeping:
                 return STALLED
             if mode != NEEDS_VALUES:
                 return mode
             try:
-                point = self._line_search()
+                point = self._line_search(NEIGHBOURS[min(back_offs, len(NEIGHBOURS) - 1)])
                 totals = self._totals
                 if self._kernel.mode == NEEDS_DERIVATIVES:
                     totals = self._derivatives(point)
             except AnalysisError:
-                failed += 1
-                self._back_off(failed)
+                self._back_off(back_offs)
+                back_offs += 1
                 self._kernel.restore(before)
-                if failed >= self._options.max_failures:
+                if max(self._failed, back_offs) >= self._options.max_failures:
                     return STALLED
                 continue
-            self._accept(point, totals, failed)
+            self._accept(point, totals, back_offs)
             return STALLED if self._creeping >= MAX_CREEPING else self._kernel.mode
 
-    def _direction(self, before: tuple) -> int:
-        """Solve the quadratic subproblem, within the box where its solution leaves the box."""
+    def _direction(self) -> int:
+        """Solve the quadratic subproblem, and shorten its step to the radius."""
         layout, kernel, x = self._evaluator.layout, self._kernel, self._point.x
         values = self._form.values(self._point, *self._totals, self._scale)
         self._bounds = (layout.x_lower, layout.x_upper)
         self._tol = 0.0 if self._options.require_optimality else self._options.tol / self._scale
         mode = kernel.call(values, *self._bounds, self._tol)
         self._wanted = kernel.x - x
-        ratio = np.abs(self._wanted).max() / self._radius
-        if mode != NEEDS_VALUES or ratio <= 1.0 + 1e-9:
+        if mode != NEEDS_VALUES or np.abs(self._wanted).max() <= self._radius * (1.0 + 1e-9):
             return mode
         self._tol = 0.0
-        if ratio <= 10.0 * SAFE_RATIO:
-            kernel.restore(before)
-            lower = np.maximum(layout.x_lower, x - self._radius)
-            upper = np.minimum(layout.x_upper, x + self._radius)
-            self._bounds = (lower, upper)
-            if kernel.call(values, lower, upper, 0.0) == NEEDS_VALUES:
-                return NEEDS_VALUES
-            self._bounds = (layout.x_lower, layout.x_upper)
-            kernel.restore(before)
-            kernel.call(values, *self._bounds, 0.0)
         return kernel.contract(values, *self._bounds, self._radius)
 
-    def _line_search(self) -> Evaluation:
-        """Evaluate trial points until the kernel accepts one or ends."""
-        while self._kernel.mode == NEEDS_VALUES:
+    def _line_search(self, neighbours: int) -> Evaluation:
+        """Evaluate trial points until the kernel accepts one or ends.
+
+        A neighbour of a failed point is good enough as it is or not at all: the way to it need
+        not lead downwards.
+        """
+        kernel = self._kernel
+        while kernel.mode == NEEDS_VALUES:
             self._trials += 1
-            point = self._evaluator.evaluate(self._kernel.x)
+            trial = kernel.x.copy()
+            point = self._evaluate_near(trial, neighbours)
+            moved = not np.array_equal(kernel.x, trial)
             self._incumbent.offer(point)
             values = self._form.values(point, *self._totals, self._scale)
-            self._kernel.call(values, *self._bounds, self._tol)
+            kernel.call(values, *self._bounds, self._tol)
+            if moved and kernel.mode == NEEDS_VALUES:
+                raise self._evaluator.last_error
         return point
+
+    @property
+    def _failed(self) -> int:
+        """Failed analyses since the last accepted point."""
+        return self._evaluator.failures - self._failures_before
+
+    def _evaluate_near(self, trial: NDArray[np.float64], neighbours: int) -> Evaluation:
+        """Evaluate the kernel's trial point, or one of its neighbours where it fails."""
+        kernel, x = self._kernel, self._point.x
+        self._trial_step = np.abs(trial - x).max()
+        distance = NEIGHBOUR_DISTANCE * self._trial_step
+        for left in range(neighbours, -1, -1):
+            try:
+                return self._evaluator.evaluate(kernel.x)
+            except AnalysisError:
+                if not left or self._failed >= self._options.max_failures:
+                    raise
+            near = self._around(trial, distance)
+            kernel.move(np.clip(near, x - self._radius, x + self._radius))
+
+    def _around(self, x: NDArray[np.float64], distance: float) -> NDArray[np.float64]:
+        """Return a random point in the box of a given half width, within the bounds."""
+        change = distance * self._random.uniform(-1.0, 1.0, x.size)
+        return self._evaluator.layout.clip(x + change)
 
     def _derivatives(self, point: Evaluation) -> tuple:
         try:
@@ -212,14 +253,14 @@ class SlsqpLoop:
             self._evaluator.forget(point.x, error)
             raise
 
-    def _back_off(self, failed: int) -> None:
-        """Shrink the box so that a failed step does not fit into it."""
-        fraction = BACK_OFF[min(failed, len(BACK_OFF)) - 1]
-        self._radius = fraction * np.abs(self._kernel.x - self._point.x).max()
+    def _back_off(self, before: int) -> None:
+        """Shorten the next step below the failed one."""
+        self._radius = BACK_OFF[min(before, len(BACK_OFF) - 1)] * self._trial_step
 
-    def _accept(self, point: Evaluation, totals: tuple, failed: int) -> None:
+    def _accept(self, point: Evaluation, totals: tuple, back_offs: int) -> None:
         step = float(np.abs(point.x - self._point.x).max())
-        creeps = failed and step < CREEP * np.abs(self._wanted).max()
+        self._held_back = bool(back_offs) or self._radius < self._options.move_limit
+        creeps = self._may_creep() and step < CREEP * self._reach()
         self._creeping = self._creeping + 1 if creeps else 0
         self.iterations += 1
         self._table.add(
@@ -231,18 +272,49 @@ class SlsqpLoop:
                 step,
                 float(self._radius),
                 self._trials,
-                failed,
+                self._failed,
             )
         )
         self._point, self._totals = point, totals
-        if not failed:
+        if not back_offs:
             self._radius = min(self._options.move_limit, 2.0 * self._radius)
+
+    def _may_creep(self) -> bool:
+        """Return whether tiny steps are to be noticed.
+
+        Without failures they come of kinks, on whose other side the slope is another; where
+        SciPy's own tests may end the run its iterates are left alone.
+        """
+        fresh_start_left = self._options.require_optimality and self._ways_out < MAX_WAYS_OUT
+        return self._held_back or fresh_start_left
+
+    def _reach(self) -> float:
+        """Return the length of the wanted step, or the move limit if that is smaller."""
+        return min(self._options.move_limit, np.abs(self._wanted).max())
+
+    def _find_way_out(self) -> bool:
+        """Begin again elsewhere when there is no way forward from the point."""
+        if self._ways_out >= MAX_WAYS_OUT:
+            return False
+        self._ways_out += 1
+        return self._leap() or self._scatter()
+
+    def _scatter(self) -> bool:
+        """Restart at a random point around the best one, be it better or worse."""
+        reach = self._reach()
+        for distance in SCATTER:
+            x = self._around(self._incumbent.best.x, distance * reach)
+            try:
+                point = self._evaluator.evaluate(x)
+                self._incumbent.offer(point)
+                self._restart(point, self._derivatives(point))
+            except AnalysisError:
+                continue
+            return True
+        return False
 
     def _leap(self) -> bool:
         """Look for a better point beyond the failing region; restart there if there is one."""
-        if self._leaps >= MAX_LEAPS:
-            return False
-        self._leaps += 1
         for multiple in LEAPS:
             step = multiple * self._wanted
             if np.abs(step).max() > self._options.move_limit:
@@ -271,10 +343,13 @@ class SlsqpLoop:
     def _result(self, code: int) -> LoopResult:
         message = EXIT_MODES.get(code, f"Unknown exit mode {code} of SLSQP")
         if code == STALLED:
-            message = (
-                "Stopped: failed analyses leave no way forward from the best point found. "
-                f"Last failure: {self._evaluator.last_error}"
-            )
+            failure = self._evaluator.last_error
+            message = "Stopped: tiny steps leave no way forward from the best point found."
+            if failure is not None:
+                message = (
+                    "Stopped: failed analyses leave no way forward from the best point found. "
+                    f"Last failure: {failure}"
+                )
         elif code == LINE_SEARCH_STUCK:
             code = CONVERGED if self._optimal() else code
             message = f"{EXIT_MODES[code]} ({self._optimality()})"
