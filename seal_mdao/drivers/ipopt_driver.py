@@ -48,7 +48,8 @@ class IpoptDriver(RunSupport, Driver):
 
     When the model raises AnalysisError Ipopt shortens its step. After ``max_failures`` failures
     in a row the run is stopped, because Ipopt itself would go on halving the step many hundreds
-    of times. If derivatives fail at a point that Ipopt has already accepted, the run continues
+    of times; it is a success if the best point satisfies the optimality conditions to ``tol``,
+    see `Optimality`. If derivatives fail at a point that Ipopt has already accepted, the run continues
     from the last point whose derivatives are known, and from then on values and derivatives are
     computed together. AnalysisError at the start, and any other exception anywhere, is raised
     unchanged.

@@ -188,3 +188,15 @@ class TestWithIpopt:
         assert "not a number" in result.exit_status
         assert "the analysis does not converge here" in result.exit_status
         assert prob.get_val("x").tolist() == [-10.0, 1.0]
+
+
+@pytest.mark.parametrize("tol", [2e-2, 1e-4])
+def test_stalled_run_is_a_success_only_at_an_optimum(tol):
+    """Around the optimum everything fails; Ipopt itself is asked for more than can be had."""
+    driver = IpoptDriver(tol=tol)
+    driver.opt_settings["dual_inf_tol"] = 1e-12
+    hook = failing_where(lambda x: np.hypot(x[0], x[1] - 1) < 1e-3)
+    result = plane_problem(driver, (5, 5), hook=hook).run_driver()
+    assert driver.failed_analyses > 0
+    assert result.success == (tol > 1e-2)
+    assert ("optimality conditions hold" in result.exit_status) == (tol > 1e-2)

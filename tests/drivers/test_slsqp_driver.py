@@ -13,6 +13,7 @@ from driver_models import (
 )
 from hock_schittkowski import PROBLEMS, build
 
+from seal_mdao.drivers import slsqp_loop
 from seal_mdao.drivers.slsqp_driver import ResilientSLSQPDriver
 from seal_mdao.drivers.slsqp_kernel import NEEDS_VALUES, SlsqpKernel, SlsqpValues
 
@@ -237,3 +238,74 @@ def test_kernel_contracts_by_halves():
     halvings = np.log2(full[1] / kernel.x[1])
     assert halvings == pytest.approx(round(halvings), abs=1e-9)
     assert kernel.x[0] / kernel.x[1] == pytest.approx(full[0] / full[1])
+
+
+def test_kernel_goes_on_from_another_trial_point():
+    """Where nothing is gained the line search halves the step: from the point that was put in."""
+    kernel, values = _start_kernel([3.0, -4.0])
+    bounds = np.full(2, -np.inf), np.full(2, np.inf)
+    kernel.call(values, *bounds, 1e-6)
+    kernel.move(np.array([-2.0, 3.0]))
+    assert kernel.x.tolist() == [-2.0, 3.0]
+    assert kernel.call(values, *bounds, 1e-6) == NEEDS_VALUES
+    assert kernel.x == pytest.approx([-1.0, 1.5])
+
+
+def _scattered(x):
+    """Return whether x is one of the failing designs: half of all, in stripes of 1e-4."""
+    return np.sin(3e4 * x[0] + 2e4 * x[1]) > 0.0 and not np.array_equal(x, [-1.2, 1.0])
+
+
+def _solve_among_scattered_failures():
+    driver = ResilientSLSQPDriver(
+        disp=False, require_optimality=True, optimality_tol=1e-2, move_limit=0.5
+    )
+    hook = failing_where(_scattered)
+    prob = plane_problem(driver, (-1.2, 1), rosenbrock, d_rosenbrock, hook=hook)
+    return prob, prob.run_driver()
+
+
+def test_scattered_failures():
+    prob, result = _solve_among_scattered_failures()
+    assert result.success, result.exit_status
+    assert prob.get_val("x") == pytest.approx([1.0, 1.0], abs=0.03)
+    assert prob.driver.failed_analyses > 10
+    assert result.model_evals < 200
+
+
+def test_scattered_failures_want_neighbours(monkeypatch):
+    _, with_neighbours = _solve_among_scattered_failures()
+    monkeypatch.setattr(slsqp_loop, "NEIGHBOURS", (0,))
+    _, without = _solve_among_scattered_failures()
+    assert not without.success or without.iter_count > with_neighbours.iter_count
+
+
+def test_runs_are_repeatable():
+    first, second = (_solve_among_scattered_failures()[0].model.plane.visited for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+
+
+def _ridged(x):
+    """Return a function with kinks x0 - x1**2 = k pi / 2 and its minimum 0 at (0, 0)."""
+    return (x[0] ** 2 + x[1] ** 2) * (1 + abs(np.sin(2 * (x[0] - x[1] ** 2))))
+
+
+def _d_ridged(x):
+    square, phase = x[0] ** 2 + x[1] ** 2, 2 * (x[0] - x[1] ** 2)
+    factor = 1 + abs(np.sin(phase))
+    slope = 2 * square * np.sign(np.sin(phase)) * np.cos(phase)
+    return [2 * x[0] * factor + slope, 2 * x[1] * (factor - slope)]
+
+
+@pytest.mark.parametrize("start", [(2.0, 1.7), (1.0, 2.5)])
+def test_begins_again_where_steps_creep_along_a_kink(monkeypatch, start):
+    """SLSQP alone crawls along a kink of this start with steps that come to nothing."""
+    successes = []
+    for ways_out in (slsqp_loop.MAX_WAYS_OUT, 0):
+        monkeypatch.setattr(slsqp_loop, "MAX_WAYS_OUT", ways_out)
+        driver = ResilientSLSQPDriver(
+            disp=False, require_optimality=True, optimality_tol=1e-2, move_limit=0.5, maxiter=60
+        )
+        prob = plane_problem(driver, start, _ridged, _d_ridged)
+        successes.append(prob.run_driver().success)
+    assert successes == [True, False]
