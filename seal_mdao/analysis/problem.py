@@ -97,16 +97,32 @@ class PathProblem:
         return residual, size / scale if scale > 0.0 else 0.0, size <= self.rounding
 
     def predict(self, step: ConvergedStep, factor, target: LoadPoint) -> np.ndarray:
-        """Euler predictor from a converged step, reusing its factorisation.
+        """Euler predictors (1 or 2, n, 2) from a converged step, reusing its factorisation.
 
         The contact force depends on x minus the profile's position only, so its rate with the
-        motion is minus its tangent. With the incremental history the force at the old position
-        is not the converged one (slip starts again from zero); that jump is predicted too.
+        motion is minus its tangent. With the incremental history slip starts again from zero. Where
+        a point slides on, its friction is back at once; where it does not, the force jumps to that
+        at the old position with the new history. Both are predicted then.
         """
+        rate = -np.einsum("kij,j->ki", self.tangent, target.position - step.position)
+        if self.law.accumulated:
+            return self._euler(step, factor, target, rate)[np.newaxis]
+        jump = self._force_with_new_history(step) - step.force
+        return np.stack([self._euler(step, factor, target, force) for force in (rate + jump, rate)])
+
+    def closest(self, guesses, target: LoadPoint, history) -> np.ndarray:
+        """Those of the displacements that leave the smallest residual."""
+        if len(guesses) == 1:
+            return guesses[0]
+        sizes = []
+        for d in guesses:
+            self.direction[:] = 0
+            sizes.append(self.residual()[1] if self.assemble(d, target, history) else np.inf)
+        return guesses[int(np.argmin(sizes))]
+
+    def _euler(self, step: ConvergedStep, factor, target: LoadPoint, rate) -> np.ndarray:
+        """Displacements after the contact forces (k, 2) have changed by ``rate`` at fixed x."""
         layout, now = self.discretization.layout, step.loading
-        rate = -np.einsum("kij,j->ki", self.tangent, target.position - now.position)
-        if not self.law.accumulated:
-            rate += self._force_with_new_history(step) - step.force
         load = np.zeros_like(self.contact)
         assemble_points(
             self.discretization.contact.raw, rate, self.tangent, self.state, layout.scatter[1],
