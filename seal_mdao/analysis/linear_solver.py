@@ -54,12 +54,22 @@ class BandedStorage(NamedTuple):
     def size(self):
         return self.rows * self.n
 
+    def diagonal(self):
+        """Where the diagonal entries are, shape (n,)."""
+        return 2 * self.width + self.rows * np.arange(self.n)
+
     def factorize(self, values):
         band = values[: self.rows * self.n].reshape((self.rows, self.n), order="F")
         lu, pivots, info = lapack.dgbtrf(band, self.width, self.width, overwrite_ab=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"the tangent is singular (dgbtrf {info})")
         return BandedFactor(self, lu, pivots)
+
+
+def diagonal_slots(pointers, indices):
+    """Where the diagonal entries of compressed columns are, shape (n,)."""
+    columns = np.repeat(np.arange(pointers.size - 1), np.diff(pointers))
+    return np.flatnonzero(indices == columns)
 
 
 class SparseFactor:
@@ -92,6 +102,10 @@ class SparseStorage(NamedTuple):
     @property
     def size(self):
         return self.indices.size
+
+    def diagonal(self):
+        """Where the diagonal entries are, shape (n,)."""
+        return diagonal_slots(self.pointers, self.indices)
 
     def factorize(self, values):
         matrix = csc_array(

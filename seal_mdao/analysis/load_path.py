@@ -16,6 +16,7 @@ from seal_mdao.analysis.body import Discretization
 from seal_mdao.analysis.loading import LoadPoint, LoadProgram
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.pseudo_time import relax
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, ContactHistory, ContactLaw, no_history
@@ -47,6 +48,15 @@ def _bend(step: ConvergedStep, before, euler, share) -> np.ndarray | None:
     if not (small and np.array_equal(step.before.state, step.after.state)):
         return None
     return missed / share**2
+
+
+def _correct(problem, guess, target, history, options):
+    """Equilibrium from the predictor ``guess``: by Newton's method, or where it fails by damped motion."""
+    found = newton(problem, guess, target, history, options)
+    if found[0] is Status.CONVERGED:
+        return found
+    status, d, residuals, factor = relax(problem, guess, target, history, options)
+    return status, d, found[2] + residuals, factor
 
 
 def _record(problem, nominal, fraction, loading, d, history, residuals, factor) -> ConvergedStep:
@@ -109,7 +119,9 @@ def solve_path(
             euler = problem.predict(last, factor, target)
             guesses = euler if bend is None else euler + (end - last.fraction) ** 2 * bend
             guess = problem.closest(guesses, target, last.after)
-            status, d, residuals, new_factor = newton(problem, guess, target, last.after, options)
+            status, d, residuals, new_factor = _correct(
+                problem, guess, target, last.after, options
+            )
             if status is not Status.CONVERGED:
                 if share * 0.5 < 0.5**options.max_cuts:
                     failure = _describe(problem, status, nominal, end, target, residuals)

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 from scipy.sparse import csr_array
 
+from seal_mdao.analysis.linear_solver import diagonal_slots
 from seal_mdao.analysis.threads import forget_libraries
 
 # Phases, and the matrix type: real, structurally symmetric.
@@ -63,6 +64,10 @@ class PardisoStorage:
     @property
     def size(self):
         return self.indices.size
+
+    def diagonal(self):
+        """Where the diagonal entries are, shape (n,)."""
+        return diagonal_slots(self.pointers, self.indices)
 
     def _ordered(self, matrix):
         """A handle that knows the ordering and holds no factor that is still wanted."""

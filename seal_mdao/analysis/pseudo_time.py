@@ -1,0 +1,71 @@
+"""Pseudo-transient continuation: the way to equilibrium where Newton's method cycles or diverges.
+
+Where the last sticking points begin to slide the seal may lose its stability for a moment: the
+tangent of the sliding seal is indefinite, and Newton's method is sent back to stick, for ever. The
+seal itself slides on to the next equilibrium, and so does the overdamped motion alpha d' = -residual
+that is followed here with implicit Euler steps. The damping alpha falls with the residual, so the
+last iterations are Newton's, and what they find is equilibrium under the same forces.
+
+C. T. Kelley and D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM J. Numer.
+Anal. 35, 1998.
+"""
+
+import numpy as np
+
+from seal_mdao.analysis.loading import LoadPoint
+from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.result import Status
+
+# Most need 10 to 40 iterations; a seal that slides off altogether needs any number of them.
+LIMIT = 80
+# First damping over the mean diagonal entry of the tangent.
+FIRST_DAMPING = 1e-4
+# The damping falls to no less than this share in an iteration, and rises to no more than that.
+FALL, RISE = 0.3, 2.0
+# An iteration whose residual is that large, and that many times the last one, is made again.
+LARGE, GROWTH = 0.5, 3.0
+STRONGER = 4.0
+
+
+def relax(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOptions):
+    """Equilibrium at a fixed loading by damped motion.
+
+    Returns
+    -------
+    status, d, residuals, factor
+        As of ``newton``.
+    """
+    layout = problem.discretization.layout
+    diagonal = layout.storage.diagonal()
+    residuals, damping, failure = [], None, Status.NOT_CONVERGED
+    before = d
+    problem.direction[:] = 0
+    for _ in range(LIMIT):
+        upright = problem.assemble(d, point, history)
+        if damping is None:
+            if not upright:
+                return Status.INVERTED, d, (), None
+            damping = FIRST_DAMPING * np.abs(problem.values[diagonal]).mean()
+        residual, size, rounding = problem.residual()
+        if not upright or (residuals and not size <= max(LARGE, GROWTH * residuals[-1])):
+            # from the same place again, more slowly
+            damping *= STRONGER
+            problem.assemble(before, point, history)
+            residual = problem.residual()[0]
+        else:
+            if residuals:
+                damping *= np.clip(size / residuals[-1], FALL, RISE)
+            residuals.append(size)
+            before = d
+            if (size <= options.tolerance or rounding) and not problem.made_to_stick:
+                factor = layout.factorize(problem.values)
+                return Status.CONVERGED, d, tuple(residuals), factor
+        problem.values[diagonal] += damping
+        try:
+            factor = layout.factorize(problem.values)
+        except np.linalg.LinAlgError:
+            failure = Status.SINGULAR
+            break
+        d = before - layout.gather(factor.solve(residual))
+    return failure, before, tuple(residuals), None
