@@ -1,7 +1,8 @@
 """The load path: displacement-driven steps with a predictor and step cutting.
 
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
-With the incremental history there are two, and the one with the smaller residual is taken.
+With the incremental history there are two, and the one with the smaller residual is taken. Where the
+smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
 
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
 same bits whatever was computed before.
@@ -50,13 +51,12 @@ def _bend(step: ConvergedStep, before, euler, share) -> np.ndarray | None:
     return missed / share**2
 
 
-def _correct(problem, guess, target, history, options):
-    """Equilibrium from the predictor ``guess``: by Newton's method, or where it fails by damped motion."""
-    found = newton(problem, guess, target, history, options)
-    if found[0] is Status.CONVERGED:
-        return found
-    status, d, residuals, factor = relax(problem, guess, target, history, options)
-    return status, d, found[2] + residuals, factor
+def _relax(problem, last, target, options):
+    """Equilibrium at ``target`` by damped motion from the predictor; as ``newton`` returns it."""
+    problem.assemble_at(last)
+    factor = problem.discretization.layout.factorize(problem.values)
+    guess = problem.closest(problem.predict(last, factor, target), target, last.after)
+    return relax(problem, guess, target, last.after, options)
 
 
 def _record(problem, nominal, fraction, loading, d, history, residuals, factor) -> ConvergedStep:
@@ -119,21 +119,22 @@ def solve_path(
             euler = problem.predict(last, factor, target)
             guesses = euler if bend is None else euler + (end - last.fraction) ** 2 * bend
             guess = problem.closest(guesses, target, last.after)
-            status, d, residuals, new_factor = _correct(
-                problem, guess, target, last.after, options
-            )
-            if status is not Status.CONVERGED:
-                if share * 0.5 < 0.5**options.max_cuts:
-                    failure = _describe(problem, status, nominal, end, target, residuals)
-                    # nothing is differentiated; an exception that holds the path stays small
-                    steps = [replace(step, factor=None) for step in steps]
-                    return PathResult(discretization, start, steps, status, cuts, failure)
+            status, d, residuals, new_factor = newton(problem, guess, target, last.after, options)
+            if status is not Status.CONVERGED and share * 0.5 >= 0.5**options.max_cuts:
                 cuts, bend = cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
                 # the predictor needs the tangent of the last converged step again
                 problem.assemble_at(last)
                 factor = discretization.layout.factorize(problem.values)
                 continue
+            if status is not Status.CONVERGED:
+                failure = _describe(problem, status, nominal, end, target, residuals)
+                pending, end, target = [], nominal + 1.0, program.at(nominal + 1.0)
+                relaxed, d, residuals, new_factor = _relax(problem, last, target, options)
+                if relaxed is not Status.CONVERGED:
+                    # nothing is differentiated; an exception that holds the path stays small
+                    steps = [replace(step, factor=None) for step in steps]
+                    return PathResult(discretization, start, steps, status, cuts, failure)
             factor, before = new_factor, last
             memory -= factor.nbytes
             kept = factor.kept() if memory >= 0.0 else None

@@ -22,16 +22,20 @@ class NewtonOptions:
         Iterations before a step is cut.
     max_cuts : int
         How often a step may be halved.
+    damped_iterations : int
+        Iterations of damped motion where the smallest step fails (``pseudo_time``); 0 for none. Most
+        need 10 to 40; a seal that slides off altogether needs any number of them.
     """
 
     tolerance: float = 1e-10
     max_iterations: int = 15
     max_cuts: int = 8
+    damped_iterations: int = 80
 
     def __post_init__(self):
         if not (np.isfinite(self.tolerance) and self.tolerance > 0.0):
             raise ValueError(f"tolerance must be a positive number, got {self.tolerance!r}")
-        for name, least in (("max_iterations", 1), ("max_cuts", 0)):
+        for name, least in (("max_iterations", 1), ("max_cuts", 0), ("damped_iterations", 0)):
             value = getattr(self, name)
             if not isinstance(value, Integral) or value < least:
                 raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")

@@ -17,8 +17,6 @@ from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 
-# Most need 10 to 40 iterations; a seal that slides off altogether needs any number of them.
-LIMIT = 80
 # First damping over the mean diagonal entry of the tangent.
 FIRST_DAMPING = 1e-4
 # The damping falls to no less than this share in an iteration, and rises to no more than that.
@@ -41,7 +39,7 @@ def relax(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOpt
     residuals, damping, failure = [], None, Status.NOT_CONVERGED
     before = d
     problem.direction[:] = 0
-    for _ in range(LIMIT):
+    for _ in range(options.damped_iterations):
         upright = problem.assemble(d, point, history)
         if damping is None:
             if not upright:

@@ -192,7 +192,7 @@ def test_partials_after_computes_elsewhere(problem, short):
 
 def test_partials_after_an_analysis_that_failed(problem, short):
     """What was kept of the last good point is not given out for a bad one."""
-    newton = sm.NewtonOptions(max_iterations=5, max_cuts=0)
+    newton = sm.NewtonOptions(max_iterations=5, max_cuts=0, damped_iterations=0)
     model = short.with_(newton=newton)
     made = problem(RkpmContactComp(model=model))
     made.run_model()
@@ -243,7 +243,7 @@ def test_two_problems_do_not_disturb_each_other(problem, short):
 
 def test_path_that_cannot_be_completed_is_an_analysis_error(problem, short):
     """The drawn seal passes with five iterations a step and no cut; a distorted design does not."""
-    newton = sm.NewtonOptions(max_iterations=5, max_cuts=0)
+    newton = sm.NewtonOptions(max_iterations=5, max_cuts=0, damped_iterations=0)
     made = problem(sm.SealGroup(model=short.with_(newton=newton)))
     made.run_model()
     drawn = outputs(made)

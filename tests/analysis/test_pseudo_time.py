@@ -1,0 +1,91 @@
+"""Damped motion where Newton's method finds no way: a seal that slides for a moment."""
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.analysis.result import Status
+from seal_mdao.contact.friction import OPEN, STICK
+from seal_mdao.dsa.sensitivity import path_problem
+
+# little friction; the last point that sticks begins to slide near the end of the path (0.01 mm)
+OFFSETS = 0.01 * np.array([
+    17, -6, -23, 36, -32, -49, 15, 22, -10, -49, 21, 7, -25, 20, 15, 23, 27, 37, 17, -8, -15, 13, 24,
+    19, 12,
+])  # fmt: skip
+RADIUS = 3.62
+
+
+@pytest.fixture(scope="module")
+def model():
+    return sm.door_seal(friction=0.15, corner_x=4.0)
+
+
+@pytest.fixture(scope="module")
+def sliding(model):
+    return sm.analyze(model, OFFSETS, RADIUS, keep_factors=True)
+
+
+@pytest.fixture(scope="module")
+def stuck(model):
+    """The same path without damped motion."""
+    newton = sm.NewtonOptions(damped_iterations=0)
+    return sm.analyze(model.with_(newton=newton), OFFSETS, RADIUS)
+
+
+def test_newton_alone_ends_where_the_last_point_begins_to_slide(stuck):
+    assert stuck.path.status is Status.NOT_CONVERGED
+    assert stuck.path.step_cuts >= 8
+    states = stuck.path.steps[-1].after.state
+    assert np.sum(states == STICK) == 1
+
+
+def test_damped_motion_completes_the_path(sliding, stuck):
+    done = len(stuck.path.steps)
+    assert sliding.converged
+    assert len(sliding.path.nominal_steps) == 105
+    # the same until there, then on to the end of the nominal step
+    for one, other in zip(sliding.path.steps[:done], stuck.path.steps, strict=True):
+        np.testing.assert_array_equal(one.d, other.d)
+    relaxed = sliding.path.steps[done]
+    assert relaxed.fraction == np.ceil(stuck.path.steps[-1].fraction)
+    moved = np.abs(relaxed.d - sliding.path.steps[done - 1].d).max()
+    assert moved < 0.2
+
+
+def test_what_it_finds_is_equilibrium(sliding, stuck, model):
+    path = sliding.path
+    problem = path_problem(sliding)
+    relaxed = path.steps[len(stuck.path.steps)]
+    problem.assemble_at(relaxed)
+    _, size, rounding = problem.residual()
+    assert size <= model.newton.tolerance or rounding
+    np.testing.assert_array_equal(problem.state, relaxed.after.state)
+    assert np.sum(problem.state != OPEN) > 2
+
+
+def test_derivatives_pass_through_it(sliding, model, rng):
+    """Central differences of the path with the same contact sequence."""
+    exact = sm.differentiate(sliding)
+    way = rng.uniform(-1.0, 1.0, model.n_offsets)
+    errors = []
+    for step in (1e-5, 1e-6):
+        ends = [sm.analyze(model, OFFSETS + s * step * way, RADIUS) for s in (1.0, -1.0)]
+        for end in ends:
+            np.testing.assert_array_equal(end.path.contact_state, sliding.path.contact_state)
+        for name in ("von_mises", "gap", "reaction"):
+            values = [
+                end.reaction[-1] if name == "reaction" else getattr(end, name) for end in ends
+            ]
+            difference = (values[0] - values[1]) / (2.0 * step)
+            derivative = getattr(exact, name)[:, :-1] @ way
+            errors.append(np.abs(difference - derivative).max() / np.abs(derivative).max())
+    print("largest relative differences", errors)
+    assert np.max(errors) < 1e-5
+
+
+def test_too_few_iterations_leave_the_failure_of_newton(model, stuck):
+    few = model.with_(newton=sm.NewtonOptions(damped_iterations=3))
+    result = sm.analyze(few, OFFSETS, RADIUS)
+    assert not result.converged
+    assert result.path.failure == stuck.path.failure
