@@ -14,6 +14,10 @@ SOLVERS = ("auto", "banded", "superlu", "pardiso")
 # core with 300 to 12,000 unknowns, the band wins up to a half-width of some 60 n^(1/4).
 WIDEST_BAND = 50.0
 
+# Equations from which a sparse factorisation costs so much more than a solution that quasi-Newton
+# iterations are faster.
+LEAST_REUSED = 1000
+
 
 class BandedFactor:
     """LU factors of a banded matrix (LAPACK gbtrf)."""
@@ -45,6 +49,7 @@ class BandedStorage(NamedTuple):
 
     n: int
     width: int
+    reuses_factors = False
 
     @property
     def rows(self):
@@ -88,6 +93,11 @@ class SparseStorage(NamedTuple):
     n: int
     pointers: np.ndarray
     indices: np.ndarray
+
+    @property
+    def reuses_factors(self) -> bool:
+        """Whether a factorisation costs so many solutions that iterations should reuse one."""
+        return self.n >= LEAST_REUSED
 
     @property
     def size(self):

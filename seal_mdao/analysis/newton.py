@@ -48,7 +48,7 @@ def newton(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOp
     factor : object or None
         Factor of the tangent at the converged configuration.
     """
-    layout = problem.discretization.layout
+    gather = problem.discretization.layout.gather
     residuals = []
     problem.direction[:] = 0
     for _ in range(options.max_iterations + 1):
@@ -59,11 +59,11 @@ def newton(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOp
         if not np.isfinite(size):
             return Status.DIVERGED, d, tuple(residuals), None
         try:
-            factor = layout.factorize(problem.values)
+            problem.factorize()
         except np.linalg.LinAlgError:
             return Status.SINGULAR, d, tuple(residuals), None
         if (size <= options.tolerance or rounding) and not problem.made_to_stick:
-            return Status.CONVERGED, d, tuple(residuals), factor
+            return Status.CONVERGED, d, tuple(residuals), problem.factor
         if len(residuals) <= options.max_iterations:
-            d = d - layout.gather(factor.solve(residual))
+            d = d - gather(problem.factor.solve(residual))
     return Status.NOT_CONVERGED, d, tuple(residuals), None

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 from scipy.sparse import csr_array
 
+from seal_mdao.analysis.linear_solver import LEAST_REUSED
 from seal_mdao.analysis.threads import forget_libraries
 
 # Phases, and the matrix type: real, structurally symmetric.
@@ -59,6 +60,10 @@ class PardisoStorage:
         forget_libraries()
         self.n, self.pointers, self.indices = n, pointers, indices
         self._module, self._handle = module, None
+
+    @property
+    def reuses_factors(self) -> bool:
+        return self.n >= LEAST_REUSED
 
     @property
     def size(self):

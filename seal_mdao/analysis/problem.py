@@ -16,7 +16,8 @@ from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 class PathProblem:
     """Residual and tangent of one discretised body against one moving profile.
 
-    The buffers are reused between iterations; nothing in them outlives a call.
+    The buffers are reused between iterations; nothing in them outlives a call. ``factor`` is that of
+    the tangent factorised last, or None.
     """
 
     def __init__(
@@ -32,7 +33,7 @@ class PathProblem:
         layout, k = discretization.layout, len(discretization.body.contact)
         self.internal, self.contact = np.empty(layout.force_size), np.empty(layout.force_size)
         self.external = np.zeros(layout.n_equations)
-        self.values = np.empty(layout.size)
+        self.values, self.factor = np.empty(layout.size), None
         self.x, self.force, self.tangent = np.empty((k, 2)), np.empty((k, 2)), np.empty((k, 2, 2))
         self.state, self.kept, self.gap = np.empty(k, np.int64), np.empty((k, 3)), np.empty(k)
         self.direction, self.made_to_stick, self.held = np.zeros(k, np.int64), 0, 0.0
@@ -43,14 +44,25 @@ class PathProblem:
 
     def assemble(self, d, point: LoadPoint, history) -> bool:
         """Fill forces and tangent at displacements ``d``; False where a point is inverted."""
+        self.values[:] = 0.0
+        upright = self._add_to(self.values, d, point, history)
+        if upright:
+            self.discretization.layout.condense_tangent(self.values)
+        return upright
+
+    def assemble_forces(self, d, point: LoadPoint, history) -> bool:
+        """Fill the forces as ``assemble`` does, and leave the tangent as it is."""
+        return self._add_to(np.empty(0), d, point, history)
+
+    def _add_to(self, values, d, point, history) -> bool:
+        """Fill the forces and, where ``values`` is not empty, add the tangent to it."""
         disc = self.discretization
         cells, points = disc.layout.scatter
         self.internal[:] = 0.0
         self.contact[:] = 0.0
-        self.values[:] = 0.0
         raw = disc.transformation.coefficients(d)
         bad = assemble_internal(
-            disc.cells.raw, disc.weights, self.constants, raw, cells, self.internal, self.values
+            disc.cells.raw, disc.weights, self.constants, raw, cells, self.internal, values
         )
         if bad >= 0:
             return False
@@ -61,15 +73,38 @@ class PathProblem:
             self.direction, self.force, self.tangent, self.state, self.kept, self.gap,
         )  # fmt: skip
         assemble_points(
-            disc.contact.raw, self.force, self.tangent, self.state, points, self.contact,
-            self.values,
-        )  # fmt: skip
+            disc.contact.raw, self.force, self.tangent, self.state, points, self.contact, values
+        )
         disc.layout.condense_force(self.internal)
         disc.layout.condense_force(self.contact)
-        disc.layout.condense_tangent(self.values)
         self.external[:] = disc.layout.reduce(point.force)
         self.held = 0.0 if point.imposed is None else self._held_force(d)
         return True
+
+    def factorize(self):
+        """Factor of the assembled tangent; the one before is let go first, to save its memory.
+
+        Raises
+        ------
+        LinAlgError
+            The tangent is singular.
+        """
+        self.factor = None
+        self.factor = self.discretization.layout.factorize(self.values)
+        return self.factor
+
+    def load_of_point(self, contact_point: int, component: int) -> np.ndarray:
+        """Load of a unit force at one contact point, shape (n_equations,)."""
+        layout = self.discretization.layout
+        force, touching = np.zeros_like(self.force), np.zeros_like(self.state)
+        force[contact_point, component], touching[contact_point] = 1.0, 1
+        load = np.zeros_like(self.contact)
+        assemble_points(
+            self.discretization.contact.raw, force, self.tangent, touching, layout.scatter[1], load,
+            np.empty(0),
+        )  # fmt: skip
+        layout.condense_force(load)
+        return load[: layout.n_equations]
 
     def _held_force(self, d) -> float:
         """Norm of the internal forces of all components: what imposed displacements are held with."""
