@@ -14,10 +14,6 @@ SOLVERS = ("auto", "banded", "superlu", "pardiso")
 # core with 300 to 12,000 unknowns, the band wins up to a half-width of some 60 n^(1/4).
 WIDEST_BAND = 50.0
 
-# Equations from which a sparse factorisation costs so much more than a solution that quasi-Newton
-# iterations are faster.
-LEAST_REUSED = 1000
-
 
 class BandedFactor:
     """LU factors of a banded matrix (LAPACK gbtrf)."""
@@ -45,7 +41,11 @@ class BandedFactor:
 
 
 class BandedStorage(NamedTuple):
-    """LAPACK band storage with equal half-widths."""
+    """LAPACK band storage with equal half-widths.
+
+    ``reuses_factors`` tells of a storage whether a factorisation costs so many solutions that
+    quasi-Newton iterations, which reuse one, are to be tried before Newton's.
+    """
 
     n: int
     width: int
@@ -94,10 +94,7 @@ class SparseStorage(NamedTuple):
     pointers: np.ndarray
     indices: np.ndarray
 
-    @property
-    def reuses_factors(self) -> bool:
-        """Whether a factorisation costs so many solutions that iterations should reuse one."""
-        return self.n >= LEAST_REUSED
+    reuses_factors = True
 
     @property
     def size(self):

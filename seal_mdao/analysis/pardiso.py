@@ -8,7 +8,6 @@ import sys
 import numpy as np
 from scipy.sparse import csr_array
 
-from seal_mdao.analysis.linear_solver import LEAST_REUSED
 from seal_mdao.analysis.threads import forget_libraries
 
 # Phases, and the matrix type: real, structurally symmetric.
@@ -55,15 +54,13 @@ class PardisoFactor:
 class PardisoStorage:
     """Compressed columns; the pattern is symmetric."""
 
+    reuses_factors = True
+
     def __init__(self, n, pointers, indices):
         module = import_pypardiso()
         forget_libraries()
         self.n, self.pointers, self.indices = n, pointers, indices
         self._module, self._handle = module, None
-
-    @property
-    def reuses_factors(self) -> bool:
-        return self.n >= LEAST_REUSED
 
     @property
     def size(self):
