@@ -1,6 +1,7 @@
 """The load path: displacement-driven steps with a predictor and step cutting.
 
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
+With the incremental history there are two, and the one with the smaller residual is taken.
 
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
 same bits whatever was computed before.
@@ -121,7 +122,8 @@ def solve_path(
             end = nominal + 1.0 if not pending else last.fraction + share
             target = program.at(end)
             euler = problem.predict(last, problem.factor, target)
-            guess = euler if bend is None else euler + (end - last.fraction) ** 2 * bend
+            guesses = euler if bend is None else euler + (end - last.fraction) ** 2 * bend
+            guess = problem.closest(guesses, target, last.after)
             status, d, residuals = _correct(problem, guess, target, last, options)
             if status is not Status.CONVERGED:
                 if share * 0.5 < 0.5**options.max_cuts:
@@ -142,7 +144,7 @@ def solve_path(
                 problem, -1 if pending else nominal, end, target, d, last.after, residuals,
                 kept,
             )  # fmt: skip
-            bend = _bend(last, before.d, euler, end - before.fraction)
+            bend = _bend(last, before.d, euler[0], end - before.fraction)
             steps.append(last)
         if callback is not None:
             callback(last)

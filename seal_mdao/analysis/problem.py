@@ -93,14 +93,12 @@ class PathProblem:
         self.factor = self.discretization.layout.factorize(self.values)
         return self.factor
 
-    def load_of_point(self, contact_point: int, component: int) -> np.ndarray:
-        """Load of a unit force at one contact point, shape (n_equations,)."""
+    def contact_load(self, force: np.ndarray, state: np.ndarray) -> np.ndarray:
+        """Load (n_equations,) of forces (k, 2) on the contact points whose ``state`` is not OPEN."""
         layout = self.discretization.layout
-        force, touching = np.zeros_like(self.force), np.zeros_like(self.state)
-        force[contact_point, component], touching[contact_point] = 1.0, 1
         load = np.zeros_like(self.contact)
         assemble_points(
-            self.discretization.contact.raw, force, self.tangent, touching, layout.scatter[1], load,
+            self.discretization.contact.raw, force, self.tangent, state, layout.scatter[1], load,
             np.empty(0),
         )  # fmt: skip
         layout.condense_force(load)
@@ -132,23 +130,33 @@ class PathProblem:
         return residual, size / scale if scale > 0.0 else 0.0, size <= self.rounding
 
     def predict(self, step: ConvergedStep, factor, target: LoadPoint) -> np.ndarray:
-        """Euler predictor from a converged step, reusing its factorisation.
+        """Euler predictors (1 or 2, n, 2) from a converged step, reusing its factorisation.
 
         The contact force depends on x minus the profile's position only, so its rate with the
-        motion is minus its tangent. With the incremental history the force at the old position
-        is not the converged one (slip starts again from zero); that jump is predicted too.
+        motion is minus its tangent. With the incremental history slip starts again from zero. Where
+        a point slides on, its friction is back at once; where it does not, the force jumps to that
+        at the old position with the new history. Both are predicted then.
         """
+        rate = -np.einsum("kij,j->ki", self.tangent, target.position - step.position)
+        if self.law.accumulated:
+            return self._euler(step, factor, target, rate)[np.newaxis]
+        jump = self.contact_at(step, step.after)[0] - step.force
+        return np.stack([self._euler(step, factor, target, force) for force in (rate + jump, rate)])
+
+    def closest(self, guesses, target: LoadPoint, history) -> np.ndarray:
+        """Those of the displacements that leave the smallest residual."""
+        if len(guesses) == 1:
+            return guesses[0]
+        sizes = []
+        for d in guesses:
+            self.direction[:] = 0
+            sizes.append(self.residual()[1] if self.assemble_forces(d, target, history) else np.inf)
+        return guesses[int(np.argmin(sizes))]
+
+    def _euler(self, step: ConvergedStep, factor, target: LoadPoint, rate) -> np.ndarray:
+        """Displacements after the contact forces (k, 2) have changed by ``rate`` at fixed x."""
         layout, now = self.discretization.layout, step.loading
-        rate = -np.einsum("kij,j->ki", self.tangent, target.position - now.position)
-        if not self.law.accumulated:
-            rate += self._force_with_new_history(step) - step.force
-        load = np.zeros_like(self.contact)
-        assemble_points(
-            self.discretization.contact.raw, rate, self.tangent, self.state, layout.scatter[1],
-            load, np.empty(0),
-        )  # fmt: skip
-        layout.condense_force(load)
-        load, d = load[: layout.n_equations], step.d
+        load, d = self.contact_load(rate, self.state), step.d
         if target.imposed is not None:
             increment = np.where(layout.equations < 0, target.imposed - now.imposed, 0.0)
             load += self._internal_rate(d, increment)
@@ -157,16 +165,15 @@ class PathProblem:
             load -= layout.reduce(target.force - now.force)
         return d - layout.gather(factor.solve(load))
 
-    def _force_with_new_history(self, step: ConvergedStep) -> np.ndarray:
-        """Contact forces at a converged step when the history is already the next step's."""
-        force = np.empty_like(self.force)
+    def contact_at(self, step: ConvergedStep, history) -> tuple[np.ndarray, np.ndarray]:
+        """Contact forces (k, 2) and tangents (k, 2, 2) at a converged step with any history."""
+        force, tangent = np.empty_like(self.force), np.empty_like(self.tangent)
         contact_points(
             self.profile, self.law, step.position, step.contact_x,
-            self.discretization.contact_length, step.after, np.zeros_like(self.direction), force,
-            np.empty_like(self.tangent), np.empty_like(self.state), np.empty_like(self.kept),
-            np.empty_like(self.gap),
+            self.discretization.contact_length, history, np.zeros_like(self.direction), force,
+            tangent, np.empty_like(self.state), np.empty_like(self.kept), np.empty_like(self.gap),
         )  # fmt: skip
-        return force
+        return force, tangent
 
     def _internal_rate(self, d, increment, share=1e-6) -> np.ndarray:
         """Change of the internal force with imposed displacements; only the predictor uses it."""

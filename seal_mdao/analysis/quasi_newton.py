@@ -21,6 +21,7 @@ from seal_mdao.analysis.loading import LoadPoint
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
+from seal_mdao.contact.friction import STICK
 
 # Most need 6 to 10 iterations; what is not halved within PATIENCE of them will not converge soon.
 LIMIT, PATIENCE = 25, 6
@@ -98,24 +99,33 @@ def _gradients(problem: PathProblem, d: np.ndarray) -> np.ndarray:
     return out
 
 
-def _inverse(problem: PathProblem, factor, d, last: ConvergedStep, tangent):
+def _unit_loads(problem: PathProblem, points: np.ndarray) -> np.ndarray:
+    """Loads of unit forces in x and y at contact points (m,), shape (2 m, n_equations)."""
+    loads = []
+    for point in points:
+        state = np.zeros_like(problem.state)
+        state[point] = STICK
+        for component in range(2):
+            force = np.zeros_like(problem.force)
+            force[point, component] = 1.0
+            loads.append(problem.contact_load(force, state))
+    return np.array(loads)
+
+
+def _inverse(problem: PathProblem, d, last: ConvergedStep, points: np.ndarray):
     """Approximate inverse of the tangent at ``d``, where the forces were assembled.
 
-    None where too many contact points changed their state.
+    ``points`` (m,) are the contact points with another state than in the factorised tangent.
     """
-    layout = problem.discretization.layout
-    points = np.flatnonzero(problem.state != last.after.state)
-    if points.size > MOST_NEW_CONTACTS:
-        return None
     since = _gradients(problem, d) @ np.linalg.inv(_gradients(problem, last.d))
-    carried = CarriedFactor(factor, since, layout)
+    carried = CarriedFactor(problem.factor, since, problem.discretization.layout)
     if points.size == 0:
         return carried
-    change = np.zeros((points.size, 2, points.size, 2))
-    at = np.arange(points.size)
-    change[at, :, at, :] = problem.tangent[points] - tangent[points]
-    columns = np.array([problem.load_of_point(i, c) for i in points for c in range(2)])
-    return CorrectedFactor(carried, columns, change.reshape(2 * points.size, -1))
+    change, at = np.zeros((points.size, 2, points.size, 2)), np.arange(points.size)
+    before = problem.contact_at(last, last.before)[1]
+    change[at, :, at, :] = (problem.tangent - before)[points]
+    size = 2 * points.size
+    return CorrectedFactor(carried, _unit_loads(problem, points), change.reshape(size, size))
 
 
 def quasi_newton(
@@ -128,7 +138,7 @@ def quasi_newton(
     Parameters
     ----------
     problem : PathProblem
-        As it was left at ``last``: with its factor, contact states and contact tangents.
+        Its factor is that of the tangent at ``last``.
     d : ndarray, shape (n, 2)
         The predictor.
 
@@ -139,7 +149,7 @@ def quasi_newton(
         method promises to be faster.
     """
     layout = problem.discretization.layout
-    tangent, inverse = problem.tangent.copy(), None
+    inverse = None
     residuals, broyden, status = [], BroydenSteps(), Status.NOT_CONVERGED
     problem.direction[:] = 0
     for _ in range(LIMIT + 1):
@@ -158,9 +168,10 @@ def quasi_newton(
         if len(residuals) > PATIENCE and size > 0.5 * residuals[-1 - PATIENCE]:
             break
         if inverse is None:
-            inverse = _inverse(problem, problem.factor, d, last, tangent)
-        if inverse is None:
-            break
+            points = np.flatnonzero(problem.state != last.after.state)
+            if points.size > MOST_NEW_CONTACTS:
+                break
+            inverse = _inverse(problem, d, last, points)
         d = d - layout.gather(broyden.next(inverse.solve(residual)))
     return status, d, tuple(residuals)
 

@@ -129,7 +129,7 @@ def test_predictor_is_second_order_accurate_in_the_step(drawn):
     for share in (0.02, 0.01, 0.005):
         target = step.loading._replace(position=step.position - np.array([0.0, share]))
         problem.assemble_at(step)
-        guess = problem.predict(step, factor, target)
+        guess = problem.predict(step, factor, target)[0]
         status, d, _, _ = newton(problem, guess, target, step.after, sm.NewtonOptions(1e-12))
         assert status is Status.CONVERGED
         np.testing.assert_array_equal(problem.state, step.after.state)

@@ -10,6 +10,7 @@ from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.loading import LoadProgram, still_profile
 from seal_mdao.analysis.loads import edge_points, internal_forces, point_loads
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.geometry.profile import circle_profile
@@ -289,3 +290,25 @@ def test_failed_path_holds_no_factors():
     failed = sm.analyze(model, keep_factors=True)
     assert not failed.converged
     assert all(step.factor is None for step in failed.path.steps)
+
+
+# a design that slides under little friction, 0.01 mm
+SLIDING = (
+    5, -30, -26, 28, 3, -43, 5, 21, -8, -42, -3, 7, -19, -4, -2, 23, 43, 38, 45, -38, -35, 35, 50,
+    -2, 26,
+)  # fmt: skip
+
+
+def test_incremental_history_starts_from_the_better_of_two_predictors(monkeypatch):
+    """Friction that a sliding point loses at the start of a step is back at its end."""
+    model = sm.door_seal(friction=0.15, friction_history="incremental")
+    offsets = 0.01 * np.array(SLIDING)
+    path = sm.analyze(model, offsets, 3.75).path
+    assert path.converged
+    assert path.step_cuts == 0
+    both = PathProblem.predict
+    for only in (slice(0, 1), slice(1, 2)):
+        monkeypatch.setattr(PathProblem, "predict", lambda *a, only=only: both(*a)[only])
+        one = sm.analyze(model, offsets, 3.75).path
+        better = path.newton_iterations.sum() < one.newton_iterations.sum()
+        assert better or not one.converged
