@@ -19,7 +19,7 @@ class NewtonOptions:
     tolerance : float
         Residual norm over the norm of the contact and internal forces.
     max_iterations : int
-        Iterations before a step is cut.
+        Newton iterations before a step is cut.
     max_cuts : int
         How often a step may be halved.
     """

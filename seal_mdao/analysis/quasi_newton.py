@@ -1,12 +1,12 @@
 """Iterations that reuse the factor of the last converged tangent, for large clouds.
 
-There a factorisation costs dozens of solutions. The old factor K0 alone is a poor tangent, for rubber
-hardly changes its volume: the motions K0 takes for free of volume change no longer are once the
-body has turned. It is therefore
+There a factorisation costs dozens of solutions. The old tangent K0 alone is a poor one, for rubber
+hardly changes its volume: the motions that K0 takes for free of volume change no longer are once
+the body has turned by a hundredth. Its factor is therefore
 
 - carried along with the deformation since: with f the deformation gradient from the last converged
-  step to the predictor, du -> f du maps the motions without volume change of the one onto those of
-  the other (Piola's identity), so f K0^-1 f^T stands for the inverse of the tangent;
+  step to the predictor, du -> f du maps motions without volume change of the one onto those of the
+  other, exactly where f is uniform, so f K0^-1 f^T stands for the inverse of the tangent;
 - corrected for the contact points whose state is another at the predictor (Sherman-Morrison-Woodbury);
 - improved by Broyden's method in its limited-memory form: C. T. Kelley, Solving Nonlinear Equations
   with Newton's Method, SIAM 2003, chapter 4; M. S. Engelman, G. Strang, K.-J. Bathe, The application
@@ -171,7 +171,11 @@ def quasi_newton(
             points = np.flatnonzero(problem.state != last.after.state)
             if points.size > MOST_NEW_CONTACTS:
                 break
-            inverse = _inverse(problem, d, last, points)
+            try:
+                inverse = _inverse(problem, d, last, points)
+            except np.linalg.LinAlgError:
+                status = Status.SINGULAR
+                break
         d = d - layout.gather(broyden.next(inverse.solve(residual)))
     return status, d, tuple(residuals)
 
