@@ -165,6 +165,42 @@ def assemble_internal(table, weights, constants, d, scatter, force, values):
 
 
 @nb.njit(cache=True, error_model="numpy")
+def particle_gradients(table, cells, d, out):
+    """Deformation gradients at the particles: means over the quadrature points of the cells around.
+
+    Parameters
+    ----------
+    table : ShapeTable
+        Shape functions at the quadrature points, one group a cell.
+    cells : ndarray of int, shape (n_cells, 4)
+        Corner particles.
+    d : ndarray, shape (n, 2)
+        Generalised displacements.
+    out : ndarray, shape (n, 2, 2)
+        Written; the unit matrix for a particle at no cell.
+    """
+    q_count = table.group_size
+    f, count = np.empty((q_count, 5)), np.zeros(len(out))
+    out[:] = 0.0
+    for cell in range(table.start.size - 1):
+        s0 = table.start[cell]
+        n = table.start[cell + 1] - s0
+        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        cell_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, q_count, f)
+        for particle in cells[cell]:
+            count[particle] += q_count
+            for q in range(q_count):
+                for i in range(2):
+                    for k in range(2):
+                        out[particle, i, k] += f[q, 2 * i + k]
+    for particle in range(len(out)):
+        if count[particle] > 0.0:
+            out[particle] /= count[particle]
+        else:
+            out[particle] = np.eye(2)
+
+
+@nb.njit(cache=True, error_model="numpy")
 def internal_energy(table, weights, constants, d):
     """Strain energy W of the whole body per unit depth."""
     c10, c01, bulk = constants

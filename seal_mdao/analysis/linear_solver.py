@@ -41,10 +41,15 @@ class BandedFactor:
 
 
 class BandedStorage(NamedTuple):
-    """LAPACK band storage with equal half-widths."""
+    """LAPACK band storage with equal half-widths.
+
+    ``reuses_factors`` tells of a storage whether a factorisation costs so many solutions that
+    quasi-Newton iterations, which reuse one, are to be tried before Newton's.
+    """
 
     n: int
     width: int
+    reuses_factors = False
 
     @property
     def rows(self):
@@ -98,6 +103,8 @@ class SparseStorage(NamedTuple):
     n: int
     pointers: np.ndarray
     indices: np.ndarray
+
+    reuses_factors = True
 
     @property
     def size(self):

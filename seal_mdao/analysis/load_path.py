@@ -18,6 +18,7 @@ from seal_mdao.analysis.loading import LoadPoint, LoadProgram
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import relax
+from seal_mdao.analysis.quasi_newton import quasi_newton
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, ContactHistory, ContactLaw, no_history
@@ -29,13 +30,13 @@ from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 SMALL_BEND = 0.03
 
 
-def _initial_step(problem: PathProblem, loading: LoadPoint) -> tuple[ConvergedStep, object]:
-    """The undeformed state, with its factor."""
+def _initial_step(problem: PathProblem, loading: LoadPoint) -> ConvergedStep:
+    """The undeformed state, whose tangent is factorised."""
     disc = problem.discretization
     d, history = np.zeros_like(disc.particles), no_history(len(disc.body.contact))
     problem.assemble(d, loading, history)
-    factor = disc.layout.factorize(problem.values)
-    return _record(problem, -1, 0.0, loading, d, history, (0.0,), None), factor
+    problem.factorize()
+    return _record(problem, -1, 0.0, loading, d, history, (0.0,), None)
 
 
 def _bend(step: ConvergedStep, before, euler, share) -> np.ndarray | None:
@@ -51,11 +52,25 @@ def _bend(step: ConvergedStep, before, euler, share) -> np.ndarray | None:
     return missed / share**2
 
 
+def _correct(problem, guess, target, last, options):
+    """Equilibrium from the predictor ``guess``, as ``newton`` returns it.
+
+    Where old factors are not reused, or did not lead there, Newton's method finds it.
+    """
+    tried = ()
+    if problem.discretization.layout.storage.reuses_factors:
+        status, d, tried = quasi_newton(problem, guess, target, last, options)
+        if status is Status.CONVERGED:
+            return status, d, tried
+    status, d, residuals = newton(problem, guess, target, last.after, options)
+    return status, d, tried + residuals
+
+
 def _relax(problem, last, target, options):
-    """Equilibrium at ``target`` by damped motion from the predictor; as ``newton`` returns it."""
+    """Equilibrium at ``target`` by damped motion from the predictor, as ``newton`` returns it."""
     problem.assemble_at(last)
-    factor = problem.discretization.layout.factorize(problem.values)
-    guess = problem.closest(problem.predict(last, factor, target), target, last.after)
+    guesses = problem.predict(last, problem.factorize(), target)
+    guess = problem.closest(guesses, target, last.after)
     return relax(problem, guess, target, last.after, options)
 
 
@@ -102,7 +117,7 @@ def solve_path(
     """
     options = NewtonOptions() if options is None else options
     problem = PathProblem(discretization, material, profile, law)
-    start, factor = _initial_step(problem, program.at(0.0))
+    start = _initial_step(problem, program.at(0.0))
     last = start
     if np.any(last.after.state != OPEN):
         deepest = -float(last.gap.min())
@@ -116,28 +131,28 @@ def solve_path(
             share = pending.pop()
             end = nominal + 1.0 if not pending else last.fraction + share
             target = program.at(end)
-            euler = problem.predict(last, factor, target)
+            euler = problem.predict(last, problem.factor, target)
             guesses = euler if bend is None else euler + (end - last.fraction) ** 2 * bend
             guess = problem.closest(guesses, target, last.after)
-            status, d, residuals, new_factor = newton(problem, guess, target, last.after, options)
+            status, d, residuals = _correct(problem, guess, target, last, options)
             if status is not Status.CONVERGED and share * 0.5 >= 0.5**options.max_cuts:
                 cuts, bend = cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
                 # the predictor needs the tangent of the last converged step again
                 problem.assemble_at(last)
-                factor = discretization.layout.factorize(problem.values)
+                problem.factorize()
                 continue
             if status is not Status.CONVERGED:
                 failure = _describe(problem, status, nominal, end, target, residuals)
                 pending, end, target = [], nominal + 1.0, program.at(nominal + 1.0)
-                relaxed, d, residuals, new_factor = _relax(problem, last, target, options)
+                relaxed, d, residuals = _relax(problem, last, target, options)
                 if relaxed is not Status.CONVERGED:
                     # nothing is differentiated; an exception that holds the path stays small
                     steps = [replace(step, factor=None) for step in steps]
                     return PathResult(discretization, start, steps, status, cuts, failure)
-            factor, before = new_factor, last
-            memory -= factor.nbytes
-            kept = factor.kept() if memory >= 0.0 else None
+            before = last
+            memory -= problem.factor.nbytes
+            kept = problem.factor.kept() if memory >= 0.0 else None
             last = _record(
                 problem, -1 if pending else nominal, end, target, d, last.after, residuals,
                 kept,

@@ -19,7 +19,7 @@ class NewtonOptions:
     tolerance : float
         Residual norm over the norm of the contact and internal forces.
     max_iterations : int
-        Iterations before a step is cut.
+        Newton iterations before a step is cut.
     max_cuts : int
         How often a step may be halved.
     damped_iterations : int
@@ -42,32 +42,30 @@ class NewtonOptions:
 
 
 def newton(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOptions):
-    """Newton iterations (44) at a fixed loading.
+    """Newton iterations (44) at a fixed loading; the factor of the last tangent stays in ``problem``.
 
     Returns
     -------
     status : Status
     d : ndarray, shape (n, 2)
     residuals : tuple of float
-    factor : object or None
-        Factor of the tangent at the converged configuration.
     """
-    layout = problem.discretization.layout
+    gather = problem.discretization.layout.gather
     residuals = []
     problem.direction[:] = 0
     for _ in range(options.max_iterations + 1):
         if not problem.assemble(d, point, history):
-            return Status.INVERTED, d, tuple(residuals), None
+            return Status.INVERTED, d, tuple(residuals)
         residual, size, rounding = problem.residual()
         residuals.append(size)
         if not np.isfinite(size):
-            return Status.DIVERGED, d, tuple(residuals), None
+            return Status.DIVERGED, d, tuple(residuals)
         try:
-            factor = layout.factorize(problem.values)
+            problem.factorize()
         except np.linalg.LinAlgError:
-            return Status.SINGULAR, d, tuple(residuals), None
+            return Status.SINGULAR, d, tuple(residuals)
         if (size <= options.tolerance or rounding) and not problem.made_to_stick:
-            return Status.CONVERGED, d, tuple(residuals), factor
+            return Status.CONVERGED, d, tuple(residuals)
         if len(residuals) <= options.max_iterations:
-            d = d - layout.gather(factor.solve(residual))
-    return Status.NOT_CONVERGED, d, tuple(residuals), None
+            d = d - gather(problem.factor.solve(residual))
+    return Status.NOT_CONVERGED, d, tuple(residuals)

@@ -55,6 +55,8 @@ class PardisoFactor:
 class PardisoStorage:
     """Compressed columns; the pattern is symmetric."""
 
+    reuses_factors = True
+
     def __init__(self, n, pointers, indices):
         module = import_pypardiso()
         forget_libraries()

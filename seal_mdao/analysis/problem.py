@@ -16,7 +16,8 @@ from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 class PathProblem:
     """Residual and tangent of one discretised body against one moving profile.
 
-    The buffers are reused between iterations; nothing in them outlives a call.
+    The buffers are reused between iterations; nothing in them outlives a call. ``factor`` is that of
+    the tangent factorised last, or None.
     """
 
     def __init__(
@@ -32,7 +33,7 @@ class PathProblem:
         layout, k = discretization.layout, len(discretization.body.contact)
         self.internal, self.contact = np.empty(layout.force_size), np.empty(layout.force_size)
         self.external = np.zeros(layout.n_equations)
-        self.values = np.empty(layout.size)
+        self.values, self.factor = np.empty(layout.size), None
         self.x, self.force, self.tangent = np.empty((k, 2)), np.empty((k, 2)), np.empty((k, 2, 2))
         self.state, self.kept, self.gap = np.empty(k, np.int64), np.empty((k, 3)), np.empty(k)
         self.direction, self.made_to_stick, self.held = np.zeros(k, np.int64), 0, 0.0
@@ -43,14 +44,25 @@ class PathProblem:
 
     def assemble(self, d, point: LoadPoint, history) -> bool:
         """Fill forces and tangent at displacements ``d``; False where a point is inverted."""
+        self.values[:] = 0.0
+        upright = self._add_to(self.values, d, point, history)
+        if upright:
+            self.discretization.layout.condense_tangent(self.values)
+        return upright
+
+    def assemble_forces(self, d, point: LoadPoint, history) -> bool:
+        """Fill the forces as ``assemble`` does, and leave the tangent as it is."""
+        return self._add_to(np.empty(0), d, point, history)
+
+    def _add_to(self, values, d, point, history) -> bool:
+        """Fill the forces and, where ``values`` is not empty, add the tangent to it."""
         disc = self.discretization
         cells, points = disc.layout.scatter
         self.internal[:] = 0.0
         self.contact[:] = 0.0
-        self.values[:] = 0.0
         raw = disc.transformation.coefficients(d)
         bad = assemble_internal(
-            disc.cells.raw, disc.weights, self.constants, raw, cells, self.internal, self.values
+            disc.cells.raw, disc.weights, self.constants, raw, cells, self.internal, values
         )
         if bad >= 0:
             return False
@@ -61,15 +73,36 @@ class PathProblem:
             self.direction, self.force, self.tangent, self.state, self.kept, self.gap,
         )  # fmt: skip
         assemble_points(
-            disc.contact.raw, self.force, self.tangent, self.state, points, self.contact,
-            self.values,
-        )  # fmt: skip
+            disc.contact.raw, self.force, self.tangent, self.state, points, self.contact, values
+        )
         disc.layout.condense_force(self.internal)
         disc.layout.condense_force(self.contact)
-        disc.layout.condense_tangent(self.values)
         self.external[:] = disc.layout.reduce(point.force)
         self.held = 0.0 if point.imposed is None else self._held_force(d)
         return True
+
+    def factorize(self):
+        """Factor of the assembled tangent; the one before is let go first, to save its memory.
+
+        Raises
+        ------
+        LinAlgError
+            The tangent is singular.
+        """
+        self.factor = None
+        self.factor = self.discretization.layout.factorize(self.values)
+        return self.factor
+
+    def contact_load(self, force: np.ndarray, state: np.ndarray) -> np.ndarray:
+        """Load (n_equations,) of forces (k, 2) on the contact points whose ``state`` is not OPEN."""
+        layout = self.discretization.layout
+        load = np.zeros_like(self.contact)
+        assemble_points(
+            self.discretization.contact.raw, force, self.tangent, state, layout.scatter[1], load,
+            np.empty(0),
+        )  # fmt: skip
+        layout.condense_force(load)
+        return load[: layout.n_equations]
 
     def _held_force(self, d) -> float:
         """Norm of the internal forces of all components: what imposed displacements are held with."""
@@ -107,7 +140,7 @@ class PathProblem:
         rate = -np.einsum("kij,j->ki", self.tangent, target.position - step.position)
         if self.law.accumulated:
             return self._euler(step, factor, target, rate)[np.newaxis]
-        jump = self._force_with_new_history(step) - step.force
+        jump = self.contact_at(step, step.after)[0] - step.force
         return np.stack([self._euler(step, factor, target, force) for force in (rate + jump, rate)])
 
     def closest(self, guesses, target: LoadPoint, history) -> np.ndarray:
@@ -117,19 +150,13 @@ class PathProblem:
         sizes = []
         for d in guesses:
             self.direction[:] = 0
-            sizes.append(self.residual()[1] if self.assemble(d, target, history) else np.inf)
+            sizes.append(self.residual()[1] if self.assemble_forces(d, target, history) else np.inf)
         return guesses[int(np.argmin(sizes))]
 
     def _euler(self, step: ConvergedStep, factor, target: LoadPoint, rate) -> np.ndarray:
         """Displacements after the contact forces (k, 2) have changed by ``rate`` at fixed x."""
         layout, now = self.discretization.layout, step.loading
-        load = np.zeros_like(self.contact)
-        assemble_points(
-            self.discretization.contact.raw, rate, self.tangent, self.state, layout.scatter[1],
-            load, np.empty(0),
-        )  # fmt: skip
-        layout.condense_force(load)
-        load, d = load[: layout.n_equations], step.d
+        load, d = self.contact_load(rate, self.state), step.d
         if target.imposed is not None:
             increment = np.where(layout.equations < 0, target.imposed - now.imposed, 0.0)
             load += self._internal_rate(d, increment)
@@ -138,16 +165,15 @@ class PathProblem:
             load -= layout.reduce(target.force - now.force)
         return d - layout.gather(factor.solve(load))
 
-    def _force_with_new_history(self, step: ConvergedStep) -> np.ndarray:
-        """Contact forces at a converged step when the history is already the next step's."""
-        force = np.empty_like(self.force)
+    def contact_at(self, step: ConvergedStep, history) -> tuple[np.ndarray, np.ndarray]:
+        """Contact forces (k, 2) and tangents (k, 2, 2) at a converged step with any history."""
+        force, tangent = np.empty_like(self.force), np.empty_like(self.tangent)
         contact_points(
             self.profile, self.law, step.position, step.contact_x,
-            self.discretization.contact_length, step.after, np.zeros_like(self.direction), force,
-            np.empty_like(self.tangent), np.empty_like(self.state), np.empty_like(self.kept),
-            np.empty_like(self.gap),
+            self.discretization.contact_length, history, np.zeros_like(self.direction), force,
+            tangent, np.empty_like(self.state), np.empty_like(self.kept), np.empty_like(self.gap),
         )  # fmt: skip
-        return force
+        return force, tangent
 
     def _internal_rate(self, d, increment, share=1e-6) -> np.ndarray:
         """Change of the internal force with imposed displacements; only the predictor uses it."""

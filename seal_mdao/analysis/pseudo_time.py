@@ -31,19 +31,25 @@ def relax(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOpt
 
     Returns
     -------
-    status, d, residuals, factor
+    status, d, residuals
         As of ``newton``.
     """
+    try:
+        return _follow(problem, d, point, history, options)
+    except np.linalg.LinAlgError:
+        return Status.SINGULAR, d, ()
+
+
+def _follow(problem, d, point, history, options):
     layout = problem.discretization.layout
     diagonal = layout.storage.diagonal()
-    residuals, damping, failure = [], None, Status.NOT_CONVERGED
-    before = d
+    residuals, damping, before = [], None, d
     problem.direction[:] = 0
     for _ in range(options.damped_iterations):
         upright = problem.assemble(d, point, history)
         if damping is None:
             if not upright:
-                return Status.INVERTED, d, (), None
+                return Status.INVERTED, d, ()
             damping = FIRST_DAMPING * np.abs(problem.values[diagonal]).mean()
         residual, size, rounding = problem.residual()
         if not upright or (residuals and not size <= max(LARGE, GROWTH * residuals[-1])):
@@ -57,13 +63,8 @@ def relax(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOpt
             residuals.append(size)
             before = d
             if (size <= options.tolerance or rounding) and not problem.made_to_stick:
-                factor = layout.factorize(problem.values)
-                return Status.CONVERGED, d, tuple(residuals), factor
+                problem.factorize()
+                return Status.CONVERGED, d, tuple(residuals)
         problem.values[diagonal] += damping
-        try:
-            factor = layout.factorize(problem.values)
-        except np.linalg.LinAlgError:
-            failure = Status.SINGULAR
-            break
-        d = before - layout.gather(factor.solve(residual))
-    return failure, before, tuple(residuals), None
+        d = before - layout.gather(problem.factorize().solve(residual))
+    return Status.NOT_CONVERGED, before, tuple(residuals)

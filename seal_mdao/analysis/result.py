@@ -43,7 +43,7 @@ class ConvergedStep:
         Deformed contact points and their contact forms (force of the body on the profile, N/m).
     gap : ndarray, shape (k,)
     iterations : int
-        Newton iterations (linear solutions) that were needed.
+        Iterations that were needed, quasi-Newton ones and those of an attempt given up included.
     residuals : tuple of float
         Relative residual before each iteration, and at the end.
     factor : object

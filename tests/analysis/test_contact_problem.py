@@ -84,7 +84,7 @@ def test_error_after_one_iteration_is_quadratic_in_the_error_before(pressed, rng
         direction = layout.gather(rng.standard_normal(layout.n_equations))
         size = []
         for h in (2e-6, 1e-6, 5e-7):
-            status, _, residuals, _ = newton(
+            status, _, residuals = newton(
                 problem, step.d + h * direction, step.loading, step.before, once
             )
             assert status is Status.NOT_CONVERGED
@@ -130,7 +130,7 @@ def test_predictor_is_second_order_accurate_in_the_step(drawn):
         target = step.loading._replace(position=step.position - np.array([0.0, share]))
         problem.assemble_at(step)
         guess = problem.predict(step, factor, target)[0]
-        status, d, _, _ = newton(problem, guess, target, step.after, sm.NewtonOptions(1e-12))
+        status, d, _ = newton(problem, guess, target, step.after, sm.NewtonOptions(1e-12))
         assert status is Status.CONVERGED
         np.testing.assert_array_equal(problem.state, step.after.state)
         errors.append(np.abs(guess - d).max())

@@ -1,0 +1,190 @@
+"""Iterations that reuse the factor of the last converged tangent, for large clouds.
+
+There a factorisation costs dozens of solutions. The old tangent K0 alone is a poor one, for rubber
+hardly changes its volume: the motions that K0 takes for free of volume change no longer are once
+the body has turned by a hundredth. Its factor is therefore
+
+- carried along with the deformation since: with f the deformation gradient from the last converged
+  step to the predictor, du -> f du maps motions without volume change of the one onto those of the
+  other, exactly where f is uniform, so f K0^-1 f^T stands for the inverse of the tangent;
+- corrected for the contact points whose state is another at the predictor (Sherman-Morrison-Woodbury);
+- improved by Broyden's method in its limited-memory form: C. T. Kelley, Solving Nonlinear Equations
+  with Newton's Method, SIAM 2003, chapter 4; M. S. Engelman, G. Strang, K.-J. Bathe, The application
+  of quasi-Newton methods in fluid mechanics, Int. J. Numer. Methods Eng. 17, 1981.
+"""
+
+import numpy as np
+
+from seal_mdao.analysis.equations import TangentLayout
+from seal_mdao.analysis.internal_force import particle_gradients
+from seal_mdao.analysis.loading import LoadPoint
+from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.result import ConvergedStep, Status
+from seal_mdao.contact.friction import STICK
+
+# Most need 6 to 10 iterations; what is not halved within PATIENCE of them will not converge soon.
+LIMIT, PATIENCE = 25, 6
+# Each point that touches or slips anew costs two solutions.
+MOST_NEW_CONTACTS = 10
+
+
+class CarriedFactor:
+    """f K0^-1 f^T: the inverse of an old tangent, carried along with a deformation.
+
+    Parameters
+    ----------
+    factor : object
+        Factor of K0.
+    gradients : ndarray, shape (n, 2, 2)
+        Deformation gradient f at every particle since K0.
+    """
+
+    def __init__(self, factor, gradients: np.ndarray, layout: TangentLayout):
+        self.factor, self.gradients, self.layout = factor, gradients, layout
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        back = np.einsum("pji,pj->pi", self.gradients, self.layout.gather(rhs))
+        old = self.layout.gather(self.factor.solve(self.layout.reduce(back)))
+        return self.layout.reduce(np.einsum("pij,pj->pi", self.gradients, old))
+
+
+class CorrectedFactor:
+    """(K + P D P^T)^-1 with the inverse of K given; P few columns.
+
+    Parameters
+    ----------
+    factor : object
+        Solves with K.
+    columns : ndarray, shape (m, n)
+        The columns of P.
+    change : ndarray, shape (m, m)
+        D, which may be singular.
+    """
+
+    def __init__(self, factor, columns: np.ndarray, change: np.ndarray):
+        self.factor, self.columns = factor, columns
+        self.solved = np.array([factor.solve(column) for column in columns])
+        compliance = columns @ self.solved.T
+        self.small = np.linalg.solve(np.eye(len(change)) + change @ compliance, change)
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        solution = self.factor.solve(rhs)
+        return solution - (self.small @ (self.columns @ solution)) @ self.solved
+
+
+class BroydenSteps:
+    """Broyden's update of a fixed approximate inverse, kept as the steps that were made."""
+
+    def __init__(self):
+        self.steps, self.squares = [], []
+
+    def next(self, step: np.ndarray) -> np.ndarray:
+        """The step to make in place of ``step``, that of the fixed approximate inverse."""
+        steps, squares = self.steps, self.squares
+        for made, then, square in zip(steps, steps[1:], squares, strict=False):
+            step = step + then * ((made @ step) / square)
+        if steps:
+            step = step / (1.0 - (steps[-1] @ step) / squares[-1])
+        steps.append(step)
+        squares.append(step @ step)
+        return step
+
+
+def _gradients(problem: PathProblem, d: np.ndarray) -> np.ndarray:
+    """Deformation gradients at the particles, shape (n, 2, 2)."""
+    disc, out = problem.discretization, np.empty((*d.shape, 2))
+    raw = disc.transformation.coefficients(d)
+    particle_gradients(disc.cells.raw, disc.body.cells, raw, out)
+    return out
+
+
+def _unit_loads(problem: PathProblem, points: np.ndarray) -> np.ndarray:
+    """Loads of unit forces in x and y at contact points (m,), shape (2 m, n_equations)."""
+    loads = []
+    for point in points:
+        state = np.zeros_like(problem.state)
+        state[point] = STICK
+        for component in range(2):
+            force = np.zeros_like(problem.force)
+            force[point, component] = 1.0
+            loads.append(problem.contact_load(force, state))
+    return np.array(loads)
+
+
+def _inverse(problem: PathProblem, d, last: ConvergedStep, points: np.ndarray):
+    """Approximate inverse of the tangent at ``d``, where the forces were assembled.
+
+    ``points`` (m,) are the contact points with another state than in the factorised tangent.
+    """
+    since = _gradients(problem, d) @ np.linalg.inv(_gradients(problem, last.d))
+    carried = CarriedFactor(problem.factor, since, problem.discretization.layout)
+    if points.size == 0:
+        return carried
+    change, at = np.zeros((points.size, 2, points.size, 2)), np.arange(points.size)
+    before = problem.contact_at(last, last.before)[1]
+    change[at, :, at, :] = (problem.tangent - before)[points]
+    size = 2 * points.size
+    return CorrectedFactor(carried, _unit_loads(problem, points), change.reshape(size, size))
+
+
+def quasi_newton(
+    problem: PathProblem, d, point: LoadPoint, last: ConvergedStep, options: NewtonOptions
+):
+    """Iterations at a fixed loading with the factor of the last converged tangent.
+
+    They need the forces only; the tangent is assembled and factorised once, where they converged.
+
+    Parameters
+    ----------
+    problem : PathProblem
+        Its factor is that of the tangent at ``last``.
+    d : ndarray, shape (n, 2)
+        The predictor.
+
+    Returns
+    -------
+    status, d, residuals
+        As of ``newton``, with the factor left in ``problem``; NOT_CONVERGED also where Newton's
+        method promises to be faster.
+    """
+    layout = problem.discretization.layout
+    inverse = None
+    residuals, broyden, status = [], BroydenSteps(), Status.NOT_CONVERGED
+    problem.direction[:] = 0
+    for _ in range(LIMIT + 1):
+        if not problem.assemble_forces(d, point, last.after):
+            status = Status.INVERTED
+            break
+        residual, size, rounding = problem.residual()
+        residuals.append(size)
+        if not np.isfinite(size):
+            status = Status.DIVERGED
+            break
+        if (size <= options.tolerance or rounding) and not problem.made_to_stick:
+            inverse = None  # it holds the old factor
+            status = _factorize(problem, d, point, last)
+            break
+        if len(residuals) > PATIENCE and size > 0.5 * residuals[-1 - PATIENCE]:
+            break
+        if inverse is None:
+            points = np.flatnonzero(problem.state != last.after.state)
+            if points.size > MOST_NEW_CONTACTS:
+                break
+            try:
+                inverse = _inverse(problem, d, last, points)
+            except np.linalg.LinAlgError:
+                status = Status.SINGULAR
+                break
+        d = d - layout.gather(broyden.next(inverse.solve(residual)))
+    return status, d, tuple(residuals)
+
+
+def _factorize(problem, d, point, last) -> Status:
+    """Factorise the tangent where the iterations converged; the forces stay, bit for bit."""
+    problem.assemble(d, point, last.after)
+    try:
+        problem.factorize()
+    except np.linalg.LinAlgError:
+        return Status.SINGULAR
+    return Status.CONVERGED
