@@ -30,7 +30,7 @@ OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
 TOLERANCE = 1e-6
 """Accuracy of objective (SLSQP) and constraints (IPOPT), scaled."""
-OPTIMALITY = 2e-3
+OPTIMALITY = 1e-3
 """Largest entry of the scaled Lagrangian's gradient at which both optimisers stop.
 
 The cost is zero where the gap is closed, and its derivative jumps where a contact state changes: a

@@ -23,19 +23,23 @@ def _by_particles(table: dict, start: str) -> np.ndarray:
 
 @styled
 def make(out: Path, reduced: bool) -> dict:
-    """Time of a Newton iteration, and shares of the sensitivities, against the particles."""
+    """Times of a load step and of an iteration, and shares of the sensitivities, against the particles."""
     figures = json.loads(BENCHMARKS.read_text(encoding="utf-8"))
     growth, shares = figures["growth"], figures["sensitivities of 8 steps"]
-    exponent = growth["growth exponent"]
     figure, (left, right) = subplots(1, 2, width=10.0, height=3.8)
-    n, time = _by_particles(growth, "iteration")
-    left.loglog(n, time, "o-", color=BLUE, label="assembly, factorisation, solution")
-    left.loglog(n, time[0] * n / n[0], "--", color=GREY, label="proportional to the particles")
-    left.set(xlabel="particles", ylabel="one Newton iteration, ms")
+    for kind, color in (("load step", VERMILION), ("iteration", BLUE)):
+        n, time = _by_particles(growth, kind)
+        left.loglog(n, time, "o-", color=color, label=kind)
+        left.loglog(n, time[0] * n / n[0], "--", color=GREY)
+    left.plot([], [], "--", color=GREY, label="proportional to the particles")
+    left.set(xlabel="particles", ylabel="time, ms")
     for method, color in (("direct", VERMILION), ("adjoint", BLUE)):
         right.semilogx(*_by_particles(shares, method), "o-", color=color, label=method)
     right.set(xlabel="particles", ylabel="sensitivities / analysis, 8 steps", ylim=(0.0, None))
     for axes in (left, right):
         axes.legend()
     save(figure, out / "growth.png")
-    return {"exponent": f"{exponent:.2f}"}
+    return {
+        kind: f"{growth[f'growth exponent, {name}']:.2f}"
+        for kind, name in (("step", "load step"), ("iteration", "iteration"))
+    }

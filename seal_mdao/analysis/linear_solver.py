@@ -10,9 +10,10 @@ from scipy.sparse.linalg import splu
 
 SOLVERS = ("auto", "banded", "superlu", "pardiso")
 
-# Banded factorisation costs n width^2, SuperLU about n^1.5 here, at a lower rate: measured on one
-# core with 300 to 12,000 unknowns, the band wins up to a half-width of some 60 n^(1/4).
-WIDEST_BAND = 50.0
+# A Newton solution of a load step with a band costs some 3 n width^2; with a sparse storage it is one
+# factorisation of about n^1.5 and a few quasi-Newton iterations. Measured on one core with 300 to
+# 6,000 unknowns, the band wins up to a half-width of some 26 n^(1/4), that is to about 600 unknowns.
+WIDEST_BAND = 26.0
 
 
 class BandedFactor:
