@@ -23,7 +23,7 @@ def _by_particles(table: dict, start: str) -> np.ndarray:
 
 @styled
 def make(out: Path, reduced: bool) -> dict:
-    """Times of a load step and of an iteration, and shares of the sensitivities, against the particles."""
+    """Times of a load step and an iteration, and shares of the sensitivities, against particles."""
     figures = json.loads(BENCHMARKS.read_text(encoding="utf-8"))
     growth, shares = figures["growth"], figures["sensitivities of 8 steps"]
     figure, (left, right) = subplots(1, 2, width=10.0, height=3.8)
