@@ -25,7 +25,7 @@ def _by_particles(table: dict, start: str) -> np.ndarray:
 def make(out: Path, reduced: bool) -> dict:
     """Times of a load step and an iteration, and shares of the sensitivities, against particles."""
     figures = json.loads(BENCHMARKS.read_text(encoding="utf-8"))
-    growth, shares = figures["growth"], figures["sensitivities of 8 steps"]
+    growth, shares = figures["growth, superlu"], figures["sensitivities of 8 steps"]
     figure, (left, right) = subplots(1, 2, width=10.0, height=3.8)
     for kind, color in (("load step", VERMILION), ("iteration", BLUE)):
         n, time = _by_particles(growth, kind)
@@ -40,6 +40,7 @@ def make(out: Path, reduced: bool) -> dict:
         axes.legend()
     save(figure, out / "growth.png")
     return {
-        kind: f"{growth[f'growth exponent, {name}']:.2f}"
+        f"{kind}_{solver}": f"{figures[f'growth, {solver}'][f'growth exponent, {name}']:.2f}"
+        for solver in ("superlu", "pardiso")
         for kind, name in (("step", "load step"), ("iteration", "iteration"))
     }
