@@ -38,6 +38,7 @@ def make(out: Path, reduced: bool) -> dict:
     right.set(xlabel="particles", ylabel="sensitivities / analysis, 8 steps", ylim=(0.0, None))
     for axes in (left, right):
         axes.legend()
+    figure.get_layout_engine().set(wspace=0.06)
     save(figure, out / "growth.png")
     return {
         f"{kind}_{solver}": f"{figures[f'growth, {solver}'][f'growth exponent, {name}']:.2f}"

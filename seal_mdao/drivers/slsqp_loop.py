@@ -34,6 +34,7 @@ from seal_mdao.drivers.slsqp_kernel import (
     SlsqpKernel,
 )
 from seal_mdao.drivers.slsqp_settings import STALLED, LoopOptions, LoopResult
+from seal_mdao.drivers.slsqp_ways_out import around, derivatives, leap, scatter
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -57,15 +58,8 @@ CREEP = 0.01
 MAX_CREEPING = 3
 """Iterations without real progress in a row after which the run has to begin again."""
 
-LEAPS = (1.0, 1.5, 2.0, 3.0)
-"""Multiples of the wanted step at which the far side of a failing region is looked for."""
-
 MAX_WAYS_OUT = 4
 """Times that the run may begin again for want of progress."""
-
-SCATTER = (1.0, 0.5, 0.5, 0.25, 0.25, 0.1)
-"""Largest distances of points tried around the best one where no leap helps, relative to the
-wanted step, or to the move limit if that is smaller; SLSQP begins again at the first good one."""
 
 SAFE_RATIO = 1e3
 """Largest slope of the objective at a start, relative to the move limit.
@@ -126,7 +120,7 @@ class SlsqpLoop:
         AnalysisError
             If the derivatives cannot be had at the start.
         """
-        self._restart(start, self._derivatives(start))
+        self._restart(start, derivatives(self._evaluator, start))
         while True:
             code = self._major_iteration()
             if code == STALLED and self._find_way_out():
@@ -179,7 +173,7 @@ class SlsqpLoop:
                 point = self._line_search(NEIGHBOURS[min(back_offs, len(NEIGHBOURS) - 1)])
                 totals = self._totals
                 if self._kernel.mode == NEEDS_DERIVATIVES:
-                    totals = self._derivatives(point)
+                    totals = derivatives(self._evaluator, point)
             except AnalysisError:
                 self._back_off(back_offs)
                 back_offs += 1
@@ -238,20 +232,8 @@ class SlsqpLoop:
             except AnalysisError:
                 if not left or self._failed >= self._options.max_failures:
                     raise
-            near = self._around(trial, distance)
+            near = around(self._evaluator.layout, trial, distance, self._random)
             kernel.move(np.clip(near, x - self._radius, x + self._radius))
-
-    def _around(self, x: NDArray[np.float64], distance: float) -> NDArray[np.float64]:
-        """Return a random point in the box of a given half width, within the bounds."""
-        change = distance * self._random.uniform(-1.0, 1.0, x.size)
-        return self._evaluator.layout.clip(x + change)
-
-    def _derivatives(self, point: Evaluation) -> tuple:
-        try:
-            return self._evaluator.totals(point.x)
-        except AnalysisError as error:
-            self._evaluator.forget(point.x, error)
-            raise
 
     def _back_off(self, before: int) -> None:
         """Shorten the next step below the failed one."""
@@ -297,41 +279,15 @@ class SlsqpLoop:
         if self._ways_out >= MAX_WAYS_OUT:
             return False
         self._ways_out += 1
-        return self._leap() or self._scatter()
-
-    def _scatter(self) -> bool:
-        """Restart at a random point around the best one, be it better or worse."""
-        reach = self._reach()
-        for distance in SCATTER:
-            x = self._around(self._incumbent.best.x, distance * reach)
-            try:
-                point = self._evaluator.evaluate(x)
-                self._incumbent.offer(point)
-                self._restart(point, self._derivatives(point))
-            except AnalysisError:
-                continue
-            return True
-        return False
-
-    def _leap(self) -> bool:
-        """Look for a better point beyond the failing region; restart there if there is one."""
-        for multiple in LEAPS:
-            step = multiple * self._wanted
-            if np.abs(step).max() > self._options.move_limit:
-                break
-            try:
-                point = self._evaluator.evaluate(self._point.x + step)
-                self._incumbent.offer(point)
-                if self._improves(point):
-                    self._restart(point, self._derivatives(point))
-                    return True
-            except AnalysisError:
-                continue
-        return False
-
-    def _improves(self, point: Evaluation) -> bool:
-        allowed = max(self._point.violation, self._incumbent.feasibility_tol)
-        return point.violation <= allowed and point.objective < self._point.objective
+        evaluator, best = self._evaluator, self._incumbent
+        limit = self._options.move_limit
+        found = leap(evaluator, best, self._point, self._wanted, limit)
+        if found is None:
+            found = scatter(evaluator, best, self._reach(), self._random)
+        if found is None:
+            return False
+        self._restart(*found)
+        return True
 
     def _optimality(self) -> Optimality:
         point, layout = self._point, self._evaluator.layout
