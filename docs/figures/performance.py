@@ -21,6 +21,12 @@ def _by_particles(table: dict, start: str) -> np.ndarray:
     return np.array(sorted(found)).T
 
 
+def _exponent(figures: dict, solver: str, kind: str) -> str:
+    """Of the growth of the time; PARDISO need not have been installed."""
+    table = figures.get(f"growth, {solver}")
+    return "(not measured)" if table is None else f"{table[f'growth exponent, {kind}']:.2f}"
+
+
 @styled
 def make(out: Path, reduced: bool) -> dict:
     """Times of a load step and an iteration, and shares of the sensitivities, against particles."""
@@ -41,7 +47,7 @@ def make(out: Path, reduced: bool) -> dict:
     figure.get_layout_engine().set(wspace=0.06)
     save(figure, out / "growth.png")
     return {
-        f"{kind}_{solver}": f"{figures[f'growth, {solver}'][f'growth exponent, {name}']:.2f}"
+        f"{kind}_{solver}": _exponent(figures, solver, name)
         for solver in ("superlu", "pardiso")
         for kind, name in (("step", "load step"), ("iteration", "iteration"))
     }

@@ -72,10 +72,28 @@ class BandedStorage(NamedTuple):
         return BandedFactor(self, lu, pivots)
 
 
-def diagonal_slots(pointers, indices):
-    """Where the diagonal entries of compressed columns are, shape (n,)."""
-    columns = np.repeat(np.arange(pointers.size - 1), np.diff(pointers))
-    return np.flatnonzero(indices == columns)
+class CompressedColumns:
+    """Compressed columns of a matrix whose pattern is symmetric.
+
+    Attributes
+    ----------
+    n : int
+    pointers, indices : ndarray of int32
+    """
+
+    reuses_factors = True
+
+    def __init__(self, n, pointers, indices):
+        self.n, self.pointers, self.indices = n, pointers, indices
+
+    @property
+    def size(self):
+        return self.indices.size
+
+    def diagonal(self):
+        """Where the diagonal entries are, shape (n,)."""
+        columns = np.repeat(np.arange(self.n), np.diff(self.pointers))
+        return np.flatnonzero(self.indices == columns)
 
 
 class SparseFactor:
@@ -98,22 +116,8 @@ class SparseFactor:
         return self.lu.solve(np.ascontiguousarray(rhs), trans="T" if transposed else "N")
 
 
-class SparseStorage(NamedTuple):
-    """Compressed columns; the pattern is symmetric."""
-
-    n: int
-    pointers: np.ndarray
-    indices: np.ndarray
-
-    reuses_factors = True
-
-    @property
-    def size(self):
-        return self.indices.size
-
-    def diagonal(self):
-        """Where the diagonal entries are, shape (n,)."""
-        return diagonal_slots(self.pointers, self.indices)
+class SparseStorage(CompressedColumns):
+    """Factorised by SuperLU."""
 
     def factorize(self, values):
         matrix = csc_array(

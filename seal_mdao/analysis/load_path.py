@@ -66,14 +66,6 @@ def _correct(problem, guess, target, last, options):
     return status, d, tried + residuals
 
 
-def _relax(problem, last, target, options):
-    """Equilibrium at ``target`` by damped motion from the predictor, as ``newton`` returns it."""
-    problem.assemble_at(last)
-    guesses = problem.predict(last, problem.factorize(), target)
-    guess = problem.closest(guesses, target, last.after)
-    return relax(problem, guess, target, last.after, options)
-
-
 def _record(problem, nominal, fraction, loading, d, history, residuals, factor) -> ConvergedStep:
     after = ContactHistory(problem.state.copy(), problem.kept.copy())
     return ConvergedStep(
@@ -139,13 +131,14 @@ def solve_path(
                 cuts, bend = cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
                 # the predictor needs the tangent of the last converged step again
-                problem.assemble_at(last)
-                problem.factorize()
+                problem.factorize_at(last)
                 continue
             if status is not Status.CONVERGED:
                 failure = _describe(problem, status, nominal, end, target, residuals)
                 pending, end, target = [], nominal + 1.0, program.at(nominal + 1.0)
-                relaxed, d, residuals = _relax(problem, last, target, options)
+                euler = problem.predict(last, problem.factorize_at(last), target)
+                guess = problem.closest(euler, target, last.after)
+                relaxed, d, residuals = relax(problem, guess, target, last.after, options)
                 if relaxed is not Status.CONVERGED:
                     # nothing is differentiated; an exception that holds the path stays small
                     steps = [replace(step, factor=None) for step in steps]

@@ -41,6 +41,11 @@ class NewtonOptions:
                 raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")
 
 
+def converged(problem: PathProblem, size: float, rounding: bool, options: NewtonOptions) -> bool:
+    """Whether a residual is small, or mere rounding, under the friction law as it is."""
+    return (size <= options.tolerance or rounding) and not problem.made_to_stick
+
+
 def newton(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOptions):
     """Newton iterations (44) at a fixed loading; the factor of the last tangent stays in ``problem``.
 
@@ -64,7 +69,7 @@ def newton(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOp
             problem.factorize()
         except np.linalg.LinAlgError:
             return Status.SINGULAR, d, tuple(residuals)
-        if (size <= options.tolerance or rounding) and not problem.made_to_stick:
+        if converged(problem, size, rounding, options):
             return Status.CONVERGED, d, tuple(residuals)
         if len(residuals) <= options.max_iterations:
             d = d - gather(problem.factor.solve(residual))

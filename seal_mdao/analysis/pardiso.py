@@ -8,7 +8,7 @@ import sys
 import numpy as np
 from scipy.sparse import csr_array
 
-from seal_mdao.analysis.linear_solver import diagonal_slots
+from seal_mdao.analysis.linear_solver import CompressedColumns
 from seal_mdao.analysis.threads import forget_libraries
 
 # Phases, and the matrix type: real, structurally symmetric.
@@ -52,24 +52,13 @@ class PardisoFactor:
         return self.handle._call_pardiso(self.matrix, np.asfortranarray(rhs))
 
 
-class PardisoStorage:
-    """Compressed columns; the pattern is symmetric."""
-
-    reuses_factors = True
+class PardisoStorage(CompressedColumns):
+    """Factorised by PARDISO."""
 
     def __init__(self, n, pointers, indices):
-        module = import_pypardiso()
+        super().__init__(n, pointers, indices)
+        self._module, self._handle = import_pypardiso(), None
         forget_libraries()
-        self.n, self.pointers, self.indices = n, pointers, indices
-        self._module, self._handle = module, None
-
-    @property
-    def size(self):
-        return self.indices.size
-
-    def diagonal(self):
-        """Where the diagonal entries are, shape (n,)."""
-        return diagonal_slots(self.pointers, self.indices)
 
     def _ordered(self, matrix):
         """A handle that knows the ordering and holds no factor that is still wanted."""

@@ -93,6 +93,11 @@ class PathProblem:
         self.factor = self.discretization.layout.factorize(self.values)
         return self.factor
 
+    def factorize_at(self, step: ConvergedStep):
+        """Assemble and factorise the tangent at a converged step."""
+        self.assemble_at(step)
+        return self.factorize()
+
     def contact_load(self, force: np.ndarray, state: np.ndarray) -> np.ndarray:
         """Load (n_equations,) of forces (k, 2) on the contact points whose ``state`` is not OPEN."""
         layout = self.discretization.layout

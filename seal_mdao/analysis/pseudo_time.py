@@ -13,7 +13,7 @@ Anal. 35, 1998.
 import numpy as np
 
 from seal_mdao.analysis.loading import LoadPoint
-from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 
@@ -62,7 +62,7 @@ def _follow(problem, d, point, history, options):
                 damping *= np.clip(size / residuals[-1], FALL, RISE)
             residuals.append(size)
             before = d
-            if (size <= options.tolerance or rounding) and not problem.made_to_stick:
+            if converged(problem, size, rounding, options):
                 problem.factorize()
                 return Status.CONVERGED, d, tuple(residuals)
         problem.values[diagonal] += damping

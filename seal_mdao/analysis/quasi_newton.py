@@ -18,7 +18,7 @@ import numpy as np
 from seal_mdao.analysis.equations import TangentLayout
 from seal_mdao.analysis.internal_force import particle_gradients
 from seal_mdao.analysis.loading import LoadPoint
-from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
 from seal_mdao.contact.friction import STICK
@@ -161,7 +161,7 @@ def quasi_newton(
         if not np.isfinite(size):
             status = Status.DIVERGED
             break
-        if (size <= options.tolerance or rounding) and not problem.made_to_stick:
+        if converged(problem, size, rounding, options):
             inverse = None  # it holds the old factor
             status = _factorize(problem, d, point, last)
             break

@@ -84,8 +84,7 @@ def converged_factor(problem: PathProblem, step: ConvergedStep):
     """Factor of the tangent at a converged step: the kept one, or made again."""
     if step.factor is not None:
         return step.factor
-    problem.assemble_at(step)
-    return problem.discretization.layout.factorize(problem.values)
+    return problem.factorize_at(step)
 
 
 def profile_share(step: ConvergedStep, n_steps: int) -> float:

@@ -65,7 +65,6 @@ class Solution:
 
     number: int
     driver: str
-    objective: float
     error: float
     violation: float
     iterations: int
@@ -121,7 +120,6 @@ def solve(number: int, name: str) -> Solution:
     return Solution(
         number,
         name,
-        float(objective),
         abs(objective - problem.optimum) / (1.0 + abs(problem.optimum)),
         violation,
         result.iter_count,
