@@ -14,7 +14,7 @@ class LoadPathError(RuntimeError):
 
     Attributes
     ----------
-    result : AnalysisResult
+    result : SealResult
         Everything that was computed up to the step that failed.
     """
 

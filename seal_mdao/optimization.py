@@ -16,6 +16,7 @@ from seal_mdao.dsa.sensitivity import measured
 from seal_mdao.model import OFFSET_BOUND, SealModel
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.seal import SealResult, analyze
+from seal_mdao.settings import PROBLEM_OPTION
 
 AREA_LIMIT = 110.0
 """mm^2."""
@@ -38,9 +39,6 @@ closed gap leaves about this much. What can still be gained then is at most the 
 """
 MOVE_LIMIT = 0.5
 """Largest change of a variable in an iteration of SLSQP, mm."""
-PROBLEM_OPTION = "problem_settings"
-"""Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
-as JSON: what a restart needs to set up the same problem again."""
 
 
 def slsqp_driver(max_iterations: int = 60) -> Driver:

@@ -9,9 +9,10 @@ import numpy as np
 from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
+from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
+from seal_mdao.design.area import section_area
 from seal_mdao.errors import LoadPathError
-from seal_mdao.geometry.area import section_area
 from seal_mdao.measures.selection import (
     MeasurePoints,
     contact_patches,
@@ -166,6 +167,7 @@ def _failure(result: SealResult) -> str:
     )
 
 
+@one_blas_thread
 def analyze(
     model: SealModel,
     boundary_offsets: np.ndarray | None = None,

@@ -7,6 +7,9 @@ from seal_mdao.model import SealModel
 
 SETTINGS_OPTION = "seal_settings"
 """Option of a ``SealGroup`` that holds the attributes of its model as JSON."""
+PROBLEM_OPTION = "problem_settings"
+"""Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
+as JSON: what a restart needs to set up the same problem again."""
 
 
 def settings_json(model: SealModel) -> str:

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from seal_mdao.analysis.equations import TangentLayout, tangent_layout
+from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.compilation import announce_compilation
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
@@ -121,6 +122,7 @@ class Discretization:
     def particles(self) -> np.ndarray:
         return self.cloud.particles
 
+    @one_blas_thread
     def table_at(self, which: np.ndarray) -> PointTable:
         """Shape functions at the particles ``which``."""
         return build_table(self.cloud, at_particles(which), self.transformation)
@@ -131,6 +133,7 @@ class Discretization:
         return self.table_at(np.arange(self.body.n_particles))
 
 
+@one_blas_thread
 def discretize(body: Body, particles: np.ndarray) -> Discretization:
     """Shape functions, weights and equations of ``body`` with the given particles.
 

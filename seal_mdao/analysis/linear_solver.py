@@ -8,6 +8,9 @@ from scipy.linalg import lapack
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from seal_mdao.analysis.compressed_columns import CompressedColumns, dof_pattern
+from seal_mdao.analysis.pardiso import PardisoStorage
+
 SOLVERS = ("auto", "banded", "superlu", "pardiso")
 
 # A Newton solution of a load step with a band costs some 3 n width^2; with a sparse storage it is one
@@ -72,30 +75,6 @@ class BandedStorage(NamedTuple):
         return BandedFactor(self, lu, pivots)
 
 
-class CompressedColumns:
-    """Compressed columns of a matrix whose pattern is symmetric.
-
-    Attributes
-    ----------
-    n : int
-    pointers, indices : ndarray of int32
-    """
-
-    reuses_factors = True
-
-    def __init__(self, n, pointers, indices):
-        self.n, self.pointers, self.indices = n, pointers, indices
-
-    @property
-    def size(self):
-        return self.indices.size
-
-    def diagonal(self):
-        """Where the diagonal entries are, shape (n,)."""
-        columns = np.repeat(np.arange(self.n), np.diff(self.pointers))
-        return np.flatnonzero(self.indices == columns)
-
-
 class SparseFactor:
     """SuperLU factors."""
 
@@ -133,22 +112,6 @@ class SparseStorage(CompressedColumns):
         return SparseFactor(lu)
 
 
-def _compressed(equations, n, coupling):
-    """Column pointers and sorted rows of the dof pattern of a particle coupling pattern."""
-    coupling = coupling.tocoo()
-    rows, columns = [], []
-    for i in range(2):
-        for k in range(2):
-            r, c = equations[coupling.row, i], equations[coupling.col, k]
-            keep = (r >= 0) & (c >= 0)
-            rows.append(r[keep])
-            columns.append(c[keep])
-    r, c = np.concatenate(rows), np.concatenate(columns)
-    pattern = csc_array((np.ones(r.size, np.int8), (r, c)), shape=(n, n))
-    pattern.sort_indices()
-    return pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)
-
-
 def storage_for(solver: str, n: int, width: int, equations, coupling):
     """The storage of ``n`` equations with half-width ``width``, which decides the solver.
 
@@ -174,9 +137,5 @@ def storage_for(solver: str, n: int, width: int, equations, coupling):
         solver = "banded" if width <= WIDEST_BAND * n**0.25 else sparse
     if solver == "banded":
         return BandedStorage(n, width)
-    pattern = _compressed(equations, n, coupling)
-    if solver == "superlu":
-        return SparseStorage(n, *pattern)
-    from seal_mdao.analysis.pardiso import PardisoStorage
-
-    return PardisoStorage(n, *pattern)
+    storage = SparseStorage if solver == "superlu" else PardisoStorage
+    return storage(n, *dof_pattern(equations, n, coupling))

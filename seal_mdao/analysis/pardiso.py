@@ -8,8 +8,8 @@ import sys
 import numpy as np
 from scipy.sparse import csr_array
 
-from seal_mdao.analysis.linear_solver import CompressedColumns
-from seal_mdao.analysis.threads import forget_libraries
+from seal_mdao.analysis.compressed_columns import CompressedColumns
+from seal_mdao.analysis.threads import one_blas_thread
 
 # Phases, and the matrix type: real, structurally symmetric.
 ORDER, FACTORIZE, SOLVE = 11, 22, 33
@@ -58,7 +58,7 @@ class PardisoStorage(CompressedColumns):
     def __init__(self, n, pointers, indices):
         super().__init__(n, pointers, indices)
         self._module, self._handle = import_pypardiso(), None
-        forget_libraries()
+        one_blas_thread.find_libraries_again()
 
     def _ordered(self, matrix):
         """A handle that knows the ordering and holds no factor that is still wanted."""

@@ -3,7 +3,7 @@
 import numpy as np
 import openmdao.api as om
 
-from seal_mdao.geometry.area import section_area
+from seal_mdao.design.area import section_area
 from seal_mdao.model import SealModel
 
 

@@ -5,12 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.threads import one_blas_thread
+from seal_mdao.design.area import section_area
 from seal_mdao.dsa.adjoint import AdjointGradient, AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.linearization import point_table_rates
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
 from seal_mdao.dsa.point_rates import gradient_rates
-from seal_mdao.geometry.area import section_area
 from seal_mdao.measures.catalogue import FURTHER_MEASURES, check_measures, end_functional
 from seal_mdao.measures.functional import Functional, stacked
 from seal_mdao.rkpm.tables import PointTable
@@ -54,6 +55,7 @@ def path_problem(result: SealResult) -> PathProblem:
     )
 
 
+@one_blas_thread
 def differentiate(
     result: SealResult, scalars=("door_radius",), method: str = "auto", measures=()
 ) -> Sensitivities:
@@ -118,6 +120,7 @@ def measured(result: SealResult, name: str) -> np.ndarray:
     return FURTHER_MEASURES[name].of(result, result.path.discretization.everywhere).values
 
 
+@one_blas_thread
 def particle_gradient(
     result: SealResult, scalars=("door_radius",), method: str = "auto", measures=()
 ) -> dict:

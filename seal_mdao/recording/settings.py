@@ -8,8 +8,7 @@ from pathlib import Path
 import openmdao.api as om
 
 from seal_mdao.model import SealModel
-from seal_mdao.optimization import PROBLEM_OPTION
-from seal_mdao.settings import SETTINGS_OPTION, model_from_json
+from seal_mdao.settings import PROBLEM_OPTION, SETTINGS_OPTION, model_from_json
 
 
 @dataclass(frozen=True, eq=False)

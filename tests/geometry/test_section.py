@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.geometry.area import section_area
+from seal_mdao.design.area import section_area
 from seal_mdao.geometry.section import RingGrid, Section, ray_directions, support_radii
 
 SECTION = Section()

@@ -8,8 +8,9 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.optimization import PROBLEM_OPTION, seal_problem, slsqp_driver
+from seal_mdao.optimization import seal_problem, slsqp_driver
 from seal_mdao.recording.settings import open_cases, recorded_problem
+from seal_mdao.settings import PROBLEM_OPTION
 
 NOT_THE_PROBLEM = {"model", "driver", "recorder", "callback", "work_dir", "reports"}
 """Arguments of ``seal_problem`` that do not say what is optimised."""
