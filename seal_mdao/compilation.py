@@ -1,23 +1,113 @@
-"""A word to the user while numba compiles the kernels, which happens once for an installation."""
+"""Where compiled kernels are kept, and a word to the user while numba compiles them.
 
+Numba files a compiled kernel under its own source file. After an upgrade that is not enough: a kernel
+whose file stayed the same would go on with the old code of the kernels it calls, and types that have
+moved cannot be read back. So there is a folder for every state of the sources.
+"""
+
+import atexit
+import hashlib
+import os
+import shutil
 import sys
+import tempfile
+import time
+import warnings
+from contextlib import suppress
 from functools import cache
+from pathlib import Path
 
+import numba
+from numba import config
 from numba.core import event
+from numba.core.caching import CacheImpl, _CacheLocator
 
-MESSAGE = "seal_mdao: compiling its kernels, once for this installation (a quarter of a minute) ..."
+MESSAGE = (
+    "seal_mdao: compiling its kernels (some 20 s, more on a busy machine); later runs find them ..."
+)
+ANNOUNCED = "SEAL_MDAO_COMPILATION_ANNOUNCED"
+"""Set in the environment by the process that wrote the message; those it starts write none."""
+
+PACKAGE = Path(__file__).parent
+KERNEL_FOLDERS = ("analysis", "contact", "dsa", "geometry", "materials", "measures", "rkpm")
+"""Folders of the package with compiled functions and all that these call."""
+FOLDER_PREFIX = "seal_mdao-"
+ABANDONED = 24 * 3600.0
+"""Seconds after which kernels of other sources are deleted: no running process wants them."""
+
+_NUMBA_LOCATORS = tuple(CacheImpl._locator_classes)
+
+
+@cache
+def sources_key() -> str:
+    """Digest of the sources of all kernels and of numba's version."""
+    files = (path for name in KERNEL_FOLDERS for path in (PACKAGE / name).rglob("*.py"))
+    text = numba.__version__.encode() + b"".join(path.read_bytes() for path in sorted(files))
+    return hashlib.sha256(text).hexdigest()[:16]
+
+
+class KernelLocator(_CacheLocator):
+    """A folder for this state of the sources within the folder that numba would take."""
+
+    def __init__(self, base: _CacheLocator, py_func, py_file: str):
+        self._base, self._py_file, self._py_func = Path(base.get_cache_path()), py_file, py_func
+
+    @classmethod
+    def from_function(cls, py_func, py_file):
+        """The locator of a function of this package, None for others: numba asks the next one."""
+        if PACKAGE not in Path(py_file).parents:
+            return None
+        base = _numba_locator(py_func, py_file)
+        if base is None:
+            _use_temporary_cache()
+            base = _numba_locator(py_func, py_file)
+        return cls(base, py_func, py_file)
+
+    def get_cache_path(self):
+        return str(self._base / (FOLDER_PREFIX + sources_key()))
+
+    def get_source_stamp(self):
+        return sources_key()
+
+    def get_disambiguator(self):
+        return str(self._py_func.__code__.co_firstlineno)
+
+    def ensure_cache_path(self):
+        if not os.path.isdir(self.get_cache_path()):
+            self._delete_abandoned()
+        super().ensure_cache_path()
+
+    def _delete_abandoned(self):
+        for folder in self._base.glob(FOLDER_PREFIX + "*"):
+            with suppress(OSError):  # another process may be deleting it
+                if time.time() - folder.stat().st_mtime > ABANDONED:
+                    shutil.rmtree(folder)
+
+
+def _numba_locator(py_func, py_file) -> _CacheLocator | None:
+    found = (locator.from_function(py_func, py_file) for locator in _NUMBA_LOCATORS)
+    return next((locator for locator in found if locator is not None), None)
+
+
+def _use_temporary_cache() -> None:
+    """A cache for this process and those that it starts, deleted at its end."""
+    folder = tempfile.mkdtemp(prefix="seal_mdao-kernels-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = folder
+    warnings.warn(
+        f"neither {PACKAGE} nor a cache folder of the user is writable: the kernels of seal_mdao are "
+        "compiled again in every run; set NUMBA_CACHE_DIR to a writable folder to keep them",
+        stacklevel=2,
+    )
 
 
 class _Announcement(event.Listener):
     """Writes the message when the first kernel of this package is really compiled."""
 
-    def __init__(self):
-        self.waiting = True
-
     def on_start(self, event):
         module = event.data["dispatcher"].py_func.__module__
-        if self.waiting and module.startswith("seal_mdao."):
-            self.waiting = False
+        if ANNOUNCED not in os.environ and module.startswith("seal_mdao."):
+            os.environ[ANNOUNCED] = "1"
             print(MESSAGE, file=sys.stderr, flush=True)
 
     def on_end(self, event):
@@ -25,6 +115,10 @@ class _Announcement(event.Listener):
 
 
 @cache
-def announce_compilation() -> None:
-    """Say so on standard error when kernels are compiled; those in numba's cache are not."""
+def prepare_kernels() -> None:
+    """Have numba keep this package's kernels where ``KernelLocator`` says, and say when it compiles.
+
+    Every folder of ``KERNEL_FOLDERS`` calls this before its first kernel.
+    """
+    CacheImpl._locator_classes.insert(0, KernelLocator)
     event.register("numba:compile", _Announcement())

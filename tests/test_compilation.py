@@ -1,22 +1,85 @@
-"""What a user sees while the kernels are compiled."""
+"""Where compiled kernels are kept, and what a user sees while they are compiled."""
 
 import os
+import pkgutil
 import subprocess
 import sys
+import time
+from importlib import import_module
+from pathlib import Path
 
-from seal_mdao.compilation import MESSAGE
+import numba as nb
+from numba.core.dispatcher import Dispatcher
 
-ANALYSIS = "import seal_mdao as sm; print(sm.analyze(sm.door_seal(depth=0.2, n_steps=4)).converged)"
+import seal_mdao
+from seal_mdao.compilation import ABANDONED, FOLDER_PREFIX, KERNEL_FOLDERS, MESSAGE, sources_key
+
+KERNEL = "from seal_mdao.rkpm.kernel import cubic_b_spline; print(cubic_b_spline(0.5)[0])"
+KERNEL_AND_TWO_CHILDREN = (
+    KERNEL
+    + """
+import subprocess, sys
+for name in ("kernel_derivatives(0.1, 0.2, 1.0)", "cubic_b_spline(1)"):
+    code = f"import seal_mdao.rkpm.kernel as k; k.{name}"
+    subprocess.run([sys.executable, "-c", code], check=True)
+"""
+)
 
 
-def test_the_first_analysis_says_once_that_it_compiles_and_a_later_one_does_not(tmp_path):
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    said = []
-    for _ in range(2):
-        run = subprocess.run(
-            [sys.executable, "-c", ANALYSIS], env=environment, capture_output=True, text=True,
-            check=True,
-        )  # fmt: skip
-        assert run.stdout.split() == ["True"]
-        said.append(run.stderr.count(MESSAGE))
-    assert said == [1, 0]
+def said(code, cache):
+    """How often a fresh process, and those that it starts, wrote the message; the result is right."""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True,
+        env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
+    )  # fmt: skip
+    assert float(done.stdout) == 1 / 6
+    return done.stderr.count(MESSAGE)
+
+
+def compiled(cache):
+    return sorted(path for path in cache.rglob("*.nbc"))
+
+
+def test_the_first_run_says_once_that_it_compiles_and_a_later_one_does_not(tmp_path):
+    assert [said(KERNEL, tmp_path) for _ in range(2)] == [1, 0]
+
+
+def test_processes_that_a_command_starts_say_nothing_again(tmp_path):
+    """Though they compile kernels of their own."""
+    assert said(KERNEL_AND_TWO_CHILDREN, tmp_path) == 1
+    assert len(compiled(tmp_path)) >= 3
+
+
+def kernels():
+    """Every compiled function of the package, by the module that defines it."""
+    for found in pkgutil.walk_packages(seal_mdao.__path__, "seal_mdao."):
+        for value in vars(import_module(found.name)).values():
+            if isinstance(value, Dispatcher) and value.py_func.__module__ == found.name:
+                yield found.name, value
+
+
+def test_every_kernel_is_kept_in_the_folder_of_these_sources():
+    found = list(kernels())
+    assert {name.split(".")[1] for name, _ in found} == set(KERNEL_FOLDERS)
+    for _, kernel in found:
+        assert Path(kernel.stats.cache_path).name == FOLDER_PREFIX + sources_key()
+
+
+def test_kernels_of_others_are_kept_where_numba_says():
+    @nb.njit(cache=True)
+    def mine(x):
+        return x + 1
+
+    assert not Path(mine.stats.cache_path).name.startswith(FOLDER_PREFIX)
+
+
+def test_kernels_of_other_sources_are_deleted_when_they_are_old(tmp_path):
+    said(KERNEL, tmp_path)
+    (now,) = {path.parent for path in compiled(tmp_path)}
+    recent, old = (now.with_name(FOLDER_PREFIX + name) for name in ("recent", "old"))
+    now.rename(old)
+    recent.mkdir()
+    past = time.time() - 1.1 * ABANDONED
+    os.utime(old, (past, past))
+    assert said(KERNEL, tmp_path) == 1
+    assert sorted(now.parent.iterdir()) == sorted([now, recent])

@@ -7,7 +7,6 @@ import numpy as np
 
 from seal_mdao.analysis.equations import TangentLayout, tangent_layout
 from seal_mdao.analysis.threads import one_blas_thread
-from seal_mdao.compilation import announce_compilation
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
@@ -149,7 +148,6 @@ def discretize(body: Body, particles: np.ndarray) -> Discretization:
     GeometryError
         A folded cell, or a point that too few supports cover.
     """
-    announce_compilation()
     particles = np.asarray(particles, float)
     if particles.shape != (body.n_particles, 2):
         raise ValueError(

@@ -4,6 +4,7 @@ The ordering is found once for a design; each factorisation then is numerical on
 """
 
 import sys
+from threading import Lock, local
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -46,28 +47,30 @@ class PardisoFactor:
 
     def solve(self, rhs, transposed=False):
         """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
-        # the stored columns are the rows of the transposed matrix
-        self.handle.set_iparm(TRANSPOSE, 0 if transposed else TRANSPOSED)
-        self.handle.set_phase(SOLVE)
-        return self.handle._call_pardiso(self.matrix, np.asfortranarray(rhs))
+        with self.handle.lock:
+            # the stored columns are the rows of the transposed matrix
+            self.handle.set_iparm(TRANSPOSE, 0 if transposed else TRANSPOSED)
+            self.handle.set_phase(SOLVE)
+            return self.handle._call_pardiso(self.matrix, np.asfortranarray(rhs))
 
 
 class PardisoStorage(CompressedColumns):
-    """Factorised by PARDISO."""
+    """Factorised by PARDISO; every thread has an ordered handle of its own."""
 
     def __init__(self, n, pointers, indices):
         super().__init__(n, pointers, indices)
-        self._module, self._handle = import_pypardiso(), None
+        self._module, self._of_thread = import_pypardiso(), local()
         one_blas_thread.find_libraries_again()
 
     def _ordered(self, matrix):
         """A handle that knows the ordering and holds no factor that is still wanted."""
-        if self._handle is None or not self._handle.shared:
-            solver = _handle_class(self._module)(mtype=STRUCTURALLY_SYMMETRIC)
-            solver.set_phase(ORDER)
-            solver._call_pardiso(matrix, np.zeros(self.n))
-            self._handle = solver
-        return self._handle
+        handle = getattr(self._of_thread, "handle", None)
+        if handle is None or not handle.shared:
+            handle = _handle_class(self._module)(mtype=STRUCTURALLY_SYMMETRIC)
+            handle.set_phase(ORDER)
+            handle._call_pardiso(matrix, np.zeros(self.n))
+            self._of_thread.handle = handle
+        return handle
 
     def factorize(self, values):
         matrix = csr_array(
@@ -87,6 +90,10 @@ def _handle_class(module):
 
     class Handle(module.PyPardisoSolver):
         shared = True
+
+        def __init__(self, **options):
+            super().__init__(**options)
+            self.lock = Lock()
 
         def __del__(self):
             if not sys.is_finalizing():

@@ -1,0 +1,3 @@
+from seal_mdao.compilation import prepare_kernels
+
+prepare_kernels()

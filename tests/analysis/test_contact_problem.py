@@ -10,6 +10,7 @@ import seal_mdao as sm
 from seal_mdao.analysis.newton import newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
+from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 
 
@@ -137,7 +138,9 @@ def test_predictor_is_second_order_accurate_in_the_step(drawn):
     assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 1.8)
 
 
+@one_blas_thread
 def test_factor_of_a_step_is_that_of_its_converged_tangent(drawn, rng):
+    """To the last bit, under the limit of threads under which the path made it."""
     problem, layout = problem_of(drawn), drawn.path.discretization.layout
     for step in drawn.path.steps[40::30]:
         problem.assemble_at(step)

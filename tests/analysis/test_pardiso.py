@@ -1,6 +1,7 @@
 """PARDISO gives the same solutions; without pypardiso the error names the extra."""
 
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -47,6 +48,32 @@ def test_analysis_and_sensitivities_do_not_depend_on_the_solver(drawn, drawn_mod
         found, expected = (sm.differentiate(r, method=method) for r in (other, drawn))
         scale = np.abs(expected.von_mises).max()
         np.testing.assert_allclose(found.von_mises, expected.von_mises, rtol=0.0, atol=1e-7 * scale)
+
+
+def test_threads_share_a_factor_and_a_storage(rng):
+    """Each solves with both transposes, and factorises matrices of its own in between."""
+    pytest.importorskip("pypardiso")
+    disc = square(rng, n=12, solver="pardiso")
+    layout = disc.layout
+    values = internal(disc, np.where(disc.body.fixed, 0.0, wave(disc, 0.05)))[1]
+    values[: layout.storage.size] *= 1.0 + 0.1 * rng.standard_normal(layout.storage.size)
+    factor, rhs = layout.factorize(values.copy()).kept(), rng.standard_normal(layout.n_equations)
+    expected = [factor.solve(rhs, transposed=flag) for flag in (False, True)]
+
+    def solutions(scale):
+        found = []
+        for _ in range(20):
+            other = layout.factorize(scale * values)
+            found += [factor.solve(rhs, transposed=flag) for flag in (False, True)]
+            found += [scale * other.solve(rhs, transposed=flag) for flag in (False, True)]
+        return found
+
+    with ThreadPoolExecutor(4) as pool:
+        by_thread = list(pool.map(solutions, (1.0, 2.0, 4.0, 8.0)))
+    # powers of two scale every number of a factorisation exactly
+    for found in by_thread:
+        for place, solution in enumerate(found):
+            np.testing.assert_allclose(solution, expected[place % 2], rtol=1e-12)
 
 
 def test_automatic_choice_for_a_wide_body_takes_pardiso_when_it_is_there(rng):

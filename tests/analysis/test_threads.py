@@ -21,7 +21,9 @@ SHORT = {"depth": 1.0, "n_steps": 8}
 
 
 def blas_threads():
-    return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
+    return [
+        library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"
+    ]
 
 
 @pytest.fixture(autouse=True)
@@ -67,10 +69,10 @@ def test_the_last_to_leave_restores_not_the_first_to_enter():
 def test_a_limit_made_later_is_left_too():
     """A library loaded while somebody is inside is limited at once, and restored with the others."""
     own = OneBlasThread()
-    with own:
-        with threadpool_limits(2, user_api="blas"):  # as a library that comes with its own number
-            own.find_libraries_again()
-            assert set(blas_threads()) == {1}
+    # the inner limit stands for a library that comes with a number of its own
+    with own, threadpool_limits(2, user_api="blas"):
+        own.find_libraries_again()
+        assert set(blas_threads()) == {1}
     assert set(blas_threads()) == {2}
 
 
@@ -101,15 +103,23 @@ def test_concurrent_analyses_restore_the_number_of_threads_when_one_fails():
     few = sm.NewtonOptions(max_iterations=1, max_cuts=0, damped_iterations=1)
     models = [sm.door_seal(**SHORT, friction=mu) for mu in (0.1, 0.2, 0.3)]
     models.append(sm.door_seal(depth=2.0, n_steps=2, newton=few))
+    inside = []
+
+    def analyze(model):
+        return sm.analyze(model, callback=lambda step: inside.append(set(blas_threads())))
+
     with ThreadPoolExecutor(4) as pool:
-        converged = [result.converged for result in pool.map(sm.analyze, models)]
+        converged = [result.converged for result in pool.map(analyze, models)]
     assert converged == [True, True, True, False]
+    assert len(inside) >= 24
+    assert all(seen == {1} for seen in inside)
 
 
 BITS = """
 import hashlib, json
 from concurrent.futures import ThreadPoolExecutor
 import numpy as np
+import scipy.linalg
 import seal_mdao as sm
 from threadpoolctl import threadpool_info
 
@@ -117,7 +127,7 @@ def blas():
     return [x["num_threads"] for x in threadpool_info() if x["user_api"] == "blas"]
 
 def bits(seed):
-    model = sm.door_seal(depth=3.0, n_steps=25, solver=SOLVER)
+    model = sm.door_seal(depth=1.5, n_steps=12, solver=SOLVER)
     offsets = np.random.default_rng(seed).uniform(-0.1, 0.1, model.n_offsets)
     result = sm.analyze(model, offsets, 4.0 + 0.01 * seed, keep_factors=True)
     rates = sm.differentiate(result, ("door_radius", "friction"), method=METHODS[seed % 2])
@@ -138,18 +148,15 @@ print(json.dumps([serial, threaded, before, blas()]))
 """
 
 
-@pytest.mark.parametrize("solver", ["banded", "superlu", "pardiso"])
+@pytest.mark.parametrize("solver", ["banded", "superlu"])
 def test_analyses_in_four_threads_give_the_bits_of_serial_ones(solver):
     """With two BLAS threads, on which both the rounding and the interleaving depend."""
-    if solver == "pardiso":
-        pytest.importorskip("pypardiso")
     done = subprocess.run(
         [sys.executable, "-c", f"SOLVER = {solver!r}\n" + BITS], check=False, text=True,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "2", "MKL_NUM_THREADS": "2"},
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "2"},
         capture_output=True, timeout=600,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     serial, threaded, before, after = json.loads(done.stdout.splitlines()[-1])
     assert threaded == serial
-    assert before == [2] * len(before)
-    assert after == [2] * len(after)
+    assert after == before
