@@ -72,7 +72,7 @@ class Belt(NamedTuple):
     thickness : float
         Over the radius of the cylinder.
     wrap : float
-        Angle between the first and the last contact, radians.
+        Angle by which the belt turns: that between the forces on its two ends, radians. About pi.
     tension : tuple of float
         Force on the slack and on the tight side.
     exponent, exact : float
@@ -125,9 +125,19 @@ def pull_belt(friction: float = 0.3, thickness: float = 0.2, cells: int = 144) -
     profile = circle_profile((0.0, 0.0), RADIUS)
     step = completed(solve_path(disc, BELT, profile, law, program)).steps[-1]
     force = internal_forces(disc, BELT, step.d)
-    slack, tight = (float(-force[row, 1].sum()) for row in (grid.left, grid.right))
-    touching = step.gap < 0.0
+    ends_force = [force[row].sum(axis=0) for row in (grid.left, grid.right)]
+    slack, tight = (float(np.hypot(*end)) for end in ends_force)
+    wrap, touching = turning(*ends_force), step.gap < 0.0
     return Belt(
-        thickness / RADIUS, np.pi, (slack, tight), float(np.log(tight / slack)),
-        friction * np.pi, bool(np.all(step.after.state[touching] == SLIP)),
+        thickness / RADIUS, wrap, (slack, tight), float(np.log(tight / slack)),
+        friction * wrap, bool(np.all(step.after.state[touching] == SLIP)),
     )  # fmt: skip
+
+
+def turning(first: np.ndarray, last: np.ndarray) -> float:
+    """Angle between the directions of a belt at its ends, pulled by the forces (2,), clockwise.
+
+    The belt runs against the first force and along the last one.
+    """
+    (ax, ay), (bx, by) = -first, last
+    return float(np.mod(np.arctan2(ay * bx - ax * by, ax * bx + ay * by), 2.0 * np.pi))

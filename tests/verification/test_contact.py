@@ -59,6 +59,9 @@ def test_belt_on_a_cylinder_follows_the_capstan_law(figure):
     thick, thin = pull_belt(0.3, thickness=0.2, cells=72), pull_belt(0.3, thickness=0.1, cells=144)
     assert thick.slipping
     assert thin.slipping
+    for belt in (thick, thin):
+        # the pull turns by less than pi: the ends lean outward, by no more than a thickness over R
+        assert 0.0 < np.pi - belt.wrap < belt.thickness
     ratios = [belt.exponent / belt.exact for belt in (thick, thin)]
     name = "belt on a cylinder, {}: exponent over mu * angle"
     figure(name.format("t/R = 0.01"), abs(ratios[1] - 1.0), TOLERANCES["belt"])
