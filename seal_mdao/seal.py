@@ -1,7 +1,7 @@
 """The seal analysed: from design parameters to measures, without OpenMDAO."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -47,7 +47,7 @@ class SealResult:
         mm.
     path : PathResult
     frozen_points : MeasurePoints, optional
-        Where the measures are taken; those of the model's own drawn seal when left out.
+        Where the measures are taken. The drawn seal itself does without: it chooses them.
     """
 
     model: SealModel
@@ -90,8 +90,30 @@ class SealResult:
 
     @cached_property
     def points(self) -> MeasurePoints:
-        """Where the measures are taken."""
-        return measure_points(self.model) if self.frozen_points is None else self.frozen_points
+        """Where the measures are taken; nothing is analysed for it.
+
+        Raises
+        ------
+        LoadPathError
+            When they are not known, because this path or that of the drawn seal was not completed.
+        """
+        if self.frozen_points is not None:
+            return self.frozen_points
+        self.require_converged()
+        if not self.is_drawn:
+            raise LoadPathError(
+                "the measures are taken where the drawn seal has its peaks and its gap, and its path "
+                "could not be completed; analyse with points=measure_points(...) of another model",
+                self,
+            )
+        return _chosen_points(self)
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether this is the drawn seal under the drawn door."""
+        model = self.model
+        same_door = self.door_radius == model.drawn_door_radius
+        return same_door and np.array_equal(self.particles, model.drawn_particles)
 
     def require_converged(self) -> None:
         """Raise ``LoadPathError`` for a path that was not completed."""
@@ -106,9 +128,18 @@ class SealResult:
 
     @property
     def area(self) -> float:
-        """Area of the section, mm^2."""
+        """Area of the section between its spline boundaries, mm^2.
+
+        Raises
+        ------
+        ValueError
+            For a result computed from particles, which has no splines.
+        """
         if self.boundary_offsets is None:
-            return float(self.path.discretization.weights.sum())
+            raise ValueError(
+                "a result computed from particles has no spline boundaries; the area of its cells is "
+                "path.discretization.weights.sum()"
+            )
         return section_area(self.model.splines, self.boundary_offsets)[0]
 
     @property
@@ -173,6 +204,7 @@ def analyze(
     boundary_offsets: np.ndarray | None = None,
     door_radius: float | None = None,
     *,
+    points: MeasurePoints | None = None,
     keep_factors: bool = False,
     callback: Callable | None = None,
 ) -> SealResult:
@@ -185,6 +217,9 @@ def analyze(
         Spline control values of the outer, then the inner boundary, mm; zeros when left out.
     door_radius : float, optional
         Corner radius of the door, mm; the drawn one when left out.
+    points : MeasurePoints, optional
+        Where the measures are taken. When left out, where ``measure_points`` has them for the model:
+        the first other design of a model is followed by an analysis of the drawn seal.
     keep_factors : bool
         Keep the factors of the converged tangents for sensitivities, as far as ``FACTOR_MEMORY``
         (GiB) goes.
@@ -203,10 +238,10 @@ def analyze(
     """
     offsets = model.check_offsets(boundary_offsets)
     result = analyze_particles(
-        model, model.particles(offsets), door_radius,
+        model, model.particles(offsets), door_radius, points=points,
         factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
     )  # fmt: skip
-    return SealResult(model, offsets, result.door_radius, result.path)
+    return replace(result, boundary_offsets=offsets)
 
 
 def analyze_particles(
@@ -227,24 +262,32 @@ def analyze_particles(
         discretize(model.body, particles), model.material, model.profile(radius), model.law,
         model.program, model.newton, factor_memory, callback,
     )  # fmt: skip
-    return SealResult(model, None, radius, path, points)
+    result = SealResult(model, None, radius, path, points)
+    if points is not None or result.is_drawn or not path.converged:
+        return result
+    try:
+        return replace(result, frozen_points=measure_points(model))
+    except LoadPathError:
+        return result
 
 
 @lru_cache(maxsize=64)
 def measure_points(model: SealModel) -> MeasurePoints:
-    """Places of the measures, from the path of the drawn seal.
+    """Places of the measures, from an analysis of the drawn seal, once for a model.
 
     Raises
     ------
     LoadPathError
         When the drawn seal's path cannot be completed.
     """
-    drawn = analyze(model)
-    end = drawn.end
-    grid = model.grid
+    return analyze(model).points
+
+
+def _chosen_points(drawn: SealResult) -> MeasurePoints:
+    """Peaks of the stress, the opened stretch and the patches at the end of the drawn seal's path."""
+    grid, state = drawn.model.grid, drawn.end.after.state
     inner = grid.particle(np.arange(grid.rays), 0)
     rows = [(grid.free_outer, False), (inner, True)]
-    state = end.after.state
     return MeasurePoints(
         stress_points(rows, drawn.stress_field()), opened_points(state), touching_stretch(state),
         contact_patches(state), curve_steps(drawn.door_travel, CURVE_DEPTHS),

@@ -1,12 +1,14 @@
 """Where the measures are taken: local maxima, opened points, frozen for all designs of a model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.measures.selection import local_maxima, opened_points, stress_points
-from seal_mdao.seal import measure_points
+from seal_mdao.seal import analyze_particles, measure_points
 
 
 def test_local_maxima_of_an_open_row_leave_out_its_ends():
@@ -71,7 +73,11 @@ def test_points_of_the_drawn_seal(drawn, drawn_model):
 
 
 def test_points_are_frozen_for_all_designs_of_a_model(drawn, random_design):
-    assert random_design.points is drawn.points
+    assert random_design.points is measure_points(drawn.model)
+    for name in ("stress", "gap", "stretch"):
+        np.testing.assert_array_equal(
+            getattr(random_design.points, name), getattr(drawn.points, name)
+        )
     np.testing.assert_array_equal(random_design.gap, random_design.end.gap[drawn.points.gap])
     np.testing.assert_array_equal(
         random_design.von_mises, random_design.stress_field()[drawn.points.stress]
@@ -117,11 +123,39 @@ def test_points_of_a_path_that_fails_are_refused():
         )
 
 
-def test_area_of_given_particles_is_that_of_the_cells(drawn):
-    from seal_mdao.seal import analyze_particles
-
+def test_area_is_that_between_the_splines_alone(drawn):
     model = sm.door_seal(depth=0.5, n_steps=10)
     bare = analyze_particles(model, model.drawn_particles)
-    assert bare.boundary_offsets is None
-    assert bare.area == pytest.approx(bare.path.discretization.weights.sum(), rel=1e-15)
-    assert bare.area == pytest.approx(drawn.area, rel=3e-3)
+    with pytest.raises(ValueError, match="weights"):
+        _ = bare.area
+    cells = bare.path.discretization.weights.sum()
+    # of polygons in arcs of 2 pi / 58, which lack the square of that over six
+    assert cells == pytest.approx(drawn.area, rel=(2 * np.pi / 58) ** 2 / 6)
+
+
+def test_measures_start_no_analysis(monkeypatch):
+    """The paths are followed in ``analyze``, that of the drawn seal once for a model."""
+    model, offsets = sm.door_seal(depth=0.5, n_steps=10, friction=0.21), np.full(25, 0.01)
+    first, second = (sm.analyze(model, scale * offsets) for scale in (1.0, 2.0))
+
+    def refuse(*arguments):
+        raise AssertionError("a load path is followed")
+
+    monkeypatch.setattr("seal_mdao.seal.solve_path", refuse)
+    for result in (first, second):
+        assert result.points is measure_points(model)
+        assert result.von_mises.shape == result.points.stress.shape
+        assert result.gap_square_sum >= 0.0
+
+
+def test_the_drawn_seal_chooses_the_points_itself(monkeypatch):
+    model = sm.door_seal(depth=0.5, n_steps=10, friction=0.22)
+    drawn = sm.analyze(model)
+    monkeypatch.setattr("seal_mdao.seal.measure_points", None)
+    assert len(drawn.points.stress) == 7
+
+
+def test_points_of_a_design_whose_drawn_seal_fails_are_refused(random_design):
+    bare = replace(random_design, frozen_points=None)
+    with pytest.raises(sm.LoadPathError, match="drawn seal"):
+        _ = bare.von_mises
