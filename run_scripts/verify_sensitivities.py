@@ -13,8 +13,11 @@ from _common import (
     run,
     write_summary,
 )
-from _estimates import error_scale
-from _finite_differences import (
+from tqdm import tqdm
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.verification.differences import (
     STEPS,
     Design,
     Differences,
@@ -22,10 +25,7 @@ from _finite_differences import (
     measure_names,
     measure_rates,
 )
-from tqdm import tqdm
-
-import seal_mdao as sm
-from seal_mdao import plotting
+from seal_mdao.verification.estimates import error_scale
 
 TAU = 1e-6
 """Perturbation to which the printed table refers, as in the paper, mm."""

@@ -1,18 +1,12 @@
-"""Finite differences for the sensitivity page, with the functions of ``run_scripts``."""
+"""Finite differences for the sensitivity page."""
 
-import sys
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 import seal_mdao as sm
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "run_scripts"))
-
-from _estimates import error_scale, plateau
-from _finite_differences import (
+from seal_mdao.verification.differences import (
     SCHEMES,
     Design,
     Differences,
@@ -21,7 +15,7 @@ from _finite_differences import (
     measure_rates,
     measure_values,
 )
-
+from seal_mdao.verification.estimates import error_scale, plateau
 from seal_mdao.verification.gradients import design_away, second_order_limit
 
 __all__ = [

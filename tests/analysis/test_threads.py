@@ -115,6 +115,21 @@ def test_concurrent_analyses_restore_the_number_of_threads_when_one_fails():
     assert all(seen == {1} for seen in inside)
 
 
+@pytest.mark.parametrize("method", ["direct", "adjoint"])
+def test_threads_share_a_result(method):
+    """Its path, kept factors, tables and places of the measures, none of them touched before."""
+
+    def analysis():
+        return sm.analyze(sm.door_seal(depth=2.0, n_steps=16), keep_factors=True)
+
+    exact, result = sm.differentiate(analysis(), method=method), analysis()
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: sm.differentiate(result, method=method), range(4)))
+    for rates in found:
+        for name in ("von_mises", "gap", "reaction", "area"):
+            np.testing.assert_array_equal(getattr(rates, name), getattr(exact, name))
+
+
 BITS = """
 import hashlib, json
 from concurrent.futures import ThreadPoolExecutor

@@ -1,12 +1,11 @@
 """Central differences of whole load paths, on the same contact sequence, for several steps."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-import seal_mdao as sm
 from seal_mdao.measures.stress import von_mises_at
+from seal_mdao.verification.differences import perturbed, same_sequence
 
 MEASURES = ("von_mises", "gap", "gap_square_sum", "reaction")
 
@@ -21,27 +20,6 @@ def measured(result, points):
         "gap_square_sum": np.array([gap @ gap]),
         "reaction": result.reaction[-1],
     }
-
-
-def perturbed(result, name, step):
-    """The analysis with one parameter changed by ``step``."""
-    model, offsets, radius = result.model, result.boundary_offsets.copy(), result.door_radius
-    if name.startswith("boundary_offsets"):
-        offsets[int(name[17:-1])] += step
-    elif name == "door_radius":
-        radius += step
-    elif name in ("c10", "c01", "bulk_modulus"):
-        value = getattr(model.material, name)
-        model = model.with_(material=replace(model.material, **{name: value + step}))
-    else:
-        model = model.with_(**{name: getattr(model, name) + step})
-    return sm.analyze(model, offsets, radius)
-
-
-def same_sequence(a, b):
-    """Whether two paths have the same stick, slip and open points at all their steps."""
-    first, second = a.path.contact_state, b.path.contact_state
-    return first.shape == second.shape and np.array_equal(first, second)
 
 
 def quotient(result, points, name, step, sides=(1, -1)):

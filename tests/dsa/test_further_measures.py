@@ -6,12 +6,12 @@ from itertools import pairwise
 import numpy as np
 import openmdao.api as om
 import pytest
-from step_study import perturbed, same_sequence
 
 import seal_mdao as sm
 from seal_mdao.dsa.sensitivity import measured
 from seal_mdao.measures.catalogue import FURTHER_MEASURES
 from seal_mdao.seal import measure_points
+from seal_mdao.verification.differences import perturbed, same_sequence
 
 NAMES = tuple(FURTHER_MEASURES)
 PARAMETERS = ("door_radius", "normal_penalty", "tangent_penalty", "friction", "c10", "c01", "depth")

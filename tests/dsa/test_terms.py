@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from step_study import perturbed, same_sequence
 
 import seal_mdao as sm
 from seal_mdao.analysis.body import (
@@ -41,6 +40,7 @@ from seal_mdao.dsa.sensitivity import (
 from seal_mdao.measures.functional import Seeds
 from seal_mdao.measures.stress import von_mises_at
 from seal_mdao.seal import analyze_particles
+from seal_mdao.verification.differences import perturbed, same_sequence
 
 
 @pytest.fixture

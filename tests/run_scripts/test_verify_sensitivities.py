@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from script_runs import CHEAP
 
+from seal_mdao.verification.estimates import fitted, plateau
+
 FEW_STEPS = ("--steps", "1e-4", "3e-5", "1e-5", "--repeats", "1")
 N_MEASURES = 18
 
@@ -43,9 +45,7 @@ def test_parameter_that_moves_the_first_touch_is_verified_from_one_side(tmp_path
     assert s["worst_relative_error"] < 1e-4
 
 
-def test_estimates_of_known_derivatives(run_script):
-    from _estimates import fitted, plateau
-
+def test_estimates_of_known_derivatives():
     rng = np.random.default_rng(3)
     noise = np.array([1e-13])
 

@@ -1,37 +1,31 @@
 """Gradients at designs 0.3 mm away from the drawn seal are as exact as at the drawn seal itself."""
 
-import importlib
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.verification.differences import (
+    Design,
+    Differences,
+    measure_names,
+    measure_rates,
+)
+from seal_mdao.verification.estimates import error_scale
 from seal_mdao.verification.gradients import DISTANCE, design_away, second_order_limit
 from seal_mdao.verification.tolerances import TOLERANCES
 
-ROOT = Path(__file__).resolve().parents[2]
 STEPS = (2e-5, 7e-6)
 PARAMETERS = (0, 4, 9, 13, 16, 20, 25)
 """On both boundaries; the last one is the door's radius."""
 
 
-@pytest.fixture(scope="module")
-def script():
-    """A module of the run scripts by name."""
-    sys.path.insert(0, str(ROOT / "run_scripts"))
-    yield importlib.import_module
-    sys.path.remove(str(ROOT / "run_scripts"))
-
-
-def gradient_errors(script, design, result, rates):
+def gradient_errors(design, result, rates):
     """Relative errors (parameters, measures) against quotients of the same contact sequence."""
-    finite, scale = script("_finite_differences"), script("_estimates").error_scale(rates)
+    scale = error_scale(rates)
     none = np.zeros(len(rates))
     errors = []
     for p in PARAMETERS:
-        found = finite.Differences(design, result, p, none, STEPS)
+        found = Differences(design, result, p, none, STEPS)
         assert found.same.sum() >= 2, f"parameter {p}: the contact sequence changes"
         value = second_order_limit(found.steps[found.same], found.quotient[found.same])
         errors.append(np.abs(value - rates[:, p]) / scale[:, p])
@@ -39,18 +33,17 @@ def gradient_errors(script, design, result, rates):
 
 
 @pytest.mark.parametrize("seed", [1, 3])
-def test_gradient_is_as_exact_as_at_the_drawn_seal(figure, script, seed):
-    finite = script("_finite_differences")
+def test_gradient_is_as_exact_as_at_the_drawn_seal(figure, seed):
     model = sm.door_seal(newton=sm.NewtonOptions(tolerance=1e-11))
-    design = finite.Design(model, design_away(model, seed))
+    design = Design(model, design_away(model, seed))
     result = design.analyze(keep_factors=True)
     assert np.abs(result.boundary_offsets).max() == pytest.approx(DISTANCE)
     # another seal indeed
     assert abs(result.gap_square_sum / 0.0519 - 1.0) > 0.5
-    names = finite.measure_names(result)
+    names = measure_names(result)
     assert len(names) == 18
-    rates = finite.measure_rates(sm.differentiate(result))
-    errors = gradient_errors(script, design, result, rates)
+    rates = measure_rates(sm.differentiate(result))
+    errors = gradient_errors(design, result, rates)
     worst = errors[:, names.index("gap_square_sum")].max()
     name = f"gradient 0.3 mm away, design {seed}: "
     figure(name + "all 18 measures", errors.max(), TOLERANCES["differences"])

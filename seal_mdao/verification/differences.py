@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from _estimates import Estimate, fitted, most_certain, nothing, plateau
 
-import seal_mdao as sm
+from seal_mdao.dsa.sensitivity import Sensitivities
+from seal_mdao.model import SealModel
+from seal_mdao.seal import SealResult, analyze
+from seal_mdao.verification.estimates import Estimate, fitted, most_certain, nothing, plateau
 
 STEPS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
 # second-order quotients: the places of their analyses in steps, and the weights over the step
@@ -23,7 +25,7 @@ FIT_POINTS = 64
 class Design:
     """Boundary offsets followed by the door radius, mm."""
 
-    model: sm.SealModel
+    model: SealModel
     values: np.ndarray
 
     def moved(self, parameter: int, change: float) -> "Design":
@@ -32,11 +34,38 @@ class Design:
         values[parameter] += change
         return Design(self.model, values)
 
-    def analyze(self, **options) -> sm.SealResult:
-        return sm.analyze(self.model, self.values[:-1], self.values[-1], **options)
+    def analyze(self, **options) -> SealResult:
+        return analyze(self.model, self.values[:-1], self.values[-1], **options)
 
 
-def measure_names(result: sm.SealResult) -> list[str]:
+def perturbed(result: SealResult, name: str, step: float) -> SealResult:
+    """The analysis with one parameter, by its name, changed by ``step``; measures at the same places.
+
+    Parameters
+    ----------
+    result : SealResult
+        Computed from boundary offsets.
+    name : str
+        ``boundary_offsets[i]``, ``door_radius`` or a scalar of the model or of its material.
+    """
+    model, offsets, radius = result.model, result.boundary_offsets.copy(), result.door_radius
+    if name.startswith("boundary_offsets["):
+        offsets[int(name[17:-1])] += step
+    elif name == "door_radius":
+        radius += step
+    else:
+        owner = model.material if hasattr(model.material, name) else model
+        model = model.with_parameters({name: getattr(owner, name) + step})
+    return analyze(model, offsets, radius, points=result.points)
+
+
+def same_sequence(a: SealResult, b: SealResult) -> bool:
+    """Whether two paths have the same stick, slip and open points at all their steps."""
+    first, second = a.path.contact_state, b.path.contact_state
+    return first.shape == second.shape and np.array_equal(first, second)
+
+
+def measure_names(result: SealResult) -> list[str]:
     """Names of the measures in the order of ``measure_values``; particles in the names."""
     gap_particles = result.model.body.contact[result.points.gap]
     return [
@@ -49,7 +78,7 @@ def measure_names(result: sm.SealResult) -> list[str]:
     ]
 
 
-def measure_values(result: sm.SealResult) -> np.ndarray:
+def measure_values(result: SealResult) -> np.ndarray:
     """All measures of a converged result, shape (m,)."""
     parts = (
         result.area, result.von_mises, result.gap_square_sum, result.reaction[-1], result.gap,
@@ -57,7 +86,7 @@ def measure_values(result: sm.SealResult) -> np.ndarray:
     return np.concatenate([np.atleast_1d(part) for part in parts])
 
 
-def measure_rates(sensitivities: sm.Sensitivities) -> np.ndarray:
+def measure_rates(sensitivities: Sensitivities) -> np.ndarray:
     """Their derivatives with respect to all parameters, shape (m, P)."""
     s = sensitivities
     return np.vstack([s.area, s.von_mises, s.gap_square_sum, s.reaction, s.gap])
@@ -136,8 +165,7 @@ class Differences:
         """Measures at a changed parameter, and whether the contact sequence is still the same."""
         if change not in self._seen:
             result = self._design.moved(self._parameter, change).analyze()
-            here, there = self._base.path.contact_state, result.path.contact_state
-            same = result.converged and np.array_equal(here, there)
+            same = result.converged and same_sequence(result, self._base)
             values = measure_values(result) if result.converged else np.nan
             self._seen[change] = values + np.zeros(self._noise.size), same
             if self._tick is not None:
