@@ -13,9 +13,10 @@ from seal_mdao.drivers.ipopt_driver import IpoptDriver
 from seal_mdao.drivers.run_support import RunSupport
 from seal_mdao.drivers.slsqp_driver import ResilientSLSQPDriver
 from seal_mdao.dsa.sensitivity import measured
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.model import OFFSET_BOUND, SealModel
 from seal_mdao.recording.recorder import RestartRecorder, record_all
-from seal_mdao.seal import SealResult, analyze
+from seal_mdao.seal import SealResult
 
 AREA_LIMIT = 110.0
 """mm^2."""
@@ -132,6 +133,7 @@ def seal_problem(
     driver: Driver | None = None,
     recorder=None,
     callback=None,
+    kept: KeptAnalyses | None = None,
     work_dir=None,
     reports=None,
 ) -> om.Problem:
@@ -156,6 +158,8 @@ def seal_problem(
         Where every model evaluation is recorded, with all that figures and restarts need.
     callback : callable, optional
         Called with every converged load step.
+    kept : KeptAnalyses, optional
+        Keeps the analyses for whoever looks at the designs afterwards; a new one when left out.
     work_dir : str or Path, optional
         Folder of OpenMDAO's own output; the current one when left out.
     reports : optional
@@ -173,7 +177,8 @@ def seal_problem(
     LoadPathError
         When the drawn seal cannot be analysed.
     """
-    drawn = analyze(model)
+    kept = KeptAnalyses() if kept is None else kept
+    drawn = kept.analyze(model, keep_factors=True, callback=callback)
     drawn.require_converged()
     chosen = {
         "reaction_curve": clamp_load, "patch_pressure": pressure_floor,
@@ -183,7 +188,7 @@ def seal_problem(
     limits = problem_limits(drawn, measures)
     options = {} if work_dir is None else {"work_dir": str(work_dir)}
     problem = om.Problem(
-        SealGroup(model=model, callback=callback, measures=measures),
+        SealGroup(model=model, callback=callback, measures=measures, kept=kept),
         driver=driver or slsqp_driver(), reports=reports, **options,
     )  # fmt: skip
     _add_variables(problem.model, limits)

@@ -237,12 +237,20 @@ def measure_points(model: SealModel) -> MeasurePoints:
     LoadPathError
         When the drawn seal's path cannot be completed.
     """
-    drawn = analyze(model)
-    end = drawn.end
-    grid = model.grid
+    return choose_points(analyze(model))
+
+
+def choose_points(drawn: SealResult) -> MeasurePoints:
+    """Places of the measures for all designs of a model, from its drawn seal, analysed.
+
+    Raises
+    ------
+    LoadPathError
+        When the path was not completed.
+    """
+    state, grid = drawn.end.after.state, drawn.model.grid
     inner = grid.particle(np.arange(grid.rays), 0)
     rows = [(grid.free_outer, False), (inner, True)]
-    state = end.after.state
     return MeasurePoints(
         stress_points(rows, drawn.stress_field()), opened_points(state), touching_stretch(state),
         contact_patches(state), curve_steps(drawn.door_travel, CURVE_DEPTHS),

@@ -34,7 +34,9 @@ def run(problem) -> None:
             if isinstance(recorder, RestartRecorder):
                 recorder.note_end()
             out = problem.get_reports_dir() / FILE
-            write_report(recorder._filepath, out, seal_inputs(problem.model))
+            group = seal_group(problem.model)
+            given, kept = ({}, None) if group is None else (inputs_of(group), group.options["kept"])
+            write_report(recorder._filepath, out, given, kept)
             return
     issue_warning(
         "the report 'seal' needs a SQLite recorder on the driver, for example "
@@ -43,11 +45,14 @@ def run(problem) -> None:
     )
 
 
-def seal_inputs(model) -> dict:
-    """Values of the inputs of the first ``SealGroup`` in a model, by their own names, in its units."""
+def seal_group(model):
+    """The first ``SealGroup`` in a model; None when there is none."""
     from seal_mdao.components.seal_group import SealGroup
 
-    for group in model.system_iter(include_self=True, recurse=True, typ=SealGroup):
-        inputs = group.list_inputs(out_stream=None, return_format="dict")
-        return {name.rsplit(".", 1)[-1]: meta["val"] for name, meta in inputs.items()}
-    return {}
+    return next(model.system_iter(include_self=True, recurse=True, typ=SealGroup), None)
+
+
+def inputs_of(group) -> dict:
+    """Values of a group's inputs by their own names, in its units."""
+    inputs = group.list_inputs(out_stream=None, return_format="dict")
+    return {name.rsplit(".", 1)[-1]: meta["val"] for name, meta in inputs.items()}

@@ -89,7 +89,7 @@ def _limits(constraint) -> str:
 
 
 def analysis_table(history: RecordedOptimization, start: SealResult, end: SealResult) -> str:
-    """Measures of both designs, analysed again for the report."""
+    """Measures of both designs, from their analyses."""
     pairs = zip(measures(start), measures(end), strict=True)
     rows = [[name, number(a), number(b), unit] for (name, unit, a), (_, _, b) in pairs]
     if is_gap_sum(history.objective_name):
@@ -100,7 +100,7 @@ def analysis_table(history: RecordedOptimization, start: SealResult, end: SealRe
         ]
         rows.insert(1, ["the same, as recorded", *cells, "mm²"])
     head = ["measure under the closed door", "start", "end", "unit"]
-    return table(head, rows, "First and last design, analysed again for this report")
+    return table(head, rows, "First and last design, from their analyses")
 
 
 def is_gap_sum(name: str) -> bool:
@@ -109,7 +109,7 @@ def is_gap_sum(name: str) -> bool:
 
 
 def agrees(history: RecordedOptimization, recorded: float, result: SealResult) -> bool:
-    """Whether a design analysed again has the recorded cost."""
+    """Whether the analysis of a design gives the recorded cost."""
     allowed = AGREEMENT * (abs(recorded) + abs(history.objective[0]))
     return result.converged and abs(result.gap_square_sum - recorded) <= allowed
 

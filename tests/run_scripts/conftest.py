@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from script_runs import CHEAP, SCRIPTS
 
+from seal_mdao import seal
+
 
 @pytest.fixture(scope="session")
 def run_script():
@@ -43,7 +45,21 @@ def assert_drawn():
 
 
 @pytest.fixture(scope="session")
-def optimised(run_script, tmp_path_factory):
+def counted_optimisation(run_script, tmp_path_factory):
+    """One optimisation of the cheap variant, and the bodies and doors of which a path was solved."""
+    out, solved, real = tmp_path_factory.mktemp("optimised"), [], seal.solve_path
+
+    def solve_path(discretization, material, profile, *more):
+        solved.append((discretization.particles.tobytes(), repr(profile)))
+        return real(discretization, material, profile, *more)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(seal, "solve_path", solve_path)
+        ended = run_script("optimize_door_seal", out, *CHEAP)
+    return (out, *ended), solved
+
+
+@pytest.fixture(scope="session")
+def optimised(counted_optimisation):
     """One optimisation of the cheap variant: folder, exit code, summary."""
-    out = tmp_path_factory.mktemp("optimised")
-    return out, *run_script("optimize_door_seal", out, *CHEAP)
+    return counted_optimisation[0]
