@@ -107,4 +107,5 @@ def _label(name: str, particles) -> str:
     if entry is None:
         return {"reaction": "vertical reaction"}.get(name, name)
     number = int(entry[1])
-    return f"stress at {particles[number]}" if particles is not None else f"stress {number + 1}"
+    where = "" if particles is None else f", particle {particles[number]}"
+    return f"stress {number + 1}{where}"

@@ -121,8 +121,8 @@ def test_constraints_are_drawn_over_their_limits():
     axes = plotting.constraint_history(recorded, particles=[132, 45]).axes[0]
     expected = {
         "area": recorded.constraints[0].values / 110.0,
-        "stress at 132": recorded.constraints[1].values / 136.0,
-        "stress at 45": recorded.constraints[2].values / 121.0,
+        "stress 1, particle 132": recorded.constraints[1].values / 136.0,
+        "stress 2, particle 45": recorded.constraints[2].values / 121.0,
         "vertical reaction (upper)": recorded.constraints[3].values / 61.6,
         "vertical reaction (lower)": 50.4 / recorded.constraints[3].values,
     }
