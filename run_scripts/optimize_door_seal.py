@@ -111,7 +111,8 @@ def optimize(problem: om.Problem) -> dict:
 def arguments_parser():
     made = parser(__doc__, "out/optimization")
     add_model_arguments(made)
-    made.add_argument("--optimizer", choices=sorted(OPTIMIZERS), default="SLSQP", help="method")
+    names = list(OPTIMIZERS)
+    made.add_argument("--optimizer", choices=names, default=names[0], help="method")
     for name, text in PROBLEM_FLAGS.items():
         flag = f"--{name.replace('_', '-')}"
         made.add_argument(flag, action="store_true", help=text.replace("%", "%%"))

@@ -12,6 +12,7 @@ _LAZY = {
     "door_seal": "seal_mdao.model",
     "SealResult": "seal_mdao.seal",
     "analyze": "seal_mdao.seal",
+    "KeptAnalyses": "seal_mdao.kept_analyses",
     "Sensitivities": "seal_mdao.dsa.sensitivity",
     "differentiate": "seal_mdao.dsa.sensitivity",
     "MooneyRivlin": "seal_mdao.materials.mooney_rivlin",

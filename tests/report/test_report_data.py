@@ -118,7 +118,7 @@ def test_all_pictures_share_one_scale(seal_page, ends):
 
 def test_refined_model_has_pictures_of_the_same_size():
     coarse, fine = (
-        sm.analyze(sm.door_seal(depth=2.0, n_steps=5, rays=58 * k, layers=2 * k + 1))
+        sm.analyze(sm.door_seal(depth=1.0, n_steps=2, rays=58 * k, layers=2 * k + 1))
         for k in (1, 2)
     )
     data = [Pictures(result, result, [result]).as_data() for result in (coarse, fine)]

@@ -36,10 +36,10 @@ def assert_drawn():
     def check(folder, *names):
         for name in names:
             picture = matplotlib.image.imread(Path(folder) / f"{name}.png")[..., :3]
-            share_inked = np.mean(np.any(picture < 0.97, axis=2))
             assert min(picture.shape[:2]) > 300
-            assert 0.01 < share_inked < 0.9
-            assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 20
+            looked_at = picture[::3, ::3].reshape(-1, 3)
+            assert 0.01 < np.mean(np.any(looked_at < 0.97, axis=1)) < 0.9
+            assert len({*map(bytes, (255.0 * looked_at).astype(np.uint8))}) > 20
 
     return check
 
