@@ -11,7 +11,7 @@ import seal_mdao as sm
 from seal_mdao.optimization import PROBLEM_OPTION, seal_problem, slsqp_driver
 from seal_mdao.recording.settings import open_cases, recorded_problem
 
-NOT_THE_PROBLEM = {"model", "driver", "recorder", "callback", "work_dir", "reports"}
+NOT_THE_PROBLEM = {"model", "driver", "recorder", "callback", "kept", "work_dir", "reports"}
 """Arguments of ``seal_problem`` that do not say what is optimised."""
 MODEL = {"n_steps": 21, "friction": 0.3, "segments": 32, "newton": sm.NewtonOptions(max_cuts=7)}
 
