@@ -7,9 +7,9 @@ from importlib.resources import files
 from string import Template
 
 from seal_mdao._version import __version__
-from seal_mdao.plotting.recorded import RecordedOptimization
+from seal_mdao.plotting.recorded import RecordedOptimization, label
 from seal_mdao.report import tables
-from seal_mdao.report.history import FEASIBLE, history_data, label
+from seal_mdao.report.history import FEASIBLE, history_data
 from seal_mdao.report.shapes import Pictures
 from seal_mdao.seal import SealResult
 

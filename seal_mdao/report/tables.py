@@ -9,7 +9,7 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.plotting.recorded import RecordedOptimization
+from seal_mdao.plotting.recorded import RecordedOptimization, label
 from seal_mdao.report import history as words
 from seal_mdao.report.shapes import pressure
 from seal_mdao.seal import SealResult
@@ -58,15 +58,15 @@ def table(head: list[str], rows: list[list], caption: str, first: str = "row") -
 def limits_table(history: RecordedOptimization) -> str:
     """Objective and constraints at the first and at the last point, from the recorder file."""
     first, last = history.objective[[0, -1]]
-    name, unit = words.label(history.objective_name), words.unit(history, history.objective_name)
+    name, unit = label(history.objective_name), words.unit(history, history.objective_name)
     ratio = share(last / first) if first else NO_VALUE
     rows = [[_with_unit(name, unit), number(first), number(last), "", ratio, "of its start"]]
     for constraint in history.constraints:
-        use = words.use_of_limits(constraint)[-1]
+        use = constraint.use()[-1]
         violated = constraint.violation()[-1] > words.FEASIBLE
         rows.append(
             [
-                _with_unit(words.label(constraint.name), words.unit(history, constraint.name)),
+                _with_unit(label(constraint.name), words.unit(history, constraint.name)),
                 *map(number, constraint.values[[0, -1]]), _limits(constraint), share(use),
                 ("violated", "bad") if violated else ("satisfied", "good"),
             ]
@@ -195,6 +195,6 @@ def history_table(history: RecordedOptimization) -> str:
             zip(history.analyses, history.objective, history.max_violation, strict=True)
         )
     ]
-    objective = f"{words.label(history.objective_name)} ({unit})" if unit else "objective"
+    objective = f"{label(history.objective_name)} ({unit})" if unit else "objective"
     head = [kind, "evaluation number", objective, "largest violation"]
     return table(head, rows, "The history in figures")
