@@ -53,8 +53,7 @@ class KeptAnalyses:
             factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
         )  # fmt: skip
         if points is None and result.converged:
-            drawn = not offsets.any() and result.door_radius == model.drawn_door_radius
-            points = choose_points(result) if drawn else self.points(model, callback)
+            points = self.points(model, callback)
         return replace(result, boundary_offsets=offsets, frozen_points=points)
 
     def points(self, model: SealModel, callback: Callable | None = None) -> MeasurePoints:
