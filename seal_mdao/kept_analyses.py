@@ -1,10 +1,12 @@
 """Analyses that are kept, so that nothing is analysed twice."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 
+from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.selection import MeasurePoints
 from seal_mdao.model import SealModel
 from seal_mdao.seal import FACTOR_MEMORY, SealResult, analyze_particles, choose_points
@@ -47,13 +49,20 @@ class KeptAnalyses:
         callback: Callable | None = None,
     ) -> SealResult:
         """As ``seal_mdao.analyze``; the measures are taken at ``points``, or where ``points()`` says."""
-        offsets = model.check_offsets(boundary_offsets)
+        offsets, radius = (
+            model.check_offsets(boundary_offsets),
+            model.check_door_radius(door_radius),
+        )
+        is_drawn = radius == model.drawn_door_radius and not offsets.any()
+        if points is None and not is_drawn:
+            with suppress(LoadPathError):  # told when the measures are asked for
+                points = self.points(model, callback)
         result = self.analyze_particles(
-            model, model.particles(offsets), door_radius, points=points,
+            model, model.particles(offsets), radius, points=points,
             factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
         )  # fmt: skip
-        if points is None and result.converged:
-            points = self.points(model, callback)
+        if points is None and is_drawn and result.converged:
+            points = choose_points(result)
         return replace(result, boundary_offsets=offsets, frozen_points=points)
 
     def points(self, model: SealModel, callback: Callable | None = None) -> MeasurePoints:
@@ -83,8 +92,9 @@ class KeptAnalyses:
         if result is None:
             self.made += 1
             result = analyze_particles(
-                model, particles, door_radius, factor_memory=factor_memory, callback=callback
-            )
+                model, particles, door_radius, points=points, factor_memory=factor_memory,
+                callback=callback,
+            )  # fmt: skip
             if result.converged:
                 self._make_room(key, result)
         if result.converged:
