@@ -13,6 +13,7 @@ from _matrix_cases import Case, combinations, single_changes
 from tqdm import tqdm
 
 import seal_mdao as sm
+from seal_mdao.drivers.optimality import measure_optimality
 from seal_mdao.optimization import OPTIMALITY, OPTIMIZERS, seal_problem
 
 FEASIBLE = 1e-3
@@ -90,7 +91,7 @@ def solve_case(entry, n_steps) -> dict:
                 "seconds": time.perf_counter() - begun,
                 "message": f"{type(error).__name__}: {error}",
             }  # fmt: skip
-        end = driver.optimality()
+        end = measure_optimality(driver)
     optimality = max(end.stationarity, end.complementarity)
     return row | {
         "converged": bool(success and end.infeasibility <= FEASIBLE and optimality <= OPTIMALITY),
@@ -129,7 +130,7 @@ def _cell(row) -> str:
 def arguments_parser():
     made = parser(__doc__, "out/matrix")
     made.add_argument(
-        "--optimizers", nargs="+", choices=sorted(OPTIMIZERS), default=["SLSQP", "IPOPT"],
+        "--optimizers", nargs="+", choices=sorted(OPTIMIZERS), default=[*OPTIMIZERS],
         help="methods",
     )  # fmt: skip
     made.add_argument(

@@ -111,7 +111,7 @@ def optimize(problem: om.Problem, progress: LoadStepProgress) -> dict:
 def arguments_parser():
     made = parser(__doc__, "out/optimization")
     add_model_arguments(made)
-    made.add_argument("--optimizer", choices=sorted(OPTIMIZERS), default="SLSQP", help="method")
+    made.add_argument("--optimizer", choices=sorted(OPTIMIZERS), default="UNO", help="method")
     for name, text in PROBLEM_FLAGS.items():
         flag = f"--{name.replace('_', '-')}"
         made.add_argument(flag, action="store_true", help=text.replace("%", "%%"))

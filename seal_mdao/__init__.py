@@ -23,8 +23,9 @@ _LAZY = {
     "AreaComp": "seal_mdao.components.area_comp",
     "RkpmContactComp": "seal_mdao.components.rkpm_contact_comp",
     "SealGroup": "seal_mdao.components.seal_group",
+    "UnoDriver": "seal_mdao.drivers.uno_driver",
     "IpoptDriver": "seal_mdao.drivers.ipopt_driver",
-    "ResilientSLSQPDriver": "seal_mdao.drivers.slsqp_driver",
+    "SlsqpDriver": "seal_mdao.drivers.slsqp_driver",
     "RestartRecorder": "seal_mdao.recording.recorder",
     "restart": "seal_mdao.recording.restart",
 }

@@ -1,4 +1,4 @@
-"""Problem (71) solved by SLSQP: the histories and the optimised shape."""
+"""Problem (71) solved by Uno: the histories and the optimised shape."""
 
 import tempfile
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from seal_mdao.optimization import seal_problem, slsqp_driver
+from seal_mdao.optimization import seal_problem, uno_driver
 from seal_mdao.plotting import (
     constraint_history,
     cost_history,
@@ -20,7 +20,7 @@ def optimise(iterations: int, folder: str):
     """Recorded history of the optimisation, and whether it succeeded."""
     recorder = Path(folder) / "cases.sql"
     problem = seal_problem(
-        sm.door_seal(), driver=slsqp_driver(iterations), recorder=recorder, work_dir=folder
+        sm.door_seal(), driver=uno_driver(iterations), recorder=recorder, work_dir=folder
     )
     outcome = problem.run_driver()
     problem.cleanup()
@@ -45,7 +45,7 @@ def _text(history, outcome, initial, final) -> str:
     below = np.flatnonzero(ratio <= 0.75)
     reached = f"is below 0.75 % after {below[0]} of them and " if below.size else ""
     return (
-        f"SciPy's SLSQP from zero offsets takes {len(ratio) - 1} major iterations and "
+        f"The SQP method of Uno from zero offsets takes {len(ratio) - 1} major iterations and "
         f"{history.evaluations} analyses. The cost {reached}ends at {ratio[-1]:.2g} % of its start "
         f"({initial.gap_square_sum:.4f} to {final.gap_square_sum:.2e} mm²), with a largest relative "
         f"constraint violation of {history.max_violation[-1]:.1e}. The vertical reaction changes "

@@ -8,8 +8,11 @@ from pathlib import Path
 import openmdao.api as om
 
 from seal_mdao.model import SealModel
-from seal_mdao.optimization import PROBLEM_OPTION
 from seal_mdao.settings import SETTINGS_OPTION, model_from_json
+
+PROBLEM_OPTION = "problem_settings"
+"""Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
+as JSON: what a restart needs to set up the same problem again."""
 
 
 @dataclass(frozen=True, eq=False)

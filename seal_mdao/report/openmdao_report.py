@@ -26,15 +26,16 @@ def run(problem) -> None:
     from openmdao.recorders.sqlite_recorder import SqliteRecorder
     from openmdao.utils.om_warnings import DriverWarning, issue_warning
 
+    from seal_mdao.openmdao_access import recorder_file, recorders
     from seal_mdao.recording.recorder import RestartRecorder
     from seal_mdao.report.write import write_report
 
-    for recorder in problem.driver._rec_mgr:
+    for recorder in recorders(problem.driver):
         if isinstance(recorder, SqliteRecorder) and recorder.connection:
             if isinstance(recorder, RestartRecorder):
                 recorder.note_end()
             out = problem.get_reports_dir() / FILE
-            write_report(recorder._filepath, out, seal_inputs(problem.model))
+            write_report(recorder_file(recorder), out, seal_inputs(problem.model))
             return
     issue_warning(
         "the report 'seal' needs a SQLite recorder on the driver, for example "
