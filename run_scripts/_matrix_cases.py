@@ -1,4 +1,4 @@
-"""The cases of the optimisation matrix: factors, single changes, random combinations."""
+"""The cases of the optimisation matrix: single changes, combinations of factors, drawn cases."""
 
 from dataclasses import asdict, dataclass, replace
 
@@ -7,8 +7,11 @@ import numpy as np
 import seal_mdao as sm
 from seal_mdao.model import SealModel
 
-START_SIZE = 0.2
-"""Largest offset and change of radius of a random start, mm."""
+CONTROL_VALUES = {26: (14, 11, False), 16: (8, 7, False), 10: (5, 4, True)}
+"""Outer and inner control values, and whether they are mirrored, by the number of parameters, which
+counts the door's radius too."""
+FLAGS = ("keep_force", "clamp_load", "pressure_floor", "stress_norm", "gap_integral")
+"""Arguments of ``seal_problem`` that a case can set."""
 
 
 @dataclass(frozen=True)
@@ -20,9 +23,13 @@ class Case:
     corner_x, friction, friction_history, segments :
         As for ``SealModel``.
     parameters : int
-        26, or 10 for a symmetric section with 5 outer and 4 inner control values.
+        One of ``CONTROL_VALUES``.
     start : int
         0 for the drawn seal, else the seed of a random start.
+    start_size : float
+        Largest offset and change of the radius of a random start, mm.
+    flags : tuple of str
+        Those of ``FLAGS`` that are set.
     """
 
     corner_x: float = 2.0
@@ -31,26 +38,36 @@ class Case:
     friction_history: str = "accumulated"
     segments: int | None = None
     start: int = 0
+    start_size: float = 0.2
+    flags: tuple = ()
 
     @property
     def name(self) -> str:
         """What differs from the paper's case."""
-        base = asdict(Case())
-        changes = [f"{k} {v}" for k, v in asdict(self).items() if v != base[k]]
-        return ", ".join(changes) or "paper"
+        base, here = asdict(Case()), asdict(self) | {"start_size": Case.start_size, "flags": ()}
+        changes = [f"{k} {v}" for k, v in here.items() if v != base[k]]
+        if self.start_size != Case.start_size:
+            changes[-1] += f" within {self.start_size} mm"
+        return ", ".join([*changes, *self.flags]) or "paper"
 
     def model(self, **more) -> SealModel:
         """The seal model of the case."""
-        options = {k: v for k, v in asdict(self).items() if k not in ("parameters", "start")}
-        if self.parameters == 10:
-            options |= {"symmetric": True, "outer_parameters": 5, "inner_parameters": 4}
-        return sm.door_seal(**options, **more)
+        outer, inner, symmetric = CONTROL_VALUES[self.parameters]
+        return sm.door_seal(
+            corner_x=self.corner_x, friction=self.friction, segments=self.segments,
+            friction_history=self.friction_history, outer_parameters=outer,
+            inner_parameters=inner, symmetric=symmetric, **more,
+        )  # fmt: skip
+
+    def settings(self) -> dict:
+        """The flags as arguments of ``seal_problem``."""
+        return dict.fromkeys(self.flags, True)
 
     def design(self, model: SealModel) -> tuple[np.ndarray, float]:
         """Offsets and door radius of the start."""
         if self.start == 0:
             return np.zeros(model.n_offsets), model.drawn_door_radius
-        size = START_SIZE
+        size = self.start_size
         change = np.random.default_rng(self.start).uniform(-size, size, model.n_offsets + 1)
         return change[:-1], model.drawn_door_radius + change[-1]
 
@@ -80,3 +97,36 @@ def combinations(count: int, seed: int = 2000) -> list[Case]:
         if Case(**levels) not in known:
             known.append(Case(**levels))
     return known[wanted - count :]
+
+
+DRAWN, DRAWN_SEED = 20, 271828
+"""Number and seed of the drawn cases, set down with the rule before any of them was run."""
+DRAWN_START = 0.3
+FLAG_SHARE = 0.2
+
+
+def drawn_cases(count: int = DRAWN, seed: int = DRAWN_SEED) -> list[Case]:
+    """Cases drawn at random, by this rule for one after the other.
+
+    Friction evenly from 0.1 to 0.5 and ``corner_x`` from 0 to 4 mm, both to two decimals; one of the
+    ``CONTROL_VALUES``; either history; the exact door or, as likely, 8 to 64 segments; a random start
+    within 0.3 mm with a seed from 1 to 9999 in three cases of four, else the drawn seal; each of the
+    ``FLAGS`` in one case of five.
+    """
+    rng = np.random.default_rng(seed)
+    return [_drawn_case(rng) for _ in range(count)]
+
+
+def _drawn_case(rng: np.random.Generator) -> Case:
+    friction, corner_x = rng.uniform(0.1, 0.5), rng.uniform(0.0, 4.0)
+    parameters, history = rng.choice(list(CONTROL_VALUES)), rng.choice(FACTORS["friction_history"])
+    exact, segments = rng.random() < 0.5, rng.integers(8, 65)
+    at_random, start = rng.random() < 0.75, rng.integers(1, 10000)
+    flagged = rng.random(len(FLAGS)) < FLAG_SHARE
+    return Case(
+        corner_x=round(corner_x, 2), friction=round(friction, 2), parameters=int(parameters),
+        friction_history=str(history), segments=None if exact else int(segments),
+        start=int(start) if at_random else 0,
+        start_size=DRAWN_START if at_random else Case.start_size,
+        flags=tuple(name for name, wanted in zip(FLAGS, flagged, strict=True) if wanted),
+    )  # fmt: skip

@@ -17,6 +17,7 @@ from _common import (
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.deformation import spread_depths
 from seal_mdao.plotting.reaction import travel_table
@@ -32,7 +33,7 @@ def main(arguments) -> int:
             offsets, radius = None, model.check_door_radius(arguments.door_radius)
     begun = time.perf_counter()
     with LoadStepProgress(model) as progress:
-        result = sm.analyze(model, offsets, radius, callback=progress)
+        result = KeptAnalyses().analyze(model, offsets, radius, callback=progress)
     wall = time.perf_counter() - begun
     summary = summarize(result, wall)
     write_summary(arguments.out, summary)

@@ -1,61 +1,58 @@
-"""Solve problem (71) from everywhere: a matrix of variants, each with SLSQP and with IPOPT."""
+"""Solve problem (71) from everywhere: a matrix of cases, each with every optimiser."""
 
 import json
 import multiprocessing
 import sys
 import tempfile
 import time
-from dataclasses import asdict
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
+from pathlib import Path
 
-from _common import parser, plain, run, write_summary
-from _matrix_cases import Case, combinations, single_changes
+from _common import parser, plain, positive_integer, run, write_summary
+from _matrix_cases import Case, combinations, drawn_cases, single_changes
+from _matrix_page import KKT, VIOLATION, converged, page
 from tqdm import tqdm
 
 import seal_mdao as sm
-from seal_mdao.optimization import OPTIMALITY, OPTIMIZERS, seal_problem
+from seal_mdao.drivers.optimality import measure_optimality
+from seal_mdao.optimization import OBJECTIVE_REF, OPTIMIZERS, major_iterations, seal_problem
+from seal_mdao.recording.run_log import versions
 
-FEASIBLE = 1e-3
-"""Largest scaled constraint violation at the end of a run that counts as converged; its optimality
-has to hold to the optimisers' own tolerance, measured in the same way for both."""
+NOTHING = dict.fromkeys(
+    ("success", "iterations", "analyses", "cost", "violation", "optimality"), None
+)
+"""What a run tells that was ended by an exception."""
 
 
 def main(arguments) -> int:
-    cases = [*single_changes(), *combinations(arguments.combinations)]
-    runs = [(case, name) for case in cases[: arguments.first] for name in arguments.optimizers]
+    cases = [*single_changes(), *combinations(20), *drawn_cases()][: arguments.first]
+    runs = [(case, name) for case in cases for name in arguments.optimizers]
     record = arguments.out / "runs.jsonl"
     rows = read_rows(record)
-    missing = [entry for entry in runs if key(*entry) not in rows]
+    missing = [entry for entry in runs if key(*entry, arguments.n_steps) not in rows]
     solve = partial(solve_case, n_steps=arguments.n_steps)
-    # a process for every run: whatever happens in one does not touch the others
-    with (
-        multiprocessing.get_context("spawn").Pool(arguments.jobs, maxtasksperchild=1) as pool,
-        record.open("a", encoding="utf-8") as file,
-    ):
-        done = pool.imap_unordered(solve, missing)
+    with record.open("a", encoding="utf-8") as file:
+        done = finished(solve, missing, arguments.workers)
         for row in tqdm(done, total=len(runs), initial=len(runs) - len(missing), unit="run"):
-            rows[row["case"], row["optimizer"]] = row
+            rows[row["case"], row["optimizer"], row["n_steps"]] = row
             file.write(json.dumps(plain(row)) + "\n")
             file.flush()
-    table = [rows[key(*entry)] for entry in runs]
-    converged = sum(row["converged"] for row in table)
-    worst = max(table, key=lambda row: (not row["converged"], row["iterations"]))
-    (arguments.out / "matrix.md").write_text(markdown(table), encoding="utf-8")
-    write_summary(
-        arguments.out,
-        {"runs": len(table), "converged": converged, "worst": worst, "table": table},
-    )
-    print(f"{converged} of {len(table)} runs converged; matrix.md, summary.json in {arguments.out}")
-    print(f"worst: {worst['optimizer']}, {worst['case']}: {worst['iterations']} iterations")
-    return 0 if converged == len(table) else 1
+    table = [rows[key(*entry, arguments.n_steps)] for entry in runs]
+    write_page(arguments.page or arguments.out / "matrix.md", table)
+    good = sum(map(converged, table))
+    write_summary(arguments.out, {"runs": len(table), "converged": good, "table": table})
+    print(f"{good} of {len(table)} runs converged; runs.jsonl and summary.json in {arguments.out}")
+    return 0 if good == len(table) else 1
 
 
-def key(case: Case, optimizer: str) -> tuple:
+def key(case: Case, optimizer: str, n_steps: int) -> tuple:
     """What identifies a run."""
-    return case.name, optimizer
+    return case.name, optimizer, n_steps
 
 
-def read_rows(record) -> dict:
+def read_rows(record: Path) -> dict:
     """The runs that an earlier call finished; a line cut off by a kill is left out."""
     rows = {}
     if record.exists():
@@ -64,84 +61,90 @@ def read_rows(record) -> dict:
                 row = json.loads(line)
             except ValueError:
                 continue
-            rows[row["case"], row["optimizer"]] = row
+            rows[row["case"], row["optimizer"], row["n_steps"]] = row
     return rows
 
 
-def solve_case(entry, n_steps) -> dict:
-    """One optimisation with the default settings of ``seal_problem``'s drivers."""
-    case, optimizer = entry
-    model = case.model(n_steps=n_steps)
-    start = sm.analyze(model).gap_square_sum
-    driver, begun = OPTIMIZERS[optimizer](), time.perf_counter()
-    row = {"case": case.name, "optimizer": optimizer, **asdict(case)}
+def finished(solve, entries: list, workers: int) -> Iterator[dict]:
+    """Rows as they come; with one worker from this process, else from that many others."""
+    if workers == 1 or len(entries) < 2:
+        yield from map(solve, entries)
+        return
+    compile_kernels()
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=spawn) as pool:
+        for future in as_completed([pool.submit(solve, entry) for entry in entries]):
+            yield future.result()
+
+
+def compile_kernels() -> None:
+    """Here and once, so that the workers find them in the cache."""
+    short = sm.door_seal(depth=1.0, n_steps=2)
+    sm.differentiate(sm.analyze(short, keep_factors=True), method="adjoint")
+
+
+def solve_case(entry: tuple[Case, str], n_steps: int) -> dict:
+    """One optimisation with the settings of ``seal_mdao.optimization``."""
+    (case, optimizer), begun = entry, time.perf_counter()
+    row = {"case": case.name, "optimizer": optimizer, "n_steps": n_steps}
     with tempfile.TemporaryDirectory() as folder:
         try:
-            problem = seal_problem(model, driver=driver, work_dir=folder)
-            offsets, radius = case.design(model)
-            problem.set_val("boundary_offsets", offsets)
-            problem.set_val("door_radius", radius)
-            success = problem.run_driver().success
-            message = str(driver.result.exit_status)
+            row |= solve(case, OPTIMIZERS[optimizer](), n_steps, folder)
         except Exception as error:  # the table names it
-            return row | {
-                "converged": False, "iterations": -1, "analyses": -1, "cost": None,
-                "violation": None, "optimality": None, "failed": -1,
-                "seconds": time.perf_counter() - begun,
-                "message": f"{type(error).__name__}: {error}",
-            }  # fmt: skip
-        end = driver.optimality()
-    optimality = max(end.stationarity, end.complementarity)
-    return row | {
-        "converged": bool(success and end.infeasibility <= FEASIBLE and optimality <= OPTIMALITY),
-        "iterations": driver.result.iter_count,
+            row |= NOTHING | {"message": f"{type(error).__name__}: {error}"}
+    return row | {"seconds": time.perf_counter() - begun, "versions": versions()}
+
+
+def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
+    """Run a driver on a case, and measure its last point; ``cost`` is over that of the drawn seal."""
+    model = case.model(n_steps=n_steps)
+    problem = seal_problem(model, driver=driver, work_dir=folder, **case.settings())
+    offsets, radius = case.design(model)
+    problem.set_val("boundary_offsets", offsets)
+    problem.set_val("door_radius", radius)
+    success = problem.run_driver().success
+    (objective,) = driver.get_objective_values(driver_scaling=True).values()
+    end = measure_optimality(driver)
+    return {
+        "success": bool(success),
+        "iterations": major_iterations(problem),
         "analyses": driver.result.model_evals,
-        "cost": float(problem.get_val("gap_square_sum")[0]) / start,
+        "cost": OBJECTIVE_REF * float(objective[0]),
         "violation": end.infeasibility,
-        "optimality": optimality,
-        "failed": driver.failed_analyses,
-        "seconds": time.perf_counter() - begun,
-        "message": message,
+        "optimality": max(end.stationarity, end.complementarity),
+        "message": str(driver.result.exit_status),
     }
 
 
-def markdown(table) -> str:
-    """All runs, a line each case."""
-    names = list(dict.fromkeys(row["optimizer"] for row in table))
-    head = " | ".join(f"{name}: iterations (analyses), cost, KKT" for name in names)
-    lines = [f"| case | {head} |", "|---" * (len(names) + 1) + "|"]
-    for case in dict.fromkeys(row["case"] for row in table):
-        cells = {row["optimizer"]: _cell(row) for row in table if row["case"] == case}
-        lines.append(f"| {case} | " + " | ".join(cells[name] for name in names) + " |")
-    return "\n".join(lines) + "\n"
-
-
-def _cell(row) -> str:
-    if row["cost"] is None:
-        return row["message"]
-    text = (
-        f"{row['iterations']} ({row['analyses']}), {100 * row['cost']:.4f} %, "
-        f"{row['optimality']:.0e}"
-    )
-    return text if row["converged"] else f"**not converged**: {text}"
+def write_page(path: Path, table: list[dict]) -> None:
+    """The page about the runs that there are."""
+    drawn = {case.name for case in drawn_cases()}
+    path.write_text(page(table, drawn), encoding="utf-8")
+    print(f"wrote {path}")
 
 
 def arguments_parser():
     made = parser(__doc__, "out/matrix")
     made.add_argument(
-        "--optimizers", nargs="+", choices=sorted(OPTIMIZERS), default=["SLSQP", "IPOPT"],
+        "--optimizers", nargs="+", choices=list(OPTIMIZERS), default=list(OPTIMIZERS),
         help="methods",
     )  # fmt: skip
     made.add_argument(
-        "--combinations", type=int, default=20, metavar="N",
-        help="random combinations after the single changes",
+        "--first", type=positive_integer, metavar="N", help="only the first cases; all if left out"
+    )
+    made.add_argument(
+        "--workers", type=positive_integer, default=1, metavar="N", help="processes that solve"
+    )
+    made.add_argument(
+        "--n-steps", type=positive_integer, default=sm.door_seal().n_steps, metavar="N",
+        help="load steps",
     )  # fmt: skip
     made.add_argument(
-        "--first", type=int, metavar="N", help="only the first cases; all if left out"
+        "--page", type=Path, metavar="FILE.md", help="page to write; matrix.md in DIR if left out"
     )
-    made.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time")
-    made.add_argument(
-        "--n-steps", type=int, default=sm.door_seal().n_steps, metavar="N", help="load steps"
+    made.epilog = (
+        f"A run has converged when the optimiser says so, the optimality conditions hold to {KKT:g} "
+        f"and the limits to {VIOLATION:g}. Runs that runs.jsonl in DIR holds are not repeated."
     )
     return made
 

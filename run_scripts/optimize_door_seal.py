@@ -17,7 +17,7 @@ from _common import (
 from _history_figures import draw_history, end_numbers, report_end
 from _restart import continued_file, recorded_run
 
-import seal_mdao as sm
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, major_iterations, seal_problem
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import LoadStepProgress
@@ -49,18 +49,18 @@ def main(arguments) -> int:
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
+    kept = KeptAnalyses()
     with LoadStepProgress(model) as progress:
         with checked_arguments():
             problem = seal_problem(
                 model, driver=driver, recorder=None if arguments.restart else cases,
-                callback=progress, work_dir=arguments.out, **settings,
+                callback=progress, kept=kept, work_dir=arguments.out, **settings,
             )  # fmt: skip
             if arguments.restart:
                 restart(problem, cases)
-        run_numbers = optimize(problem, progress)
+        run_numbers = optimize(problem)
     history = read_optimization(cases)
-    offsets, radius = history.design_at(-1)
-    initial, final = sm.analyze(model), sm.analyze(model, offsets, radius)
+    initial, final = kept.analyze(model), kept.analyze(model, *history.design_at(-1))
     numbers = end_numbers(history, initial, final)
     feasible = numbers["max_constraint_violation"] <= FEASIBLE
     run_numbers["success"] = run_numbers["success"] and feasible
@@ -69,7 +69,7 @@ def main(arguments) -> int:
     summary = {"optimizer": optimizer, **settings, "recorded_evaluations": history.evaluations}
     write_summary(arguments.out, run_numbers | summary | numbers)
     draw_history(history, initial, final, arguments.out)
-    write_report(cases, arguments.out / "report.html")
+    write_report(cases, arguments.out / "report.html", kept=kept)
     state = "converged" if run_numbers["success"] else "NOT CONVERGED"
     print(
         f"{optimizer} {state} in {run_numbers['iterations']} iterations, "
@@ -86,7 +86,7 @@ def main(arguments) -> int:
     return 0 if run_numbers["success"] else 1
 
 
-def optimize(problem: om.Problem, progress: LoadStepProgress) -> dict:
+def optimize(problem: om.Problem) -> dict:
     """Run the driver; an analysis that fails ends the run, what was recorded stays."""
     begun = time.perf_counter()
     try:
@@ -101,7 +101,7 @@ def optimize(problem: om.Problem, progress: LoadStepProgress) -> dict:
     return {
         "success": bool(success),
         "iterations": iterations,
-        "model_evaluations": progress.analyses,
+        "model_evaluations": problem.driver.result.model_evals,
         "reused_evaluations": getattr(problem.driver, "reused_evaluations", 0),
         "wall_s": time.perf_counter() - begun,
         "message": message,
@@ -111,7 +111,8 @@ def optimize(problem: om.Problem, progress: LoadStepProgress) -> dict:
 def arguments_parser():
     made = parser(__doc__, "out/optimization")
     add_model_arguments(made)
-    made.add_argument("--optimizer", choices=sorted(OPTIMIZERS), default="SLSQP", help="method")
+    names = list(OPTIMIZERS)
+    made.add_argument("--optimizer", choices=names, default=names[0], help="method")
     for name, text in PROBLEM_FLAGS.items():
         flag = f"--{name.replace('_', '-')}"
         made.add_argument(flag, action="store_true", help=text.replace("%", "%%"))

@@ -6,18 +6,16 @@ from pathlib import Path
 from _common import add_model_arguments, checked_arguments, model_from, parser, run, write_summary
 from _history_figures import draw_history, end_numbers, report_end
 
-import seal_mdao as sm
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.plotting.recorded import read_optimization
 
 
 def main(arguments) -> int:
     with checked_arguments():
         history = read_optimization(arguments.cases)
-        offsets, radius = history.design_at(-1)
-        first_offsets, first_radius = history.design_at(0)
-    model = history.model or model_from(arguments)
-    initial = sm.analyze(model, first_offsets, first_radius)
-    final = sm.analyze(model, offsets, radius)
+        ends = history.design_at(0), history.design_at(-1)
+    model, kept = history.model or model_from(arguments), KeptAnalyses()
+    initial, final = (kept.analyze(model, *end) for end in ends)
     numbers = end_numbers(history, initial, final)
     write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
     draw_history(history, initial, final, arguments.out)

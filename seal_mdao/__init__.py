@@ -12,6 +12,7 @@ _LAZY = {
     "door_seal": "seal_mdao.model",
     "SealResult": "seal_mdao.seal",
     "analyze": "seal_mdao.seal",
+    "KeptAnalyses": "seal_mdao.kept_analyses",
     "measure_points": "seal_mdao.seal",
     "Sensitivities": "seal_mdao.dsa.sensitivity",
     "differentiate": "seal_mdao.dsa.sensitivity",
@@ -24,8 +25,9 @@ _LAZY = {
     "AreaComp": "seal_mdao.components.area_comp",
     "RkpmContactComp": "seal_mdao.components.rkpm_contact_comp",
     "SealGroup": "seal_mdao.components.seal_group",
+    "UnoDriver": "seal_mdao.drivers.uno_driver",
     "IpoptDriver": "seal_mdao.drivers.ipopt_driver",
-    "ResilientSLSQPDriver": "seal_mdao.drivers.slsqp_driver",
+    "SlsqpDriver": "seal_mdao.drivers.slsqp_driver",
     "RestartRecorder": "seal_mdao.recording.recorder",
     "restart": "seal_mdao.recording.restart",
 }

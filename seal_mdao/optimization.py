@@ -10,12 +10,14 @@ from openmdao.core.driver import Driver
 
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.drivers.ipopt_driver import IpoptDriver
-from seal_mdao.drivers.run_support import RunSupport
-from seal_mdao.drivers.slsqp_driver import ResilientSLSQPDriver
+from seal_mdao.drivers.optimizer_driver import OptimizerDriver
+from seal_mdao.drivers.slsqp_driver import SlsqpDriver
+from seal_mdao.drivers.uno_driver import UnoDriver
 from seal_mdao.dsa.sensitivity import measured
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.model import OFFSET_BOUND, SealModel
 from seal_mdao.recording.recorder import RestartRecorder, record_all
-from seal_mdao.seal import SealResult, analyze
+from seal_mdao.seal import SealResult
 from seal_mdao.settings import PROBLEM_OPTION
 
 AREA_LIMIT = 110.0
@@ -30,37 +32,31 @@ PRESSURE_SHARE = 0.5
 OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
 TOLERANCE = 1e-6
-"""Accuracy of objective (SLSQP) and constraints (IPOPT), scaled."""
+"""Accuracy of the constraints, scaled; for SLSQP also that of the objective."""
 OPTIMALITY = 1e-3
-"""Largest entry of the scaled Lagrangian's gradient at which both optimisers stop.
+"""Largest entry of the scaled Lagrangian's gradient at which Uno and IPOPT stop.
 
 The cost is zero where the gap is closed, and its derivative jumps where a contact state changes: a
 closed gap leaves about this much. What can still be gained then is at most the cost itself.
 """
-MOVE_LIMIT = 0.5
-"""Largest change of a variable in an iteration of SLSQP, mm."""
 
 
-def slsqp_driver(max_iterations: int = 60) -> Driver:
-    """SLSQP that backs off when an analysis fails, and stops at optimality.
-
-    The move limit holds the first steps back: they would go from bound to bound, and contact is
-    lost or gained within tenths of a mm.
-    """
-    return ResilientSLSQPDriver(
-        tol=TOLERANCE, maxiter=max_iterations, move_limit=MOVE_LIMIT, require_optimality=True,
-        optimality_tol=OPTIMALITY, disp=False,
-    )  # fmt: skip
+def uno_driver(max_iterations: int = 100) -> Driver:
+    """SQP of Uno, the default."""
+    return UnoDriver(tol=OPTIMALITY, feas_tol=TOLERANCE, maxiter=max_iterations)
 
 
 def ipopt_driver(max_iterations: int = 100) -> Driver:
     """IPOPT; needs the extra ``ipopt``."""
-    driver = IpoptDriver(tol=OPTIMALITY, maxiter=max_iterations, disp=False)
-    driver.opt_settings["constr_viol_tol"] = TOLERANCE
-    return driver
+    return IpoptDriver(tol=OPTIMALITY, feas_tol=TOLERANCE, maxiter=max_iterations)
 
 
-OPTIMIZERS = {"SLSQP": slsqp_driver, "IPOPT": ipopt_driver}
+def slsqp_driver(max_iterations: int = 60) -> Driver:
+    """SciPy's SLSQP, which stops when the objective no longer changes, be it optimal or not."""
+    return SlsqpDriver(tol=TOLERANCE, maxiter=max_iterations)
+
+
+OPTIMIZERS = {"UNO": uno_driver, "IPOPT": ipopt_driver, "SLSQP": slsqp_driver}
 """Drivers by name; all settings of the optimisers are here and in the constants above."""
 
 
@@ -130,6 +126,7 @@ def seal_problem(
     driver: Driver | None = None,
     recorder=None,
     callback=None,
+    kept: KeptAnalyses | None = None,
     work_dir=None,
     reports=None,
 ) -> om.Problem:
@@ -149,11 +146,13 @@ def seal_problem(
     gap_integral : bool
         Minimise the integral of g^2 over the opened stretch instead of the sum over points.
     driver : Driver, optional
-        SLSQP when left out.
+        Uno when left out.
     recorder : str, Path or CaseRecorder, optional
         Where every model evaluation is recorded, with all that figures and restarts need.
     callback : callable, optional
         Called with every converged load step.
+    kept : KeptAnalyses, optional
+        Keeps the analyses for whoever looks at the designs afterwards; a new one when left out.
     work_dir : str or Path, optional
         Folder of OpenMDAO's own output; the current one when left out.
     reports : optional
@@ -171,7 +170,8 @@ def seal_problem(
     LoadPathError
         When the drawn seal cannot be analysed.
     """
-    drawn = analyze(model)
+    kept = KeptAnalyses() if kept is None else kept
+    drawn = kept.analyze(model, keep_factors=True, callback=callback)
     drawn.require_converged()
     chosen = {
         "reaction_curve": clamp_load, "patch_pressure": pressure_floor,
@@ -181,8 +181,8 @@ def seal_problem(
     limits = problem_limits(drawn, measures)
     options = {} if work_dir is None else {"work_dir": str(work_dir)}
     problem = om.Problem(
-        SealGroup(model=model, callback=callback, measures=measures),
-        driver=driver or slsqp_driver(), reports=reports, **options,
+        SealGroup(model=model, callback=callback, measures=measures, kept=kept),
+        driver=driver or uno_driver(), reports=reports, **options,
     )  # fmt: skip
     _add_variables(problem.model, limits)
     _add_responses(problem.model, limits)
@@ -245,4 +245,4 @@ def _record(problem: om.Problem, recorder) -> None:
 def major_iterations(problem: om.Problem) -> int | None:
     """Major iterations that the optimiser itself counted, None when it does not tell."""
     driver = problem.driver
-    return driver.result.iter_count if isinstance(driver, RunSupport) else None
+    return driver.result.iter_count if isinstance(driver, OptimizerDriver) else None

@@ -5,10 +5,16 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.dsa.sensitivity import measured
-from seal_mdao.optimization import FORCE_BAND, PRESSURE_SHARE, STRESS_SHARE, seal_problem
+from seal_mdao.optimization import (
+    FORCE_BAND,
+    OPTIMIZERS,
+    PRESSURE_SHARE,
+    STRESS_SHARE,
+    seal_problem,
+)
 from seal_mdao.seal import measure_points
 
-MODEL = sm.door_seal(n_steps=42)
+MODEL = sm.door_seal(n_steps=21)
 
 
 @pytest.fixture(scope="module")
@@ -50,10 +56,9 @@ def test_stress_norm_and_integral_take_the_place_of_the_point_measures(tmp_path,
 
 def test_optimum_of_all_flags_keeps_what_they_ask(tmp_path, start):
     pytest.importorskip("ipyopt")
-    driver = sm.IpoptDriver(tol=1e-3, maxiter=60, disp=False)
     problem = seal_problem(
-        MODEL, driver=driver, work_dir=tmp_path, clamp_load=True, pressure_floor=True,
-        stress_norm=True, gap_integral=True,
+        MODEL, driver=OPTIMIZERS["IPOPT"](), work_dir=tmp_path, clamp_load=True,
+        pressure_floor=True, stress_norm=True, gap_integral=True,
     )  # fmt: skip
     assert problem.run_driver().success
     end = sm.analyze(MODEL, problem.get_val("boundary_offsets"), problem.get_val("door_radius")[0])

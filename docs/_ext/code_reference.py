@@ -25,7 +25,7 @@ from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 
 ROOT = Path(__file__).resolve().parents[2]
 COMPONENTS = (sm.SplineGeometryComp, sm.AreaComp, sm.RkpmContactComp, sm.SealGroup)
-DRIVERS = (sm.IpoptDriver, sm.ResilientSLSQPDriver)
+DRIVERS = (sm.UnoDriver, sm.IpoptDriver, sm.SlsqpDriver)
 DATACLASSES = (sm.SealModel, Section, MooneyRivlin, NewtonOptions)
 
 

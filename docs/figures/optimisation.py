@@ -1,4 +1,4 @@
-"""Problem (71) solved by SLSQP: the histories and the optimised shape."""
+"""Problem (71) solved: the histories and the optimised shape."""
 
 import tempfile
 from pathlib import Path
@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from seal_mdao.optimization import seal_problem, slsqp_driver
+from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.optimization import OPTIMIZERS, seal_problem
 from seal_mdao.plotting import (
     constraint_history,
     cost_history,
@@ -15,37 +16,40 @@ from seal_mdao.plotting import (
     save,
 )
 
+OPTIMIZER = next(iter(OPTIMIZERS))
 
-def optimise(iterations: int, folder: str):
-    """Recorded history of the optimisation, and whether it succeeded."""
+
+def optimise(iterations: int, folder: str, kept: KeptAnalyses):
+    """Recorded history of the optimisation."""
     recorder = Path(folder) / "cases.sql"
     problem = seal_problem(
-        sm.door_seal(), driver=slsqp_driver(iterations), recorder=recorder, work_dir=folder
-    )
-    outcome = problem.run_driver()
+        sm.door_seal(), driver=OPTIMIZERS[OPTIMIZER](iterations), recorder=recorder, kept=kept,
+        work_dir=folder,
+    )  # fmt: skip
+    problem.run_driver()
     problem.cleanup()
-    return read_optimization(recorder), outcome
+    return read_optimization(recorder)
 
 
 def make(out: Path, reduced: bool) -> dict:
     """Pictures of the optimisation; two iterations in the reduced mode."""
+    kept = KeptAnalyses()
     with tempfile.TemporaryDirectory() as folder:
-        history, outcome = optimise(2 if reduced else 50, folder)
-    model = sm.door_seal()
-    initial, final = (sm.analyze(model, *history.design_at(i)) for i in (0, -1))
+        history = optimise(2 if reduced else 50, folder, kept)
+    initial, final = (kept.analyze(history.model, *history.design_at(i)) for i in (0, -1))
     save(cost_history(history), out / "cost_history.png")
     figure = constraint_history(history, initial.points.stress)
     save(figure, out / "constraint_history.png")
     save(design_comparison(initial, final), out / "optimised_seal.png")
-    return {"text": _text(history, outcome, initial, final)}
+    return {"text": _text(history, initial, final)}
 
 
-def _text(history, outcome, initial, final) -> str:
+def _text(history, initial, final) -> str:
     ratio = 100 * history.objective_ratio
     below = np.flatnonzero(ratio <= 0.75)
     reached = f"is below 0.75 % after {below[0]} of them and " if below.size else ""
     return (
-        f"SciPy's SLSQP from zero offsets takes {len(ratio) - 1} major iterations and "
+        f"{OPTIMIZER} from zero offsets takes {len(ratio) - 1} major iterations and "
         f"{history.evaluations} analyses. The cost {reached}ends at {ratio[-1]:.2g} % of its start "
         f"({initial.gap_square_sum:.4f} to {final.gap_square_sum:.2e} mm²), with a largest relative "
         f"constraint violation of {history.max_violation[-1]:.1e}. The vertical reaction changes "

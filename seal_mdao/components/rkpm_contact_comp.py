@@ -1,21 +1,22 @@
 """The nonlinear RKPM contact analysis as an explicit component with exact partials."""
 
-import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS, check_parameters, start_value
 from seal_mdao.dsa.sensitivity import METHODS, measured, particle_gradient
 from seal_mdao.errors import GeometryError, LoadPathError
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.catalogue import FURTHER_MEASURES, check_measures
 from seal_mdao.model import SealModel
-from seal_mdao.seal import FACTOR_MEMORY, analyze_particles, measure_points
+from seal_mdao.seal import FACTOR_MEMORY, measure_points
 
 
 class RkpmContactComp(om.ExplicitComponent):
     """Frictional contact of a seal with a rigid door: particles in, measures at the end of the path out.
 
-    The load path always starts from the undeformed state. The last converged path is kept behind a
-    key made of the inputs' bytes; partials at any other point solve it again first.
+    The load path always starts from the undeformed state. The last converged path, or as many as the
+    option ``kept`` holds, are found again by the inputs' bytes; partials at any other point solve the
+    path first.
     """
 
     def initialize(self):
@@ -46,6 +47,14 @@ class RkpmContactComp(om.ExplicitComponent):
             desc="GiB for factors of converged tangents; those beyond are made again for the partials.",
         )
         self.options.declare(
+            "kept",
+            default=None,
+            allow_none=True,
+            types=KeptAnalyses,
+            recordable=False,
+            desc="Where analyses are looked up and kept; only the last one is when left out.",
+        )
+        self.options.declare(
             "callback",
             default=None,
             allow_none=True,
@@ -56,8 +65,9 @@ class RkpmContactComp(om.ExplicitComponent):
 
     def setup(self):
         model = self.options["model"]
-        self._points = measure_points(model)
-        self._key, self._result = None, None
+        kept = self.options["kept"]
+        self._kept = KeptAnalyses(memory=0.0) if kept is None else kept
+        self._points = measure_points(model) if kept is None else kept.points(model)
         self.add_input(
             "particles", val=model.drawn_particles, units="mm", desc="Undeformed particles X_I."
         )
@@ -128,24 +138,20 @@ class RkpmContactComp(om.ExplicitComponent):
                     partials[measure, name] = rows.reshape(len(rows), -1)
 
     def _analysis(self, inputs):
-        key = tuple(inputs[name].tobytes() for name in inputs)
-        if key != self._key:
-            self._key, self._result = None, None
-            values = {name: float(inputs[name][0]) for name in self.options["parameters"]}
-            try:
-                result = analyze_particles(
-                    self.options["model"].with_parameters(values),
-                    np.array(inputs["particles"]),
-                    inputs["door_radius"],
-                    points=self._points,
-                    factor_memory=self.options["factor_memory"],
-                    callback=self.options["callback"],
-                )
-                result.require_converged()
-            except (GeometryError, LoadPathError) as error:
-                raise om.AnalysisError(str(error)) from error
-            self._key, self._result = key, result
-        return self._result
+        values = {name: float(inputs[name][0]) for name in self.options["parameters"]}
+        try:
+            result = self._kept.analyze_particles(
+                self.options["model"].with_parameters(values),
+                inputs["particles"],
+                inputs["door_radius"],
+                points=self._points,
+                factor_memory=self.options["factor_memory"],
+                callback=self.options["callback"],
+            )
+            result.require_converged()
+        except (GeometryError, LoadPathError) as error:
+            raise om.AnalysisError(str(error)) from error
+        return result
 
 
 def _check_callable(name, value):

@@ -7,6 +7,7 @@ from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS, check_paramete
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
 from seal_mdao.dsa.sensitivity import METHODS
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.catalogue import FURTHER_MEASURES, check_measures
 from seal_mdao.model import SealModel, door_seal
 from seal_mdao.seal import FACTOR_MEMORY
@@ -50,6 +51,14 @@ class SealGroup(om.Group):
             desc="GiB for the factors that the contact partials use again.",
         )
         self.options.declare(
+            "kept",
+            default=None,
+            allow_none=True,
+            types=KeptAnalyses,
+            recordable=False,
+            desc="Where analyses are looked up and kept; only the last one is when left out.",
+        )
+        self.options.declare(
             "callback",
             default=None,
             allow_none=True,
@@ -74,6 +83,7 @@ class SealGroup(om.Group):
             parameters=self.options["parameters"],
             measures=self.options["measures"],
             factor_memory=self.options["factor_memory"],
+            kept=self.options["kept"],
             callback=self.options["callback"],
         )
         self.add_subsystem("contact", contact, promotes=["*"])

@@ -1,9 +1,4 @@
-"""How design variables and constraints lie in the optimizer's flat arrays.
-
-Everything here is in driver scaling, in the order in which OpenMDAO keeps the design variables
-and the constraints. A row of the constraint vector is *active* when it depends on a design
-variable; the other rows are constants, which no optimizer can do anything about.
-"""
+"""How design variables and constraints lie in the optimiser's flat arrays, in driver scaling."""
 
 from __future__ import annotations
 
@@ -11,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from openmdao.core.group import Group
+
+from seal_mdao import openmdao_access as access
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,36 +19,32 @@ INFINITE_BOUND = 1e20
 
 @dataclass(frozen=True)
 class ProblemLayout:
-    """Names, slices and bounds of an optimization problem, in driver scaling.
+    """Names, slices and bounds of an optimisation problem, in driver scaling.
 
     Attributes
     ----------
-    desvars, responses, linear : tuple of str
-        Design variables; objective and nonlinear constraints in the row order of the total
-        Jacobian; linear constraints.
-    desvar_slices, constraint_slices : dict
-        Slices of every design variable in ``x`` and of every constraint in ``c``.
+    desvars, constraints : dict of str to slice
+        Place of every design variable in ``x`` and of every constraint in ``c``.
+    responses, linear : list of str
+        Objective and nonlinear constraints in the row order of their total derivatives; linear
+        constraints.
     x_lower, x_upper : ndarray, shape (n,)
         Bounds of the design variables, infinite where there are none.
     c_lower, c_upper : ndarray, shape (m,)
         Bounds of the constraints; equal for equality constraints.
-    nonlinear_rows, linear_rows : ndarray of int
-        Rows of ``c`` in the row order of the nonlinear and of the linear total Jacobian.
     active : ndarray of bool, shape (m,)
-        False for constraints that depend on no design variable.
+        False for constraints that depend on no design variable: no optimiser can do anything
+        about them.
     """
 
-    desvars: tuple[str, ...]
-    responses: tuple[str, ...]
-    linear: tuple[str, ...]
-    desvar_slices: dict[str, slice]
-    constraint_slices: dict[str, slice]
+    desvars: dict[str, slice]
+    constraints: dict[str, slice]
+    responses: list[str]
+    linear: list[str]
     x_lower: NDArray[np.float64]
     x_upper: NDArray[np.float64]
     c_lower: NDArray[np.float64]
     c_upper: NDArray[np.float64]
-    nonlinear_rows: NDArray[np.intp]
-    linear_rows: NDArray[np.intp]
     active: NDArray[np.bool_]
 
     @property
@@ -69,17 +61,20 @@ class ProblemLayout:
         """Return a copy of ``x`` moved onto the bounds where it lies outside them."""
         return np.clip(x, self.x_lower, self.x_upper)
 
-    def violation(self, constraints: NDArray[np.float64]) -> float:
-        """Return the largest constraint violation, 0 when all are satisfied.
+    def rows(self, names: list[str]) -> NDArray[np.intp]:
+        """Rows of the constraint vector that belong to the constraints among ``names``."""
+        every = np.arange(self.m)
+        parts = [every[self.constraints[name]] for name in names if name in self.constraints]
+        return np.concatenate([every[:0], *parts])
 
-        It is measured in driver scaling, relative to the bound where that is larger than 1.
-        """
+    def violation(self, constraints: NDArray[np.float64]) -> float:
+        """Return the largest constraint violation, relative to the bound where that exceeds 1."""
         return max(0.0, float(self._excess(constraints).max(initial=0.0)))
 
     def violated_constants(self, constraints: NDArray[np.float64], tol: float) -> list[str]:
         """Return names of violated constraints that depend on no design variable."""
         bad = (self._excess(constraints) > tol) & ~self.active
-        return [name for name, rows in self.constraint_slices.items() if bad[rows].any()]
+        return [name for name, rows in self.constraints.items() if bad[rows].any()]
 
     def _excess(self, constraints: NDArray[np.float64]) -> NDArray[np.float64]:
         parts = []
@@ -101,78 +96,48 @@ def read_layout(driver: Driver) -> ProblemLayout:
     ValueError
         If a lower bound lies above its upper bound.
     """
-    desvar_slices = _slices(driver, "design_var")
-    constraint_slices = _slices(driver, "constraint")
-    if not sum(rows.stop - rows.start for rows in desvar_slices.values()):
+    desvars = _slices(driver.get_design_var_values())
+    constraints = _slices(driver.get_constraint_values())
+    x_lower, x_upper = _bounds(driver, "design_var", desvars)
+    c_lower, c_upper = _bounds(driver, "constraint", constraints)
+    if not x_lower.size:
         raise RuntimeError("Problem has no design variables.")
-    x_lower, x_upper = _bounds(driver, "design_var", desvar_slices)
-    c_lower, c_upper = _bounds(driver, "constraint", constraint_slices)
-    responses = tuple(driver._get_ordered_nl_responses())
-    linear = tuple(name for name, meta in driver._cons.items() if meta["linear"])
-    constants = constant_constraints(driver)
     active = np.ones(c_lower.size, dtype=bool)
-    for name in constants:
-        active[constraint_slices[name]] = False
+    for name in access.constant_constraints(driver):
+        active[constraints[name]] = False
     return ProblemLayout(
-        desvars=tuple(desvar_slices),
-        responses=responses,
-        linear=linear,
-        desvar_slices=desvar_slices,
-        constraint_slices=constraint_slices,
-        x_lower=x_lower,
-        x_upper=x_upper,
-        c_lower=c_lower,
-        c_upper=c_upper,
-        nonlinear_rows=_rows([n for n in responses if n in constraint_slices], constraint_slices),
-        linear_rows=_rows(linear, constraint_slices),
-        active=active,
-    )
+        desvars, constraints, access.nonlinear_responses(driver), access.linear_constraints(driver),
+        x_lower, x_upper, c_lower, c_upper, active,
+    )  # fmt: skip
 
 
-def constant_constraints(driver: Driver) -> list[str]:
-    """Return names of the constraints that depend on no design variable.
-
-    As in OpenMDAO nothing is said when a group approximates its derivatives, because the
-    relevance graph is not reliable then.
-    """
-    model = driver._problem().model
-    if approximates_derivatives(model):
-        return []
-    constants = set(model._relevance._no_dv_responses) - set(driver._designvars)
-    return [name for name, meta in driver._cons.items() if meta["source"] in constants]
+def flat(values: dict) -> NDArray[np.float64]:
+    """One flat array of the values by name that OpenMDAO gives; a copy."""
+    return np.concatenate([np.zeros(0), *(np.ravel(value) for value in values.values())])
 
 
-def approximates_derivatives(model: Group) -> bool:
-    """Return whether any group of the model approximates its derivatives."""
-    groups = model.system_iter(include_self=True, recurse=True, typ=Group)
-    return any(group._has_approx for group in groups)
+def _slices(values: dict) -> dict[str, slice]:
+    ends = np.cumsum([0, *(np.size(value) for value in values.values())]).tolist()
+    return {name: slice(*ends[i : i + 2]) for i, name in enumerate(values)}
 
 
-def _slices(driver: Driver, voi_type: str) -> dict[str, slice]:
-    metadata = driver._vectors[voi_type].metadata
-    return {name: meta["slice"] for name, meta in metadata.items()}
-
-
-def _rows(names, slices: dict[str, slice]) -> NDArray[np.intp]:
-    parts = [np.arange(slices[name].start, slices[name].stop) for name in names]
-    return np.concatenate(parts) if parts else np.zeros(0, dtype=np.intp)
-
-
-def _bounds(driver: Driver, voi_type: str, slices: dict[str, slice]):
+def _bounds(driver: Driver, kind: str, slices: dict[str, slice]):
     """Return flat scaled lower and upper bounds of design variables or constraints."""
-    size = sum(rows.stop - rows.start for rows in slices.values())
+    size = max((rows.stop for rows in slices.values()), default=0)
     lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
-    scaled = driver.autoscaler.get_bounds_scaling(voi_type)
-    for name, rows in slices.items():
-        bounds = scaled[name]
-        if bounds.equals is not None:
-            lower[rows] = upper[rows] = bounds.equals
-            continue
-        if bounds.lower is not None:
-            lower[rows] = bounds.lower
-        if bounds.upper is not None:
-            upper[rows] = bounds.upper
-        _swap_reflected(lower[rows], upper[rows], _scaler(driver, voi_type, name))
+    scalers = access.total_scalers(driver, kind)
+    for name, (low, high, equals) in access.scaled_bounds(driver, kind).items():
+        rows = slices[name]
+        if equals is not None:
+            low = high = equals
+        if low is not None:
+            lower[rows] = low
+        if high is not None:
+            upper[rows] = high
+        if scalers[name] is not None:
+            # OpenMDAO leaves bounds that a negative scaler has turned round as they are
+            turned = np.broadcast_to(np.ravel(scalers[name]) < 0.0, lower[rows].shape)
+            _swap(lower[rows], upper[rows], turned & (equals is None))
     lower[lower <= -INFINITE_BOUND] = -np.inf
     upper[upper >= INFINITE_BOUND] = np.inf
     for name, rows in slices.items():
@@ -181,17 +146,8 @@ def _bounds(driver: Driver, voi_type: str, slices: dict[str, slice]):
     return lower, upper
 
 
-def _scaler(driver: Driver, voi_type: str, name: str):
-    metadata = getattr(driver.autoscaler, "_var_meta", None)
-    source = driver._designvars if voi_type == "design_var" else driver._cons
-    return (metadata[voi_type] if metadata else source)[name]["total_scaler"]
-
-
-def _swap_reflected(lower, upper, scaler) -> None:
-    """Swap, in place, bounds that a negative scaler has turned round (OpenMDAO does not)."""
-    if scaler is None or not np.any(np.asarray(scaler) < 0.0):
-        return
-    turned = np.broadcast_to(np.asarray(scaler).ravel() < 0.0, lower.shape)
-    old_lower = lower.copy()
-    lower[turned] = np.where(np.isposinf(upper), -np.inf, upper)[turned]
-    upper[turned] = np.where(np.isneginf(old_lower), np.inf, old_lower)[turned]
+def _swap(lower, upper, where) -> None:
+    """Exchange, in place, lower and upper bounds; what is absent on one side is so on the other."""
+    low, high = lower[where], upper[where]
+    lower[where] = np.where(high >= INFINITE_BOUND, -np.inf, high)
+    upper[where] = np.where(low <= -INFINITE_BOUND, np.inf, low)

@@ -15,11 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from seal_mdao.drivers.evaluation import ModelEvaluator
+from seal_mdao.drivers.layout import flat, read_layout
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from seal_mdao.drivers.evaluation import ModelEvaluator
     from seal_mdao.drivers.layout import ProblemLayout
+    from seal_mdao.openmdao_access import FailedCases
 
 NEAR = 1e-2
 """Bounds farther away than this, relative to 1 + |bound|, are given no multiplier."""
@@ -37,6 +40,8 @@ class Optimality:
         Largest product of a multiplier and the distance to its bound.
     infeasibility : float
         Largest constraint violation.
+    multipliers : float
+        Sum of the sizes of all multipliers: what a unit of violation of all bounds may gain.
 
     The first two are divided by the larger of 1 and the largest entry of the objective's
     gradient.
@@ -45,13 +50,14 @@ class Optimality:
     stationarity: float
     complementarity: float
     infeasibility: float
+    multipliers: float
 
-    def satisfied(self, tol: float) -> bool:
-        """Return whether all measures are at most ``tol``."""
-        return max(self.stationarity, self.complementarity, self.infeasibility) <= tol
+    def satisfied(self, tol: float, feas_tol: float) -> bool:
+        """Return whether the conditions hold to ``tol`` and the constraints to ``feas_tol``."""
+        conditions = max(self.stationarity, self.complementarity)
+        return conditions <= tol and self.infeasibility <= feas_tol
 
     def __str__(self) -> str:
-        """Return the measures in words."""
         conditions = max(self.stationarity, self.complementarity)
         return (
             f"optimality conditions hold to {conditions:.1e}, "
@@ -67,60 +73,54 @@ class Optimality:
         gradient: NDArray[np.float64],
         jacobian: NDArray[np.float64],
     ) -> Optimality:
-        """Measure a point from its constraint values and total derivatives."""
-        residual, products = kkt_residuals(layout, x, constraints, gradient, jacobian)
+        """Measure a point.
+
+        Parameters
+        ----------
+        layout : ProblemLayout
+            Bounds of the problem.
+        x, constraints : ndarray, shapes (n,) and (m,)
+            The point and its constraint values.
+        gradient, jacobian : ndarray, shapes (n,) and (m, n)
+            Total derivatives of the objective and of the constraints.
+        """
+        normals, distances, free = _bound_terms(layout, x, constraints, jacobian)
+        multipliers = _multipliers(normals, distances, free, gradient)
+        residual, products = gradient - normals @ multipliers, distances * multipliers
         scale = max(1.0, np.abs(gradient).max())
         return cls(
             float(np.abs(residual).max() / scale),
             float(np.abs(products).max(initial=0.0) / scale),
             layout.violation(constraints),
+            float(np.abs(multipliers).sum()),
         )
 
 
-def measure_optimality(evaluator: ModelEvaluator) -> Optimality:
-    """Measure the point now in the model, computing total derivatives but not running it."""
-    x, constraints = evaluator.current()
-    return Optimality.at(evaluator.layout, x, constraints, *evaluator.totals_here())
+def measure_optimality(driver: FailedCases) -> Optimality:
+    """Measure the point now in the model of any driver that has been run.
 
-
-def kkt_residuals(
-    layout: ProblemLayout,
-    x: NDArray[np.float64],
-    constraints: NDArray[np.float64],
-    gradient: NDArray[np.float64],
-    jacobian: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return what the best admissible multipliers leave over of the optimality conditions.
-
-    Parameters
-    ----------
-    layout : ProblemLayout
-        Bounds of the problem.
-    x, constraints : ndarray, shapes (n,) and (m,)
-        The point and its constraint values.
-    gradient, jacobian : ndarray, shapes (n,) and (m, n)
-        Total derivatives of the objective and of the constraints.
-
-    Returns
-    -------
-    residual : ndarray, shape (n,)
-        Gradient of the Lagrangian. Multipliers are non-negative for inequalities (directed
-        inwards) and free for equalities, and minimize the sum of squares of both results.
-    products : ndarray
-        Multipliers times distances to the bounds, of the bounds that are near.
+    The total derivatives are computed once more; the model itself is not run.
     """
-    columns, distances, free = _bound_terms(layout, x, constraints, jacobian)
-    if not columns.size:
-        return gradient, np.zeros(0)
-    matrix = np.vstack([columns, np.diag(distances)])
+    layout = read_layout(driver)
+    gradient, jacobian = ModelEvaluator(driver, layout).totals_here(once=True)
+    x, constraints = flat(driver.get_design_var_values()), flat(driver.get_constraint_values())
+    return Optimality.at(layout, x, constraints, gradient, jacobian)
+
+
+def _multipliers(normals, distances, free, gradient) -> NDArray[np.float64]:
+    """Return those that leave least of the Lagrangian's gradient and of the products.
+
+    They are non-negative for inequalities (whose normals point inwards), ``free`` for equalities.
+    """
+    if not distances.size:
+        return np.zeros(0)
+    matrix = np.vstack([normals, np.diag(distances)])
     target = np.concatenate([gradient, np.zeros(distances.size)])
-    least = np.where(free, -np.inf, 0.0)
-    multipliers = lsq_linear(matrix, target, bounds=(least, np.inf), method="bvls").x
-    return gradient - columns @ multipliers, distances * multipliers
+    return lsq_linear(matrix, target, (np.where(free, -np.inf, 0.0), np.inf), method="bvls").x
 
 
 def _bound_terms(layout, x, constraints, jacobian):
-    """Return inward normals of the near bounds, distances, and which multipliers are free."""
+    """Return inward normals (n, k) of the near bounds, distances, and which multipliers are free."""
     normals = np.vstack([jacobian, np.eye(layout.n)])
     values = np.concatenate([constraints, x])
     lower = np.concatenate([layout.c_lower, layout.x_lower])
@@ -128,10 +128,10 @@ def _bound_terms(layout, x, constraints, jacobian):
     equal = lower == upper
     at_lower = equal | _near(values - lower, lower)
     at_upper = ~equal & _near(upper - values, upper)
-    columns = np.vstack([normals[at_lower], -normals[at_upper]]).T
     distances = np.concatenate([(values - lower)[at_lower], (upper - values)[at_upper]])
     free = np.concatenate([equal[at_lower], np.zeros(at_upper.sum(), dtype=bool)])
-    return columns, np.where(free, 0.0, np.maximum(0.0, distances)), free
+    inward = np.vstack([normals[at_lower], -normals[at_upper]]).T
+    return inward, np.where(free, 0.0, np.maximum(0.0, distances)), free
 
 
 def _near(distance: NDArray[np.float64], bound: NDArray[np.float64]) -> NDArray[np.bool_]:

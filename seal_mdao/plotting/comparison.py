@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting import field, section
-from seal_mdao.plotting.style import BLUE, GREY, styled, subplots
+from seal_mdao.plotting.style import BLUE, GREY, scientific, styled, subplots
 from seal_mdao.seal import SealResult
 
 
@@ -44,14 +44,15 @@ def design_comparison(initial: SealResult, optimised: SealResult) -> Figure:
         section.frame(axis, low, high)
         axis.set_title(f"{name}: {_numbers(result)}")
         axis.set_ylabel("")
+    axes[1].legend(loc="lower left", bbox_to_anchor=(0.0, 0.6), title="points of the boundary")
     bar = figure.colorbar(contours, ax=axes, shrink=0.85, aspect=28, pad=0.01)
     bar.set_label("von Mises stress (kPa)")
     return figure
 
 
 def _numbers(result: SealResult) -> str:
-    force = result.reaction[-1, 1]
-    return f"$\\Sigma g_n^2$ = {result.gap_square_sum:.2g} mm², {force:.1f} N/m"
+    cost, force = scientific(result.gap_square_sum), result.reaction[-1, 1]
+    return f"$\\Sigma g_n^2$ = {cost} mm², {force:.1f} N/m"
 
 
 def _draw_shapes(axes: Axes, initial: SealResult, optimised: SealResult, drawn) -> None:

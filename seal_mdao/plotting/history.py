@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from seal_mdao.plotting.recorded import RecordedOptimization
-from seal_mdao.plotting.style import BLACK, BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
+from seal_mdao.plotting.recorded import RecordedOptimization, label
+from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
 
 PAPER_RATIO = 0.0075
 """Cost over its start that Kim et al. (2000) reached."""
@@ -35,14 +35,14 @@ def cost_history(history: RecordedOptimization) -> Figure:
         xytext=(-2, 3), textcoords="offset points", ha="right", color=GREY, fontsize=9.0,
     )  # fmt: skip
     axes.plot(number, ratio, color=BLUE, zorder=2)
-    for chosen, fill, label in (
+    for chosen, fill, text in (
         (feasible, BLUE, "all constraints satisfied"),
         (~feasible, "white", "a constraint violated by over 0.1 %"),
     ):
         if chosen.any():
             axes.plot(
                 number[chosen], ratio[chosen], "o", markersize=7, markerfacecolor=fill,
-                markeredgecolor=BLUE, label=label, zorder=3,
+                markeredgecolor=BLUE, label=text, zorder=3,
             )  # fmt: skip
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{100 * v:g} %"))
@@ -54,7 +54,7 @@ def cost_history(history: RecordedOptimization) -> Figure:
 
 @styled
 def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
-    """Constraints over their limits; a feasible design lies on or below 1.
+    """How far constraints use their limits; a feasible design lies on or below 1.
 
     Parameters
     ----------
@@ -65,46 +65,36 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
     Returns
     -------
     Figure
+        For a positive upper limit the curve is value / limit.
     """
     figure, axes = subplots(width=8.2, height=4.6)
-    number, highest, lowest = np.arange(len(history.objective)), 1.0, 1.0
-    coloured = itertools.cycle(zip(CYCLE, MARKERS, strict=True))
-    dashed = itertools.cycle(["--", "-.", ":"])
-    for label, share in _shares(history, particles):
-        if label.startswith("stress"):
-            color, marker = next(coloured)
-            axes.plot(number, share, color=color, marker=marker, label=label)
-        else:
-            axes.plot(number, share, color=BLACK, linestyle=next(dashed), label=label)
-        highest, lowest = max(highest, share.max()), min(lowest, share.min())
-    axes.axhline(1.0, color=VERMILION, linewidth=1.4, zorder=1)
-    top = highest + 0.08 * (highest - lowest) + 1e-3
-    axes.axhspan(1.0, top, color=VERMILION, alpha=0.08, linewidth=0)
-    axes.set_ylim(lowest - 0.05 * (highest - lowest) - 1e-3, top)
-    axes.text(
-        0.995, top, "violated", transform=axes.get_yaxis_transform(), ha="right", va="top",
-        color=VERMILION, fontsize=9.0,
-    )  # fmt: skip
-    axes.set_ylabel("value / limit")
+    number = np.arange(len(history.objective))
+    uses = {_legend(c.name, particles): c.use() for c in history.constraints}
+    uses = {text: use for text, use in uses.items() if np.isfinite(use).all()}  # there is a limit
+    looks = itertools.product(("-", "--", ":"), zip(CYCLE, MARKERS, strict=True))
+    for (text, use), (dash, (color, marker)) in zip(uses.items(), looks, strict=False):
+        axes.plot(number, use, color=color, marker=marker, linestyle=dash, label=text)
+    _shade_violated(axes, np.concatenate([[1.0], *uses.values()]))
+    axes.set_ylabel("use of the limit")
     _iteration_axis(axes, history)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
-def _shares(history: RecordedOptimization, particles):
-    """Label and use of its limit of every finite limit; a lower limit counts as limit / value."""
-    for constraint in history.constraints:
-        label = _label(constraint.name, particles)
-        both = np.isfinite(constraint.upper) and np.isfinite(constraint.lower)
-        if np.isfinite(constraint.upper):
-            yield label + (" (upper)" if both else ""), constraint.values / constraint.upper
-        if np.isfinite(constraint.lower):
-            yield label + (" (lower)" if both else ""), constraint.lower / constraint.values
+def _shade_violated(axes: Axes, shown: np.ndarray) -> None:
+    """The limit, and what is beyond it, in a window that holds the values ``shown``."""
+    low, high = shown.min(), shown.max()
+    top = high + 0.08 * (high - low) + 1e-3
+    axes.axhline(1.0, color=VERMILION, linewidth=1.4, zorder=1)
+    axes.axhspan(1.0, top, color=VERMILION, alpha=0.08, linewidth=0)
+    axes.set_ylim(low - 0.05 * (high - low) - 1e-3, top)
+    axes.text(
+        0.995, top, "violated", transform=axes.get_yaxis_transform(), ha="right", va="top",
+        color=VERMILION, fontsize=9.0,
+    )  # fmt: skip
 
 
-def _label(name: str, particles) -> str:
+def _legend(name: str, particles) -> str:
     entry = re.fullmatch(r"von_mises\[(\d+)\]", name)
-    if entry is None:
-        return {"reaction": "vertical reaction"}.get(name, name)
-    number = int(entry[1])
-    return f"stress at {particles[number]}" if particles is not None else f"stress {number + 1}"
+    where = f", particle {particles[int(entry[1])]}" if entry and particles is not None else ""
+    return label(name) + where

@@ -1,5 +1,6 @@
 """What an OpenMDAO recorder file says about an optimisation."""
 
+import re
 import sqlite3
 from dataclasses import dataclass, field
 
@@ -13,6 +14,18 @@ from seal_mdao.recording.settings import open_cases, recorded_problem
 
 NO_LIMIT = 1e20
 """Limits from here on are OpenMDAO's way of saying that there is none."""
+NAMES = {
+    "gap_square_sum": "sum of squared gaps",
+    "gap_square_integral": "integral of the squared gap",
+    "stress_norm": "norm of all stresses",
+    "patch_pressure": "contact pressure of patch",
+    "reaction_curve": "vertical reaction along the path",
+    "area": "area of the section",
+    "reaction": "vertical reaction",
+    "boundary_offsets": "boundary offsets",
+    "door_radius": "corner radius of the door",
+}
+"""Variables in words."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +55,27 @@ class Constraint:
                 size = abs(limit) or 1.0
                 excess = np.maximum(excess, over * (self.values - limit) / size)
         return excess
+
+    def use(self) -> np.ndarray:
+        """How far the limits are used up: 1 at the nearer one, more when it is violated, (n,).
+
+        The distance to a limit is measured in units of the limit (of 1 when that is zero), so that
+        for a positive upper limit this is value / limit.
+        """
+        uses = np.full(len(self.values), -np.inf)
+        for limit, over in ((self.upper, 1.0), (self.lower, -1.0)):
+            if np.isfinite(limit):
+                uses = np.maximum(uses, 1.0 + over * (self.values - limit) / (abs(limit) or 1.0))
+        return uses
+
+
+def label(name: str) -> str:
+    """A recorded variable in words; its entry counts from 1."""
+    entry = re.fullmatch(r"(.*)\[(\d+)\]", name)
+    if entry is None:
+        return NAMES.get(_last(name), _last(name).replace("_", " "))
+    base, number = label(entry[1]), int(entry[2]) + 1
+    return f"stress {number}" if base == "von mises" else f"{base} {number}"
 
 
 @dataclass(frozen=True, eq=False)

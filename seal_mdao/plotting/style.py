@@ -43,6 +43,12 @@ def signed(value: float, digits: int = 1) -> str:
     return f"{value:.{digits}f}".replace("-", "\u2212")
 
 
+def scientific(value: float, digits: int = 2) -> str:
+    """A number for mathtext: small and large ones with a power of ten."""
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    return f"${mantissa} \\cdot 10^{{{int(exponent)}}}$" if exponent else mantissa
+
+
 def subplots(rows: int = 1, columns: int = 1, *, width: float, height: float, **options):
     """A figure outside pyplot with a grid of axes in the house style.
 

@@ -17,6 +17,8 @@ from pathlib import Path
 import numpy as np
 from openmdao.core.analysis_error import AnalysisError
 
+from seal_mdao import openmdao_access as access
+
 UNFINISHED = "unfinished"
 """How the message of a case begins that Ctrl-C or an error cut off: it tells nothing of the design."""
 AGREEMENT = 1e-6
@@ -59,16 +61,19 @@ class RecordedCase:
         """
         if self.failure:
             raise AnalysisError(self.failure)
-        for vector, values in ((model._inputs, self.inputs), (model._outputs, self.outputs)):
+        inputs, outputs, _ = model.get_nonlinear_vectors()
+        for vector, values in ((inputs, self.inputs), (outputs, self.outputs)):
             for name, value in values.items():
-                if vector._contains_abs(name):
-                    vector._abs_get_val(name)[:] = value.ravel()
+                here = access.find_value(vector, name)
+                if here is not None:
+                    here[:] = value.ravel()
 
     def disagreement(self, model) -> str:
         """Name of the first output that is not what the model holds; empty when all agree."""
+        outputs = model.get_nonlinear_vectors()[1]
         for name, value in self.outputs.items():
-            if model._outputs._contains_abs(name):
-                here = model._outputs._abs_get_val(name)
+            here = access.find_value(outputs, name)
+            if here is not None:
                 scale = np.abs(value).max(initial=0.0)
                 if not np.abs(here - value.ravel()).max(initial=0.0) <= AGREEMENT * scale:
                     return name
@@ -104,15 +109,14 @@ class RecordedEvaluations:
     """
 
     def __init__(self, path, driver):
-        model = driver._problem().model
-        if model.comm.size > 1:
+        self._model = access.problem_of(driver).model
+        if self._model.comm.size > 1:
             raise RuntimeError("a run can be continued (hotstart_file) on one process only")
         self.path = Path(path)
-        self._model = model
         cases = read_cases(self.path)
         self.next_iteration = 1 + max((number for number, _ in cases), default=-1)
         self._sources = _independent(driver, cases[0][1].outputs if cases else {})
-        needed = {meta["source"] for meta in driver._responses.values()}.union(self._sources)
+        needed = {*access.sources(driver).values(), *self._sources}
         self._by_design = {}
         for _, case in cases:
             if case.outputs.keys() >= needed and not case.failure.startswith(UNFINISHED):
@@ -128,14 +132,13 @@ class RecordedEvaluations:
 
     def find(self) -> RecordedCase | None:
         """The recorded evaluation of the design that is in the model."""
-        outputs = self._model._outputs
-        return self._by_design.get(_key(map(outputs._abs_get_val, self._sources)))
+        return self._by_design.get(_key(self._given()))
 
     def load_start(self) -> None:
         """Put the first recorded design into the model."""
         for case in itertools.islice(self._by_design.values(), 1):
-            for name in self._sources:
-                self._model._outputs._abs_get_val(name)[:] = case.outputs[name].ravel()
+            for name, here in zip(self._sources, self._given(), strict=True):
+                here[:] = case.outputs[name].ravel()
 
     def check_start(self) -> None:
         """Check that the start, analysed again, is that of the recorded run.
@@ -160,6 +163,10 @@ class RecordedEvaluations:
                 "what this model gives"
             )
 
+    def _given(self) -> list[np.ndarray]:
+        outputs = self._model.get_nonlinear_vectors()[1]
+        return [access.find_value(outputs, name) for name in self._sources]
+
     def _add(self, case: RecordedCase) -> None:
         key = _key(case.outputs[name] for name in self._sources)
         known = self._by_design.setdefault(key, case)
@@ -168,9 +175,9 @@ class RecordedEvaluations:
 
 def _independent(driver, recorded) -> list[str]:
     """Sources of the design variables, and what else the model takes as given and was recorded."""
-    model = driver._problem().model
-    given = {n for n, meta in model.abs_meta_iter("output") if "openmdao:indep_var" in meta["tags"]}
-    return sorted({m["source"] for m in driver._designvars.values()} | given.intersection(recorded))
+    all_sources, designs = access.sources(driver), driver.get_design_var_values()
+    given = access.independent_outputs(driver).intersection(recorded)
+    return sorted(given.union(all_sources[name] for name in designs))
 
 
 def _key(values) -> bytes:

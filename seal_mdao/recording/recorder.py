@@ -4,17 +4,16 @@ import os
 import sqlite3
 from pathlib import Path
 
-import openmdao.api as om
 from openmdao.core.driver import Driver
-from openmdao.utils.record_util import create_local_meta
 
+from seal_mdao.openmdao_access import SqliteHooks
 from seal_mdao.recording import run_log
 
 LEFTOVERS = ("-journal", "-wal", "-shm")
 """What SQLite leaves beside a file when a process is killed; it belongs to that very file."""
 
 
-class RestartRecorder(om.SqliteRecorder):
+class RestartRecorder(SqliteHooks):
     """SqliteRecorder whose file survives a kill at any moment and that can append to a file.
 
     Every case is a transaction of its own, as in ``SqliteRecorder``, so a killed run loses nothing
@@ -43,11 +42,11 @@ class RestartRecorder(om.SqliteRecorder):
 
     def startup(self, recording_requester, comm=None):
         """Prepare for a new run."""
-        if recording_requester in self._started:
+        if self.is_started(recording_requester):
             return
-        counter = self._counter
+        counter = self.counter
         super().startup(recording_requester, comm)
-        self._counter = max(counter, self._last_counter())
+        self.counter = max(counter, self._last_counter())
         if isinstance(recording_requester, Driver):
             self._driver = recording_requester
 
@@ -68,7 +67,7 @@ class RestartRecorder(om.SqliteRecorder):
         if self._repeated(driver) is None:
             super().record_iteration_driver(driver, data, metadata)
         else:
-            self._counter -= 1
+            self.counter -= 1
 
     def record_derivatives_driver(self, driver, data, metadata):
         """Record derivatives with the number of the case to which they belong."""
@@ -76,9 +75,9 @@ class RestartRecorder(om.SqliteRecorder):
         if repeated is None:
             super().record_derivatives_driver(driver, data, metadata)
         elif self.connection and not self._has_derivatives(repeated):
-            counter, self._counter = self._counter, repeated
+            counter, self.counter = self.counter, repeated
             super().record_derivatives_driver(driver, data, metadata)
-            self._counter = counter
+            self.counter = counter
 
     def note_end(self) -> None:
         """Note how the run of the driver ended, before the file is closed."""
@@ -94,36 +93,32 @@ class RestartRecorder(om.SqliteRecorder):
         super().shutdown()
         self.connection = self.metadata_connection = None
 
-    def _initialize_database(self, comm):
+    def open_database(self, comm):
         """Open the file to continue, or begin a new one under another name."""
         if comm is not None and comm.size > 1:
             if self._append:
                 raise RuntimeError("RestartRecorder appends to a file on one process only")
-            super()._initialize_database(comm)
+            self.make_database(comm)
             return
-        path = Path(self._filepath)
+        path = Path(self.path)
         if self._append and path.is_file():
-            self._connect(path)
-            self._database_initialized = True
+            self.use_database(sqlite3.connect(path))
             return
         self._unpublished = path.with_name(path.name + ".new")
         _remove(self._unpublished)
-        self._filepath = str(self._unpublished)
-        super()._initialize_database(comm)
-        self._filepath = str(path)
+        self.path = self._unpublished
+        self.make_database(comm)
+        self.path = path
 
     def _publish(self) -> None:
         """Give the new file its name."""
         if self._unpublished is None:
             return
         self.connection.close()
-        _remove_leftovers(Path(self._filepath))
-        os.replace(self._unpublished, self._filepath)
+        _remove_leftovers(Path(self.path))
+        os.replace(self._unpublished, self.path)
         self._unpublished = None
-        self._connect(self._filepath)
-
-    def _connect(self, path) -> None:
-        self.connection = self.metadata_connection = sqlite3.connect(path)
+        self.use_database(sqlite3.connect(self.path))
 
     def _last_counter(self) -> int:
         if not (self._append and self.connection):
@@ -153,18 +148,6 @@ def record_all(driver, recorder) -> None:
     driver.add_recorder(recorder)
     driver.recording_options["includes"] = ["*"]
     driver.recording_options["record_derivatives"] = True
-
-
-def record_totals(driver, totals: dict) -> None:
-    """Hand derivatives (by ``"of!wrt"``) that were not computed just now to a driver's recorders."""
-    if not (driver.recording_options["record_derivatives"] and driver._rec_mgr.has_recorders()):
-        return
-    name, stack = driver._get_name(), driver._recording_iter
-    stack.push((name, driver.iter_count))
-    try:
-        driver._rec_mgr.record_derivatives(driver, totals, create_local_meta(name))
-    finally:
-        stack.pop()
 
 
 def _remove_leftovers(path: Path) -> None:

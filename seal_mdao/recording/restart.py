@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from seal_mdao.drivers.run_support import RunSupport
 from seal_mdao.recording.evaluations import RecordedEvaluations
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 
@@ -25,16 +24,16 @@ def restart(problem, path) -> None:
     Raises
     ------
     TypeError
-        When the problem's driver is none of this package.
+        When the problem's driver is neither UnoDriver nor IpoptDriver.
     RestartError
         A ValueError: when the file cannot be read, or is not that of this problem. That it is not
         that of this model shows when the run begins.
     """
     driver = problem.driver
-    if not isinstance(driver, RunSupport):
+    if "hotstart_file" not in driver.options:
         raise TypeError(
-            f"only the drivers of seal_mdao can continue a run, not {type(driver).__name__}; "
-            "Problem.load_case takes any driver to a recorded point"
+            f"only UnoDriver and IpoptDriver can continue a run, not {type(driver).__name__}; "
+            "Problem.load_case takes any driver to a recorded point, from which it begins anew"
         )
     path = Path(path).absolute()  # a bare name would mean a file in OpenMDAO's output folder
     problem.final_setup()

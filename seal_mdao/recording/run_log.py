@@ -13,7 +13,7 @@ from datetime import datetime
 from importlib import metadata
 
 TABLE = "run_log"
-PACKAGES = ("seal_mdao", "openmdao", "numpy", "scipy", "numba", "ipyopt")
+PACKAGES = ("seal_mdao", "openmdao", "numpy", "scipy", "numba", "unopy", "ipyopt")
 
 
 @dataclass(frozen=True)

@@ -4,21 +4,10 @@ import re
 
 import numpy as np
 
-from seal_mdao.plotting.recorded import Constraint, RecordedOptimization
+from seal_mdao.plotting.recorded import Constraint, RecordedOptimization, label
 
 FEASIBLE = 1e-3
 """Largest relative violation of a limit that counts as satisfied."""
-NAMES = {
-    "gap_square_sum": "sum of squared gaps",
-    "gap_square_integral": "integral of the squared gap",
-    "stress_norm": "norm of all stresses",
-    "patch_pressure": "contact pressure of patch",
-    "reaction_curve": "vertical reaction along the path",
-    "area": "area of the section",
-    "reaction": "vertical reaction",
-    "boundary_offsets": "boundary offsets",
-    "door_radius": "corner radius of the door",
-}
 DESIGN_UNITS = {"boundary_offsets": "mm", "door_radius": "mm"}
 """Units of inputs that a recorder leaves out unless it is told otherwise."""
 
@@ -42,16 +31,6 @@ def history_data(history: RecordedOptimization) -> dict:
     }  # fmt: skip
 
 
-def label(name: str) -> str:
-    """A variable in words: its entry counts from 1."""
-    entry = re.fullmatch(r"(.*)\[(\d+)\]", name)
-    if entry is None:
-        last = name.rsplit(".", 1)[-1]
-        return NAMES.get(last, last.replace("_", " "))
-    base, number = label(entry[1]), int(entry[2]) + 1
-    return f"stress {number}" if base == "von mises" else f"{base} {number}"
-
-
 def unit(history: RecordedOptimization, name: str) -> str:
     """Unit of a recorded variable, with a raised exponent; empty when it has none."""
     name = name.split("[")[0]
@@ -59,25 +38,12 @@ def unit(history: RecordedOptimization, name: str) -> str:
     return re.sub(r"\*\*(\d)", lambda power: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power[1])], text)
 
 
-def use_of_limits(constraint: Constraint) -> np.ndarray:
-    """How far a constraint is used up: 1 at the nearer limit, more when it is violated, (n,).
-
-    The distance to the limit is measured in units of the limit (of 1 when that is zero), so that
-    for a positive upper limit it is value / limit.
-    """
-    uses = np.full(len(constraint.values), -np.inf)
-    for limit, over in ((constraint.upper, 1.0), (constraint.lower, -1.0)):
-        if np.isfinite(limit):
-            uses = np.maximum(uses, 1.0 + over * (constraint.values - limit) / (abs(limit) or 1.0))
-    return uses
-
-
 def _constraint(history: RecordedOptimization, constraint: Constraint) -> dict:
     return {
         "label": label(constraint.name),
         "unit": unit(history, constraint.name),
         "values": constraint.values.tolist(),
-        "use": finite(use_of_limits(constraint)),
+        "use": finite(constraint.use()),
         "lower": finite([constraint.lower])[0],
         "upper": finite([constraint.upper])[0],
     }

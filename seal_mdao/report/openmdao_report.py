@@ -26,15 +26,18 @@ def run(problem) -> None:
     from openmdao.recorders.sqlite_recorder import SqliteRecorder
     from openmdao.utils.om_warnings import DriverWarning, issue_warning
 
+    from seal_mdao.openmdao_access import recorder_file, recorders
     from seal_mdao.recording.recorder import RestartRecorder
     from seal_mdao.report.write import write_report
 
-    for recorder in problem.driver._rec_mgr:
+    for recorder in recorders(problem.driver):
         if isinstance(recorder, SqliteRecorder) and recorder.connection:
             if isinstance(recorder, RestartRecorder):
                 recorder.note_end()
             out = problem.get_reports_dir() / FILE
-            write_report(recorder._filepath, out, seal_inputs(problem.model))
+            group = seal_group(problem.model)
+            given, kept = ({}, None) if group is None else (inputs_of(group), group.options["kept"])
+            write_report(recorder_file(recorder), out, given, kept)
             return
     issue_warning(
         "the report 'seal' needs a SQLite recorder on the driver, for example "
@@ -43,11 +46,14 @@ def run(problem) -> None:
     )
 
 
-def seal_inputs(model) -> dict:
-    """Values of the inputs of the first ``SealGroup`` in a model, by their own names, in its units."""
+def seal_group(model):
+    """The first ``SealGroup`` in a model; None when there is none."""
     from seal_mdao.components.seal_group import SealGroup
 
-    for group in model.system_iter(include_self=True, recurse=True, typ=SealGroup):
-        inputs = group.list_inputs(out_stream=None, return_format="dict")
-        return {name.rsplit(".", 1)[-1]: meta["val"] for name, meta in inputs.items()}
-    return {}
+    return next(model.system_iter(include_self=True, recurse=True, typ=SealGroup), None)
+
+
+def inputs_of(group) -> dict:
+    """Values of a group's inputs by their own names, in its units."""
+    inputs = group.list_inputs(out_stream=None, return_format="dict")
+    return {name.rsplit(".", 1)[-1]: meta["val"] for name, meta in inputs.items()}

@@ -7,16 +7,16 @@ from importlib.resources import files
 from string import Template
 
 from seal_mdao._version import __version__
-from seal_mdao.plotting.recorded import RecordedOptimization
+from seal_mdao.plotting.recorded import RecordedOptimization, label
 from seal_mdao.report import tables
-from seal_mdao.report.history import FEASIBLE, history_data, label
+from seal_mdao.report.history import FEASIBLE, history_data
 from seal_mdao.report.shapes import Pictures
 from seal_mdao.seal import SealResult
 
 ASSETS = files("seal_mdao.report") / "assets"
 SCRIPTS = ("chart.js", "shape.js", "page.js")
 WARNING = (
-    '<p class="warning">The designs analysed again do not have the recorded cost, so the pictures are '
+    '<p class="warning">The analyses for this report do not give the recorded cost, so the pictures are '
     "not of the recorded designs. Perhaps inputs of the seal that are no design variables were not "
     'recorded (<code>driver.recording_options["includes"] = ["*"]</code>), or the package has changed '
     "since.</p>"
@@ -72,7 +72,7 @@ def render(
 
 
 def pictures_are_of_the_record(history: RecordedOptimization, designs: list[SealResult]) -> bool:
-    """Whether the first and the last design, analysed again, have the recorded cost."""
+    """Whether the analyses of the first and the last design give the recorded cost."""
     if not designs or not tables.is_gap_sum(history.objective_name):
         return True
     ends = zip(history.objective[[0, -1]], (designs[0], designs[-1]), strict=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.plotting.recorded import RecordedOptimization
+from seal_mdao.plotting.recorded import RecordedOptimization, label
 from seal_mdao.report import history as words
 from seal_mdao.report.shapes import pressure
 from seal_mdao.seal import SealResult
@@ -58,15 +58,15 @@ def table(head: list[str], rows: list[list], caption: str, first: str = "row") -
 def limits_table(history: RecordedOptimization) -> str:
     """Objective and constraints at the first and at the last point, from the recorder file."""
     first, last = history.objective[[0, -1]]
-    name, unit = words.label(history.objective_name), words.unit(history, history.objective_name)
+    name, unit = label(history.objective_name), words.unit(history, history.objective_name)
     ratio = share(last / first) if first else NO_VALUE
     rows = [[_with_unit(name, unit), number(first), number(last), "", ratio, "of its start"]]
     for constraint in history.constraints:
-        use = words.use_of_limits(constraint)[-1]
+        use = constraint.use()[-1]
         violated = constraint.violation()[-1] > words.FEASIBLE
         rows.append(
             [
-                _with_unit(words.label(constraint.name), words.unit(history, constraint.name)),
+                _with_unit(label(constraint.name), words.unit(history, constraint.name)),
                 *map(number, constraint.values[[0, -1]]), _limits(constraint), share(use),
                 ("violated", "bad") if violated else ("satisfied", "good"),
             ]
@@ -89,7 +89,7 @@ def _limits(constraint) -> str:
 
 
 def analysis_table(history: RecordedOptimization, start: SealResult, end: SealResult) -> str:
-    """Measures of both designs, analysed again for the report."""
+    """Measures of both designs, from their analyses."""
     pairs = zip(measures(start), measures(end), strict=True)
     rows = [[name, number(a), number(b), unit] for (name, unit, a), (_, _, b) in pairs]
     if is_gap_sum(history.objective_name):
@@ -100,7 +100,7 @@ def analysis_table(history: RecordedOptimization, start: SealResult, end: SealRe
         ]
         rows.insert(1, ["the same, as recorded", *cells, "mm²"])
     head = ["measure under the closed door", "start", "end", "unit"]
-    return table(head, rows, "First and last design, analysed again for this report")
+    return table(head, rows, "First and last design, from their analyses")
 
 
 def is_gap_sum(name: str) -> bool:
@@ -109,7 +109,7 @@ def is_gap_sum(name: str) -> bool:
 
 
 def agrees(history: RecordedOptimization, recorded: float, result: SealResult) -> bool:
-    """Whether a design analysed again has the recorded cost."""
+    """Whether the analysis of a design gives the recorded cost."""
     allowed = AGREEMENT * (abs(recorded) + abs(history.objective[0]))
     return result.converged and abs(result.gap_square_sum - recorded) <= allowed
 
@@ -195,6 +195,6 @@ def history_table(history: RecordedOptimization) -> str:
             zip(history.analyses, history.objective, history.max_violation, strict=True)
         )
     ]
-    objective = f"{words.label(history.objective_name)} ({unit})" if unit else "objective"
+    objective = f"{label(history.objective_name)} ({unit})" if unit else "objective"
     head = [kind, "evaluation number", objective, "largest violation"]
     return table(head, rows, "The history in figures")

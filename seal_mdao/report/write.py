@@ -6,19 +6,22 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.plotting.recorded import RecordedOptimization, read_optimization
 from seal_mdao.report.page import render
-from seal_mdao.seal import SealResult, analyze
+from seal_mdao.seal import SealResult
 
 DESIGNS = 40
 """Points of the history whose designs are analysed again at most; of more, evenly spread ones."""
 
 
-def write_report(cases, outfile=None, given: dict | None = None) -> Path:
+def write_report(
+    cases, outfile=None, given: dict | None = None, kept: KeptAnalyses | None = None
+) -> Path:
     """Write the HTML report of an optimisation.
 
-    The designs in the pictures are analysed again, because a recorder file holds no displacements.
-    A tqdm bar shows the progress on a terminal.
+    A recorder file holds no displacements, so the designs in the pictures are analysed again, but for
+    those that are in ``kept``. A tqdm bar shows the progress on a terminal.
 
     Parameters
     ----------
@@ -29,6 +32,8 @@ def write_report(cases, outfile=None, given: dict | None = None) -> Path:
         ``report.html`` beside the recorder file when left out.
     given : dict of str to ndarray, optional
         Inputs of the ``SealGroup`` that the file may not hold, by their own names.
+    kept : KeptAnalyses, optional
+        Analyses of the run that wrote the file.
 
     Returns
     -------
@@ -46,7 +51,8 @@ def write_report(cases, outfile=None, given: dict | None = None) -> Path:
     history = read_optimization(cases)
     history = replace(history, given=(given or {}) | history.given)
     numbers = chosen_points(len(history.objective)) if history.model else []
-    text = render(history, cases.name, analyze_points(history, numbers), numbers)
+    designs = analyze_points(history, numbers, KeptAnalyses() if kept is None else kept)
+    text = render(history, cases.name, designs, numbers)
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(text, encoding="utf-8")
@@ -58,7 +64,10 @@ def chosen_points(count: int) -> list[int]:
     return np.unique(np.linspace(0, count - 1, min(count, DESIGNS)).round().astype(int)).tolist()
 
 
-def analyze_points(history: RecordedOptimization, numbers: list[int]) -> list[SealResult]:
-    """Analyse designs of the history again."""
+def analyze_points(
+    history: RecordedOptimization, numbers: list[int], kept: KeptAnalyses
+) -> list[SealResult]:
+    """Designs of the history, analysed; all are measured where the recorded run did."""
+    points = kept.points(history.model) if numbers else None
     bar = tqdm(numbers, desc="report", unit="analysis", disable=None, leave=False)
-    return [analyze(*history.seal_at(number)) for number in bar]
+    return [kept.analyze(*history.seal_at(number), points=points) for number in bar]

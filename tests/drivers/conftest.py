@@ -1,11 +1,12 @@
-"""Fixtures for the driver tests: a fresh working directory, and both drivers."""
+"""Fixtures for the driver tests: a fresh working directory, and the drivers."""
 
 from __future__ import annotations
 
 import pytest
 
-from seal_mdao.drivers.ipopt_driver import IpoptDriver
-from seal_mdao.drivers.slsqp_driver import ResilientSLSQPDriver
+import seal_mdao as sm
+
+DRIVERS = {"uno": sm.UnoDriver, "ipopt": sm.IpoptDriver}
 
 
 @pytest.fixture(autouse=True)
@@ -15,10 +16,10 @@ def _own_directory(tmp_path, monkeypatch):
     monkeypatch.setenv("OPENMDAO_WORKDIR", str(tmp_path))
 
 
-@pytest.fixture(params=["ipopt", "slsqp"])
+@pytest.fixture(params=DRIVERS)
 def make_driver(request):
-    """Return a function that makes one of the two drivers with tight tolerances."""
-    if request.param == "ipopt":
-        pytest.importorskip("ipyopt")
-        return lambda **options: IpoptDriver(**{"tol": 1e-8, **options})
-    return lambda **options: ResilientSLSQPDriver(**{"tol": 1e-10, "disp": False, **options})
+    """Return a function that makes one of the two drivers with tight tolerances and long steps."""
+    defaults = {"tol": 1e-8, "feas_tol": 1e-8}
+    if request.param == "uno":
+        defaults["trust_radius"] = 10.0
+    return lambda **options: DRIVERS[request.param](**{**defaults, **options})

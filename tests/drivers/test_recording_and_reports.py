@@ -12,6 +12,10 @@ from driver_models import (
     projection_problem,
     rosenbrock,
 )
+from test_failed_analyses import REGIONS, region_problem
+
+BEYOND = REGIONS["beyond the optimum"][2]
+"""Where the analyses of these tests fail."""
 
 
 def _record(prob, name="cases.sql"):
@@ -46,18 +50,17 @@ def test_constraints_and_derivatives_are_recorded(make_driver):
 
 
 def test_failed_points_are_recorded_as_failed(make_driver):
-    hook = failing_where(lambda x: 1 < x[0] < 3)
-    prob = plane_problem(make_driver(), (5, 5), hook=hook)
+    prob, _ = region_problem(make_driver(), "beyond the optimum", hook=failing_where(BEYOND))
     result, cases = _record(prob)
     failed = [case for case in cases if not case.success]
     assert result.success
     assert len(failed) == prob.driver.failed_analyses > 0
     assert len(cases) == result.model_evals
     for case in failed:
-        assert 1 < case.get_design_vars()["x"][0] < 3
+        assert BEYOND(case.get_design_vars()["x"])
         assert "the analysis does not converge here" in case.msg
     for case in cases:
-        assert case.success or 1 < case.get_design_vars()["x"][0] < 3
+        assert case.success or BEYOND(case.get_design_vars()["x"])
 
 
 def test_last_recorded_case_restarts(make_driver):
@@ -90,32 +93,10 @@ def test_driver_result(make_driver):
 
 
 def test_failed_analyses_count_as_evaluations(make_driver):
-    hook = failing_where(lambda x: 1 < x[0] < 3)
-    prob = plane_problem(make_driver(), (5, 5), hook=hook)
+    prob, _ = region_problem(make_driver(), "beyond the optimum", hook=failing_where(BEYOND))
     result = prob.run_driver()
     assert prob.driver.failed_analyses > 0
     assert result.model_evals == prob.model.plane.calls
-
-
-def test_history_follows_the_iterations(make_driver):
-    prob = constrained_problem(make_driver(), (6, 6), "x[0] + x[1]**2", 20.0)
-    result = prob.run_driver()
-    history = prob.driver.history
-    assert [row.iteration for row in history] == sorted(row.iteration for row in history)
-    assert history[-1].iteration == result.iter_count
-    assert history[-1].objective == pytest.approx(prob.get_val("f")[0], rel=1e-4)
-    assert history[-1].infeasibility < 1e-6
-    assert history[-1].analyses <= result.model_evals
-
-
-def test_iteration_table_on_request(make_driver, capsys):
-    prob = plane_problem(make_driver(disp=2), (-1.2, 1), rosenbrock, d_rosenbrock)
-    prob.run_driver()
-    printed = capsys.readouterr().out
-    lines = [line for line in printed.splitlines() if line.strip()[:1].isdigit()]
-    assert printed.split()[:3] == ["iter", "analyses", "objective"]
-    assert len(lines) == len(prob.driver.history)
-    assert "Optimization Complete" in printed
 
 
 def test_quiet_by_request(make_driver, capfd):
@@ -163,10 +144,21 @@ def test_reports(make_driver, monkeypatch):
     assert (reports / "driver_scaling_report.html").stat().st_size > 1000
 
 
-def test_names_of_recorded_cases(make_driver):
-    prob = plane_problem(make_driver(), (5, 5))
-    _, cases = _record(prob)
-    name = prob.driver._get_name()
-    assert name in ("Ipopt", "ScipyOptimize_SLSQP")
-    assert cases[0].name == f"rank0:{name}|0"
-    assert cases[1].name == f"rank0:{name}|1"
+def test_line_per_iteration_on_request(make_driver, capsys):
+    prob = constrained_problem(make_driver(disp=True), (6, 6), "x[0] + x[1]**2", 20.0)
+    result = prob.run_driver()
+    head, *lines, _, _, _ = capsys.readouterr().out.splitlines()
+    assert head.split() == ["iteration", "analyses", "objective", "infeasibility", "optimality"]
+    table = [[float(cell) for cell in line.split()] for line in lines]
+    assert [row[0] for row in table] == list(range(1, result.iter_count + 1))
+    assert table[-1][1] == result.model_evals
+    assert table[-1][2] == pytest.approx(prob.get_val("f")[0], rel=1e-5)
+    assert max(table[-1][3:]) < 1e-6
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_lines_by_themselves_on_a_terminal_only(make_driver, capsys, monkeypatch, terminal):
+    prob = plane_problem(make_driver(), (-1.2, 1), rosenbrock, d_rosenbrock)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: terminal)
+    prob.run_driver()
+    assert ("Optimal solution found" in capsys.readouterr().out) == terminal

@@ -7,7 +7,13 @@ import re
 import numpy as np
 import openmdao.api as om
 import pytest
-from driver_models import projection_problem, run_projection
+from driver_models import (
+    d_rosenbrock,
+    plane_problem,
+    projection_problem,
+    rosenbrock,
+    run_projection,
+)
 from openmdao.utils.om_warnings import DriverWarning
 
 SOLUTION = [2.0, -2.0, 1.0, 0.5]
@@ -116,9 +122,7 @@ def test_run_again_from_the_optimum(make_driver):
 
 
 def test_iteration_limit_is_no_success(make_driver):
-    prob = projection_problem(make_driver(maxiter=1))
-    prob.setup()
-    prob.driver.options["singular_jac_behavior"] = "ignore"
+    prob = plane_problem(make_driver(maxiter=1), (-1.2, 1), rosenbrock, d_rosenbrock)
     result = prob.run_driver()
     assert not result.success
     assert result.iter_count == 1
@@ -126,9 +130,7 @@ def test_iteration_limit_is_no_success(make_driver):
 
 
 def test_failure_is_reported_even_when_quiet(make_driver, capsys):
-    prob = projection_problem(make_driver(maxiter=1, disp=False))
-    prob.setup()
-    prob.driver.options["singular_jac_behavior"] = "ignore"
+    prob = plane_problem(make_driver(maxiter=1, disp=False), (-1.2, 1), rosenbrock, d_rosenbrock)
     result = prob.run_driver()
     printed = capsys.readouterr().out
     assert "Optimization FAILED." in printed

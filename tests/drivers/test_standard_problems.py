@@ -9,6 +9,8 @@ from driver_models import BetzComp, PlaneComp, d_rosenbrock, rosenbrock
 from openmdao.test_suite.components.paraboloid import Paraboloid
 from openmdao.test_suite.components.sellar import SellarDerivatives
 
+from seal_mdao.drivers.optimality import measure_optimality
+
 
 def _paraboloid(driver):
     prob = om.Problem(driver=driver, reports=None)
@@ -84,15 +86,4 @@ def test_known_optimum(case, make_driver):
     assert prob.get_val(output).item() == pytest.approx(optimum, rel=1e-7)
     assert found == pytest.approx(np.array(solution), abs=2e-5)
     assert result.model_evals < 70
-    assert prob.driver.optimality().satisfied(1e-4)
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_agrees_with_scipys_slsqp(case, make_driver):
-    build, output, _, desvars, _ = CASES[case]
-    prob, _, found = _solve(build, make_driver(), desvars)
-    reference = om.ScipyOptimizeDriver(tol=1e-10, disp=False)
-    scipy_prob, result, scipys = _solve(build, reference, desvars)
-    assert result.success
-    assert prob.get_val(output) == pytest.approx(scipy_prob.get_val(output), rel=1e-7)
-    assert found == pytest.approx(scipys, abs=2e-5)
+    assert measure_optimality(prob.driver).satisfied(1e-4, 1e-6)

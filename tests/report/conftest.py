@@ -9,7 +9,7 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.optimization import seal_problem, slsqp_driver
+from seal_mdao.optimization import OPTIMIZERS, seal_problem
 from seal_mdao.report.write import write_report
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "chrome")
@@ -33,8 +33,9 @@ class Page:
 def seal_page(tmp_path_factory):
     """Report of three iterations of the seal problem with few load steps."""
     folder = tmp_path_factory.mktemp("seal")
+    driver = next(iter(OPTIMIZERS.values()))(3)
     problem = seal_problem(
-        sm.door_seal(n_steps=21), keep_force=True, driver=slsqp_driver(3),
+        sm.door_seal(n_steps=21), keep_force=True, driver=driver,
         recorder=folder / "cases.sql", work_dir=folder,
     )  # fmt: skip
     problem.run_driver()
@@ -46,7 +47,7 @@ def seal_page(tmp_path_factory):
 def other_page(tmp_path_factory):
     """Report of a problem that has nothing to do with seals, with a name that is markup."""
     folder = tmp_path_factory.mktemp("other")
-    problem = om.Problem(driver=sm.ResilientSLSQPDriver(disp=False), reports=None, work_dir=folder)
+    problem = om.Problem(driver=om.ScipyOptimizeDriver(disp=False), reports=None, work_dir=folder)
     expressions = ["f = sum((x - 1)**2) - 3", "g = x[0] + x[1]"]
     paraboloid = om.ExecComp(expressions, x=np.zeros(2), do_coloring=False)
     problem.model.add_subsystem("c", paraboloid, promotes=["*"])

@@ -4,7 +4,7 @@ import pytest
 
 import seal_mdao as sm
 
-DRIVERS = {"SLSQP": sm.ResilientSLSQPDriver, "IPOPT": sm.IpoptDriver}
+DRIVERS = {"UNO": sm.UnoDriver, "IPOPT": sm.IpoptDriver}
 
 
 @pytest.fixture(autouse=True)

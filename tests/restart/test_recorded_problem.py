@@ -8,11 +8,11 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.optimization import seal_problem, slsqp_driver
+from seal_mdao.optimization import seal_problem, uno_driver
 from seal_mdao.recording.settings import open_cases, recorded_problem
 from seal_mdao.settings import PROBLEM_OPTION
 
-NOT_THE_PROBLEM = {"model", "driver", "recorder", "callback", "work_dir", "reports"}
+NOT_THE_PROBLEM = {"model", "driver", "recorder", "callback", "kept", "work_dir", "reports"}
 """Arguments of ``seal_problem`` that do not say what is optimised."""
 MODEL = {"n_steps": 21, "friction": 0.3, "segments": 32, "newton": sm.NewtonOptions(max_cuts=7)}
 
@@ -20,7 +20,7 @@ MODEL = {"n_steps": 21, "friction": 0.3, "segments": 32, "newton": sm.NewtonOpti
 def test_every_setting_of_the_problem_is_recorded(tmp_path):
     model = sm.door_seal(**MODEL)
     first = seal_problem(
-        model, keep_force=True, driver=slsqp_driver(1), recorder=tmp_path / "cases.sql",
+        model, keep_force=True, driver=uno_driver(1), recorder=tmp_path / "cases.sql",
         work_dir=tmp_path,
     )  # fmt: skip
     settings = json.loads(first.model.options[PROBLEM_OPTION])
@@ -30,7 +30,7 @@ def test_every_setting_of_the_problem_is_recorded(tmp_path):
     recorded = recorded_problem(open_cases(tmp_path / "cases.sql"))
     assert recorded.model == model
     assert recorded.settings == settings
-    again = seal_problem(recorded.model, driver=slsqp_driver(1), **recorded.settings)
+    again = seal_problem(recorded.model, driver=uno_driver(1), **recorded.settings)
     again.final_setup()
     for name, limit in first.driver._cons.items():
         other = again.driver._cons[name]

@@ -14,7 +14,8 @@ FIGURES = ("deformed_shapes", "reaction", "gap_profile")
 def test_drawn_seal_as_a_user_runs_it(tmp_path, assert_drawn):
     command = [sys.executable, SCRIPTS / "analyze_door_seal.py", "--out", tmp_path]
     ended = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert ended.stderr == ""  # no progress bar: not a terminal
+    # no progress bar, for this is no terminal; kernels may have to be compiled
+    assert all("compiling" in line for line in ended.stderr.splitlines())
     assert 3 <= len(ended.stdout.splitlines()) <= 8
     s = json.loads((tmp_path / "summary.json").read_text())
     assert s["converged"] is True

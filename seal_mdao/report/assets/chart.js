@@ -123,16 +123,21 @@ class LineChart {
     const svg = document.createElementNS(SVG, "svg");
     for (const [key, value] of Object.entries({ viewBox: `0 0 ${scale.width} ${HEIGHT}`, height: HEIGHT, role: "img", "aria-label": this.description() })) svg.setAttribute(key, value);
     this.drawAxes(svg, scale);
-    const clip = `clip-${this.place.id || this.spec.name.replace(/\W+/g, "-")}`;
-    node(node(svg, "clipPath", { id: clip }), "rect", { x: MARGIN.left - 4, y: MARGIN.top - 4, width: scale.right - MARGIN.left + 8, height: scale.bottom - MARGIN.top + 8 });
-    const inside = node(svg, "g", { "clip-path": `url(#${clip})` });
-    for (const series of this.spec.series) this.drawSeries(inside, series, scale);
+    const lines = this.clipped(svg, scale, "lines", 1), dots = this.clipped(svg, scale, "dots", 4);
+    for (const series of this.spec.series) this.drawSeries(lines, dots, series, scale);
     this.mark = node(svg, "g");
     this.svg = svg;
     this.body.replaceChildren(svg);
     this.drawCursor();
     svg.addEventListener("pointermove", (event) => this.point(event));
     svg.addEventListener("pointerleave", () => { this.tip.hidden = true; });
+  }
+
+  // A group that shows nothing farther than `rim` outside the axes.
+  clipped(svg, scale, name, rim) {
+    const id = `${name}-${this.place.id || this.spec.name.replace(/\W+/g, "-")}`;
+    node(node(svg, "clipPath", { id }), "rect", { x: MARGIN.left - rim, y: MARGIN.top - rim, width: scale.right - MARGIN.left + 2 * rim, height: scale.bottom - MARGIN.top + 2 * rim });
+    return node(svg, "g", { "clip-path": `url(#${id})` });
   }
 
   drawAxes(svg, scale) {
@@ -161,7 +166,7 @@ class LineChart {
     if (scale.low < 0 && scale.high > 0 && !y.log) node(svg, "line", { class: "axis", x1: MARGIN.left, x2: scale.right, y1: scale.y(0), y2: scale.y(0) });
   }
 
-  drawSeries(parent, series, scale) {
+  drawSeries(lines, dots, series, scale) {
     const xs = this.abscissa(series);
     let path = "", down = false;
     series.values.forEach((v, i) => {
@@ -169,12 +174,12 @@ class LineChart {
       path += `${down ? "L" : "M"}${scale.x(xs[i]).toFixed(2)} ${scale.y(v).toFixed(2)}`;
       down = true;
     });
-    node(parent, "path", { class: "line", d: path, style: `stroke:${series.color}`, "stroke-dasharray": series.dash || "" });
+    node(lines, "path", { class: "line", d: path, style: `stroke:${series.color}`, "stroke-dasharray": series.dash || "" });
     if (!series.dots) return;
     series.values.forEach((v, i) => {
       if (v === null || (this.spec.y.log && v <= 0)) return;
       const hollow = series.hollow && series.hollow[i];
-      node(parent, "circle", { cx: scale.x(xs[i]), cy: scale.y(v), r: series.dots, style: `stroke:${series.color};stroke-width:1.6;fill:${hollow ? "var(--paper)" : series.color}` });
+      node(dots, "circle", { cx: scale.x(xs[i]), cy: scale.y(v), r: series.dots, style: `stroke:${series.color};stroke-width:1.6;fill:${hollow ? "var(--paper)" : series.color}` });
     });
   }
 

@@ -45,7 +45,7 @@ function closing() {
   const frames = paths.map((path) => unpack(path.frames));
   const [start, end] = paths, names = ["start", "end"], colors = ["var(--start)", "var(--end)"], dashes = ["6 3", ""];
   const touched = (path) => path.arc.filter((_, k) => path.state.some((s) => s[k] !== "0"));
-  const arcs = paths.flatMap(touched), margin = 1;
+  const arcs = paths.flatMap(touched), margin = 1.5;
   const along = { label: "arc length (mm)", low: Math.min(...arcs) - margin, high: Math.max(...arcs) + margin };
   const highest = Math.max(...paths.flatMap((path) => path.pressure.flat()));
   const open = paths.flatMap((path) => path.gap.flatMap((gaps, i) => { const o = opened(path.state[i]); return gaps.filter((_, k) => o[k]); }));

@@ -1,4 +1,4 @@
-"""Linear constraints, constraints that are constants, coloring and the Jacobian's structure."""
+"""Linear constraints, constraints that are constants, colouring."""
 
 from __future__ import annotations
 
@@ -7,9 +7,6 @@ import openmdao.api as om
 import pytest
 from driver_models import TARGET, projection_problem, run_projection
 from openmdao.utils.om_warnings import DriverWarning
-
-from seal_mdao.drivers.layout import read_layout
-from seal_mdao.drivers.sparsity import jacobian_structure
 
 
 def _with_linear_constraint(driver):
@@ -44,45 +41,6 @@ def test_linear_derivatives_are_computed_once(make_driver):
     assert set(calls) == {("total",), ("f", "s")}
 
 
-def _structure(prob):
-    driver = prob.driver
-    layout = read_layout(driver)
-    linear = np.array([[1.0, 1.0, 1.0, 0.0]]) if layout.linear else np.zeros((0, layout.n))
-    rows, columns = jacobian_structure(driver, layout, linear)
-    mask = np.zeros((layout.m, layout.n), dtype=int)
-    mask[rows, columns] = 1
-    return layout, mask
-
-
-def test_structure_of_linear_constraints(make_driver):
-    prob = _with_linear_constraint(make_driver())
-    run_projection(prob)
-    layout, mask = _structure(prob)
-    assert mask[layout.constraint_slices["total"]].tolist() == [[1, 1, 1, 0]]
-    assert mask[layout.constraint_slices["s"]].tolist() == [[1, 1, 1, 1]]
-
-
-def test_structure_from_relevance(make_driver):
-    prob = om.Problem(driver=make_driver(), reports=None)
-    model = prob.model
-    model.add_subsystem("a", om.ExecComp("c = p**2 + q"), promotes=["*"])
-    model.add_subsystem("b", om.ExecComp("f = p**2 + q**2 + r**2"), promotes=["*"])
-    for name in ("p", "q", "r"):
-        model.add_design_var(name, lower=-2.0, upper=2.0)
-    model.add_objective("f")
-    model.add_constraint("c", lower=0.5)
-    prob.setup()
-    prob.set_val("p", 0.3)
-    prob.driver.options["singular_jac_behavior"] = "ignore"
-    assert prob.run_driver().success
-    assert prob.get_val("c") == pytest.approx([0.5], abs=1e-6)
-    layout, mask = _structure(prob)
-    columns = layout.desvar_slices
-    assert mask[0, columns["p"]] == 1
-    assert mask[0, columns["q"]] == 1
-    assert mask[0, columns["r"]] == 0
-
-
 def _colored_problem(driver):
     """Return a problem whose only nonlinear constraint has a diagonal Jacobian."""
     prob = om.Problem(driver=driver, reports=None)
@@ -108,18 +66,6 @@ def test_coloring(make_driver):
     assert prob.run_driver().success
     assert prob.get_val("x") == pytest.approx(solution, abs=2e-5)
     assert driver._coloring_info.coloring.total_solves() < 8
-
-
-def test_structure_from_coloring():
-    pytest.importorskip("ipyopt")
-    from seal_mdao.drivers.ipopt_driver import IpoptDriver
-
-    driver = IpoptDriver()
-    driver.declare_coloring(show_summary=False, show_sparsity=False)
-    prob = _colored_problem(driver)
-    assert prob.run_driver().success
-    _, mask = _structure(prob)
-    assert mask.tolist() == np.eye(8, dtype=int).tolist()
 
 
 def _with_constant_constraint(driver, value):

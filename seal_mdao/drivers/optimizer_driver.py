@@ -1,0 +1,239 @@
+"""What the drivers share: their options, how a run begins and ends, and what it tells."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from openmdao.core.analysis_error import AnalysisError
+from tqdm import tqdm
+
+from seal_mdao import openmdao_access as access
+from seal_mdao.drivers.callbacks import SolverCallbacks
+from seal_mdao.drivers.evaluation import ModelEvaluator
+from seal_mdao.drivers.interrupt import InterruptGuard
+from seal_mdao.drivers.layout import flat, read_layout
+from seal_mdao.drivers.optimality import Optimality
+from seal_mdao.recording.evaluations import RecordedEvaluations
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+SUPPORTED = (
+    "optimization", "gradients", "inequality_constraints", "equality_constraints",
+    "two_sided_constraints", "linear_constraints", "simultaneous_derivatives",
+)  # fmt: skip
+INTERRUPTED = "Stopped by the user (Ctrl-C); "
+BEST_KEPT = "the best feasible point found is kept"
+LEAST_KEPT = "no feasible point had been found, the least infeasible is kept"
+
+
+@dataclass(frozen=True)
+class SolverEnd:
+    """How an optimiser ended.
+
+    Attributes
+    ----------
+    x : ndarray, shape (n,)
+        Its result, in driver scaling.
+    success : bool
+        Whether it says that it has converged.
+    message : str
+        The same in words.
+    limited : bool
+        Whether it ended because of a limit of iterations or time.
+    """
+
+    x: NDArray
+    success: bool
+    message: str
+    limited: bool = False
+
+
+class OptimizerDriver(access.DriverHooks):
+    """Base of the drivers: continuous design variables with bounds, one objective, constraints.
+
+    Equality, one- and two-sided and linear constraints, all with OpenMDAO's scaling, units, indices,
+    aliases and total colouring. A failed analysis (AnalysisError, or a value that is not finite)
+    shortens the step. AnalysisError at the start, and any other exception anywhere, is raised
+    unchanged.
+
+    A successful run leaves the model at the optimiser's result, any other one at the best feasible
+    point seen, or the least infeasible one. A run that ends otherwise than by a limit or Ctrl-C
+    counts as a success where that point satisfies the optimality conditions, see `Optimality`.
+
+    Parameters
+    ----------
+    **kwargs
+        Options of the driver.
+
+    Attributes
+    ----------
+    opt_settings : dict
+        The optimiser's own options; they win over the driver's.
+    fail : bool
+        Whether the last run failed.
+    failed_analyses : int
+        Number of points of the last run at which the analysis or its derivatives failed.
+    reused_evaluations : int
+        Number of evaluations that the last run took from ``hotstart_file``.
+    repeated_case : int or None
+        Number of the case in ``hotstart_file`` whose evaluation is being repeated.
+    """
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        for feature in SUPPORTED:
+            self.supports[feature] = True
+        self.supports["integer_design_vars"] = self.supports["distributed_design_vars"] = False
+        self.opt_settings: dict = {}
+        self.fail = False
+        self._forget_run()
+
+    def prepare(self, callbacks: SolverCallbacks) -> Callable[[NDArray], SolverEnd]:
+        """Return the function that runs the optimiser from a start.
+
+        Raises
+        ------
+        ValueError
+            If the optimiser refuses an entry of ``opt_settings``; the model has not been run yet.
+        """
+        raise NotImplementedError
+
+    def declare_options(self, declare) -> None:
+        """Declare the options that the drivers share."""
+        declare("tol", default=1e-3, lower=0.0, desc="Optimality tolerance, in driver scaling.")
+        declare(
+            "feas_tol", default=1e-6, lower=0.0,
+            desc="Largest constraint violation of a feasible point, in driver scaling.",
+        )  # fmt: skip
+        declare("maxiter", default=200, lower=0, desc="Maximum number of iterations.")
+        declare(
+            "disp", default=None, values=[None, True, False],
+            desc="Print a line per iteration; None: where the output is a terminal.",
+        )  # fmt: skip
+        declare(
+            "max_failures", default=15, lower=1,
+            desc="Failed analyses after which the run is stopped; a good one makes up for three.",
+        )  # fmt: skip
+        declare(
+            "singular_jac_behavior", default="warn", values=["error", "warn", "ignore"],
+            desc="What to do about zero rows or columns of the first total Jacobian.",
+        )  # fmt: skip
+        declare("singular_jac_tol", default=1e-16, desc="Tolerance for zero rows and columns.")
+        declare(
+            "hotstart_file", default=None, allow_none=True, types=(str, Path),
+            desc="Recorder file of an earlier run: at its designs the values and derivatives in "
+            "it are taken instead of running the model. Restarts a run where it was cut off.",
+        )  # fmt: skip
+
+    def run(self) -> bool:
+        """Optimise.
+
+        Returns
+        -------
+        bool
+            True if the run failed.
+
+        Raises
+        ------
+        RuntimeError
+            If the problem has no objective or no design variables.
+        ValueError
+            If the optimiser refuses an entry of ``opt_settings``.
+        AnalysisError
+            If the analysis or its derivatives fail at the start.
+        """
+        self._forget_run()
+        self.exit_message = "Ended by an exception"
+        access.begin_run(self)
+        file = self.options["hotstart_file"]
+        recorded = None if file is None else RecordedEvaluations(file, self)
+        with InterruptGuard() as guard:
+            evaluator = ModelEvaluator(self, read_layout(self), guard.running, recorded)
+            callbacks = SolverCallbacks(
+                evaluator, guard, self.options["feas_tol"], self.options["max_failures"]
+            )
+            solve = self.prepare(callbacks)
+            end = solve(callbacks.start(lambda: access.prepare_coloring(self)))
+        if callbacks.error is not None:
+            raise callbacks.error
+        self._finish(end, callbacks)
+        return self.fail
+
+    def show_iteration(self, objective: float, infeasibility: float, optimality: float) -> None:
+        """Note an iteration and print a line of it where that is wanted."""
+        self.iterations += 1
+        if self.options["disp"] or (self.options["disp"] is None and sys.stdout.isatty()):
+            if self._next_header == self.iterations:
+                self._print("iteration  analyses       objective  infeasibility  optimality")
+                self._next_header += 30
+            self._print(
+                f"{self.iterations:9d} {self.iter_count:9d} {objective:15.6e} {infeasibility:14.2e} "
+                f"{optimality:11.2e}"
+            )
+
+    def optimal_anyway(self, callbacks: SolverCallbacks) -> str:
+        """Say that the best point is optimal, however the optimiser ended; empty if it is not."""
+        best = callbacks.best
+        try:
+            totals = callbacks.evaluator.totals(best.x)
+        except AnalysisError:
+            return ""
+        found = Optimality.at(callbacks.evaluator.layout, best.x, best.constraints, *totals)
+        good = found.satisfied(self.options["tol"], self.options["feas_tol"])
+        return f"No better point was found; {found}" if good else ""
+
+    def _forget_run(self) -> None:
+        self.exit_message = "NOT_RUN"
+        self.iterations = self.failed_analyses = self.reused_evaluations = 0
+        self.repeated_case = None
+        self._next_header = 1
+
+    def _finish(self, end: SolverEnd, callbacks: SolverCallbacks) -> None:
+        """Leave the model at the result and say in words how the run ended."""
+        stopped = callbacks.interrupted or callbacks.stalled
+        self.fail = stopped or not end.success
+        self.exit_message = self._describe(end, callbacks)
+        if self.fail and not (end.limited or callbacks.interrupted):
+            optimal = self.optimal_anyway(callbacks)
+            self.fail = not optimal
+            self.exit_message = optimal or self.exit_message
+        evaluator = callbacks.evaluator
+        evaluator.load(callbacks.best.x if stopped or not end.success else end.x)
+        constants = evaluator.layout.violated_constants(
+            flat(self.get_constraint_values()), self.options["feas_tol"]
+        )
+        if constants:
+            self.fail = True
+            self.exit_message = (
+                f"Infeasible: constraint(s) {constants} are violated and do not depend on any "
+                "design variable"
+            )
+        if self.fail:
+            self._print(f"Optimization FAILED.\n{self.exit_message}\n{'-' * 35}")
+        elif self._next_header > 1:
+            self._print(f"Optimization Complete\n{self.exit_message}\n{'-' * 35}")
+
+    def _describe(self, end: SolverEnd, callbacks: SolverCallbacks) -> str:
+        if callbacks.interrupted:
+            return INTERRUPTED + (BEST_KEPT if callbacks.feasible else LEAST_KEPT)
+        if callbacks.stalled:
+            return (
+                "Stopped: failed analyses leave no way forward from the best point found. "
+                f"Last failure: {callbacks.evaluator.last_failure}"
+            )
+        if end.success or end.limited or not self.failed_analyses:
+            return end.message
+        return (
+            f"{end.message}; {self.failed_analyses} analyses failed, "
+            f"last: {callbacks.evaluator.last_failure}"
+        )
+
+    def _print(self, text: str) -> None:
+        if access.problem_of(self).comm.rank == 0:
+            tqdm.write(text)  # past the progress bar of an analysis, if there is one

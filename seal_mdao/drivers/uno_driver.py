@@ -1,0 +1,233 @@
+"""UnoDriver: the SQP and interior-point methods of Uno, for any OpenMDAO problem."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
+
+if TYPE_CHECKING:
+    from seal_mdao.drivers.callbacks import SolverCallbacks
+
+INSTALL_HINT = "UnoDriver needs unopy, which is not installed: pip install unopy"
+
+CITATION = """
+@article{Vanaret_Leyffer_2026,
+  author = {Vanaret, Charlie and Leyffer, Sven},
+  title = {Implementing a unified solver for nonlinearly constrained optimization},
+  journal = {Mathematical Programming Computation},
+  year = {2026}
+}
+"""
+
+CHOICES = {
+    "preset": ("filtersqp", "funnelsqp", "filterslp", "ipopt"),
+    "hessian_model": ("LBFGS", "LSR1", "identity", "zero"),
+    "inequality_handling_method": ("inequality_constrained", "interior_point"),
+    "inertia_correction_strategy": ("primal", "primal_dual", "none"),
+    "progress_norm": ("L1", "L2", "INF"),
+    "QP_solver": ("BQPD", "HiGHS"),
+    "logger": ("SILENT", "DISCRETE", "WARNING", "INFO", "DEBUG", "DEBUG2", "DEBUG3"),
+}
+"""Values of the options that Uno 2.9 does not check when they are set; most of the wrong ones end the
+process with a segmentation fault."""
+
+STUCK = ("ALGORITHMIC_ERROR", "FEASIBLE_SMALL_STEP", "INFEASIBLE_SMALL_STEP")
+LEAP = 10.0
+"""Factor of the trust region with which a run that has got stuck begins once more."""
+
+MESSAGES = {
+    "FEASIBLE_KKT_POINT": "Optimal solution found",
+    "FEASIBLE_FJ_POINT": "Converged to a feasible point where constraint gradients are dependent",
+    "INFEASIBLE_STATIONARY_POINT": "Converged to a point of local infeasibility; the problem may be "
+    "infeasible",
+    "FEASIBLE_SMALL_STEP": "The steps became too small, at a feasible point",
+    "INFEASIBLE_SMALL_STEP": "The steps became too small, at an infeasible point",
+    "UNBOUNDED": "The objective falls without a bound",
+    "ITERATION_LIMIT": "Maximum number of iterations exceeded",
+    "TIME_LIMIT": "Maximum time exceeded",
+    "EVALUATION_ERROR": "Uno could not begin (check opt_settings)",
+    "ALGORITHMIC_ERROR": "No step is accepted any more",
+}
+"""Uno's statuses in words."""
+
+
+class NotEvaluatedError(Exception):
+    """Tells Uno that there are no values at a point; it makes its trust region smaller."""
+
+
+class UnoDriver(OptimizerDriver):
+    """Optimiser Uno: sequential quadratic programming with a filter and a trust region.
+
+    Preset ``filtersqp`` with an L-BFGS approximation of the Hessian; ``opt_settings`` takes any
+    option of Uno, ``preset`` among them. Driver and failures: see `OptimizerDriver`. Where Uno gets
+    stuck, at a region that cannot be analysed or at a kink, it begins once more at the best point with
+    a larger trust region, which may lead across.
+
+    Parameters
+    ----------
+    **kwargs
+        Options of the driver.
+
+    Raises
+    ------
+    ImportError
+        If unopy is not installed.
+    """
+
+    case_name = "Uno"
+    cite = CITATION
+
+    def __init__(self, **kwargs):
+        import_unopy()
+        super().__init__(**kwargs)
+        self.cite = CITATION
+
+    def declare_options(self, declare) -> None:
+        """Declare the options."""
+        super().declare_options(declare)
+        declare(
+            "trust_radius", default=0.3, lower=0.0,
+            desc="Largest change of a design variable in the first iteration, in driver scaling.",
+        )  # fmt: skip
+
+    def prepare(self, callbacks: SolverCallbacks):
+        """Return the function that runs Uno from a start; see the base class."""
+        settings = {
+            "hessian_model": "LBFGS", "logger": "SILENT", "primal_tolerance": self.options["feas_tol"],
+            "dual_tolerance": self.options["tol"], "max_iterations": self.options["maxiter"],
+            "TR_radius": self.options["trust_radius"], **self.opt_settings,
+        }  # fmt: skip
+        solver = _solver(settings)
+        solver.set_termination_callback(lambda *state: callbacks.stopping)
+        solver.set_notify_acceptable_iterate_callback(
+            lambda *state: callbacks.guarded(self._note, callbacks, *state)
+        )
+
+        def solve(start) -> SolverEnd:
+            problem = _uno_model(callbacks)
+            problem.set_initial_primal_iterate(start)
+            result = solver.optimize(problem)
+            again = callbacks.try_again() if _status(result) in STUCK else None
+            if again is not None and not self.optimal_anyway(callbacks):
+                left = int(settings["max_iterations"]) - self.iterations
+                solver.set_option("max_iterations", max(1, left))
+                solver.set_option("TR_radius", LEAP * settings["TR_radius"])
+                problem.set_initial_primal_iterate(again)
+                result = solver.optimize(problem)
+            return _end(result)
+
+        return solve
+
+    def _note(self, callbacks: SolverCallbacks, x, *state) -> None:
+        """Note an accepted point; ``state`` ends with infeasibility, stationarity, complementarity.
+
+        While Uno restores feasibility, ``x`` goes on with the slacks of its own.
+        """
+        point = callbacks.values(x[: callbacks.evaluator.layout.n])
+        if point is not None:
+            self.show_iteration(point.objective, state[-3], max(state[-2:]))
+
+
+def import_unopy():
+    """Import unopy when it is needed.
+
+    Raises
+    ------
+    ImportError
+        With one line that says how to install it.
+    """
+    try:
+        import unopy.unopy
+    except ImportError as error:
+        raise ImportError(INSTALL_HINT) from error
+    return unopy.unopy
+
+
+def _solver(settings: dict):
+    """Uno with its settings.
+
+    Raises
+    ------
+    ValueError
+        If Uno does not know a name or refuses a value.
+    """
+    solver = import_unopy().UnoSolver()
+    preset = settings.get("preset", "filtersqp")
+    _check_choice("preset", preset)
+    solver.set_preset(preset)
+    for name, value in settings.items():
+        if name != "preset":
+            _check_choice(name, value)
+            _set_option(solver, name, value)
+    return solver
+
+
+def _check_choice(name: str, value) -> None:
+    if name in CHOICES and value not in CHOICES[name]:
+        raise ValueError(f"opt_settings['{name}'] is {value!r}, not one of {CHOICES[name]}.")
+
+
+def _set_option(solver, name: str, value) -> None:
+    """Set an option; an integer where Uno wants a real number is taken as one."""
+    value = value.item() if isinstance(value, np.generic) else value
+    number = isinstance(value, int) and not isinstance(value, bool)
+    for candidate in (value, float(value)) if number else (value,):
+        try:
+            solver.set_option(name, candidate)
+        except (KeyError, TypeError, IndexError) as error:
+            reason = error
+        else:
+            return
+    raise ValueError(f"opt_settings['{name}']: Uno refuses {value!r} ({reason}).") from reason
+
+
+def _uno_model(callbacks: SolverCallbacks):
+    """The problem as Uno wants it; constraints without influence are left out."""
+    unopy, layout = import_unopy(), callbacks.evaluator.layout
+    model = unopy.Model(
+        unopy.PROBLEM_NONLINEAR, layout.n, layout.x_lower, layout.x_upper, unopy.ZERO_BASED_INDEXING
+    )
+    model.set_objective(
+        unopy.MINIMIZE,
+        lambda x: _given(callbacks.values(x)).objective,
+        lambda x, out: np.copyto(out, _given(callbacks.derivatives(x))[0]),
+    )
+    rows = np.flatnonzero(layout.active)
+    if rows.size:
+        model.set_constraints(
+            rows.size,
+            lambda x, out: np.copyto(out, _given(callbacks.values(x)).constraints[rows]),
+            layout.c_lower[rows],
+            layout.c_upper[rows],
+            rows.size * layout.n,
+            np.repeat(np.arange(rows.size), layout.n),
+            np.tile(np.arange(layout.n), rows.size),
+            lambda x, out: np.copyto(out, _given(callbacks.derivatives(x))[1][rows].ravel()),
+        )
+    return model
+
+
+def _given(found):
+    if found is None:
+        raise NotEvaluatedError
+    return found
+
+
+def _status(result) -> str:
+    """Uno's status; that of the solution where Uno itself has ended well."""
+    ended = result.optimization_status.name
+    return result.solution_status.name if ended == "SUCCESS" else ended
+
+
+def _end(result) -> SolverEnd:
+    """How Uno ended, in words."""
+    status = _status(result)
+    return SolverEnd(
+        np.array(result.primal_solution),
+        status == "FEASIBLE_KKT_POINT",
+        MESSAGES.get(status, f"Uno ended with {status}"),
+        status.endswith("_LIMIT"),
+    )
