@@ -34,7 +34,5 @@ TOLERANCES = {
     "corner_gap": 2e-2,
     "corner_integral": 5e-2,
     "two_methods": 1e-9,
-    "differences": 1e-5,
-    "differences_gap": 1e-7,
 }
 """Largest allowed error of every benchmark; names that end in ``_mm`` are lengths in mm."""

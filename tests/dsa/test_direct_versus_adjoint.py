@@ -42,11 +42,6 @@ def test_flat_door(flat):
     assert not found.reaction[:, radius].any()
 
 
-def test_path_with_cut_steps(cut):
-    assert cut.step_cuts > 0
-    compare(cut)
-
-
 def test_without_friction(frictionless):
     """Only the last step is solved; the friction parameters' columns vanish."""
     found = compare(frictionless)
@@ -56,9 +51,6 @@ def test_without_friction(frictionless):
 
 
 VARIANTS = {
-    "segments": {"segments": 32},
-    "incremental": {"friction_history": "incremental"},
-    "incremental flat": {"friction_history": "incremental", "door": "flat"},
     "superlu": {"solver": "superlu"},
     "quadratic basis": {"basis_order": 2},
     "three Gauss points": {"n_gauss": 3},
