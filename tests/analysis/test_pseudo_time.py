@@ -80,7 +80,6 @@ def test_derivatives_pass_through_it(sliding, model, rng):
             difference = (values[0] - values[1]) / (2.0 * step)
             derivative = getattr(exact, name)[:, :-1] @ way
             errors.append(np.abs(difference - derivative).max() / np.abs(derivative).max())
-    print("largest relative differences", errors)
     assert np.max(errors) < 1e-5
 
 

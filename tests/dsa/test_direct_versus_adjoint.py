@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from step_study import MEASURES
+from lines import ALWAYS as MEASURES
 
 import seal_mdao as sm
 
