@@ -25,6 +25,18 @@ def _kernel_cache() -> str:
 # before the first kernel is imported: ``import seal_mdao`` loads none
 os.environ.setdefault("NUMBA_CACHE_DIR", _kernel_cache())
 
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Tests of a folder stay together: one worker makes what they share and compiles what they run.
+
+    The other worker begins in the middle, and finds most kernels in the cache when it needs them.
+    """
+    from xdist.scheduler import WorkStealingScheduling
+
+    return WorkStealingScheduling(config, log) if config.getvalue("dist") == "load" else None
+
+
 TIGHT = sm.NewtonOptions(tolerance=1e-11)
 
 

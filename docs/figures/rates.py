@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 
-from figures.limits import within
 from figures.tables import percent, power, table
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, styled, subplots
 from seal_mdao.verification.approximation import interpolation_convergence
@@ -60,9 +59,6 @@ def _manufactured(out: Path, reduced: bool) -> dict:
         1: manufactured_convergence(1, 1, cells, seeds),
         2: manufactured_convergence(2, 2, cells, seeds),
     }
-    if not reduced:
-        away = [*np.abs(found[1].l2_slopes - 2), *np.abs(found[1].h1_slopes - 1)]
-        within("slope", max(away))
     save(convergence_picture(found), out / "convergence.png")
     slopes = {order: f"{c.l2_slopes[-1]:.2f}, {c.h1_slopes[-1]:.2f}" for order, c in found.items()}
     return {
@@ -84,9 +80,6 @@ def _cook(out: Path, reduced: bool) -> dict:
     cells = (4, 8) if reduced else (4, 8, 16, 32)
     tip = np.array([cook_deflection(n) for n in cells])
     error = np.abs(tip / CONVERGED - 1.0)
-    if not reduced:
-        within("cook_32", error[-1])
-        within("cook_16", error[-2])
     save(cook_picture(cells, tip), out / "cook.png")
     rows = [
         [f"{n} × {n}", f"{t:.4f}", percent(e, 2)] for n, t, e in zip(cells, tip, error, strict=True)

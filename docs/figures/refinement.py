@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 from matplotlib.ticker import NullLocator
 
-from figures.limits import within
 from figures.tables import percent, power, table
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.model import door_seal
@@ -53,10 +52,10 @@ def _steps(out: Path, reduced: bool) -> dict:
     if reduced:
         return numbers
     study = found["accumulated"]
-    within("steps_reaction", study.errors[-1, 1])
-    within("steps_gap", study.errors[-1, 2])
     numbers["orders"] = ", ".join(f"{order:.2f}" for order in study.orders)
     numbers["first_order"] = f"{study.first_order:.2f}"
+    for name, column in (("steps_reaction", 1), ("steps_gap", 2)):
+        numbers[name] = percent(study.errors[-1, column], 3)
     numbers["steps_drawn"] = percent(np.interp(105, study.steps[:-1], study.errors[:, 2]))
     return numbers
 
@@ -104,10 +103,10 @@ def _frames(reduced: bool) -> dict:
         force = np.abs(found.reaction - base.reaction).max() / np.abs(base.reaction).max()
         place = np.abs(found.displacement - base.displacement).max()
         same = "the same" if np.array_equal(found.state, base.state) else "other"
-        rows.append([name, power(force), power(within("frames_mm", place)), same])
+        rows.append([name, power(force), power(place), same])
         worst = max(worst, force)
     head = ["problem", "reaction, relative", "displacement (mm)", "contact states"]
-    return {"frames_table": table(head, rows), "frames": power(within("frames_reaction", worst))}
+    return {"frames_table": table(head, rows), "frames": power(worst)}
 
 
 # ---- particles ----
@@ -135,7 +134,7 @@ def _last_changes(middle, fine, finest) -> dict:
         changes["corner_reaction"].append(abs(a.reaction[1] / b.reaction[1] - 1.0))
         changes["corner_gap"].append(abs(a.max_gap / b.max_gap - 1.0))
         changes["corner_integral"].append(abs(a.gap_square_integral / b.gap_square_integral - 1.0))
-    numbers = {name: percent(within(name, first)) for name, (first, _) in changes.items()}
+    numbers = {name: percent(first) for name, (first, _) in changes.items()}
     last = {f"{name}_last": percent(value) for name, (_, value) in changes.items()}
     return numbers | last | {"corner_changes": ", ".join(numbers.values())}
 
@@ -163,9 +162,6 @@ def corner_picture(found):
 
 def _flat(out: Path, reduced: bool) -> dict:
     found = [flat_level(*level) for level in (LEVELS[:1] if reduced else LEVELS)]
-    for level in found:
-        within(f"flat_{level.rays}", np.abs(level.reaction_error).max())
-        within(f"flat_{level.rays}_mm", level.boundary_error)
     rows = [
         [f"{travel:g}", f"{force:.3f}", *(percent(s.reaction_error[i]) for s in found)]
         for i, (travel, force) in enumerate(REACTION)

@@ -1,12 +1,17 @@
 """Numbers and tables as MyST text."""
 
 import re
+from math import isfinite
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+NONE = "\N{EN DASH}"
+"""Stands where there is no number."""
 
 
 def power(value: float, digits: int = 1) -> str:
     """A small or large number as text, such as 2.3 × 10⁻⁷."""
+    if not isfinite(value):
+        return NONE
     if value == 0.0:
         return "0"
     mantissa, exponent = f"{value:.{digits}e}".split("e")
@@ -16,7 +21,7 @@ def power(value: float, digits: int = 1) -> str:
 
 def percent(value: float, digits: int = 2) -> str:
     """A share as text."""
-    return f"{100 * value:.{digits}f} %"
+    return NONE if not isfinite(value) else f"{100 * value:.{digits}f} %"
 
 
 def _cell(value) -> str:

@@ -202,28 +202,6 @@ def test_flat_door_keeps_the_seal_symmetric(flat):
     np.testing.assert_array_equal(step.after.state, step.after.state[::-1])
 
 
-def test_finer_steps_converge_with_the_accumulated_rule(drawn, drawn_model):
-    """Reaction and gaps at the end of the path: differences shrink with the step."""
-    finer = [sm.analyze(drawn_model.with_(n_steps=n)) for n in (210, 420)]
-    first, second = (
-        np.linalg.norm(b.reaction[-1] - a.reaction[-1])
-        for a, b in ((drawn, finer[0]), (finer[0], finer[1]))
-    )
-    assert first < 5e-4 * np.linalg.norm(drawn.reaction[-1])
-    assert second < 0.5 * first
-
-
-def test_incremental_rule_depends_on_the_number_of_steps(drawn, drawn_model):
-    """Creep: slip counted from the last step only lets the seal slide ever farther."""
-    incremental = [
-        sm.analyze(drawn_model.with_(friction_history="incremental", n_steps=n)) for n in (105, 210)
-    ]
-    assert all(result.converged for result in incremental)
-    change = incremental[1].reaction[-1] - incremental[0].reaction[-1]
-    finer = sm.analyze(drawn_model.with_(n_steps=210)).reaction[-1] - drawn.reaction[-1]
-    assert np.linalg.norm(change) > 5 * np.linalg.norm(finer)
-
-
 def test_program_is_linear_between_its_steps(rng):
     positions, imposed = rng.standard_normal((4, 2)), rng.standard_normal((4, 5, 2))
     program = LoadProgram(positions, imposed)

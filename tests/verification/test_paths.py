@@ -18,7 +18,18 @@ FRAMES = {
 }
 
 
-def test_accumulated_friction_converges_with_the_steps(figure):
+def test_accumulated_friction_settles_with_the_steps_and_incremental_does_not():
+    accumulated, incremental = (
+        refine_steps(h, (50, 100, 200)) for h in ("accumulated", "incremental")
+    )
+    assert np.all(accumulated.changes[1] < 0.7 * accumulated.changes[0])
+    # the changes grow where they should shrink
+    assert np.all(incremental.changes[1] > incremental.changes[0])
+    assert np.all(incremental.changes[1] > 10.0 * accumulated.changes[1])
+
+
+@pytest.mark.long
+def test_accumulated_friction_converges_with_the_first_order(figure):
     study = refine_steps("accumulated", (*STEPS, 1600))
     assert np.all(np.diff(study.errors, axis=0) < 0.0)
     # what an error of exactly first order shows against 1600 steps
@@ -31,18 +42,11 @@ def test_accumulated_friction_converges_with_the_steps(figure):
     figure("400 steps against 1600: sum of g^2", gap, TOLERANCES["steps_gap"])
 
 
-def test_incremental_friction_does_not_converge():
-    study = refine_steps("incremental")
-    # the changes grow where they should shrink
-    assert np.all(np.diff(study.changes[:, 0]) > 0.0)
-    assert study.changes[-1, 2] > study.changes[0, 2]
-    accumulated = refine_steps("accumulated")
-    assert np.all(study.changes[-1] > 10.0 * accumulated.changes[-1])
-
-
 @pytest.fixture(scope="module")
 def model():
-    return door_seal(newton=NewtonOptions(tolerance=1e-11))
+    """No particle touches exactly at the end of a step, where rounding would choose its state."""
+    newton = NewtonOptions(tolerance=1e-11)
+    return door_seal(depth=7.0, n_steps=40, start=10.03, newton=newton)
 
 
 @pytest.fixture(scope="module")
