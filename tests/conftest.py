@@ -1,29 +1,9 @@
 """Analyses that several folders look at, and random numbers that belong to a test."""
 
-import hashlib
-import os
-import tempfile
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import seal_mdao as sm
-
-
-def _kernel_cache() -> str:
-    """A numba cache of its own for every state of the sources.
-
-    Numba keys a cached kernel on its own file only; after a change in a module that it calls, the
-    tests would run the old code.
-    """
-    sources = sorted(Path(sm.__file__).parent.rglob("*.py"))
-    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
-    return str(Path(tempfile.gettempdir()) / f"seal_mdao-kernels-{digest[:16]}")
-
-
-# before the first kernel is imported: ``import seal_mdao`` loads none
-os.environ.setdefault("NUMBA_CACHE_DIR", _kernel_cache())
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -1,11 +1,9 @@
 """Derivatives along a line of analyses by difference quotients that know their own error."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from seal_mdao.dsa.sensitivity import measured
-from seal_mdao.measures.stress import von_mises_at
+from seal_mdao.verification.differences import same_sequence
 
 ALWAYS = ("von_mises", "gap", "gap_square_sum", "reaction")
 # a quotient of high order and one of second order, of values at seven equidistant places
@@ -15,25 +13,22 @@ LEAST_CERTAINTY = 1e-4
 """A quotient that is less certain than this share of its measure's largest one shows nothing."""
 
 
-def measures_of(result, points, further=()):
-    """Measures at the end of a path by name, taken at the frozen ``points``."""
-    end, material = result.end, result.model.material
-    table = result.path.discretization.table_at(points.stress).table
-    gap = end.gap[points.gap]
+def measures_of(result, further=()):
+    """Measures at the end of a path by name."""
     return {
-        "von_mises": von_mises_at(table, end.d, material)[0],
-        "gap": gap,
-        "gap_square_sum": np.array([gap @ gap]),
-        "reaction": end.reaction,
-        **{name: measured(replace(result, frozen_points=points), name) for name in further},
+        "von_mises": result.von_mises,
+        "gap": result.gap,
+        "gap_square_sum": np.array([result.gap_square_sum]),
+        "reaction": result.end.reaction,
+        **{name: measured(result, name) for name in further},
     }
 
 
 def slopes(result, analysis, step, further=(), stencil=CENTRAL):
     """Derivatives at ``result`` of all measures by name, and their error bounds: pairs (m,).
 
-    ``analysis(t)`` is the analysis at the place t of the line. All have to go through the contact
-    sequence of ``result``.
+    ``analysis(t)`` is the analysis at the place t of the line, with the measures at the places of
+    ``result``; all have to go through its contact sequence.
 
     Bound: truncation and rounding. The two quotients differ by the error of the second-order one,
     h^2 f'''/6, beside which that of the other is nothing where f is smooth; where its second
@@ -43,9 +38,8 @@ def slopes(result, analysis, step, further=(), stencil=CENTRAL):
     """
     places, weights = stencil
     results = [result if k == 0 else analysis(k * step) for k in places]
-    states = [other.path.contact_state for other in results]
-    assert all(np.array_equal(s, result.path.contact_state) for s in states), "another sequence"
-    rows = [measures_of(other, result.points, further) for other in results]
+    assert all(same_sequence(other, result) for other in results), "the contact sequence changes"
+    rows = [measures_of(other, further) for other in results]
     values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     # no point may stand open
     values = {name: value for name, value in values.items() if value.any()}

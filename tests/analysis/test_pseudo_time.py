@@ -71,7 +71,11 @@ def test_what_it_finds_is_equilibrium(sliding, stuck, model):
 
 def test_derivatives_pass_through_it(sliding, model, rng):
     way = rng.uniform(-1.0, 1.0, model.n_offsets)
-    found = slopes(sliding, lambda t: sm.analyze(model, OFFSETS + t * way, RADIUS), STEP)
+
+    def beside(t):
+        return sm.analyze(model, OFFSETS + t * way, RADIUS, points=sliding.points)
+
+    found = slopes(sliding, beside, STEP)
     check(found, sm.differentiate(sliding), np.append(way, 0.0))
 
 

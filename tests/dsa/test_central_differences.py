@@ -23,9 +23,8 @@ SCALARS = {
 
 def moved(result, way, t):
     """The analysis at a distance ``t`` along ``way``, offsets and door radius (26,)."""
-    return sm.analyze(
-        result.model, result.boundary_offsets + t * way[:-1], result.door_radius + t * way[-1]
-    )
+    offsets, radius = result.boundary_offsets + t * way[:-1], result.door_radius + t * way[-1]
+    return sm.analyze(result.model, offsets, radius, points=result.points)
 
 
 def any_way(seed, count=26):
