@@ -11,8 +11,6 @@ NUMERICS = (
     "analysis", "contact", "design", "dsa", "geometry", "materials", "measures", "rkpm",
     "errors", "model", "seal",
 )  # fmt: skip
-KNOWN = {("recording", "drivers")}
-"""Imports between folders that close a circle and are still to be untied."""
 
 
 def _named(tree):
@@ -60,11 +58,7 @@ def test_modules_import_each_other_one_way():
 
 
 def test_folders_import_each_other_one_way():
-    between = folders(imports())
-    for importing, imported in KNOWN:
-        assert imported in between[importing], "untied: no longer an exception"
-        between[importing].remove(imported)
-    assert list(TopologicalSorter(between).static_order())
+    assert list(TopologicalSorter(folders(imports())).static_order())
 
 
 def test_numerics_reach_no_openmdao():
