@@ -11,8 +11,6 @@ NUMERICS = (
     "analysis", "contact", "design", "dsa", "geometry", "materials", "measures", "rkpm",
     "errors", "model", "seal",
 )  # fmt: skip
-KNOWN = {("recording", "drivers")}
-"""Imports between folders that close a circle and are still to be untied."""
 
 
 def _named(tree):
@@ -60,11 +58,7 @@ def test_modules_import_each_other_one_way():
 
 
 def test_folders_import_each_other_one_way():
-    between = folders(imports())
-    for importing, imported in KNOWN:
-        assert imported in between[importing], "untied: no longer an exception"
-        between[importing].remove(imported)
-    assert list(TopologicalSorter(between).static_order())
+    assert list(TopologicalSorter(folders(imports())).static_order())
 
 
 def test_numerics_reach_no_openmdao():
@@ -79,3 +73,21 @@ def test_numerics_reach_no_openmdao():
     users = {name for name in graph if any(n.split(".")[0] == "openmdao" for n in graph[name])}
     assert users
     assert not users & reached
+
+
+def test_private_names_of_openmdao_are_in_one_module():
+    """Attributes with a leading underscore of anything but ``self``, where OpenMDAO is imported."""
+    found = {}
+    for path in PACKAGE.rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        if "openmdao" in text and path.name != "openmdao_access.py":
+            found[path.name] = [
+                node.attr
+                for node in ast.walk(ast.parse(text))
+                if isinstance(node, ast.Attribute)
+                and node.attr.startswith("_")
+                and not node.attr.startswith("__")
+                and not (isinstance(node.value, ast.Name) and node.value.id in ("self", "cls"))
+            ]
+    assert len(found) > 10
+    assert not {name: names for name, names in found.items() if names}

@@ -18,10 +18,6 @@ if TYPE_CHECKING:
     from seal_mdao.drivers.evaluation import Evaluation, ModelEvaluator
     from seal_mdao.drivers.interrupt import InterruptGuard
 
-PARDON = 3
-"""Failed analyses that a good one makes up for. An optimiser that creeps up to a region where all
-fails has more failures than that in every iteration, and steps that come to nothing."""
-
 
 class SolverCallbacks:
     """Bridge between an optimiser and the model.
@@ -35,7 +31,8 @@ class SolverCallbacks:
     feas_tol : float
         Largest scaled constraint violation of a point that counts as feasible.
     max_failures : int
-        Failed analyses after which the run is stopped, see `PARDON`.
+        Failed analyses after which the run is stopped; a good one makes up for one that failed. An
+        optimiser that creeps up to a region where all fails has several in every iteration.
 
     Attributes
     ----------
@@ -132,7 +129,7 @@ class SolverCallbacks:
         if self._totals[0] != key:
             self._totals = key, self.evaluator.totals(x)
             self.firm = min(self.firm, self.evaluator.evaluate(x), key=self._rank)
-            self._failures = max(0, self._failures - PARDON)
+            self._failures = max(0, self._failures - 1)
         return self._totals[1]
 
     def _rank(self, point: Evaluation) -> tuple[bool, float]:

@@ -7,20 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
+from seal_mdao.drivers.solver_library import import_library, set_option
 
 if TYPE_CHECKING:
     from seal_mdao.drivers.callbacks import SolverCallbacks
-
-INSTALL_HINT = 'IpoptDriver needs ipyopt, which is not installed: pip install "seal_mdao[ipopt]"'
 
 CITATION = """
 @article{Waechter_Biegler_2006,
   author = {W{\\"a}chter, Andreas and Biegler, Lorenz T.},
   title = {On the implementation of an interior-point filter line-search algorithm for
            large-scale nonlinear programming},
-  journal = {Mathematical Programming},
-  volume = {106}, number = {1}, pages = {25--57}, year = {2006},
-  doi = {10.1007/s10107-004-0559-y}
+  journal = {Mathematical Programming}, year = {2006}, doi = {10.1007/s10107-004-0559-y}
 }
 """
 
@@ -88,7 +85,8 @@ class IpoptDriver(OptimizerDriver):
             "max_iter": self.options["maxiter"], **self.opt_settings,
         }  # fmt: skip
         for name, value in settings.items():
-            _set_option(problem, name, value)
+            word = {True: "yes", False: "no"}[value] if isinstance(value, bool) else value
+            set_option(lambda name, value: problem.set(**{name: value}), name, word)
 
         def solve(x) -> SolverEnd:
             x, _, code = problem.solve(np.array(x))
@@ -167,39 +165,8 @@ class _Bridge:
 
 
 def import_ipyopt():
-    """Import ipyopt when it is needed.
-
-    Raises
-    ------
-    ImportError
-        With one line that names the extra, if ipyopt is not installed.
-    """
-    try:
-        import ipyopt
-    except ImportError as error:
-        raise ImportError(INSTALL_HINT) from error
-    return ipyopt
-
-
-def _set_option(problem, name: str, value) -> None:
-    """Set an option; an integer where Ipopt wants a real number is taken as one.
-
-    Raises
-    ------
-    ValueError
-        If Ipopt does not know the name or refuses the value.
-    """
-    if isinstance(value, bool):
-        value = "yes" if value else "no"
-    value = value.item() if isinstance(value, np.generic) else value
-    for candidate in (value, float(value)) if isinstance(value, int) else (value,):
-        try:
-            problem.set(**{name: candidate})
-        except (ValueError, TypeError) as error:
-            reason = error
-        else:
-            return
-    raise ValueError(f"opt_settings['{name}']: Ipopt refuses {value!r} ({reason}).") from reason
+    """Import ipyopt when it is needed."""
+    return import_library("ipyopt", "IpoptDriver", '"seal_mdao[ipopt]"')
 
 
 def _message(code: int) -> str:

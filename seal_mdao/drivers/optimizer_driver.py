@@ -118,7 +118,7 @@ class OptimizerDriver(access.DriverHooks):
         )  # fmt: skip
         declare(
             "max_failures", default=15, lower=1,
-            desc="Failed analyses after which the run is stopped; a good one makes up for three.",
+            desc="Failed analyses after which the run is stopped; a good one makes up for one.",
         )  # fmt: skip
         declare(
             "singular_jac_behavior", default="warn", values=["error", "warn", "ignore"],

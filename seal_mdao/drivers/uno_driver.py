@@ -7,18 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
+from seal_mdao.drivers.solver_library import import_library, set_option
 
 if TYPE_CHECKING:
     from seal_mdao.drivers.callbacks import SolverCallbacks
-
-INSTALL_HINT = "UnoDriver needs unopy, which is not installed: pip install unopy"
 
 CITATION = """
 @article{Vanaret_Leyffer_2026,
   author = {Vanaret, Charlie and Leyffer, Sven},
   title = {Implementing a unified solver for nonlinearly constrained optimization},
-  journal = {Mathematical Programming Computation},
-  year = {2026}
+  journal = {Mathematical Programming Computation}, year = {2026}
 }
 """
 
@@ -78,7 +76,6 @@ class UnoDriver(OptimizerDriver):
     """
 
     case_name = "Uno"
-    cite = CITATION
 
     def __init__(self, **kwargs):
         import_unopy()
@@ -117,7 +114,7 @@ class UnoDriver(OptimizerDriver):
                 solver.set_option("TR_radius", LEAP * settings["TR_radius"])
                 problem.set_initial_primal_iterate(again)
                 result = solver.optimize(problem)
-            return _end(result)
+            return _end(result, start.size)
 
         return solve
 
@@ -132,18 +129,8 @@ class UnoDriver(OptimizerDriver):
 
 
 def import_unopy():
-    """Import unopy when it is needed.
-
-    Raises
-    ------
-    ImportError
-        With one line that says how to install it.
-    """
-    try:
-        import unopy.unopy
-    except ImportError as error:
-        raise ImportError(INSTALL_HINT) from error
-    return unopy.unopy
+    """Import unopy when it is needed."""
+    return import_library("unopy", "UnoDriver", "unopy")
 
 
 def _solver(settings: dict):
@@ -154,34 +141,14 @@ def _solver(settings: dict):
     ValueError
         If Uno does not know a name or refuses a value.
     """
+    for name, choice in CHOICES.items():
+        if settings.get(name, choice[0]) not in choice:
+            raise ValueError(f"opt_settings['{name}']: {settings[name]!r} is not one of {choice}.")
     solver = import_unopy().UnoSolver()
-    preset = settings.get("preset", "filtersqp")
-    _check_choice("preset", preset)
-    solver.set_preset(preset)
+    solver.set_preset(settings.pop("preset", "filtersqp"))
     for name, value in settings.items():
-        if name != "preset":
-            _check_choice(name, value)
-            _set_option(solver, name, value)
+        set_option(solver.set_option, name, value)
     return solver
-
-
-def _check_choice(name: str, value) -> None:
-    if name in CHOICES and value not in CHOICES[name]:
-        raise ValueError(f"opt_settings['{name}'] is {value!r}, not one of {CHOICES[name]}.")
-
-
-def _set_option(solver, name: str, value) -> None:
-    """Set an option; an integer where Uno wants a real number is taken as one."""
-    value = value.item() if isinstance(value, np.generic) else value
-    number = isinstance(value, int) and not isinstance(value, bool)
-    for candidate in (value, float(value)) if number else (value,):
-        try:
-            solver.set_option(name, candidate)
-        except (KeyError, TypeError, IndexError) as error:
-            reason = error
-        else:
-            return
-    raise ValueError(f"opt_settings['{name}']: Uno refuses {value!r} ({reason}).") from reason
 
 
 def _uno_model(callbacks: SolverCallbacks):
@@ -222,11 +189,11 @@ def _status(result) -> str:
     return result.solution_status.name if ended == "SUCCESS" else ended
 
 
-def _end(result) -> SolverEnd:
+def _end(result, n: int) -> SolverEnd:
     """How Uno ended, in words."""
     status = _status(result)
     return SolverEnd(
-        np.array(result.primal_solution),
+        np.array(result.primal_solution[:n]),
         status == "FEASIBLE_KKT_POINT",
         MESSAGES.get(status, f"Uno ended with {status}"),
         status.endswith("_LIMIT"),

@@ -161,8 +161,8 @@ def test_totals_after_check_totals_are_those_of_the_point_itself(problem, short)
 
 def check_partials_at_inputs(problem, model):
     """The contact component's partials are those at the inputs that it has now."""
-    particles = problem.get_val("seal.particles", from_src=False)
-    radius = problem.get_val("seal.door_radius", from_src=False)
+    particles = problem.model.get_val("seal.particles", from_src=False)
+    radius = problem.model.get_val("seal.door_radius", from_src=False)
     found = problem.compute_totals(
         of=["von_mises", "reaction"], wrt=["door_radius", "particles"], return_format="array"
     )

@@ -6,8 +6,10 @@ import signal
 import threading
 
 import numpy as np
+import openmdao
 import pytest
 from driver_models import constrained_problem, d_rosenbrock, plane_problem, quadratic, rosenbrock
+from packaging.version import Version
 
 from seal_mdao.drivers.interrupt import InterruptGuard
 
@@ -31,9 +33,10 @@ def test_other_exceptions_are_raised_unchanged(make_driver, where, call):
     hooks = {where: _raise_at(call, error)}
     driver = make_driver()
     prob = plane_problem(driver, (-1.2, 1), rosenbrock, d_rosenbrock, **hooks)
-    with pytest.raises(SpecialError, match="wrong unit") as caught:
+    with pytest.raises(SpecialError, match=r"wrong unit$") as caught:
         prob.run_driver()
-    assert caught.value is error
+    if Version(openmdao.__version__) >= Version("3.44"):  # before, OpenMDAO itself made a new one
+        assert caught.value is error
     assert driver.result.exit_status == "Ended by an exception"
     assert not driver.result.success
     assert "hook" in [entry.name for entry in caught.traceback]

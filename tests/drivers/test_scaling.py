@@ -6,7 +6,6 @@ import numpy as np
 import openmdao.api as om
 import pytest
 from driver_models import projection_problem, run_projection
-from openmdao.drivers.autoscalers.bounds_autoscaler import BoundsAutoscaler
 
 from seal_mdao.drivers.layout import read_layout
 
@@ -99,8 +98,11 @@ def test_maximization(make_driver):
 
 
 def test_autoscaler(make_driver):
+    module = pytest.importorskip(  # since OpenMDAO 3.45
+        "openmdao.drivers.autoscalers.bounds_autoscaler"
+    )
     driver = make_driver()
-    driver.autoscaler = BoundsAutoscaler()
+    driver.autoscaler = module.BoundsAutoscaler()
     upper = np.array([1.5, 10.0, 10.0, 10.0])
     prob = projection_problem(driver, lower=-1.0, upper=upper)
     assert run_projection(prob) == pytest.approx([1.5, -1.0, 1.0, 0.5], abs=1e-5)

@@ -105,7 +105,7 @@ def test_model_is_never_run_outside_the_bounds(make_driver):
 
     prob.driver._run_solve_nonlinear = watching
     run_projection(prob, (0.3, 0.3, 0.3, 0.3))
-    assert len(visited) > 3
+    assert len(visited) >= 3
     assert np.min(visited) >= 0.0
     assert np.max(visited) <= 2.5
 
