@@ -12,7 +12,14 @@ import numba as nb
 from numba.core.dispatcher import Dispatcher
 
 import seal_mdao
-from seal_mdao.compilation import ABANDONED, FOLDER_PREFIX, KERNEL_FOLDERS, MESSAGE, sources_key
+from seal_mdao.compilation import (
+    ABANDONED,
+    ANNOUNCED,
+    FOLDER_PREFIX,
+    KERNEL_FOLDERS,
+    MESSAGE,
+    sources_key,
+)
 
 KERNEL = "from seal_mdao.rkpm.kernel import cubic_b_spline; print(cubic_b_spline(0.5)[0])"
 KERNEL_AND_TWO_CHILDREN = (
@@ -28,9 +35,11 @@ for name in ("kernel_derivatives(0.1, 0.2, 1.0)", "cubic_b_spline(1)"):
 
 def said(code, cache):
     """How often a fresh process, and those that it starts, wrote the message; the result is right."""
+    # what the process of the tests has said counts for those that it starts
+    env = {name: value for name, value in os.environ.items() if name != ANNOUNCED}
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True,
-        env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
+        env={**env, "NUMBA_CACHE_DIR": str(cache)},
     )  # fmt: skip
     assert float(done.stdout) == 1 / 6
     return done.stderr.count(MESSAGE)
