@@ -161,6 +161,7 @@ def test_totals_after_check_totals_are_those_of_the_point_itself(problem, short)
 
 def check_partials_at_inputs(problem, model):
     """The contact component's partials are those at the inputs that it has now."""
+    problem.final_setup()  # before OpenMDAO 3.43 the model has not got the values until then
     particles = problem.model.get_val("seal.particles", from_src=False)
     radius = problem.model.get_val("seal.door_radius", from_src=False)
     found = problem.compute_totals(
