@@ -1,4 +1,4 @@
-"""What the scripts share: model options, output folder, errors in one line, summary.json."""
+"""What the scripts share: options of the seal, output folder, errors in one line, summary.json."""
 
 import argparse
 import json
@@ -12,7 +12,7 @@ import numpy as np
 
 import seal_mdao as sm
 
-MODEL_OPTIONS = (
+SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "support",
     "n_steps", "depth", "normal_penalty", "tangent_penalty",
 )  # fmt: skip
@@ -49,8 +49,8 @@ def parser(description: str, out: str, positional: str = "") -> argparse.Argumen
     return made
 
 
-def add_model_arguments(made: argparse.ArgumentParser) -> None:
-    """Options that change the door-seal model; what is left out keeps the example's value."""
+def add_seal_arguments(made: argparse.ArgumentParser) -> None:
+    """Options that change the door seal; what is left out keeps the example's value."""
     drawn = sm.door_seal()
     group = made.add_argument_group("model")
 
@@ -91,10 +91,10 @@ def existing_file(text: str) -> Path:
     return Path(text)
 
 
-def model_from(arguments: argparse.Namespace, **more) -> sm.SealModel:
-    """The model that the options describe."""
+def seal_from(arguments: argparse.Namespace, **more) -> sm.DoorSeal:
+    """The seal that the options describe."""
     with checked_arguments():
-        options = {name: getattr(arguments, name) for name in MODEL_OPTIONS}
+        options = {name: getattr(arguments, name) for name in SEAL_OPTIONS}
         return sm.door_seal(**options, **more)
 
 
@@ -158,7 +158,7 @@ def write_summary(out: Path, summary: dict) -> Path:
     return path
 
 
-def design_from(path: Path, model: sm.SealModel) -> tuple[np.ndarray, float]:
+def design_from(path: Path, seal: sm.DoorSeal) -> tuple[np.ndarray, dict]:
     """Boundary offsets and door radius (mm) out of the summary.json of an optimisation."""
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
@@ -169,4 +169,4 @@ def design_from(path: Path, model: sm.SealModel) -> tuple[np.ndarray, float]:
         text = f"{path} is not a summary.json with boundary_offsets and door_radius"
         raise WrongArgumentError(text) from None
     with checked_arguments():
-        return model.check_offsets(offsets), model.check_door_radius(radius)
+        return seal.check_offsets(offsets), {"door_radius": seal.check_door_radius(radius)}

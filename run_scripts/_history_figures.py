@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.plotting.recorded import RecordedOptimization
+from seal_mdao.seals.door.result import DoorSealResult
 
 
 def draw_history(
-    history: RecordedOptimization, initial: sm.SealResult, final: sm.SealResult, out: Path
+    history: RecordedOptimization, initial: DoorSealResult, final: DoorSealResult, out: Path
 ) -> list[Path]:
     """Cost history, constraint history, and both designs side by side; returns the files."""
     figures = {
@@ -29,10 +29,10 @@ def history_rows(history: RecordedOptimization) -> list[dict]:
 
 
 def end_numbers(
-    history: RecordedOptimization, initial: sm.SealResult, final: sm.SealResult
+    history: RecordedOptimization, initial: DoorSealResult, final: DoorSealResult
 ) -> dict:
     """Part of summary.json that describes the last design."""
-    offsets, radius = history.design_at(-1)
+    offsets, parameters = history.design_at(-1)
     return {
         "objective_ratio": history.objective_ratio[-1],
         "max_constraint_violation": history.max_violation[-1],
@@ -40,7 +40,7 @@ def end_numbers(
         "von_mises_kPa": final.von_mises,
         "reaction_ratio": final.reaction[-1, 1] / initial.reaction[-1, 1],
         "boundary_offsets": offsets,
-        "door_radius": radius,
+        **parameters,
         "history": history_rows(history),
     }
 

@@ -5,7 +5,6 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 import seal_mdao as sm
-from seal_mdao.model import SealModel
 
 CONTROL_VALUES = {26: (14, 11, False), 16: (8, 7, False), 10: (5, 4, True)}
 """Outer and inner control values, and whether they are mirrored, by the number of parameters, which
@@ -21,7 +20,7 @@ class Case:
     Attributes
     ----------
     corner_x, friction, friction_history, segments :
-        As for ``SealModel``.
+        As for ``DoorSeal``.
     parameters : int
         One of ``CONTROL_VALUES``.
     start : int
@@ -50,8 +49,8 @@ class Case:
             changes[-1] += f" within {self.start_size} mm"
         return ", ".join([*changes, *self.flags]) or "paper"
 
-    def model(self, **more) -> SealModel:
-        """The seal model of the case."""
+    def seal(self, **more) -> sm.DoorSeal:
+        """The seal of the case."""
         outer, inner, symmetric = CONTROL_VALUES[self.parameters]
         return sm.door_seal(
             corner_x=self.corner_x, friction=self.friction, segments=self.segments,
@@ -63,13 +62,13 @@ class Case:
         """The flags as arguments of ``seal_problem``."""
         return dict.fromkeys(self.flags, True)
 
-    def design(self, model: SealModel) -> tuple[np.ndarray, float]:
+    def design(self, seal: sm.DoorSeal) -> tuple[np.ndarray, float]:
         """Offsets and door radius of the start."""
         if self.start == 0:
-            return np.zeros(model.n_offsets), model.drawn_door_radius
+            return np.zeros(seal.n_offsets), seal.drawn_door_radius
         size = self.start_size
-        change = np.random.default_rng(self.start).uniform(-size, size, model.n_offsets + 1)
-        return change[:-1], model.drawn_door_radius + change[-1]
+        change = np.random.default_rng(self.start).uniform(-size, size, seal.n_offsets + 1)
+        return change[:-1], seal.drawn_door_radius + change[-1]
 
 
 FACTORS = {

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from _common import MODEL_OPTIONS, WrongArgumentError, checked_arguments
+from _common import SEAL_OPTIONS, WrongArgumentError, checked_arguments
 
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.recording import run_log
@@ -25,8 +25,8 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
         problem = recorded_problem(open_cases(path))
         optimizer = recorded_optimizer(path)
     if problem is None:
-        raise WrongArgumentError(f"{path} does not hold the settings of a seal model")
-    recorded = {name: getattr(problem.model, name) for name in MODEL_OPTIONS} | problem.settings
+        raise WrongArgumentError(f"{path} does not hold the settings of a seal")
+    recorded = {name: getattr(problem.seal, name) for name in SEAL_OPTIONS} | problem.settings
     if optimizer is not None:
         recorded["optimizer"] = optimizer
     for name in sorted(arguments.given.intersection(recorded)):

@@ -6,34 +6,36 @@ from pathlib import Path
 
 import numpy as np
 from _common import (
-    add_model_arguments,
+    add_seal_arguments,
     checked_arguments,
     design_from,
-    model_from,
     parser,
     run,
+    seal_from,
     write_summary,
 )
 
-import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.deformation import spread_depths
 from seal_mdao.plotting.reaction import travel_table
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.seals.door.result import DoorSealResult
 
 
 def main(arguments) -> int:
-    model = model_from(arguments)
+    seal = seal_from(arguments)
     if arguments.design is not None:
-        offsets, radius = design_from(arguments.design, model)
+        offsets, parameters = design_from(arguments.design, seal)
     else:
-        with checked_arguments():
-            offsets, radius = None, model.check_door_radius(arguments.door_radius)
+        offsets, parameters = None, {}
+        if arguments.door_radius is not None:
+            with checked_arguments():
+                parameters["door_radius"] = seal.check_door_radius(arguments.door_radius)
     begun = time.perf_counter()
-    with LoadStepProgress(model) as progress:
-        result = KeptAnalyses().analyze(model, offsets, radius, callback=progress)
+    with LoadStepProgress(seal) as progress:
+        result = KeptAnalyses().analyze(seal, offsets, parameters, callback=progress)
     wall = time.perf_counter() - begun
     summary = summarize(result, wall)
     write_summary(arguments.out, summary)
@@ -42,7 +44,7 @@ def main(arguments) -> int:
     return 0 if result.converged else 1
 
 
-def summarize(result: sm.SealResult, wall: float) -> dict:
+def summarize(result: DoorSealResult, wall: float) -> dict:
     """summary.json; the end measures are None for a path that was not completed."""
     summary = {
         "converged": result.converged,
@@ -61,10 +63,10 @@ def summarize(result: sm.SealResult, wall: float) -> dict:
     )  # fmt: skip
     summary |= dict.fromkeys(end_keys)
     if result.converged:
-        opened, counts = opened_points(result.end.after.state), result.contact_counts
+        opened, counts = opened_points(result.contact.state), result.contact_counts
         summary |= {
             "gap_square_sum_mm2": result.gap_square_sum,
-            "max_gap_mm": max([0.0, *result.end.gap[opened]]),
+            "max_gap_mm": max([0.0, *result.contact.gap[opened]]),
             "max_penetration_mm": result.max_penetration,
             "von_mises_kPa": result.von_mises,
             "n_open_points": opened.size,
@@ -76,7 +78,7 @@ def summarize(result: sm.SealResult, wall: float) -> dict:
     return summary
 
 
-def draw(result: sm.SealResult, arguments) -> None:
+def draw(result: DoorSealResult, arguments) -> None:
     if len(result.reaction) == 0:
         return
     depths = arguments.depths or spread_depths(result)
@@ -89,7 +91,7 @@ def draw(result: sm.SealResult, arguments) -> None:
         plotting.save(figure, arguments.out / f"{name}.png")
 
 
-def report(result: sm.SealResult, summary: dict, out: Path) -> None:
+def report(result: DoorSealResult, summary: dict, out: Path) -> None:
     steps, iterations = summary["n_steps"], int(np.sum(summary["newton_iterations"]))
     print(
         f"{summary['n_particles']} particles, {steps} load steps, {iterations} Newton iterations, "
@@ -112,7 +114,7 @@ def report(result: sm.SealResult, summary: dict, out: Path) -> None:
 
 def arguments_parser():
     made = parser(__doc__, "out/analysis")
-    add_model_arguments(made)
+    add_seal_arguments(made)
     made.add_argument("--door-radius", type=float, metavar="MM", help="corner radius of the door")
     made.add_argument(
         "--design", type=Path, metavar="SUMMARY",

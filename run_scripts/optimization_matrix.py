@@ -97,9 +97,9 @@ def solve_case(entry: tuple[Case, str], n_steps: int) -> dict:
 
 def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
     """Run a driver on a case, and measure its last point; ``cost`` is over that of the drawn seal."""
-    model = case.model(n_steps=n_steps)
-    problem = seal_problem(model, driver=driver, work_dir=folder, **case.settings())
-    offsets, radius = case.design(model)
+    seal = case.seal(n_steps=n_steps)
+    problem = seal_problem(seal, driver=driver, work_dir=folder, **case.settings())
+    offsets, radius = case.design(seal)
     problem.set_val("boundary_offsets", offsets)
     problem.set_val("door_radius", radius)
     success = problem.run_driver().success

@@ -6,12 +6,12 @@ import time
 import openmdao.api as om
 from _common import (
     WrongArgumentError,
-    add_model_arguments,
+    add_seal_arguments,
     checked_arguments,
     existing_file,
-    model_from,
     parser,
     run,
+    seal_from,
     write_summary,
 )
 from _history_figures import draw_history, end_numbers, report_end
@@ -42,25 +42,25 @@ def main(arguments) -> int:
     optimizer = arguments.optimizer
     if arguments.restart:
         recorded, optimizer = recorded_run(arguments)
-        model, settings = recorded.model, recorded.settings
+        seal, settings = recorded.seal, recorded.settings
         cases = continued_file(arguments)
     else:
-        model, cases = model_from(arguments), arguments.out / "cases.sql"
+        seal, cases = seal_from(arguments), arguments.out / "cases.sql"
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
     kept = KeptAnalyses()
-    with LoadStepProgress(model) as progress:
+    with LoadStepProgress(seal) as progress:
         with checked_arguments():
             problem = seal_problem(
-                model, driver=driver, recorder=None if arguments.restart else cases,
+                seal, driver=driver, recorder=None if arguments.restart else cases,
                 callback=progress, kept=kept, work_dir=arguments.out, **settings,
             )  # fmt: skip
             if arguments.restart:
                 restart(problem, cases)
         run_numbers = optimize(problem)
     history = read_optimization(cases)
-    initial, final = kept.analyze(model), kept.analyze(model, *history.design_at(-1))
+    initial, final = kept.analyze(seal), kept.analyze(seal, *history.design_at(-1))
     numbers = end_numbers(history, initial, final)
     feasible = numbers["max_constraint_violation"] <= FEASIBLE
     run_numbers["success"] = run_numbers["success"] and feasible
@@ -110,7 +110,7 @@ def optimize(problem: om.Problem) -> dict:
 
 def arguments_parser():
     made = parser(__doc__, "out/optimization")
-    add_model_arguments(made)
+    add_seal_arguments(made)
     names = list(OPTIMIZERS)
     made.add_argument("--optimizer", choices=names, default=names[0], help="method")
     for name, text in PROBLEM_FLAGS.items():
@@ -122,7 +122,7 @@ def arguments_parser():
     )  # fmt: skip
     made.add_argument(
         "--restart", type=existing_file, metavar="CASES.sql",
-        help="continue the run recorded in this file, with its model, problem and optimiser; without "
+        help="continue the run recorded in this file, with its seal, problem and optimiser; without "
         "--out in its folder",
     )  # fmt: skip
     return made

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from _common import add_model_arguments, checked_arguments, model_from, parser, run, write_summary
+from _common import add_seal_arguments, checked_arguments, parser, run, seal_from, write_summary
 from _history_figures import draw_history, end_numbers, report_end
 
 from seal_mdao.kept_analyses import KeptAnalyses
@@ -14,8 +14,8 @@ def main(arguments) -> int:
     with checked_arguments():
         history = read_optimization(arguments.cases)
         ends = history.design_at(0), history.design_at(-1)
-    model, kept = history.model or model_from(arguments), KeptAnalyses()
-    initial, final = (kept.analyze(model, *end) for end in ends)
+    seal, kept = history.seal or seal_from(arguments), KeptAnalyses()
+    initial, final = (kept.analyze(seal, *end) for end in ends)
     numbers = end_numbers(history, initial, final)
     write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
     draw_history(history, initial, final, arguments.out)
@@ -27,8 +27,8 @@ def main(arguments) -> int:
 def arguments_parser():
     made = parser(__doc__, "out/history", "CASES.sql")
     made.add_argument("cases", type=Path, metavar="CASES.sql", help="file of a SqliteRecorder")
-    add_model_arguments(made)
-    made.epilog = "Model options are used only when the file does not hold the model's settings."
+    add_seal_arguments(made)
+    made.epilog = "Options of the seal are used only when the file does not hold its settings."
     return made
 
 

@@ -6,11 +6,11 @@ import time
 
 import numpy as np
 from _common import (
-    add_model_arguments,
-    model_from,
+    add_seal_arguments,
     parser,
     positive_integer,
     run,
+    seal_from,
     write_summary,
 )
 from tqdm import tqdm
@@ -40,13 +40,13 @@ GROUPS = {
 
 
 def main(arguments) -> int:
-    model = model_from(arguments, newton=sm.NewtonOptions(tolerance=1e-11))
-    design = chosen_design(model, arguments)
+    seal = seal_from(arguments, newton=sm.NewtonOptions(tolerance=1e-11))
+    design = chosen_design(seal, arguments)
     base = design.analyze(keep_factors=True)
     if not base.converged:
         write_summary(arguments.out, {"worst_relative_error": None, "table": []})
     base.require_converged()
-    analytic = measure_rates(sm.differentiate(base, method="direct"))
+    analytic = measure_rates(base, sm.differentiate(base, method="direct"))
     columns = np.arange(analytic.shape[1])[arguments.parameters or slice(None)]
     differences = run_differences(design, base, columns, arguments.steps)
     rows = table_rows(base, differences, columns, analytic)
@@ -58,14 +58,14 @@ def main(arguments) -> int:
     return 0 if summary["worst_relative_error"] is not None else 1
 
 
-def chosen_design(model, arguments) -> Design:
+def chosen_design(seal, arguments) -> Design:
     """The drawn seal, or a random design when a seed or an amplitude is given."""
-    drawn = np.append(np.zeros(model.n_offsets), model.drawn_door_radius)
+    drawn = np.append(np.zeros(seal.n_offsets), seal.drawn_door_radius)
     if arguments.seed is None and arguments.amplitude is None:
-        return Design(model, drawn)
+        return Design(seal, drawn)
     amplitude = AMPLITUDE if arguments.amplitude is None else arguments.amplitude
     generator = np.random.default_rng(arguments.seed or 0)
-    return Design(model, drawn + generator.uniform(-amplitude, amplitude, drawn.size))
+    return Design(seal, drawn + generator.uniform(-amplitude, amplitude, drawn.size))
 
 
 def run_differences(design, base, columns, steps) -> list[Differences]:
@@ -90,7 +90,7 @@ def table_rows(base, differences, columns, analytic) -> list[dict]:
             rows.append(
                 {
                     "measure": measure,
-                    "parameter": parameter_name(base.model, p),
+                    "parameter": parameter_name(base.seal, p),
                     "fd": value,
                     "analytic": exact,
                     "ratio_percent": 100.0 * value / exact if exact != 0.0 else None,
@@ -104,8 +104,8 @@ def table_rows(base, differences, columns, analytic) -> list[dict]:
     return rows
 
 
-def parameter_name(model: sm.SealModel, p: int) -> str:
-    return f"boundary_offsets[{p}]" if p < model.n_offsets else "door_radius"
+def parameter_name(seal: sm.DoorSeal, p: int) -> str:
+    return f"boundary_offsets[{p}]" if p < seal.n_offsets else "door_radius"
 
 
 def summarize(rows, differences, columns) -> dict:
@@ -159,7 +159,7 @@ def draw(base, differences, columns, analytic, arguments) -> None:
     figure = plotting.sensitivity_errors(
         np.abs(best - exact) / scale,
         names,
-        [parameter_name(base.model, p).replace("boundary_offsets", "offset") for p in columns],
+        [parameter_name(base.seal, p).replace("boundary_offsets", "offset") for p in columns],
         np.array([difference.same.any() for difference in differences]),
         np.array([difference.scheme != "central" for difference in differences]),
     )
@@ -213,7 +213,7 @@ def report(rows, summary, out) -> None:
 
 def arguments_parser():
     made = parser(__doc__, "out/sensitivities")
-    add_model_arguments(made)
+    add_seal_arguments(made)
     made.add_argument("--seed", type=int, metavar="N", help="verify a random design")
     made.add_argument(
         "--amplitude", type=float, metavar="MM",

@@ -1,22 +1,20 @@
 """Analyses that are kept, so that nothing is analysed twice."""
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import fields, is_dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from seal_mdao.errors import LoadPathError
-from seal_mdao.measures.selection import MeasurePoints
-from seal_mdao.model import SealModel
-from seal_mdao.seal import FACTOR_MEMORY, SealResult, analyze_particles
+from seal_mdao.seals.result import FACTOR_MEMORY, SealResult, analyze_particles
+from seal_mdao.seals.seal import Seal
 
 KEPT_MEMORY = 0.5
 """GiB for kept analyses without their factors: some 190 of the door seal."""
 
 
 class KeptAnalyses:
-    """Analyses by all that they depend on: model, particles, door radius.
+    """Analyses by all that they depend on: the seal with its parameters, and the particles.
 
     The same inputs give the same bits, so a kept analysis is what a new one would be. Only completed
     paths are kept, the newest with the factors of its tangents, the others without: the sensitivities
@@ -40,64 +38,44 @@ class KeptAnalyses:
 
     def analyze(
         self,
-        model: SealModel,
+        seal: Seal,
         boundary_offsets: np.ndarray | None = None,
-        door_radius: float | None = None,
+        parameters: dict | None = None,
         *,
-        points: MeasurePoints | None = None,
         keep_factors: bool = False,
         callback: Callable | None = None,
     ) -> SealResult:
-        """As ``seal_mdao.analyze``; the measures are taken at ``points``, or where ``points()`` says."""
-        offsets, radius = (
-            model.check_offsets(boundary_offsets),
-            model.check_door_radius(door_radius),
-        )
-        is_drawn = radius == model.drawn_door_radius and not offsets.any()
-        if points is None and not is_drawn:
-            with suppress(LoadPathError):  # told when the measures are asked for
-                points = self.points(model, callback)
+        """As ``seal_mdao.analyze``."""
+        offsets = seal.check_offsets(boundary_offsets)
         result = self.analyze_particles(
-            model, model.particles(offsets), radius, points=points,
+            seal.with_parameters(parameters or {}), seal.particles(offsets), offsets,
             factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
         )  # fmt: skip
-        return replace(result, boundary_offsets=offsets, frozen_points=points)
-
-    def points(self, model: SealModel, callback: Callable | None = None) -> MeasurePoints:
-        """Places of the measures, from the path of the drawn seal.
-
-        Raises
-        ------
-        LoadPathError
-            When the drawn seal's path cannot be completed.
-        """
-        return self.analyze_particles(model, model.particles(), callback=callback).points
+        return seal.completed(result, partial(self.analyze, callback=callback))
 
     def analyze_particles(
         self,
-        model: SealModel,
+        seal: Seal,
         particles: np.ndarray,
-        door_radius=None,
+        boundary_offsets: np.ndarray | None = None,
         *,
-        points: MeasurePoints | None = None,
         factor_memory: float = 0.0,
         callback: Callable | None = None,
     ) -> SealResult:
-        """As ``seal_mdao.seal.analyze_particles``; ``callback`` hears of analyses that are made."""
+        """As ``seals.result.analyze_particles``; ``callback`` hears of analyses that are made."""
         particles = np.ascontiguousarray(particles, float)
-        key = model, particles.tobytes(), model.check_door_radius(door_radius)
+        key = seal.key, particles.tobytes()
         result = self._results.pop(key, None)
         if result is None:
             self.made += 1
             result = analyze_particles(
-                model, particles, door_radius, points=points, factor_memory=factor_memory,
-                callback=callback,
-            )  # fmt: skip
+                seal, particles, factor_memory=factor_memory, callback=callback
+            )
             if result.converged:
                 self._make_room(key, result)
         if result.converged:
             self._results[key] = result
-        return replace(result, frozen_points=points)
+        return replace(result, boundary_offsets=boundary_offsets)
 
     def _make_room(self, key, result: SealResult) -> None:
         """For a new result; the one before it loses its factors."""

@@ -13,12 +13,12 @@ from seal_mdao.drivers.ipopt_driver import IpoptDriver
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver
 from seal_mdao.drivers.slsqp_driver import SlsqpDriver
 from seal_mdao.drivers.uno_driver import UnoDriver
-from seal_mdao.dsa.sensitivity import measured
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.model import OFFSET_BOUND, SealModel
 from seal_mdao.recording.recorder import RestartRecorder, record_all
-from seal_mdao.seal import SealResult
-from seal_mdao.settings import PROBLEM_OPTION
+from seal_mdao.recording.settings import PROBLEM_OPTION
+from seal_mdao.seals.door.door_seal import OFFSET_BOUND, DoorSeal
+from seal_mdao.seals.door.measures import STANDARD
+from seal_mdao.seals.door.result import DoorSealResult
 
 AREA_LIMIT = 110.0
 """mm^2."""
@@ -85,12 +85,12 @@ class Limits:
     further: dict
 
 
-def problem_limits(drawn: SealResult, measures=()) -> Limits:
+def problem_limits(drawn: DoorSealResult, measures=()) -> Limits:
     """Limits that follow from the analysis of the drawn seal.
 
     Parameters
     ----------
-    drawn : SealResult
+    drawn : DoorSealResult
     measures : sequence of str
         Optional measures that the problem uses.
 
@@ -99,24 +99,24 @@ def problem_limits(drawn: SealResult, measures=()) -> Limits:
     ValueError
         When no gap opens under the drawn seal: there is nothing to minimise.
     """
-    model, cost = drawn.model, drawn.gap_square_sum
+    cost = drawn.gap_square_sum
     if not cost > 0.0:
         raise ValueError(
             "no contact point of the drawn seal stands open between others in contact, so the gap "
             "to minimise is zero; choose a larger depth"
         )
-    radius = model.drawn_door_radius
+    radius = drawn.seal.drawn_door_radius
     return Limits(
         gap_square_sum=cost,
         area=AREA_LIMIT,
         von_mises=np.maximum(STRESS_SHARE * drawn.von_mises, STRESS_FLOOR),
         door_radius=(radius - OFFSET_BOUND, radius + OFFSET_BOUND),
-        further={name: measured(drawn, name) for name in measures},
+        further={measure.name: drawn.value(measure) for measure in drawn.measures(measures)},
     )
 
 
 def seal_problem(
-    model: SealModel,
+    seal: DoorSeal,
     *,
     keep_force: bool = False,
     clamp_load: bool = False,
@@ -134,7 +134,7 @@ def seal_problem(
 
     Parameters
     ----------
-    model : SealModel
+    seal : DoorSeal
     keep_force : bool
         Keep the vertical reaction at the end of the path within 10 % of its start.
     clamp_load : bool
@@ -171,7 +171,7 @@ def seal_problem(
         When the drawn seal cannot be analysed.
     """
     kept = KeptAnalyses() if kept is None else kept
-    drawn = kept.analyze(model, keep_factors=True, callback=callback)
+    drawn = kept.analyze(seal, keep_factors=True, callback=callback)
     drawn.require_converged()
     chosen = {
         "reaction_curve": clamp_load, "patch_pressure": pressure_floor,
@@ -181,7 +181,7 @@ def seal_problem(
     limits = problem_limits(drawn, measures)
     options = {} if work_dir is None else {"work_dir": str(work_dir)}
     problem = om.Problem(
-        SealGroup(model=model, callback=callback, measures=measures, kept=kept),
+        SealGroup(seal=seal, callback=callback, measures=(*STANDARD, *measures), kept=kept),
         driver=driver or uno_driver(), reports=reports, **options,
     )  # fmt: skip
     _add_variables(problem.model, limits)

@@ -3,7 +3,7 @@
 from tqdm import tqdm
 
 from seal_mdao.analysis.result import ConvergedStep
-from seal_mdao.model import SealModel
+from seal_mdao.seals.seal import Seal
 
 
 class LoadStepProgress:
@@ -14,7 +14,7 @@ class LoadStepProgress:
 
     Parameters
     ----------
-    model : SealModel
+    seal : Seal
         Gives the number of load steps.
     label : str
         What the bar says before the number of the analysis.
@@ -27,10 +27,10 @@ class LoadStepProgress:
         Analyses that have begun.
     """
 
-    def __init__(self, model: SealModel, label: str = "analysis", n_analyses: int | None = None):
+    def __init__(self, seal: Seal, label: str = "analysis", n_analyses: int | None = None):
         self.analyses = 0
         self._label, self._of = label, "" if n_analyses is None else f"/{n_analyses}"
-        self._bar = tqdm(total=model.n_steps, unit="step", disable=None, leave=False)
+        self._bar = tqdm(total=seal.n_steps, unit="step", disable=None, leave=False)
         self._last = None
 
     def __call__(self, step: ConvergedStep) -> None:

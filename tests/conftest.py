@@ -78,7 +78,7 @@ def random_offsets():
 @pytest.fixture(scope="session")
 def random_design(drawn_model, random_offsets):
     """That design with a corner radius of its own, factors kept."""
-    return sm.analyze(drawn_model, random_offsets, 4.1, keep_factors=True)
+    return sm.analyze(drawn_model, random_offsets, {"door_radius": 4.1}, keep_factors=True)
 
 
 @pytest.fixture

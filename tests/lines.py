@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from seal_mdao.dsa.sensitivity import measured
 from seal_mdao.verification.differences import same_sequence
 
 ALWAYS = ("von_mises", "gap", "gap_square_sum", "reaction")
@@ -13,22 +12,11 @@ LEAST_CERTAINTY = 1e-4
 """A quotient that is less certain than this share of its measure's largest one shows nothing."""
 
 
-def measures_of(result, further=()):
-    """Measures at the end of a path by name."""
-    return {
-        "von_mises": result.von_mises,
-        "gap": result.gap,
-        "gap_square_sum": np.array([result.gap_square_sum]),
-        "reaction": result.end.reaction,
-        **{name: measured(result, name) for name in further},
-    }
-
-
 def slopes(result, analysis, step, further=(), stencil=CENTRAL):
     """Derivatives at ``result`` of all measures by name, and their error bounds: pairs (m,).
 
-    ``analysis(t)`` is the analysis at the place t of the line, with the measures at the places of
-    ``result``; all have to go through its contact sequence.
+    ``analysis(t)`` is the analysis at the place t of the line; all have to go through the contact
+    sequence of ``result``, at whose places the measures are taken.
 
     Bound: truncation and rounding. The two quotients differ by the error of the second-order one,
     h^2 f'''/6, beside which that of the other is nothing where f is smooth; where its second
@@ -39,8 +27,10 @@ def slopes(result, analysis, step, further=(), stencil=CENTRAL):
     places, weights = stencil
     results = [result if k == 0 else analysis(k * step) for k in places]
     assert all(same_sequence(other, result) for other in results), "the contact sequence changes"
-    rows = [measures_of(other, further) for other in results]
-    values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    values = {
+        measure.name: np.array([other.value(measure) for other in results])
+        for measure in result.measures((*ALWAYS, *further))
+    }
     # no point may stand open
     values = {name: value for name, value in values.items() if value.any()}
     noise = noises(values)
@@ -69,7 +59,6 @@ def root_mean_square(x):
 def check(found, sensitivities, way):
     """The analytic derivatives along ``way`` (P,) lie within the bounds, and the bounds are tight."""
     for name, (value, bound) in found.items():
-        table = sensitivities.further[name] if name not in ALWAYS else getattr(sensitivities, name)
-        exact = np.atleast_2d(table) @ way
+        exact = np.atleast_2d(sensitivities[name]) @ way
         assert (np.abs(value - exact) <= bound).all(), name
         assert bound.max() <= LEAST_CERTAINTY * np.abs(exact).max(), name

@@ -19,8 +19,8 @@ def test_drawn_seal_converges_without_a_cut(drawn):
 def test_contact_grows_and_then_splits_in_two(drawn):
     """Figure 4: one patch that grows up to about 5.5 mm, then the middle opens."""
     patches, width = [], []
-    for step in drawn.path.nominal_steps:
-        touching = step.after.state != OPEN
+    for door in drawn.path.at_nominal("door"):
+        touching = door.state != OPEN
         patches.append(int(touching[0]) + int(np.sum(np.diff(touching.astype(int)) == 1)))
         width.append(int(touching.sum()))
     travel = drawn.door_travel

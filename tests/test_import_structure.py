@@ -8,8 +8,8 @@ import seal_mdao
 
 PACKAGE = Path(seal_mdao.__file__).parent
 NUMERICS = (
-    "analysis", "contact", "design", "dsa", "geometry", "materials", "measures", "rkpm",
-    "errors", "model", "seal",
+    "analysis", "contact", "dsa", "geometry", "loads", "materials", "measures", "rkpm", "seals",
+    "structure", "terms", "errors",
 )  # fmt: skip
 
 

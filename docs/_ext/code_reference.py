@@ -19,14 +19,13 @@ from openmdao.core.driver import Driver
 
 import seal_mdao as sm
 from seal_mdao.analysis.newton import NewtonOptions
-from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS
-from seal_mdao.geometry.section import Section
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.seals.door.section import Section
 
 ROOT = Path(__file__).resolve().parents[2]
 COMPONENTS = (sm.SplineGeometryComp, sm.AreaComp, sm.RkpmContactComp, sm.SealGroup)
 DRIVERS = (sm.UnoDriver, sm.IpoptDriver, sm.SlsqpDriver)
-DATACLASSES = (sm.SealModel, Section, MooneyRivlin, NewtonOptions)
+DATACLASSES = (sm.DoorSeal, Section, MooneyRivlin, NewtonOptions)
 
 
 def markdown_table(header: list[str], rows: list[list[str]]) -> str:
@@ -81,14 +80,14 @@ def option_rows(declared, inherited) -> list[list[str]]:
 
 
 def _value(value) -> str:
-    return "door_seal()" if isinstance(value, sm.SealModel) else repr(value)
+    return "door_seal()" if isinstance(value, sm.DoorSeal) else repr(value)
 
 
 def component(cls) -> str:
     """One section of the component reference."""
-    model = sm.door_seal()
+    seal = sm.door_seal()
     base = om.Group if issubclass(cls, om.Group) else om.ExplicitComponent
-    inside = variables(cls(model=model), "inputs"), variables(cls(model=model), "outputs")
+    inside = variables(cls(seal=seal), "inputs"), variables(cls(seal=seal), "outputs")
     if issubclass(cls, om.Group):
         made = {row[0] for row in inside[1]}
         inside = [row for row in inside[0] if row[0] not in made], inside[1]
@@ -111,8 +110,13 @@ def driver(cls) -> str:
 
 
 def optional_inputs() -> str:
-    """The optional scalar inputs of the contact component."""
-    rows = [[_literal(n), _literal(u or ""), text] for n, (u, text) in OPTIONAL_INPUTS.items()]
+    """The optional scalar inputs of the contact component with a door seal."""
+    seal = sm.door_seal()
+    rows = [
+        [_literal(name), _literal(units or ""), text]
+        for name, (_, units, text) in seal.scalars.items()
+        if name not in seal.inputs
+    ]
     return markdown_table(["name", "units", "meaning"], rows)
 
 

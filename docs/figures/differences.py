@@ -6,10 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 import seal_mdao as sm
+from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.verification.differences import (
     SCHEMES,
     Design,
     Differences,
+    contact_states,
     evaluation_noise,
     measure_names,
     measure_rates,
@@ -34,24 +36,25 @@ class Case(NamedTuple):
     Attributes
     ----------
     design : Design
-    result : SealResult
+    result : DoorSealResult
     analytic : ndarray, shape (m, P)
     """
 
     design: Design
-    result: sm.SealResult
+    result: DoorSealResult
     analytic: np.ndarray
 
-    def differences_in_state(self, other: sm.SealResult) -> int:
+    def differences_in_state(self, other: DoorSealResult) -> int:
         """Entries in which the contact sequences of two paths differ, -1 for other step numbers."""
-        here, there = self.result.path.contact_state, other.path.contact_state
+        here, there = contact_states(self.result), contact_states(other)
         return int(np.sum(here != there)) if here.shape == there.shape else -1
 
 
-def _case(model: sm.SealModel, values: np.ndarray) -> Case:
+def _case(model: sm.DoorSeal, values: np.ndarray) -> Case:
     design = Design(model, values)
     result = design.analyze(keep_factors=True)
-    return Case(design, result, measure_rates(sm.differentiate(result, method="direct")))
+    rates = sm.differentiate(result, method="direct")
+    return Case(design, result, measure_rates(result, rates))
 
 
 @cache

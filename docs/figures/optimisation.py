@@ -36,7 +36,7 @@ def make(out: Path, reduced: bool) -> dict:
     kept = KeptAnalyses()
     with tempfile.TemporaryDirectory() as folder:
         history = optimise(2 if reduced else 50, folder, kept)
-    initial, final = (kept.analyze(history.model, *history.design_at(i)) for i in (0, -1))
+    initial, final = (kept.analyze(history.seal, *history.design_at(i)) for i in (0, -1))
     save(cost_history(history), out / "cost_history.png")
     figure = constraint_history(history, initial.points.stress)
     save(figure, out / "constraint_history.png")

@@ -7,9 +7,9 @@ from matplotlib.ticker import NullLocator
 
 from figures.tables import percent, power, table
 from seal_mdao.analysis.newton import NewtonOptions
-from seal_mdao.model import door_seal
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
-from seal_mdao.seal import analyze
+from seal_mdao.seals.door.door_seal import door_seal
+from seal_mdao.seals.result import analyze
 from seal_mdao.verification.flat_door_reference import BOUNDARY, REACTION
 from seal_mdao.verification.frames import Frame, analyze_in_frame
 from seal_mdao.verification.seal_refinement import LEVELS, corner_level, flat_level
@@ -200,7 +200,7 @@ def flat_picture(found):
 
 def _flat_shape(axes, result):
     """The right half of the outer boundary at 10 mm."""
-    outer = result.model.body.contact
+    outer = result.seal.grid.free_outer
     place = (result.particles + result.path.displacement())[outer]
     place = place[result.particles[outer, 0] > -1e-9]
     axes.plot(*place.T, color=BLUE, label="58 × 3 particles")

@@ -7,13 +7,14 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 import seal_mdao as sm
-from seal_mdao.geometry.section import ray_directions
 from seal_mdao.plotting import deformed_shapes, section
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION, save, styled, subplots
+from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.door.section import ray_directions
 
 
 @cache
-def drawn(**changes) -> sm.SealResult:
+def drawn(**changes) -> DoorSealResult:
     """The drawn seal's path, with factors; computed once."""
     return sm.analyze(sm.door_seal(**changes), keep_factors=True)
 
@@ -31,46 +32,46 @@ def make(out: Path, reduced: bool) -> dict:
     }
 
 
-def _spline_places(model):
+def _spline_places(seal):
     """Ray angles at which the control values of the outer and inner spline act most."""
     angle = np.linspace(0, 2 * np.pi, 7201)[:-1]
-    outer = angle[np.argmax(model.splines.outer_basis(angle), axis=0)]
-    inner = angle[np.argmax(model.splines.inner_basis(angle), axis=0)]
+    outer = angle[np.argmax(seal.splines.outer_basis(angle), axis=0)]
+    inner = angle[np.argmax(seal.splines.inner_basis(angle), axis=0)]
     return outer, inner
 
 
-def _rings(axes, model, **line):
+def _rings(axes, seal, **line):
     angle = np.linspace(0, 2 * np.pi, 721)
-    for radius in (model.section.inner(angle), model.section.outer(angle)):
+    for radius in (seal.section.inner(angle), seal.section.outer(angle)):
         axes.plot(*(radius[:, None] * ray_directions(angle)).T, **line)
 
 
 @styled
-def geometry(result: sm.SealResult):
-    model, axes_style = result.model, {"color": "black", "linewidth": 1.0, "zorder": 3}
+def geometry(result: DoorSealResult):
+    seal, axes_style = result.seal, {"color": "black", "linewidth": 1.0, "zorder": 3}
     figure, (left, right) = subplots(1, 2, width=10.0, height=4.9, sharey=True)
-    start = (0.0, model.start)
-    corners = model.drawn_particles[model.grid.cells]
+    start = (0.0, seal.start)
+    corners = seal.drawn_particles[seal.grid.cells]
     closed = np.concatenate([corners, corners[:, :1]], axis=1)
     left.plot(*closed.transpose(2, 1, 0), color="#C9C9C9", linewidth=0.5, zorder=2)
-    left.plot(*model.drawn_particles.T, "o", color=BLUE, markersize=2.6, zorder=4)
-    base = model.drawn_particles[model.grid.base]
+    left.plot(*seal.drawn_particles.T, "o", color=BLUE, markersize=2.6, zorder=4)
+    base = seal.drawn_particles[seal.grid.base]
     left.plot(*base.T, "s", color=VERMILION, markersize=4, zorder=5, label="fixed")
     left.legend(loc="center")
-    for number, places in enumerate(_spline_places(model)):
-        radius = (model.section.outer, model.section.inner)[number](places)
+    for number, places in enumerate(_spline_places(seal)):
+        radius = (seal.section.outer, seal.section.inner)[number](places)
         points = radius[:, None] * ray_directions(places)
         way = (0.9, -0.9)[number] * ray_directions(places)
         right.quiver(
             *points.T, *way.T, angles="xy", scale_units="xy", scale=1.0, width=0.005,
             color=(VERMILION, BLUE)[number], zorder=4,
         )  # fmt: skip
-        first = (1, 1 + model.outer_parameters)[number]
+        first = (1, 1 + seal.outer_parameters)[number]
         for i, (x, y) in enumerate(points + 1.75 * way):
             right.text(x, y, f"$u_{{{first + i}}}$", ha="center", va="center", fontsize=8.5)
     right.text(6.6, 12.2, "$u_{26}$: radius", fontsize=9.5, va="center", ha="left", zorder=6)
     for axes in (left, right):
-        _rings(axes, model, **axes_style)
+        _rings(axes, seal, **axes_style)
         section.draw_base(axes, result)
         section.draw_door(axes, result, start)
         section.frame(axes, (-13.0, -12.0), (13.0, 15.5))
@@ -79,7 +80,7 @@ def geometry(result: sm.SealResult):
 
 
 @styled
-def newton(result: sm.SealResult):
+def newton(result: DoorSealResult):
     figure, (left, right) = subplots(1, 2, width=9.6, height=3.5)
     travel = result.door_travel
     left.bar(travel, result.newton_iterations, width=0.09, color=BLUE)
@@ -91,7 +92,7 @@ def newton(result: sm.SealResult):
         residuals = np.array(steps[number].residuals)
         right.semilogy(residuals, "o-", color=color, label=f"{travel[number]:.1f} mm")
     right.xaxis.set_major_locator(MaxNLocator(integer=True))
-    right.axhline(result.model.newton.tolerance, color=GREY, linestyle="--", linewidth=1.0)
+    right.axhline(result.seal.newton.tolerance, color=GREY, linestyle="--", linewidth=1.0)
     right.set_xlabel("iteration")
     right.set_ylabel("relative residual")
     right.legend(title="door travel", title_fontsize=9)

@@ -20,6 +20,8 @@ from figures.differences import (
 )
 from figures.tables import percent, power, table
 from seal_mdao.plotting import save, sensitivity_errors, step_study
+from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.verification.differences import perturbed
 from seal_mdao.verification.two_methods import (
     DOORS,
     FRICTIONS,
@@ -219,7 +221,7 @@ def _cost(drawn: Case, repeats: int) -> dict:
 
 
 def _agreement(drawn: Case) -> dict:
-    adjoint = measure_rates(sm.differentiate(drawn.result, method="adjoint"))
+    adjoint = measure_rates(drawn.result, sm.differentiate(drawn.result, method="adjoint"))
     difference = np.abs(adjoint - drawn.analytic) / error_scale(drawn.analytic)
     return {"direct_adjoint": power(difference.max())}
 
@@ -269,19 +271,12 @@ def _scalar_quotient(drawn: Case, name: str):
     Without a number where none does.
     """
     for scheme, places in SCHEMES.items():
-        results = [_scalar_result(drawn, name, place * SCALARS[name]) for place, _ in places]
+        results = [perturbed(drawn.result, name, place * SCALARS[name]) for place, _ in places]
         if all(drawn.differences_in_state(result) == 0 for result in results):
             weights = [weight / SCALARS[name] for _, weight in places]
             return scheme, np.array(weights) @ [_three_measures(result) for result in results]
     return "contact sequence changes", np.full(3, np.nan)
 
 
-def _scalar_result(drawn: Case, name: str, change: float) -> sm.SealResult:
-    model = drawn.design.model
-    owner = model.material if hasattr(model.material, name) else model
-    changed = model.with_parameters({name: getattr(owner, name) + change})
-    return sm.seal.analyze_particles(changed, drawn.result.particles, points=drawn.result.points)
-
-
-def _three_measures(result: sm.SealResult) -> list:
+def _three_measures(result: DoorSealResult) -> list:
     return [result.gap_square_sum, result.reaction[-1, 1], result.von_mises[0]]

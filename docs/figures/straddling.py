@@ -7,6 +7,7 @@ import numpy as np
 from figures.differences import Case, at_step, case, measure_names
 from figures.tables import power, table
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, signed, styled, subplots
+from seal_mdao.verification.differences import contact_states
 
 RADII = np.linspace(4.002, 4.006, 13)
 PARAMETER = 25
@@ -44,7 +45,7 @@ def find_change(radii, halvings: int) -> tuple[float, float]:
 def changed_points(low: Case, high: Case) -> str:
     """Which contact states differ, in words."""
     words = ("open", "sticks", "slips")
-    here, there = low.result.path.contact_state, high.result.path.contact_state
+    here, there = contact_states(low.result), contact_states(high.result)
     travel = low.result.door_travel
     return "; ".join(
         f"contact point {p}, {words[here[s, p]]} below and {words[there[s, p]]} above, in the step "

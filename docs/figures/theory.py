@@ -129,12 +129,10 @@ def slide(law, path, steps: int):
     corners = np.concatenate([[0.0], path])
     fractions = np.linspace(0, len(path), steps + 1)
     xi = np.interp(fractions, np.arange(len(corners)), corners)
-    carried, tau_history = np.array([0.0, 1.0, 0.0]), [0.0]
-    for place in xi[1:]:
-        g_t = elastic_slip(-1.0, place, STICK, carried)
-        _, tau = traction(law, -1.0, g_t)
-        slip = tau / law.tangent_penalty if law.accumulated else 0.0
-        carried = np.array([place, 1.0, slip])
+    carried, tau_history = 0.0, [0.0]
+    for way in np.diff(xi):
+        _, tau = traction(law, -1.0, elastic_slip(-1.0, way, STICK, 1.0, carried))
+        carried = tau / law.tangent_penalty if law.accumulated else 0.0
         tau_history.append(tau)
     return xi, np.array(tau_history)
 

@@ -2,18 +2,49 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.equations import TangentLayout, tangent_layout
+from seal_mdao.analysis.equations import TangentLayout, equation_numbers, tangent_layout
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
-from seal_mdao.rkpm.scatter import scatter_add
-from seal_mdao.rkpm.shape_functions import Cloud, PointSet
+from seal_mdao.rkpm.shape_functions import Cloud
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_table
+from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
+
+
+class Edge(NamedTuple):
+    """A named boundary of the body.
+
+    Attributes
+    ----------
+    particles : ndarray of int
+        In order along the boundary, the body on the left.
+    closed : bool
+        Whether the last one is joined to the first.
+    """
+
+    particles: np.ndarray
+    closed: bool
+
+    @property
+    def sides(self) -> np.ndarray:
+        """Ends of its straight pieces, shape (m, 2)."""
+        following = np.roll(self.particles, -1)
+        pairs = np.column_stack([self.particles, following])
+        return pairs if self.closed else pairs[:-1]
+
+    @property
+    def neighbours(self) -> np.ndarray:
+        """The particles before and after each one, itself at an open end, shape (k, 2)."""
+        pairs = np.column_stack([np.roll(self.particles, 1), np.roll(self.particles, -1)])
+        if not self.closed:
+            pairs[0, 0], pairs[-1, 1] = self.particles[0], self.particles[-1]
+        return pairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,10 +59,11 @@ class Body:
         Kernel support of every particle.
     fixed : ndarray of bool, shape (n, 2)
         Displacement components that are imposed.
-    contact : ndarray of int, shape (k,)
-        Particles that may touch the rigid profile.
-    contact_ends : ndarray of int, shape (k, 2)
-        The boundary neighbours of each contact particle; half of each edge is its tributary length.
+    edges : dict of str to Edge
+        Named boundaries.
+    drawn : ndarray, shape (n, 2), or None
+        Particles of the drawn body, for which the equations are numbered once. Without them they are
+        numbered for every design.
     basis_order : int
         1 linear, 2 quadratic.
     n_gauss : int
@@ -43,8 +75,8 @@ class Body:
     cells: np.ndarray
     support_radius: np.ndarray
     fixed: np.ndarray
-    contact: np.ndarray = field(default_factory=lambda: np.empty(0, int))
-    contact_ends: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
+    edges: dict = field(default_factory=dict)
+    drawn: np.ndarray | None = None
     basis_order: int = 1
     n_gauss: int = 2
     solver: str = "auto"
@@ -58,6 +90,25 @@ class Body:
         """Sorted particles with an imposed component."""
         return np.flatnonzero(self.fixed.any(axis=1))
 
+    def edge(self, name: str) -> Edge:
+        """The boundary ``name``.
+
+        Raises
+        ------
+        ValueError
+            For a name that no boundary has.
+        """
+        if name not in self.edges:
+            known = ", ".join(self.edges) or "none"
+            raise ValueError(f"the body has no edge {name!r}; its edges are: {known}")
+        return self.edges[name]
+
+    def edge_points(self, name: str) -> MaterialPoints:
+        """The movable particles of an edge, with half the length of the sides at each."""
+        edge = self.edge(name)
+        movable = ~self.fixed[edge.particles].all(axis=1)
+        return boundary_particles(edge.particles[movable], edge.neighbours[movable])
+
     @cached_property
     def cell_map(self) -> CellMap:
         return cell_map(self.cells, self.n_gauss)
@@ -65,6 +116,16 @@ class Body:
     @cached_property
     def edge_rule(self) -> EdgeRule:
         return edge_rule(self.cells, self.constrained)
+
+    @cached_property
+    def equations(self) -> np.ndarray | None:
+        """Equation numbers (n, 2) of the drawn body, which serve all its designs."""
+        if self.drawn is None:
+            return None
+        cloud, transformation, _ = _essential(self, self.drawn)
+        weights = quadrature_weights(self.cell_map, cloud.particles)
+        cells = build_cell_table(cloud, self.cell_map, self.edge_rule, weights, transformation)
+        return equation_numbers(self.fixed, [cells.raw], transformation)
 
     def cloud(self, particles: np.ndarray) -> Cloud:
         """Particles of one design with the body's kernels."""
@@ -74,12 +135,6 @@ class Body:
             float(self.support_radius.max()),
             BASIS_SIZE[self.basis_order],
         )
-
-
-def at_particles(which: np.ndarray) -> PointSet:
-    """Point set of the particles ``which`` themselves, one a group."""
-    which = np.asarray(which, int).reshape(-1, 1)
-    return PointSet(which, np.ones(which.shape), 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,10 +150,10 @@ class Discretization:
         Raw shape functions at the constrained particles.
     cells : CellTable
         Shape functions at the quadrature points.
-    contact : PointTable
-        Shape functions at the contact points.
-    contact_length : ndarray, shape (k,)
-        Tributary lengths.
+    tables : tuple of PointTable or None
+        Shape functions at the points of every term.
+    couples : tuple of bool
+        Which of them couple the equations.
     layout : TangentLayout
         Equation numbers and where each entry of the tangent goes.
     """
@@ -108,9 +163,18 @@ class Discretization:
     transformation: EssentialTransformation
     constrained_rows: PointTable
     cells: CellTable
-    contact: PointTable
-    contact_length: np.ndarray
+    tables: tuple
+    couples: tuple
     layout: TangentLayout
+
+    @cached_property
+    def scatters(self) -> tuple:
+        """Where the entries of every term's points go; None for a term without points."""
+        found = iter(self.layout.scatter[1:])
+        return tuple(
+            None if table is None else next(found) if couples else self.layout.uncoupled
+            for table, couples in zip(self.tables, self.couples, strict=True)
+        )
 
     @property
     def weights(self) -> np.ndarray:
@@ -124,7 +188,7 @@ class Discretization:
     @one_blas_thread
     def table_at(self, which: np.ndarray) -> PointTable:
         """Shape functions at the particles ``which``."""
-        return build_table(self.cloud, at_particles(which), self.transformation)
+        return build_table(self.cloud, single_points(which), self.transformation)
 
     @cached_property
     def everywhere(self) -> PointTable:
@@ -133,11 +197,13 @@ class Discretization:
 
 
 @one_blas_thread
-def discretize(body: Body, particles: np.ndarray) -> Discretization:
+def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     """Shape functions, weights and equations of ``body`` with the given particles.
 
     Parameters
     ----------
+    terms : sequence of TermDefinition
+        What will act on the body.
     particles : ndarray, shape (n, 2)
         Undeformed coordinates.
 
@@ -156,38 +222,24 @@ def discretize(body: Body, particles: np.ndarray) -> Discretization:
     if not np.isfinite(particles).all():
         where = int(np.argwhere(~np.isfinite(particles))[0, 0])
         raise ValueError(f"particle {where} has a coordinate that is not a finite number")
-    cloud = body.cloud(particles)
+    cloud, transformation, rows = _essential(body, particles)
     weights = quadrature_weights(body.cell_map, cloud.particles)
-    rows = at_particles(body.constrained)
-    coordinates, raw = raw_table(cloud, rows)
-    transformation = essential_transformation(body.constrained, raw)
     cells = build_cell_table(cloud, body.cell_map, body.edge_rule, weights, transformation)
-    contact = build_table(cloud, at_particles(body.contact), transformation)
-    layout = tangent_layout(body.fixed, [cells.raw, contact.raw], transformation, body.solver)
-    return Discretization(
-        body, cloud, transformation, PointTable(rows, coordinates, raw, raw), cells,
-        contact, tributary_lengths(body, cloud.particles), layout,
-    )  # fmt: skip
+    points = [term.point_set() for term in terms]
+    tables = tuple(None if p is None else build_table(cloud, p, transformation) for p in points)
+    couples = tuple(term.couples for term in terms)
+    coupling = zip(tables, couples, strict=True)
+    raw_tables = [cells.raw, *(table.raw for table, own in coupling if own and table is not None)]
+    equations = body.equations
+    if equations is None:
+        equations = equation_numbers(body.fixed, raw_tables, transformation)
+    layout = tangent_layout(equations, raw_tables, transformation, body.solver)
+    return Discretization(body, cloud, transformation, rows, cells, tables, couples, layout)
 
 
-def tributary_lengths(body: Body, particles: np.ndarray) -> np.ndarray:
-    """Half the length of the two boundary edges at each contact particle, shape (k,)."""
-    edges = particles[body.contact_ends] - particles[body.contact][:, None]
-    return 0.5 * np.hypot(edges[..., 0], edges[..., 1]).sum(axis=1)
-
-
-def tributary_rates(body: Body, particles: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """Rates of the tributary lengths along design velocities (P, n, 2), shape (P, k)."""
-    edges = particles[body.contact_ends] - particles[body.contact][:, None]
-    unit = edges / np.linalg.norm(edges, axis=2, keepdims=True)
-    motion = velocity[:, body.contact_ends] - velocity[:, body.contact][:, :, None]
-    return 0.5 * np.einsum("kei,pkei->pk", unit, motion)
-
-
-def add_tributary_seeds(body: Body, particles, length_bar, x_bar) -> None:
-    """Transpose of ``tributary_rates``: seeds (k, M) on the lengths added to ``x_bar`` (n, 2, M)."""
-    edges = particles[body.contact_ends] - particles[body.contact][:, None]
-    unit = edges / np.linalg.norm(edges, axis=2, keepdims=True)
-    pull = 0.5 * unit[..., None] * length_bar[:, None, None]
-    scatter_add(x_bar, body.contact_ends, pull)
-    scatter_add(x_bar, body.contact, -pull.sum(axis=1))
+def _essential(body: Body, particles: np.ndarray):
+    """Particles with their kernels, the essential transformation, and the rows it is made of."""
+    cloud, points = body.cloud(particles), single_points(body.constrained)
+    coordinates, raw = raw_table(cloud, points)
+    rows = PointTable(points, coordinates, raw, raw)
+    return cloud, essential_transformation(body.constrained, raw), rows

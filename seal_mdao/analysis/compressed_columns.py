@@ -3,9 +3,11 @@
 import numpy as np
 from scipy.sparse import csc_array
 
+from seal_mdao.analysis.storage import Scheme
+
 
 class CompressedColumns:
-    """Compressed columns of a matrix whose pattern is symmetric.
+    """Compressed columns of a matrix whose pattern is symmetric; see ``analysis.storage``.
 
     Attributes
     ----------
@@ -21,6 +23,10 @@ class CompressedColumns:
     @property
     def size(self):
         return self.indices.size
+
+    @property
+    def scheme(self):
+        return Scheme(pointers=self.pointers, indices=self.indices)
 
     def diagonal(self):
         """Where the diagonal entries are, shape (n,)."""

@@ -18,7 +18,8 @@ from seal_mdao.analysis.condensation import (
     condense_tangent,
     coupled_particles,
 )
-from seal_mdao.analysis.linear_solver import BandedStorage, storage_for
+from seal_mdao.analysis.linear_solver import storage_for
+from seal_mdao.analysis.storage import Scheme, Storage
 
 # The band is narrowed by trying that many starting particles in the body, and at its base.
 SEARCHED_STARTS = 24
@@ -55,7 +56,7 @@ class TangentLayout:
         Unknowns, and lengths of the value and the force buffers.
     scatter : tuple of Scatter
         One for each raw shape table, in the order given.
-    storage : BandedStorage, SparseStorage or PardisoStorage
+    storage : Storage
     condensation : Condensation, optional
         None where no particle is constrained.
     """
@@ -65,13 +66,19 @@ class TangentLayout:
     size: int
     force_size: int
     scatter: tuple
-    storage: object
+    storage: Storage
     condensation: Condensation | None
 
     @property
     def force_scatter(self) -> Scatter:
         """For forces alone, through transformed shape functions."""
         return Scatter(self.equations, np.empty(0, int), np.empty(0, np.int32))
+
+    @property
+    def every_component(self) -> Scatter:
+        """For forces of all components, imposed ones included, particle by particle."""
+        places = np.arange(self.equations.size).reshape(self.equations.shape)
+        return Scatter(places, np.empty(0, int), np.empty(0, np.int32))
 
     def condense_force(self, force: np.ndarray) -> None:
         """Bring what the raw shape functions put on constrained particles to the equations."""
@@ -90,10 +97,13 @@ class TangentLayout:
         """
         return self.storage.factorize(values)
 
-    def reduce(self, nodal: np.ndarray | None):
-        """Values of particles (n, 2) in the order of the equations; zero for None."""
-        if nodal is None:
-            return 0.0
+    @property
+    def uncoupled(self) -> Scatter:
+        """For forces alone, through raw shape functions."""
+        return self.scatter[0]._replace(start=np.empty(0, int), slots=np.empty(0, np.int32))
+
+    def reduce(self, nodal: np.ndarray) -> np.ndarray:
+        """Values of particles (n, 2) in the order of the equations."""
         free = self.equations >= 0
         out = np.empty(self.n_equations)
         out[self.equations[free]] = nodal[free]
@@ -201,8 +211,8 @@ class _Places(NamedTuple):
     n_equations : int
     coupled : ndarray of int, shape (n,)
         Place among the ``n_coupled`` coupled particles, -1 for others.
-    rows, width, pointers, indices :
-        The storage: banded where ``rows`` > 0, else compressed columns.
+    scheme : Scheme
+        Of the storage.
     first_row, first_column, dump : int
         Where the rows and the columns of constrained particles begin; the last entry.
     """
@@ -212,10 +222,7 @@ class _Places(NamedTuple):
     n_constrained: int
     coupled: np.ndarray
     n_coupled: int
-    rows: int
-    width: int
-    pointers: np.ndarray
-    indices: np.ndarray
+    scheme: Scheme
     first_row: int
     first_column: int
     dump: int
@@ -226,10 +233,11 @@ def _stored(places, row, column):
     """Slot of the entry of two equations."""
     if row < 0 or column < 0:
         return places.dump
-    if places.rows > 0:
-        return column * places.rows + 2 * places.width + row - column
-    first = places.pointers[column]
-    return first + np.searchsorted(places.indices[first : places.pointers[column + 1]], row)
+    scheme = places.scheme
+    if scheme.rows > 0:
+        return column * scheme.rows + 2 * scheme.width + row - column
+    first = scheme.pointers[column]
+    return first + np.searchsorted(scheme.indices[first : scheme.pointers[column + 1]], row)
 
 
 @nb.njit(cache=True, error_model="numpy")
@@ -269,36 +277,52 @@ def _fill_block(places, rows, columns, slots):
                     slots[i, a, k, b] = _stored(places, rows[i, a], columns[k, b])
 
 
+def _couplings(n_particles: int, tables, transformation):
+    """Particles coupled with constrained ones, and the pattern of all couplings."""
+    coupled = np.empty(0, int)
+    if transformation is not None:
+        coupled = coupled_particles(transformation, tables)
+    return coupled, _coupling(n_particles, tables, transformation, coupled)
+
+
+def equation_numbers(fixed: np.ndarray, tables, transformation=None) -> np.ndarray:
+    """Equation numbers (n, 2) that keep the band of the given raw shape tables narrow.
+
+    They do not depend on the design by necessity: those of the drawn body serve all designs.
+    """
+    coupled, coupling = _couplings(len(fixed), tables, _effective(transformation))
+    return number_equations(fixed, coupling, coupled)[0]
+
+
+def _effective(transformation):
+    """The transformation, or None where it constrains no particle."""
+    if transformation is not None and transformation.constrained.size == 0:
+        return None
+    return transformation
+
+
 def tangent_layout(
-    fixed: np.ndarray, tables, transformation=None, solver: str = "auto"
+    equations: np.ndarray, tables, transformation=None, solver: str = "auto"
 ) -> TangentLayout:
-    """Equation numbers and storage for the given raw shape tables.
+    """Storage of the tangent, and where everything goes, for the given raw shape tables.
 
     Parameters
     ----------
-    fixed : ndarray of bool, shape (n, 2)
-        Imposed components.
+    equations : ndarray of int, shape (n, 2)
+        Of ``equation_numbers``; -1 for imposed components.
     tables : sequence of ShapeTable
     transformation : EssentialTransformation, optional
     solver : {"auto", "banded", "superlu", "pardiso"}
     """
-    if transformation is not None and transformation.constrained.size == 0:
-        transformation = None
-    constrained = coupled = np.empty(0, int)
+    transformation, constrained = _effective(transformation), np.empty(0, int)
     if transformation is not None:
         constrained = transformation.constrained
-        coupled = coupled_particles(transformation, tables)
-    coupling = _coupling(len(fixed), tables, transformation, coupled)
-    equations, width = number_equations(fixed, coupling, coupled)
+    coupled, coupling = _couplings(len(equations), tables, transformation)
+    width = _half_width(coupling.indptr, coupling.indices, equations)
     n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
     storage = storage_for(solver, n, width, equations, coupling)
-    none = np.empty(0, np.int32)
-    if isinstance(storage, BandedStorage):
-        kind = (storage.rows, width, none, none)
-    else:
-        kind = (0, 0, storage.pointers, storage.indices)
     places = _Places(
-        equations.copy(), n, c, np.full(len(fixed), -1), v, *kind, storage.size,
+        equations.copy(), n, c, np.full(len(equations), -1), v, storage.scheme, storage.size,
         storage.size + 4 * c * v, storage.size + 8 * c * v,
     )  # fmt: skip
     places.equations[constrained] = n + np.arange(2 * c).reshape(2, c).T

@@ -10,6 +10,7 @@ from scipy.sparse.linalg import splu
 
 from seal_mdao.analysis.compressed_columns import CompressedColumns, dof_pattern
 from seal_mdao.analysis.pardiso import PardisoStorage
+from seal_mdao.analysis.storage import Scheme, Storage
 
 SOLVERS = ("auto", "banded", "superlu", "pardiso")
 
@@ -45,11 +46,7 @@ class BandedFactor:
 
 
 class BandedStorage(NamedTuple):
-    """LAPACK band storage with equal half-widths.
-
-    ``reuses_factors`` tells of a storage whether a factorisation costs so many solutions that
-    quasi-Newton iterations, which reuse one, are to be tried before Newton's.
-    """
+    """LAPACK band storage with equal half-widths; see ``analysis.storage``."""
 
     n: int
     width: int
@@ -62,6 +59,10 @@ class BandedStorage(NamedTuple):
     @property
     def size(self):
         return self.rows * self.n
+
+    @property
+    def scheme(self):
+        return Scheme(rows=self.rows, width=self.width)
 
     def diagonal(self):
         """Where the diagonal entries are, shape (n,)."""
@@ -112,7 +113,7 @@ class SparseStorage(CompressedColumns):
         return SparseFactor(lu)
 
 
-def storage_for(solver: str, n: int, width: int, equations, coupling):
+def storage_for(solver: str, n: int, width: int, equations, coupling) -> Storage:
     """The storage of ``n`` equations with half-width ``width``, which decides the solver.
 
     Parameters

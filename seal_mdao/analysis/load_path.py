@@ -1,8 +1,8 @@
 """The load path: displacement-driven steps with a predictor and step cutting.
 
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
-With the incremental history there are two, and the one with the smaller residual is taken. Where the
-smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
+Where a term gives two estimates of how its force changes, the one with the smaller residual is taken.
+Where the smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
 
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
 same bits whatever was computed before.
@@ -13,43 +13,39 @@ from dataclasses import replace
 
 import numpy as np
 
-from seal_mdao.analysis.body import Discretization
-from seal_mdao.analysis.loading import LoadPoint, LoadProgram
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import relax
 from seal_mdao.analysis.quasi_newton import quasi_newton
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
-from seal_mdao.contact.friction import OPEN, SLIP, ContactHistory, ContactLaw, no_history
-from seal_mdao.errors import GeometryError
-from seal_mdao.geometry.profile import RigidProfile
-from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 
 # Share of the step that the Euler predictor may miss if its miss is to predict the next one.
 SMALL_BEND = 0.03
 
 
-def _initial_step(problem: PathProblem, loading: LoadPoint) -> ConvergedStep:
+def _initial_step(problem: PathProblem) -> ConvergedStep:
     """The undeformed state, whose tangent is factorised."""
-    disc = problem.discretization
-    d, history = np.zeros_like(disc.particles), no_history(len(disc.body.contact))
-    problem.assemble(d, loading, history)
+    d, history = np.zeros_like(problem.discretization.particles), problem.no_history()
+    problem.begin()
+    problem.assemble(d, 0.0, history)
+    for term, response in zip(problem.terms, problem.responses, strict=True):
+        term.check_start(response)
     problem.factorize()
-    return _record(problem, -1, 0.0, loading, d, history, (0.0,), None)
+    return _record(problem, -1, 0.0, d, history, (0.0,), None)
 
 
-def _bend(step: ConvergedStep, before, euler, share) -> np.ndarray | None:
+def _bend(step: ConvergedStep, before: ConvergedStep, euler) -> np.ndarray | None:
     """What the Euler predictor missed, per square of the step: the next one misses about the same.
 
-    None where a contact state changed, for the path has a kink there, and where it is no small
+    None where a term went to another branch, for the path has a kink there, and where it is no small
     correction of the step.
     """
     missed = step.d - euler
-    small = np.abs(missed).max() <= SMALL_BEND * np.abs(euler - before).max()
-    if not (small and np.array_equal(step.before.state, step.after.state)):
+    small = np.abs(missed).max() <= SMALL_BEND * np.abs(euler - before.d).max()
+    if not (small and step.same_branches(before)):
         return None
-    return missed / share**2
+    return missed / (step.fraction - before.fraction) ** 2
 
 
 def _correct(problem, guess, target, last, options):
@@ -66,31 +62,28 @@ def _correct(problem, guess, target, last, options):
     return status, d, tried + residuals
 
 
-def _record(problem, nominal, fraction, loading, d, history, residuals, factor) -> ConvergedStep:
-    after = ContactHistory(problem.state.copy(), problem.kept.copy())
+def _record(problem, nominal, fraction, d, before, residuals, factor) -> ConvergedStep:
+    responses = tuple(response.kept() for response in problem.responses)
     return ConvergedStep(
-        nominal, fraction, loading, d, history, after, problem.x.copy(), problem.force.copy(),
-        problem.gap.copy(), len(residuals) - 1, residuals, factor,
-    )  # fmt: skip
+        nominal, fraction, d, before, responses, len(residuals) - 1, residuals, factor
+    )
 
 
 @one_blas_thread
 def solve_path(
-    discretization: Discretization,
-    material: MooneyRivlin,
-    profile: RigidProfile,
-    law: ContactLaw,
-    program: LoadProgram,
+    problem: PathProblem,
+    n_steps: int,
     options: NewtonOptions | None = None,
     factor_memory: float = 0.0,
     callback: Callable[[ConvergedStep], None] | None = None,
 ) -> PathResult:
-    """Follow a load program from the undeformed state.
+    """Follow the program of a problem's terms from the undeformed state.
 
     Parameters
     ----------
-    program : LoadProgram
-        Motion of the profile, imposed displacements and dead loads.
+    problem : PathProblem
+    n_steps : int
+        Nominal load steps.
     factor_memory : float
         GiB for the factors of converged tangents, which the sensitivities use again. The first that
         fit are kept; the sweeps make the others again.
@@ -105,26 +98,18 @@ def solve_path(
     Raises
     ------
     GeometryError
-        When the undeformed body starts inside the profile.
+        When the undeformed state is not admissible (a body that starts inside a rigid profile).
     """
     options = NewtonOptions() if options is None else options
-    problem = PathProblem(discretization, material, profile, law)
-    start = _initial_step(problem, program.at(0.0))
-    last = start
-    if np.any(last.after.state != OPEN):
-        deepest = -float(last.gap.min())
-        raise GeometryError(
-            f"the undeformed body starts {deepest:.3g} inside the rigid profile; start it farther away"
-        )
+    start = last = _initial_step(problem)
     steps, cuts, bend, memory = [], 0, None, factor_memory * 2**30
-    for nominal in range(program.n_steps):
+    for nominal in range(n_steps):
         pending = [1.0]
         while pending:
             share = pending.pop()
-            end = nominal + 1.0 if not pending else last.fraction + share
-            target = program.at(end)
+            target = nominal + 1.0 if not pending else last.fraction + share
             euler = problem.predict(last, problem.factor, target)
-            guesses = euler if bend is None else euler + (end - last.fraction) ** 2 * bend
+            guesses = euler if bend is None else euler + (target - last.fraction) ** 2 * bend
             guess = problem.closest(guesses, target, last.after)
             status, d, residuals = _correct(problem, guess, target, last, options)
             if status is not Status.CONVERGED and share * 0.5 >= 0.5**options.max_cuts:
@@ -134,34 +119,34 @@ def solve_path(
                 problem.factorize_at(last)
                 continue
             if status is not Status.CONVERGED:
-                failure = _describe(problem, status, nominal, end, target, residuals)
-                pending, end, target = [], nominal + 1.0, program.at(nominal + 1.0)
+                failure = _describe(problem, status, nominal, target, residuals)
+                pending, target = [], nominal + 1.0
                 euler = problem.predict(last, problem.factorize_at(last), target)
                 guess = problem.closest(euler, target, last.after)
                 relaxed, d, residuals = relax(problem, guess, target, last.after, options)
                 if relaxed is not Status.CONVERGED:
                     # nothing is differentiated; an exception that holds the path stays small
                     steps = [replace(step, factor=None) for step in steps]
-                    return PathResult(discretization, start, steps, status, cuts, failure)
+                    return PathResult(problem, start, steps, status, cuts, failure)
             before = last
             memory -= problem.factor.nbytes
             kept = problem.factor.kept() if memory >= 0.0 else None
-            last = _record(
-                problem, -1 if pending else nominal, end, target, d, last.after, residuals,
-                kept,
-            )  # fmt: skip
-            bend = _bend(last, before.d, euler[0], end - before.fraction)
+            end = -1 if pending else nominal
+            last = _record(problem, end, target, d, before.after, residuals, kept)
+            bend = _bend(last, before, euler[0])
             steps.append(last)
         if callback is not None:
             callback(last)
-    return PathResult(discretization, start, steps, Status.CONVERGED, cuts)
+    return PathResult(problem, start, steps, Status.CONVERGED, cuts)
 
 
-def _describe(problem, status, nominal, end, target, residuals) -> str:
-    state, (x, y) = problem.state, target.position
+def _describe(problem, status, nominal, target, residuals) -> str:
+    states = [
+        term.describe(response, target)
+        for term, response in zip(problem.terms, problem.responses, strict=False)
+    ]
     return (
-        f"load step {nominal + 1} (path parameter {end:.4f}, profile at x = {x:.4g}, "
-        f"y = {y:.4g}): {status.value}; relative residual "
-        f"{residuals[-1] if residuals else np.nan:.2e} after {max(len(residuals) - 1, 0)} iterations; "
-        f"{int(np.sum(state != OPEN))} points in contact, {int(np.sum(state == SLIP))} slipping"
+        f"load step {nominal + 1} (path parameter {target:.4f}): {status.value}; relative residual "
+        f"{residuals[-1] if residuals else np.nan:.2e} after {max(len(residuals) - 1, 0)} iterations"
+        + "".join(f"; {state}" for state in states if state)
     )

@@ -5,7 +5,6 @@ from numbers import Integral
 
 import numpy as np
 
-from seal_mdao.analysis.loading import LoadPoint
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 
@@ -42,11 +41,11 @@ class NewtonOptions:
 
 
 def converged(problem: PathProblem, size: float, rounding: bool, options: NewtonOptions) -> bool:
-    """Whether a residual is small, or mere rounding, under the friction law as it is."""
-    return (size <= options.tolerance or rounding) and not problem.made_to_stick
+    """Whether a residual is small, or mere rounding, under the laws of the terms as they are."""
+    return (size <= options.tolerance or rounding) and not problem.unsettled
 
 
-def newton(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOptions):
+def newton(problem: PathProblem, d, target: float, history, options: NewtonOptions):
     """Newton iterations (44) at a fixed loading; the factor of the last tangent stays in ``problem``.
 
     Returns
@@ -57,9 +56,9 @@ def newton(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOp
     """
     gather = problem.discretization.layout.gather
     residuals = []
-    problem.direction[:] = 0
+    problem.begin()
     for _ in range(options.max_iterations + 1):
-        if not problem.assemble(d, point, history):
+        if not problem.assemble(d, target, history):
             return Status.INVERTED, d, tuple(residuals)
         residual, size, rounding = problem.residual()
         residuals.append(size)

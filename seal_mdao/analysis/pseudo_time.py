@@ -12,7 +12,6 @@ Anal. 35, 1998.
 
 import numpy as np
 
-from seal_mdao.analysis.loading import LoadPoint
 from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
@@ -26,7 +25,7 @@ LARGE, GROWTH = 0.5, 3.0
 STRONGER = 4.0
 
 
-def relax(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOptions):
+def relax(problem: PathProblem, d, target: float, history, options: NewtonOptions):
     """Equilibrium at a fixed loading by damped motion.
 
     Returns
@@ -35,18 +34,18 @@ def relax(problem: PathProblem, d, point: LoadPoint, history, options: NewtonOpt
         As of ``newton``.
     """
     try:
-        return _follow(problem, d, point, history, options)
+        return _follow(problem, d, target, history, options)
     except np.linalg.LinAlgError:
         return Status.SINGULAR, d, ()
 
 
-def _follow(problem, d, point, history, options):
+def _follow(problem, d, target, history, options):
     layout = problem.discretization.layout
     diagonal = layout.storage.diagonal()
     residuals, damping, before = [], None, d
-    problem.direction[:] = 0
+    problem.begin()
     for _ in range(options.damped_iterations):
-        upright = problem.assemble(d, point, history)
+        upright = problem.assemble(d, target, history)
         if damping is None:
             if not upright:
                 return Status.INVERTED, d, ()
@@ -55,7 +54,7 @@ def _follow(problem, d, point, history, options):
         if not upright or (residuals and not size <= max(LARGE, GROWTH * residuals[-1])):
             # from the same place again, more slowly
             damping *= STRONGER
-            problem.assemble(before, point, history)
+            problem.assemble(before, target, history)
             residual = problem.residual()[0]
         else:
             if residuals:

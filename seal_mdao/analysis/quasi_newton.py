@@ -14,14 +14,13 @@ the body has turned by a hundredth. Its factor is therefore
 """
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from seal_mdao.analysis.equations import TangentLayout
-from seal_mdao.analysis.internal_force import particle_gradients
-from seal_mdao.analysis.loading import LoadPoint
 from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
-from seal_mdao.contact.friction import STICK
+from seal_mdao.structure.deformation import particle_gradients
 
 # Most need 6 to 10 iterations; what is not halved within PATIENCE of them will not converge soon.
 LIMIT, PATIENCE = 25, 6
@@ -99,37 +98,43 @@ def _gradients(problem: PathProblem, d: np.ndarray) -> np.ndarray:
     return out
 
 
-def _unit_loads(problem: PathProblem, points: np.ndarray) -> np.ndarray:
-    """Loads of unit forces in x and y at contact points (m,), shape (2 m, n_equations)."""
-    loads = []
+def _unit_loads(problem: PathProblem, term, points: np.ndarray) -> list:
+    """Loads (n_equations,) of unit forces in x and y at points (m,) of a term, one after the other."""
+    layout, loads = problem.discretization.layout, []
     for point in points:
-        state = np.zeros_like(problem.state)
-        state[point] = STICK
+        branch, force = np.zeros(len(term.where), int), np.zeros((len(term.where), 2))
+        branch[point] = 1
         for component in range(2):
-            force = np.zeros_like(problem.force)
-            force[point, component] = 1.0
-            loads.append(problem.contact_load(force, state))
-    return np.array(loads)
+            force[point] = np.eye(2)[component]
+            load = term.point_loads(force, branch)
+            layout.condense_force(load)
+            loads.append(load[: layout.n_equations])
+    return loads
 
 
-def _inverse(problem: PathProblem, d, last: ConvergedStep, points: np.ndarray):
-    """Approximate inverse of the tangent at ``d``, where the forces were assembled.
+def _new_contacts(problem: PathProblem, last: ConvergedStep) -> list:
+    """Terms at points, with the points on another branch than in the factorised tangent."""
+    found = []
+    for term, now, then in zip(problem.terms, problem.responses, last.responses, strict=True):
+        points = np.flatnonzero(now.branch != then.branch)
+        if points.size:
+            found.append((term, points, (now.tangent - then.tangent)[points]))
+    return found
 
-    ``points`` (m,) are the contact points with another state than in the factorised tangent.
-    """
+
+def _inverse(problem: PathProblem, d, last: ConvergedStep, changed: list):
+    """Approximate inverse of the tangent at ``d``, where the forces were assembled."""
     since = _gradients(problem, d) @ np.linalg.inv(_gradients(problem, last.d))
     carried = CarriedFactor(problem.factor, since, problem.discretization.layout)
-    if points.size == 0:
+    if not changed:
         return carried
-    change, at = np.zeros((points.size, 2, points.size, 2)), np.arange(points.size)
-    before = problem.contact_at(last, last.before)[1]
-    change[at, :, at, :] = (problem.tangent - before)[points]
-    size = 2 * points.size
-    return CorrectedFactor(carried, _unit_loads(problem, points), change.reshape(size, size))
+    columns = [load for term, points, _ in changed for load in _unit_loads(problem, term, points)]
+    blocks = [tangent for _, _, tangents in changed for tangent in tangents]
+    return CorrectedFactor(carried, np.array(columns), block_diag(*blocks))
 
 
 def quasi_newton(
-    problem: PathProblem, d, point: LoadPoint, last: ConvergedStep, options: NewtonOptions
+    problem: PathProblem, d, target: float, last: ConvergedStep, options: NewtonOptions
 ):
     """Iterations at a fixed loading with the factor of the last converged tangent.
 
@@ -151,9 +156,9 @@ def quasi_newton(
     layout = problem.discretization.layout
     inverse = None
     residuals, broyden, status = [], BroydenSteps(), Status.NOT_CONVERGED
-    problem.direction[:] = 0
+    problem.begin()
     for _ in range(LIMIT + 1):
-        if not problem.assemble_forces(d, point, last.after):
+        if not problem.assemble_forces(d, target, last.after):
             status = Status.INVERTED
             break
         residual, size, rounding = problem.residual()
@@ -163,16 +168,16 @@ def quasi_newton(
             break
         if converged(problem, size, rounding, options):
             inverse = None  # it holds the old factor
-            status = _factorize(problem, d, point, last)
+            status = _factorize(problem, d, target, last)
             break
         if len(residuals) > PATIENCE and size > 0.5 * residuals[-1 - PATIENCE]:
             break
         if inverse is None:
-            points = np.flatnonzero(problem.state != last.after.state)
-            if points.size > MOST_NEW_CONTACTS:
+            changed = _new_contacts(problem, last)
+            if sum(points.size for _, points, _ in changed) > MOST_NEW_CONTACTS:
                 break
             try:
-                inverse = _inverse(problem, d, last, points)
+                inverse = _inverse(problem, d, last, changed)
             except np.linalg.LinAlgError:
                 status = Status.SINGULAR
                 break
@@ -180,9 +185,9 @@ def quasi_newton(
     return status, d, tuple(residuals)
 
 
-def _factorize(problem, d, point, last) -> Status:
+def _factorize(problem, d, target, last) -> Status:
     """Factorise the tangent where the iterations converged; the forces stay, bit for bit."""
-    problem.assemble(d, point, last.after)
+    problem.assemble(d, target, last.after)
     try:
         problem.factorize()
     except np.linalg.LinAlgError:

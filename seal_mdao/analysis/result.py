@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 
-from seal_mdao.analysis.body import Discretization
-from seal_mdao.analysis.loading import LoadPoint
-from seal_mdao.contact.assembly import interpolate
-from seal_mdao.contact.friction import OPEN, ContactHistory
+from seal_mdao.terms.point_assembly import interpolate
 
 
 class Status(Enum):
@@ -31,17 +29,12 @@ class ConvergedStep:
         Number of the nominal step that this one completes, -1 for a cut step.
     fraction : float
         Path parameter: number of nominal steps completed, fractions for cut steps.
-    loading : LoadPoint
-        Position of the profile, imposed displacements, dead loads.
     d : ndarray, shape (n, 2)
         Generalised displacements.
-    before : ContactHistory
-        History with which the step began.
-    after : ContactHistory
-        Contact state of this step and what it hands on.
-    contact_x, force : ndarray, shape (k, 2)
-        Deformed contact points and their contact forms (force of the body on the profile, N/m).
-    gap : ndarray, shape (k,)
+    before : tuple
+        History of every term with which the step began.
+    responses : tuple of Response
+        What every term answered.
     iterations : int
         Iterations that were needed, quasi-Newton ones and those of an attempt given up included.
     residuals : tuple of float
@@ -52,26 +45,24 @@ class ConvergedStep:
 
     nominal: int
     fraction: float
-    loading: LoadPoint
     d: np.ndarray
-    before: ContactHistory
-    after: ContactHistory
-    contact_x: np.ndarray
-    force: np.ndarray
-    gap: np.ndarray
+    before: tuple
+    responses: tuple
     iterations: int
     residuals: tuple
     factor: object = None
 
     @property
-    def position(self) -> np.ndarray:
-        """Rigid translation of the profile, shape (2,)."""
-        return self.loading.position
+    def after(self) -> tuple:
+        """History of every term that the step hands on."""
+        return tuple(response.history for response in self.responses)
 
-    @property
-    def reaction(self) -> np.ndarray:
-        """Force of the body on the profile, shape (2,)."""
-        return self.force.sum(axis=0)
+    def same_branches(self, other: "ConvergedStep") -> bool:
+        """Whether every term is on the branch on which it was at another step."""
+        return all(
+            np.array_equal(mine.branch, its.branch)
+            for mine, its in zip(self.responses, other.responses, strict=True)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +71,8 @@ class PathResult:
 
     Attributes
     ----------
-    discretization : Discretization
+    problem : PathProblem
+        The problem that was solved.
     start : ConvergedStep
         The undeformed state, in which the history begins.
     steps : list of ConvergedStep
@@ -93,7 +85,7 @@ class PathResult:
         Empty, or where the path ended and in what state.
     """
 
-    discretization: Discretization
+    problem: object = field(repr=False)
     start: ConvergedStep = field(repr=False)
     steps: list = field(repr=False)
     status: Status
@@ -101,10 +93,14 @@ class PathResult:
     failure: str = ""
 
     @property
+    def discretization(self):
+        return self.problem.discretization
+
+    @property
     def converged(self) -> bool:
         return self.status is Status.CONVERGED
 
-    @property
+    @cached_property
     def nominal_steps(self) -> list:
         return [step for step in self.steps if step.nominal >= 0]
 
@@ -119,25 +115,23 @@ class PathResult:
                 running = 0
         return np.array(counts, int)
 
-    @property
-    def reaction(self) -> np.ndarray:
-        """Force on the profile at every nominal step, shape (n_steps, 2)."""
-        return np.array([step.reaction for step in self.nominal_steps]).reshape(-1, 2)
+    def place(self, label: str) -> int:
+        """Which of the responses of a step is that of the term ``label``."""
+        return self.problem.terms.index(self.problem.term(label))
 
-    @property
-    def positions(self) -> np.ndarray:
-        """Profile translation at every nominal step, shape (n_steps, 2)."""
-        return np.array([step.position for step in self.nominal_steps]).reshape(-1, 2)
+    def responses(self, label: str) -> list:
+        """Answers of one term at all converged steps, cut ones included."""
+        place = self.place(label)
+        return [step.responses[place] for step in self.steps]
 
-    @property
-    def contact_state(self) -> np.ndarray:
-        """Contact states of all converged steps, cut ones included, shape (n, k)."""
-        return np.array([step.after.state for step in self.steps])
+    def at_nominal(self, label: str) -> list:
+        """Answers of one term at the nominal steps."""
+        place = self.place(label)
+        return [step.responses[place] for step in self.nominal_steps]
 
-    @property
-    def n_contact(self) -> np.ndarray:
-        """Points in contact at every nominal step."""
-        return np.array([np.sum(s.after.state != OPEN) for s in self.nominal_steps], int)
+    def reaction(self, label: str) -> np.ndarray:
+        """Sum of the forces of a term's points at every nominal step, shape (n_steps, 2), N/m."""
+        return np.array([response.total for response in self.at_nominal(label)]).reshape(-1, 2)
 
     def displacement(self, step: int = -1) -> np.ndarray:
         """Physical displacements u(X_J) at all particles of a nominal step, shape (n, 2)."""

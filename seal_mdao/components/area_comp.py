@@ -3,21 +3,20 @@
 import numpy as np
 import openmdao.api as om
 
-from seal_mdao.design.area import section_area
-from seal_mdao.model import SealModel
+from seal_mdao.seals.seal import Seal
 
 
 class AreaComp(om.ExplicitComponent):
-    """Exact area between the two spline boundaries of a seal, with its exact gradient."""
+    """Exact area of a seal's section, with its exact gradient."""
 
     def initialize(self):
-        self.options.declare("model", types=SealModel, recordable=False, desc="The seal model.")
+        self.options.declare("seal", types=Seal, recordable=False, desc="The seal.")
 
     def setup(self):
-        model = self.options["model"]
+        seal = self.options["seal"]
         self.add_input(
             "boundary_offsets",
-            val=np.zeros(model.n_offsets),
+            val=np.zeros(seal.n_offsets),
             units="mm",
             desc="Spline control values along the rays: outer, then inner boundary.",
         )
@@ -27,10 +26,10 @@ class AreaComp(om.ExplicitComponent):
         self.declare_partials("area", "boundary_offsets")
 
     def compute(self, inputs, outputs):
-        model = self.options["model"]
-        offsets = model.check_offsets(inputs["boundary_offsets"])
-        outputs["area"] = section_area(model.splines, offsets)[0]
+        seal = self.options["seal"]
+        offsets = seal.check_offsets(inputs["boundary_offsets"])
+        outputs["area"] = seal.area(offsets)[0]
 
     def compute_partials(self, inputs, partials):
-        splines = self.options["model"].splines
-        partials["area", "boundary_offsets"] = section_area(splines, inputs["boundary_offsets"])[1]
+        gradient = self.options["seal"].area(inputs["boundary_offsets"])[1]
+        partials["area", "boundary_offsets"] = gradient

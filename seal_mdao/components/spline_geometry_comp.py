@@ -3,33 +3,33 @@
 import numpy as np
 import openmdao.api as om
 
-from seal_mdao.model import SealModel
+from seal_mdao.seals.seal import Seal
 
 
 class SplineGeometryComp(om.ExplicitComponent):
-    """Particles of a seal from the spline offsets of its two boundaries.
+    """Particles of a seal from the offsets of its boundaries.
 
     particles = drawn particles + sum_p boundary_offsets[p] V_p, linear, with the design velocity V
     of Eq. (48) as constant sparse partials.
     """
 
     def initialize(self):
-        self.options.declare("model", types=SealModel, recordable=False, desc="The seal model.")
+        self.options.declare("seal", types=Seal, recordable=False, desc="The seal.")
 
     def setup(self):
-        model = self.options["model"]
+        seal = self.options["seal"]
         self.add_input(
             "boundary_offsets",
-            val=np.zeros(model.n_offsets),
+            val=np.zeros(seal.n_offsets),
             units="mm",
             desc="Spline control values along the rays: outer, then inner boundary.",
         )
         self.add_output(
-            "particles", val=model.drawn_particles, units="mm", desc="Undeformed particles X_I."
+            "particles", val=seal.drawn_particles, units="mm", desc="Undeformed particles X_I."
         )
 
     def setup_partials(self):
-        velocity = self.options["model"].design_velocity
+        velocity = self.options["seal"].design_velocity
         jacobian = velocity.reshape(len(velocity), -1).T
         rows, cols = np.nonzero(jacobian)
         self.declare_partials(
@@ -37,4 +37,4 @@ class SplineGeometryComp(om.ExplicitComponent):
         )
 
     def compute(self, inputs, outputs):
-        outputs["particles"] = self.options["model"].particles(inputs["boundary_offsets"])
+        outputs["particles"] = self.options["seal"].particles(inputs["boundary_offsets"])

@@ -6,6 +6,12 @@
 A point that enters contact starts at zero slip from where it touched. That place is interpolated
 between the open point before the step and the closed one after it, with the normal gaps as weights,
 so the path does not jump when a design makes a point touch one step earlier or later.
+
+Where |t| != 1 the slip of a step is |t0| (xi - xi0), its arc length as measured at its beginning, and
+the force is the traction times v = |t||t0|/c, its conjugate: both are the same for xi and for any
+multiple of it. Where |t| changes along the curve they err by the relative change of |t| over the slip
+of one step, so both rules converge to the arc length as steps are refined; a natural coordinate close
+to the arc length errs least.
 """
 
 import math
@@ -14,16 +20,18 @@ from typing import NamedTuple
 import numba as nb
 import numpy as np
 
-from seal_mdao.contact.kinematics import closest_point, contact_frame, rates
-from seal_mdao.geometry.profile import curve_velocity
+from seal_mdao.contact.kinematics import closest_point, contact_frame, rates, way_along, whole_turns
+from seal_mdao.geometry.curve import curve_velocity
+from seal_mdao.geometry.pose import in_frame, turned
 
 FRICTION_HISTORIES = ("accumulated", "incremental")
 
 # Contact states.
 OPEN, STICK, SLIP = 0, 1, 2
 
-# Inputs and outputs of the local linearisation of one contact point.
-X, Y, XI_0, SIZE_0, SLIP_0, LENGTH, RADIUS, NORMAL_PENALTY, TANGENT_PENALTY, FRICTION = range(10)
+# Inputs and outputs of the local linearisation of one contact point; SHAPE is the first of the
+# profile's shape parameters.
+X, Y, XI_0, SIZE_0, SLIP_0, LENGTH, NORMAL_PENALTY, TANGENT_PENALTY, FRICTION, SHAPE = range(10)
 FORCE_X, FORCE_Y, XI, SIZE, CARRIED, GAP = range(6)
 
 
@@ -56,16 +64,26 @@ def no_history(n_points: int) -> ContactHistory:
     return ContactHistory(np.zeros(n_points, np.int64), np.zeros((n_points, 3)))
 
 
+def uses_history(speed_varies: bool, state: np.ndarray) -> np.ndarray:
+    """Which points' forces depend on the history they began the step with, from their states (n,).
+
+    In stick all of it is used. In slip the traction follows from the gap, but v = |t||t0|/c takes
+    |t0|: it matters where |t| varies along the curve, that is on cubic pieces. d|t|/dx has the
+    direction of dxi/dx. No state hands on anything of the history it began with but stick.
+    """
+    return state != OPEN if speed_varies else state == STICK
+
+
 @nb.njit(cache=True, error_model="numpy", inline="always")
-def elastic_slip(g_n, xi, state_0, carried):
-    """Slip g_t of Eq. (19) plus what is carried, as if the point stuck.
+def elastic_slip(g_n, way, state_0, size_0, carried):
+    """Slip g_t of Eq. (19) plus what is carried, as if the point stuck; ``way`` is xi - xi0.
 
     A point that was open slides only over the share g_n / (g_n - g_n0) of the step after it touched.
     """
-    slid = carried[1] * (xi - carried[0])
+    slid = size_0 * way
     if state_0 == OPEN:
-        return slid * g_n / (g_n - carried[2])
-    return slid + carried[2]
+        return slid * g_n / (g_n - carried)
+    return slid + carried
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
@@ -93,19 +111,16 @@ def traction(law, g_n, g_t):
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
-def elastic_slip_rate(column, g_n, gap_r, xi, xi_r, state_0, carried):
+def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
     """Derivative of ``elastic_slip`` with respect to the input ``column``."""
-    slid = carried[1] * (xi - carried[0])
-    slid_r = carried[1] * xi_r
-    if column == XI_0:
-        slid_r = -carried[1]
-    elif column == SIZE_0:
-        slid_r = xi - carried[0]
+    slid, slid_r = size_0 * way, size_0 * way_r
+    if column == SIZE_0:
+        slid_r = way
     carried_r = 1.0 if column == SLIP_0 else 0.0
     if state_0 != OPEN:
         return slid_r + carried_r
-    whole = g_n - carried[2]
-    share_r = (g_n * carried_r - carried[2] * gap_r) / (whole * whole)
+    whole = g_n - carried
+    share_r = (g_n * carried_r - carried * gap_r) / (whole * whole)
     return slid_r * g_n / whole + slid * share_r
 
 
@@ -130,8 +145,50 @@ def traction_rate(column, law, state, tau, g_n, gap_r, slip_r):
 
 
 @nb.njit(cache=True, error_model="numpy")
+def _fill_column(column, way_r, moved, frame, now, then, law, length, out):
+    """One column of ``linearize_contact_point``.
+
+    Parameters
+    ----------
+    way_r : float
+        Rate of xi - xi0, without that of xi.
+    moved : tuple of pairs
+        w, V_c,xi, V_c,xixi of ``rates``.
+    frame, now, then : tuple
+        What ``contact_frame`` gives; g_n, state, tau, nu; what came before: state, |t0|, xi - xi0,
+        and the gap or slip carried.
+    """
+    e_t, e_n, size, alpha, beta, gamma, c = frame
+    g_n, state, tau, nu = now
+    state_0, size_0, way, carried = then
+    w, v1, v2 = moved
+    xi_r, gap_r, turn, size_r, c_r = rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2)
+    out[XI, column], out[SIZE, column], out[GAP, column] = xi_r, size_r, gap_r
+    if state == OPEN:
+        out[FORCE_X, column] = out[FORCE_Y, column] = 0.0
+        out[CARRIED, column] = gap_r
+        return
+    slip_r = elastic_slip_rate(column, g_n, gap_r, way, xi_r + way_r, state_0, size_0, carried)
+    tau_r, slip_r = traction_rate(column, law, state, tau, g_n, gap_r, slip_r)
+    pressure, shear = law.normal_penalty * g_n, tau * nu
+    pressure_r = law.normal_penalty * gap_r
+    if column == NORMAL_PENALTY:
+        pressure_r = g_n
+    size_0_r = 1.0 if column == SIZE_0 else 0.0
+    nu_r = nu * (size_r / size + size_0_r / size_0 - c_r / c)
+    shear_r = tau_r * nu + tau * nu_r
+    on_n = length * (pressure_r + turn * shear)
+    on_t = length * (shear_r - turn * pressure)
+    if column == LENGTH:
+        on_n, on_t = pressure, shear
+    out[FORCE_X, column] = on_n * e_n[0] + on_t * e_t[0]
+    out[FORCE_Y, column] = on_n * e_n[1] + on_t * e_t[1]
+    out[CARRIED, column] = slip_r if law.accumulated else 0.0
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
 def linearize_contact_point(
-    profile, law, piece, xi, g_n, state, tau, state_0, carried, length, columns, out
+    profile, law, pose, piece, xi, g_n, state, tau, state_0, carried, length, columns, out
 ):
     """Derivatives of force and history of one point with respect to all its inputs.
 
@@ -146,46 +203,29 @@ def linearize_contact_point(
         The variables of ``ContactHistory``.
     columns : int
         How many of the inputs X, Y, ... are wanted (2: the tangent alone).
-    out : ndarray, shape (6, 10)
-        Rows FORCE_X ... GAP, columns X ... FRICTION. The rigid motion of the profile is minus the
-        columns X, Y.
+    out : ndarray, shape (6, columns)
+        Rows FORCE_X ... GAP, columns X ... FRICTION, SHAPE ...; x and force in the fixed frame. What
+        rates of the pose do besides is told in ``geometry.pose``.
     """
     e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
-    size_0 = carried[1]
-    nu = size * size_0 / c if state != OPEN else 0.0
-    pressure, shear = law.normal_penalty * g_n, tau * nu
-    for column in range(columns):
-        w, v1, v2 = (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)
-        if column == X:
-            w = (1.0, 0.0)
-        elif column == Y:
-            w = (0.0, 1.0)
-        elif column == RADIUS:
-            v, v1, v2 = curve_velocity(profile, piece, xi)
-            w = (-v[0], -v[1])
-        xi_r, gap_r, turn, size_r, c_r = rates(
-            e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2
-        )
-        out[XI, column], out[SIZE, column], out[GAP, column] = xi_r, size_r, gap_r
-        if state == OPEN:
-            out[FORCE_X, column] = out[FORCE_Y, column] = 0.0
-            out[CARRIED, column] = gap_r
-            continue
-        slip_r = elastic_slip_rate(column, g_n, gap_r, xi, xi_r, state_0, carried)
-        tau_r, slip_r = traction_rate(column, law, state, tau, g_n, gap_r, slip_r)
-        pressure_r = law.normal_penalty * gap_r
-        if column == NORMAL_PENALTY:
-            pressure_r = g_n
-        size_0_r = 1.0 if column == SIZE_0 else 0.0
-        nu_r = nu * (size_r / size + size_0_r / size_0 - c_r / c)
-        shear_r = tau_r * nu + tau * nu_r
-        on_n = length * (pressure_r + turn * shear)
-        on_t = length * (shear_r - turn * pressure)
-        if column == LENGTH:
-            on_n, on_t = pressure, shear
-        out[FORCE_X, column] = on_n * e_n[0] + on_t * e_t[0]
-        out[FORCE_Y, column] = on_n * e_n[1] + on_t * e_t[1]
-        out[CARRIED, column] = slip_r if law.accumulated else 0.0
+    frame = turned(pose, e_t), turned(pose, e_n), size, alpha, beta, gamma, c
+    way = way_along(profile, xi, carried[0])
+    now = g_n, state, tau, size * carried[1] / c if state != OPEN else 0.0
+    then, zero = (state_0, carried[1], way, carried[2]), (0.0, 0.0)
+    filled = min(columns, SHAPE)
+    if state == OPEN and columns > XI_0:
+        # history, length and law matter in contact only
+        out[:, XI_0:SHAPE], filled = 0.0, XI_0
+    for column in range(filled):
+        w = (1.0 if column == X else 0.0, 1.0 if column == Y else 0.0)
+        way_r = -1.0 if column == XI_0 else 0.0
+        _fill_column(column, way_r, (w, zero, zero), frame, now, then, law, length, out)
+    for column in range(SHAPE, columns):
+        v, v1, v2 = curve_velocity(profile, column - SHAPE, piece, xi)
+        moved = turned(pose, (-v[0], -v[1])), turned(pose, v1), turned(pose, v2)
+        turns = whole_turns(profile, xi, carried[0])
+        way_r = -turns * profile.period_rate[column - SHAPE]
+        _fill_column(column, way_r, moved, frame, now, then, law, length, out)
 
 
 @nb.njit(cache=True, error_model="numpy")
@@ -203,14 +243,14 @@ def _without_reversal(law, state, tau, g_t, direction, i):
 
 @nb.njit(cache=True, error_model="numpy")
 def contact_points(
-    profile, law, position, x, length, history, direction, force, tangent, state, kept, gap
+    profile, law, pose, x, length, history, direction, force, tangent, state, kept, gap
 ):
     """Forces of all contact points on a rigid profile and their tangents.
 
     Parameters
     ----------
-    position : ndarray, shape (2,)
-        Rigid translation of the profile.
+    pose : Pose
+        Translation and rotation of the profile.
     x : ndarray, shape (n, 2)
         Deformed contact points.
     length : ndarray, shape (n,)
@@ -230,11 +270,13 @@ def contact_points(
     int
         Points made to stick; forces are those of Eq. (29) only when it is zero.
     """
-    local = np.empty((6, 10))
+    local = np.empty((6, 2))
     made_to_stick = 0
     for i in range(x.shape[0]):
-        piece, xi, g_n = closest_point(profile, x[i, 0] - position[0], x[i, 1] - position[1])
+        x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
+        piece, xi, g_n = closest_point(profile, x_1, x_2)
         e_t, e_n, size, _, _, _, c = contact_frame(profile, piece, xi, g_n)
+        e_t, e_n = turned(pose, e_t), turned(pose, e_n)
         gap[i], kept[i, 0], kept[i, 1] = g_n, xi, size
         if g_n >= 0.0:
             state[i], direction[i], kept[i, 2] = OPEN, 0, g_n
@@ -242,7 +284,8 @@ def contact_points(
             tangent[i] = 0.0
             continue
         state_0, carried = history.state[i], history.variables[i]
-        g_t = elastic_slip(g_n, xi, state_0, carried)
+        way = way_along(profile, xi, carried[0])
+        g_t = elastic_slip(g_n, way, state_0, carried[1], carried[2])
         state[i], tau = traction(law, g_n, g_t)
         state[i], tau, made = _without_reversal(law, state[i], tau, g_t, direction, i)
         made_to_stick += made
@@ -251,22 +294,26 @@ def contact_points(
         for a in range(2):
             force[i, a] = length[i] * (law.normal_penalty * g_n * e_n[a] + shear * e_t[a])
         linearize_contact_point(
-            profile, law, piece, xi, g_n, state[i], tau, state_0, carried, length[i], 2, local
+            profile, law, pose, piece, xi, g_n, state[i], tau, state_0, carried, length[i], 2, local
         )
-        tangent[i] = local[:2, :2]
+        tangent[i] = local[:2]
     return made_to_stick
 
 
 @nb.njit(cache=True, error_model="numpy")
-def contact_linearization(profile, law, position, x, length, history, points, out):
-    """Full local derivatives of the ``points`` (s,) at a converged step: ``out`` (s, 6, 10), see the
-    input names above."""
+def contact_linearization(profile, law, pose, x, length, history, points, out):
+    """Full local derivatives of the ``points`` (s,) at a converged step, in the first SHAPE + S columns
+    of ``out`` (s, 6, ...); see the input names above."""
+    columns = SHAPE + profile.period_rate.size
     for k, i in enumerate(points):
-        piece, xi, g_n = closest_point(profile, x[i, 0] - position[0], x[i, 1] - position[1])
+        x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
+        piece, xi, g_n = closest_point(profile, x_1, x_2)
         state_0, carried = history.state[i], history.variables[i]
         state, tau = OPEN, 0.0
         if g_n < 0.0:
-            state, tau = traction(law, g_n, elastic_slip(g_n, xi, state_0, carried))
+            way = way_along(profile, xi, carried[0])
+            state, tau = traction(law, g_n, elastic_slip(g_n, way, state_0, carried[1], carried[2]))
         linearize_contact_point(
-            profile, law, piece, xi, g_n, state, tau, state_0, carried, length[i], 10, out[k]
-        )
+            profile, law, pose, piece, xi, g_n, state, tau, state_0, carried, length[i], columns,
+            out[k],
+        )  # fmt: skip

@@ -8,29 +8,31 @@ derivatives of the curve's own design velocity.
 import numba as nb
 import numpy as np
 
+from seal_mdao.contact.cubic_projection import nearest_on_cubic
 from seal_mdao.geometry.bounds import PIECES_A_RUN
-from seal_mdao.geometry.profile import LINE, curve_point
+from seal_mdao.geometry.curve import CUBIC, END_SLACK, LINE, cubic_point, curve_point
 
 
 @nb.njit(cache=True, error_model="numpy")
-def _candidate(profile, piece, x, y, last):
-    """Projection on one piece: distance squared to the piece, signed gap, natural coordinate."""
-    ox, oy = x - profile.origin[piece, 0], y - profile.origin[piece, 1]
-    length = profile.length[piece]
-    if profile.kind[piece] == LINE:
-        c, n = np.cos(profile.angle[piece]), np.sin(profile.angle[piece])
-        s, gap = ox * c + oy * n, ox * n - oy * c
-        over = 0.0
-        if s < 0.0 and piece > 0:
-            over = s
-        if s > length and piece < last:
-            over = s - length
-        return gap * gap + over * over, gap, profile.start[piece] + s
-    r = profile.radius[piece]
+def _on_line(ox, oy, angle, length, open_start, open_end):
+    """Distance squared, gap, s, and whether s lies beyond the piece."""
+    c, n = np.cos(angle), np.sin(angle)
+    s, gap = ox * c + oy * n, ox * n - oy * c
+    over = 0.0
+    if s < 0.0 and not open_start:
+        over = s
+    if s > length and not open_end:
+        over = s - length
+    return gap * gap + over * over, gap, s, over != 0.0
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _on_arc(ox, oy, angle, length, r):
+    """Distance squared, gap, s, and whether s lies beyond the piece."""
     size, turn = abs(r), (1.0 if r > 0.0 else -1.0)
     span = length / size
     distance = (ox * ox + oy * oy) ** 0.5
-    a = turn * (np.arctan2(oy, ox) - profile.angle[piece])
+    a = turn * (np.arctan2(oy, ox) - angle)
     a -= 2.0 * np.pi * np.floor((a - 0.5 * span + np.pi) / (2.0 * np.pi))
     gap = turn * (distance - size)
     over = 0.0
@@ -40,7 +42,38 @@ def _candidate(profile, piece, x, y, last):
         over = a - span
     # chord law: distance to the end point of the arc
     square = gap * gap + 4.0 * distance * size * np.sin(0.5 * over) ** 2
-    return square, gap, profile.start[piece] + size * a
+    return square, gap, size * a, over != 0.0
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _on_cubic(coefficient, length, x, y, open_start, open_end):
+    """Distance squared, gap, s, and whether s lies beyond the piece."""
+    square, s = nearest_on_cubic(coefficient, length, x, y, open_start, open_end)
+    x_c, t, _, _ = cubic_point(coefficient, length, s)
+    gap = ((x - x_c[0]) * t[1] - (y - x_c[1]) * t[0]) / (t[0] * t[0] + t[1] * t[1]) ** 0.5
+    slack = END_SLACK * length
+    over = (s < -slack and not open_start) or (s > length + slack and not open_end)
+    return square, gap, s, over
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def _candidate(pieces, piece, x, y, goes_on, farthest):
+    """Projection on one piece: distance squared to the piece, signed gap, s = xi - start, and
+    whether it lies beyond the ends of the piece.
+
+    Cubic pieces farther away than ``farthest`` are given an infinite distance.
+    """
+    kind, origin, angle, radius, length, coefficient = pieces
+    open_start, open_end = goes_on and piece == 0, goes_on and piece == kind.size - 1
+    ox, oy = x - origin[piece, 0], y - origin[piece, 1]
+    if kind[piece] == LINE:
+        return _on_line(ox, oy, angle[piece], length[piece], open_start, open_end)
+    if kind[piece] != CUBIC:
+        return _on_arc(ox, oy, angle[piece], length[piece], radius[piece])
+    away = (ox * ox + oy * oy) ** 0.5 - radius[piece]
+    if away > farthest and not open_start and not open_end:
+        return np.inf, 0.0, 0.0, True
+    return _on_cubic(coefficient[piece], length[piece], x, y, open_start, open_end)
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
@@ -65,7 +98,8 @@ def closest_point(profile, x, y):
 
     Between two pieces that meet in a convex corner the nearer one's own line is continued, so the
     projection is perpendicular everywhere; of two equally near pieces the one with the larger
-    distance to its line is taken, which keeps the gap continuous.
+    distance to its line is taken, which keeps the gap continuous. Where they meet smoothly the piece
+    that the projection falls on comes first, whose curvature it is.
 
     Returns
     -------
@@ -75,19 +109,39 @@ def closest_point(profile, x, y):
     g_n : float
         Normal gap, Eq. (17); negative in penetration.
     """
-    best, best_gap, best_xi, best_piece = np.inf, 0.0, 0.0, -1
-    last = profile.kind.size - 1
+    best, best_gap, best_s, best_piece, best_over = np.inf, 0.0, 0.0, -1, True
+    count, goes_on = profile.kind.size, profile.period == 0.0
+    # taken out of the profile once: numba counts references at every attribute
+    kind, origin, angle, radius = profile.kind, profile.origin, profile.angle, profile.radius
+    pieces = kind, origin, angle, radius, profile.length, profile.coefficient
     farthest = _within_reach(profile, x, y)
     for run in range(profile.run_radius.size):
         if _distance(profile, run, x, y) - profile.run_radius[run] > farthest:
             continue
-        for piece in range(run * PIECES_A_RUN, min((run + 1) * PIECES_A_RUN, last + 1)):
-            square, gap, xi = _candidate(profile, piece, x, y, last)
+        for piece in range(run * PIECES_A_RUN, min((run + 1) * PIECES_A_RUN, count)):
+            square, gap, s, over = _candidate(pieces, piece, x, y, goes_on, farthest)
             slack = 1e-12 * (square + best) if best < np.inf else 0.0
-            tie = abs(square - best) <= slack and abs(gap) > abs(best_gap)
-            if square < best - slack or tie:
-                best, best_gap, best_xi, best_piece = square, gap, xi, piece
-    return best_piece, best_xi, best_gap
+            better = square < best - slack
+            if abs(square - best) <= slack:
+                better = abs(gap) > abs(best_gap) if over == best_over else best_over
+            if better:
+                best, best_gap, best_s, best_piece, best_over = square, gap, s, piece, over
+                farthest = min(farthest, (1.0 + 1e-9) * square**0.5)
+    return best_piece, profile.start[best_piece] + best_s, best_gap
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def whole_turns(profile, xi, xi_0):
+    """Ways round a closed profile to leave out of xi - xi0."""
+    if profile.period == 0.0:
+        return 0.0
+    return np.floor((xi - xi_0) / profile.period + 0.5)
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def way_along(profile, xi, xi_0):
+    """xi - xi0, round a closed profile the shorter way."""
+    return xi - xi_0 - whole_turns(profile, xi, xi_0) * profile.period
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")

@@ -4,12 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.model import SealModel
-
-CONSTANTS = ("c10", "c01", "bulk_modulus")
-CONTACT_INPUTS = ("door_radius", "normal_penalty", "tangent_penalty", "friction")
-SCALARS = (*CONTACT_INPUTS, *CONSTANTS, "depth")
-
 
 @dataclass(frozen=True, eq=False)
 class ParameterRates:
@@ -17,59 +11,32 @@ class ParameterRates:
 
     Attributes
     ----------
-    names : tuple of str
     velocity : ndarray, shape (P, n, 2)
         Design velocity V of the particles, Eq. (48).
-    contact : ndarray, shape (P, 4)
-        Rates of door radius, w_n, w_t and mu.
-    constants : ndarray, shape (P, 3)
-        Rates of C10, C01 and the bulk modulus.
-    motion : ndarray, shape (P, 2)
-        Rate of the profile's final position; earlier ones follow in proportion.
+    names : tuple of str
+        Scalar parameters of the terms.
+    scalars : ndarray, shape (len(names), P)
+        Rates of those.
     """
 
-    names: tuple
     velocity: np.ndarray
-    contact: np.ndarray
-    constants: np.ndarray
-    motion: np.ndarray
+    names: tuple
+    scalars: np.ndarray
 
     @property
     def count(self) -> int:
-        return len(self.names)
+        return len(self.velocity)
+
+    def of(self, names) -> np.ndarray:
+        """Rates of the parameters ``names``, zero for those that do not move, (len(names), P)."""
+        place = {name: row for row, name in enumerate(self.names)}
+        none = np.zeros(self.count)
+        rows = [self.scalars[place[name]] if name in place else none for name in names]
+        return np.array(rows).reshape(len(names), self.count)
 
 
-def parameter_rates(
-    model: SealModel, scalars=("door_radius",), velocity: np.ndarray | None = None
-) -> ParameterRates:
-    """Rates for the boundary offsets followed by scalar parameters.
-
-    Parameters
-    ----------
-    scalars : sequence of str
-        Names out of ``SCALARS``.
-    velocity : ndarray, shape (P, n, 2), optional
-        Design velocities in place of those of the boundary offsets.
-    """
-    unknown = [name for name in scalars if name not in SCALARS]
-    if unknown:
-        raise ValueError(f"unknown parameter {unknown[0]!r}; known are {SCALARS}")
-    if velocity is None:
-        velocity = model.design_velocity
-        names = tuple(f"boundary_offsets[{i}]" for i in range(len(velocity)))
-    else:
-        names = tuple(f"velocity[{i}]" for i in range(len(velocity)))
-    shape, total = len(velocity), len(velocity) + len(scalars)
-    rates = ParameterRates(
-        names + tuple(scalars),
-        np.concatenate([velocity, np.zeros((len(scalars), *velocity.shape[1:]))]),
-        np.zeros((total, 4)), np.zeros((total, 3)), np.zeros((total, 2)),
-    )  # fmt: skip
-    for row, name in enumerate(scalars, start=shape):
-        if name in CONTACT_INPUTS:
-            rates.contact[row, CONTACT_INPUTS.index(name)] = 1.0
-        elif name in CONSTANTS:
-            rates.constants[row, CONSTANTS.index(name)] = 1.0
-        else:
-            rates.motion[row] = (0.0, -1.0)
-    return rates
+def parameter_rates(velocity: np.ndarray, names=()) -> ParameterRates:
+    """Rates for parameters that move the particles by ``velocity`` (S, n, 2), then scalar ones."""
+    shape, total = len(velocity), len(velocity) + len(names)
+    still = np.zeros((len(names), *velocity.shape[1:]))
+    return ParameterRates(np.concatenate([velocity, still]), tuple(names), np.eye(total)[shape:])

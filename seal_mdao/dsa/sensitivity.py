@@ -1,82 +1,63 @@
-"""Sensitivities of the seal's measures: one table, direct or adjoint."""
+"""Sensitivities of measures: one table, direct or adjoint."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.threads import one_blas_thread
-from seal_mdao.design.area import section_area
 from seal_mdao.dsa.adjoint import AdjointGradient, AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
-from seal_mdao.dsa.linearization import point_table_rates
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
-from seal_mdao.dsa.point_rates import gradient_rates
-from seal_mdao.measures.catalogue import FURTHER_MEASURES, check_measures, end_functional
-from seal_mdao.measures.functional import Functional, stacked
-from seal_mdao.rkpm.tables import PointTable
-from seal_mdao.seal import SealResult
+from seal_mdao.dsa.probe import probe_rates
+from seal_mdao.measures.measure import Derived, stacked
 
 METHODS = ("auto", "direct", "adjoint")
 
 
 @dataclass(frozen=True, eq=False)
 class Sensitivities:
-    """Derivatives of the end measures with respect to P parameters.
+    """Derivatives of measures with respect to P parameters; a measure's rows by its name.
 
     Attributes
     ----------
     parameters : tuple of str
-    von_mises : ndarray, shape (7, P)
-    gap : ndarray, shape (n_gap, P)
-    gap_square_sum : ndarray, shape (P,)
-    reaction : ndarray, shape (2, P)
-        At the end of the path.
-    area : ndarray, shape (P,), or None
-        None when the parameters are not the boundary offsets.
-    further : dict of str to ndarray, shape (m, P)
-        Of the optional measures asked for.
+        The boundary offsets, then the scalar parameters.
+    rows : dict of str to ndarray, shape (m, P)
+        By the names of the measures; (P,) for those with a single value.
     """
 
     parameters: tuple
-    von_mises: np.ndarray
-    gap: np.ndarray
-    gap_square_sum: np.ndarray
-    reaction: np.ndarray
-    area: np.ndarray | None
-    further: dict = field(default_factory=dict)
+    rows: dict
 
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.rows[name]
 
-def path_problem(result: SealResult) -> PathProblem:
-    """The problem that a result solved."""
-    model = result.model
-    return PathProblem(
-        result.path.discretization, model.material, model.profile(result.door_radius), model.law
-    )
+    def __getattr__(self, name: str) -> np.ndarray:
+        try:
+            return self.__dict__["rows"][name]
+        except KeyError:
+            raise AttributeError(f"no derivatives of {name!r} were asked for") from None
 
 
 @one_blas_thread
-def differentiate(
-    result: SealResult, scalars=("door_radius",), method: str = "auto", measures=()
-) -> Sensitivities:
-    """Exact derivatives of the end measures with respect to boundary offsets and scalars.
+def differentiate(result, parameters=None, measures=None, method: str = "auto") -> Sensitivities:
+    """Exact derivatives of measures with respect to boundary offsets and scalar parameters.
 
     Parameters
     ----------
     result : SealResult
         A converged analysis; with ``keep_factors`` its factors are used again.
-    scalars : sequence of str
-        Further parameters: door_radius, normal_penalty, tangent_penalty, friction, c10, c01,
-        bulk_modulus, depth.
+    parameters : sequence of str, optional
+        Scalar parameters, out of ``result.seal.scalars``; the seal's ``inputs`` when left out.
+    measures : sequence of Measure or str, optional
+        The seal's standard ones when left out; names are those that the seal knows. Where a measure
+        takes its places from the drawn seal, that is analysed, unless the result knows them.
     method : {"auto", "direct", "adjoint"}
         "auto" takes the method with fewer right-hand sides.
-    measures : sequence of str
-        Names out of ``FURTHER_MEASURES``.
 
     Returns
     -------
     Sensitivities
-        Columns: the boundary offsets, then the scalars.
 
     Raises
     ------
@@ -85,162 +66,149 @@ def differentiate(
     LoadPathError
         For a path that was not completed.
     """
-    if method not in METHODS:
-        raise ValueError(f"method must be one of {METHODS}, got {method!r}")
-    check_measures("measures", measures)
+    _check_method(method)
     result.require_converged()
-    rates = parameter_rates(result.model, scalars)
-    wanted = _Wanted.of(result, measures)
+    seal = result.seal
+    names = seal.inputs if parameters is None else tuple(parameters)
+    _check_names(result, names)
+    wanted = Wanted(result, result.measures(measures))
+    velocity = seal.design_velocity
+    count = len(velocity) + len(names)
     if method == "auto":
-        method = "adjoint" if wanted.functional.count < rates.count else "direct"
+        method = "adjoint" if wanted.count < count else "direct"
     if method == "direct":
-        table = direct_rates(result, wanted, rates)
+        table = direct_rates(result, wanted, parameter_rates(velocity, names))
     else:
-        table = _contracted(adjoint_gradient(result, wanted), rates)
-    area = None
-    if result.boundary_offsets is not None:
-        area = np.zeros(rates.count)
-        gradient = section_area(result.model.splines, result.boundary_offsets)[1]
-        area[: gradient.size] = gradient
-    rows = wanted.by_name(table)
-    square = 2.0 * result.gap @ rows["gap"]
-    return Sensitivities(
-        rates.names, rows["von_mises"], rows["gap"], square, rows["reaction"], area,
-        {name: rows[name] for name in measures},
-    )  # fmt: skip
-
-
-def measure_count(result: SealResult) -> int:
-    """Right-hand sides of the adjoint method: stresses, gaps and the two reactions."""
-    return len(result.points.stress) + len(result.points.gap) + 2
-
-
-def measured(result: SealResult, name: str) -> np.ndarray:
-    """Value of one of the ``FURTHER_MEASURES``."""
-    return FURTHER_MEASURES[name].of(result, result.path.discretization.everywhere).values
+        gradient = adjoint_gradient(result, wanted)
+        by_shape = np.tensordot(gradient.particles, velocity, ((1, 2), (1, 2)))
+        table = np.hstack([by_shape, gradient.of(names)])
+    offsets = tuple(f"boundary_offsets[{i}]" for i in range(len(velocity)))
+    rows = {
+        name: own[0] if single else own for (name, own), single in
+        zip(wanted.by_name(table).items(), wanted.single, strict=True)
+    }  # fmt: skip
+    return Sensitivities(offsets + names, rows)
 
 
 @one_blas_thread
-def particle_gradient(
-    result: SealResult, scalars=("door_radius",), method: str = "auto", measures=()
-) -> dict:
-    """Derivatives of the end measures with respect to every particle and scalar parameters.
+def particle_gradient(result, parameters, measures, method: str = "auto") -> dict:
+    """Derivatives of measures with respect to every particle and scalar parameters.
 
     Parameters
     ----------
     result : SealResult
-    scalars : sequence of str
-        As for ``differentiate``.
+    parameters : sequence of str
+    measures : sequence of Measure
     method : {"auto", "direct", "adjoint"}
         "auto" takes the method with fewer right-hand sides.
-    measures : sequence of str
-        Names out of ``FURTHER_MEASURES``.
 
     Returns
     -------
     dict of str to dict of str to ndarray
-        By input ("particles" and the scalars), then by measure (von_mises, gap, gap_square_sum,
-        reaction, and those asked for): shape (m, n, 2) for the particles, (m, 1) for a scalar.
+        By input ("particles" and the parameters), then by the measure's name: shape (m, n, 2) for the
+        particles, (m, 1) for a scalar.
     """
-    n, wanted = len(result.particles), _Wanted.of(result, measures)
+    _check_method(method)
+    n, wanted = len(result.particles), Wanted(result, measures)
     if method == "auto":
-        method = "adjoint" if wanted.functional.count < 2 * n + len(scalars) else "direct"
+        method = "adjoint" if wanted.count < 2 * n + len(parameters) else "direct"
     if method == "adjoint":
         gradient = adjoint_gradient(result, wanted)
-        rows = gradient.particles
-        columns = scalar_columns(gradient, parameter_rates(result.model, scalars))
+        rows, columns = gradient.particles, gradient.of(parameters)
     else:
         unit = np.eye(2 * n).reshape(2 * n, n, 2)
-        table = direct_rates(result, wanted, parameter_rates(result.model, scalars, unit))
+        table = direct_rates(result, wanted, parameter_rates(unit, parameters))
         rows, columns = table[:, : 2 * n].reshape(-1, n, 2), table[:, 2 * n :]
     by_input = {"particles": wanted.by_name(rows)}
-    for place, name in enumerate(scalars):
+    for place, name in enumerate(parameters):
         by_input[name] = wanted.by_name(columns[:, place : place + 1])
-    for table in by_input.values():
-        table["gap_square_sum"] = 2.0 * np.tensordot(result.gap, table["gap"], 1)[None]
     return by_input
 
 
-@dataclass(frozen=True, eq=False)
-class _Wanted:
-    """The measures to differentiate.
+def _check_method(method):
+    if method not in METHODS:
+        raise ValueError(f"method must be one of {METHODS}, got {method!r}")
 
-    Attributes
+
+def _check_names(result, names):
+    known = result.seal.scalars
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"unknown parameter {unknown[0]!r}; known are {', '.join(known)}")
+
+
+class Wanted:
+    """The measures to differentiate: what is independent of them, and what follows from it.
+
+    Parameters
     ----------
-    functional : Functional
-    table : PointTable
-        Particles whose F it takes.
-    sizes : dict of str to int
-        Rows of every measure, in order.
+    result : SealResult
+    measures : sequence of Measure
+        With frozen places.
     """
 
-    functional: Functional
-    table: PointTable
-    sizes: dict
+    def __init__(self, result, measures):
+        self.measures = measures
+        self.bases = list(dict.fromkeys(_base(measure) for measure in measures))
+        functionals = [base.of(result) for base in self.bases]
+        self.values = [functional.values for functional in functionals]
+        self.stack = stacked(functionals)
+        self.probe = result.path.discretization.table_at(self.stack.at)
 
-    @classmethod
-    def of(cls, result: SealResult, measures):
-        disc, points = result.path.discretization, result.points
-        sizes = {"von_mises": len(points.stress), "gap": len(points.gap), "reaction": 2}
-        if not measures:
-            table = disc.table_at(points.stress)
-            return cls(end_functional(result, table, np.arange(len(points.stress))), table, sizes)
-        table = disc.everywhere
-        further = [FURTHER_MEASURES[name].of(result, table) for name in measures]
-        sizes |= {name: part.count for name, part in zip(measures, further, strict=True)}
-        return cls(stacked([end_functional(result, table, points.stress), *further]), table, sizes)
+    @property
+    def count(self) -> int:
+        """Right-hand sides of the adjoint method."""
+        return self.stack.count
+
+    @property
+    def single(self) -> list:
+        """Whether a measure is one value by nature."""
+        return [measure.scalar for measure in self.measures]
 
     def by_name(self, rows) -> dict:
-        """Rows of all measures as pieces by name."""
-        ends = np.cumsum(list(self.sizes.values()))[:-1]
-        return dict(zip(self.sizes, np.split(rows, ends), strict=True))
+        """Rows (M, ...) of the independent measures as those of all measures, by name."""
+        ends = np.cumsum([len(values) for values in self.values])[:-1]
+        parts, out = np.split(rows, ends), {}
+        for measure in self.measures:
+            place = self.bases.index(_base(measure))
+            out[measure.name] = parts[place]
+            if isinstance(measure, Derived):
+                gradient = measure.value(self.values[place])[1]
+                out[measure.name] = np.tensordot(gradient, parts[place], 1)[None]
+        return out
 
 
-def direct_rates(result: SealResult, wanted: _Wanted, rates: ParameterRates) -> np.ndarray:
+def _base(measure):
+    return measure.base if isinstance(measure, Derived) else measure
+
+
+def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
     """Rates of all wanted measures, (M, P), by the direct method."""
-    disc, functional, table = result.path.discretization, wanted.functional, wanted.table
-    sweep = DirectSweep(result.path, path_problem(result), rates)
-    by_place = sweep.run(functional.seeds)
-    table_rate = point_table_rates(disc, table, rates.velocity, sweep.shape.matrix)
-    out = np.einsum("mni,pni->mp", functional.particles, rates.velocity, optimize=True)
-    out += functional.contact @ rates.contact.T + functional.constants @ rates.constants.T
-    for place, seeds in functional.seeds.items():
+    disc, stack, terms = result.path.discretization, wanted.stack, result.path.problem.terms
+    sweep = DirectSweep(result.path, rates)
+    by_place = sweep.run(stack.seeds)
+    out = np.einsum("mni,pni->mp", stack.particles, rates.velocity, optimize=True)
+    for name, own in stack.parameters.items():
+        out += np.outer(own, rates.of((name,))[0])
+    for place, seeds in stack.seeds.items():
         here = by_place[place]
-        out += seeds.gap @ here.gap + np.tensordot(seeds.force, here.force, 2)
-        if seeds.gradient.any():
-            f_rate = np.empty((table.table.n_groups, 4, rates.count))
-            gradient_rates(
-                table.table, table_rate, result.path.steps[place].d, disc.layout.equations,
-                here.solution, f_rate,
-            )  # fmt: skip
+        for term, forward, outputs in zip(terms, sweep.forwards, here.outputs, strict=True):
+            if term.label in seeds.terms:
+                out += forward.contract(seeds.terms[term.label], outputs)
+        if stack.at.size:
+            moved, f_rate = probe_rates(
+                disc, wanted.probe, sweep, result.path.steps[place], here.solution
+            )
+            out += np.tensordot(seeds.displacement, moved, 2)
             out += np.tensordot(seeds.gradient, f_rate, 2)
     return out
 
 
-def adjoint_gradient(result: SealResult, wanted: _Wanted) -> AdjointGradient:
+def adjoint_gradient(result, wanted: Wanted) -> AdjointGradient:
     """Gradients of all wanted measures by the adjoint method."""
-    functional = wanted.functional
-    sweep = AdjointSweep(result.path, path_problem(result), wanted.table, functional.count)
-    gradient = sweep.run(functional.seeds)
-    return AdjointGradient(
-        gradient.particles + functional.particles, gradient.contact + functional.contact,
-        gradient.constants + functional.constants, gradient.motion,
-    )  # fmt: skip
-
-
-def scalar_columns(gradient: AdjointGradient, rates: ParameterRates) -> np.ndarray:
-    """Derivatives of the adjoint measures with respect to the scalars at the end of ``rates``."""
-    first = sum(name.endswith("]") for name in rates.names)
-    return (
-        gradient.contact @ rates.contact[first:].T
-        + gradient.constants @ rates.constants[first:].T
-        + gradient.motion @ rates.motion[first:].T
-    )
-
-
-def _contracted(gradient: AdjointGradient, rates: ParameterRates) -> np.ndarray:
-    """Adjoint gradients contracted with the parameters' rates, (M, P)."""
-    columns = scalar_columns(gradient, rates)
-    shape = rates.count - columns.shape[1]
-    by_shape = np.tensordot(gradient.particles, rates.velocity[:shape], ((1, 2), (1, 2)))
-    return np.hstack([by_shape, columns])
+    stack = wanted.stack
+    gradient = AdjointSweep(result.path, wanted.probe, stack.count).run(stack.seeds)
+    scalars = gradient.scalars.copy()
+    for name, own in stack.parameters.items():
+        scalars[gradient.names.index(name)] += own
+    return AdjointGradient(gradient.particles + stack.particles, gradient.names, scalars)

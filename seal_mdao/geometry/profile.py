@@ -1,40 +1,47 @@
-"""Rigid profiles x_c(xi) of Eq. (16), made of lines and circular arcs, and their design velocity.
+"""Rigid profiles x_c(xi) of Eq. (16), made of lines, circular arcs and cubics, and their velocities.
 
-The natural coordinate xi is the arc length, so |t| = 1 on every piece. A profile moves rigidly along
-the load path: coordinates here are relative to that motion. The body lies on the left of the curve
-when it is walked with growing xi; the unit outward normal e_n is e_t turned clockwise.
+On lines and arcs the natural coordinate xi is the arc length, |t| = 1; on cubic pieces it is any
+parameter, |t| != 1. A profile moves rigidly along the load path: coordinates here are in its own
+frame. The body lies on the left of the curve when it is walked with growing xi; the unit outward
+normal e_n is e_t turned clockwise.
 """
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
-from seal_mdao.geometry.bounds import bounding_circles
-
-LINE, ARC = 0, 1
+from seal_mdao.geometry.bounds import bounding_circles, circles_of_cubics
+from seal_mdao.geometry.curve import ARC, CUBIC, LINE, curve_point
 
 PROFILE_EXTENT = 100.0
 """Length of the straight end pieces (mm for the door); they continue beyond it."""
 
 
 class RigidProfile(NamedTuple):
-    """Pieces of a rigid curve and their derivatives with respect to one shape parameter.
+    """Pieces of a rigid curve and their derivatives with respect to S shape parameters.
+
+    ``rigid_profile`` and the functions of this module and of ``spline_profile`` make them.
 
     Attributes
     ----------
     kind : ndarray of int, shape (n,)
-        LINE or ARC.
+        LINE, ARC or CUBIC.
     origin : ndarray, shape (n, 2)
-        Start of a line, centre of an arc.
+        Start of a line, centre of an arc, centre of a circle around a cubic.
     angle : ndarray, shape (n,)
         Direction of a line; polar angle of the start of an arc.
     radius : ndarray, shape (n,)
-        Radius of an arc, positive when walked counter-clockwise (1 for lines).
+        Radius of an arc, positive when walked counter-clockwise (1 for lines); radius of the circle
+        around a cubic.
     start, length : ndarray, shape (n,)
         Natural coordinate at the start of the piece, and its extent.
-    origin_rate, angle_rate, radius_rate, start_rate : ndarray
-        Derivatives with respect to the shape parameter (the corner radius of a door).
+    coefficient : ndarray, shape (n, 4, 2)
+        Of 1, s, s^2, s^3 with s = xi - start on cubic pieces, zero on others.
+    period : float
+        Natural coordinate of the whole way round a closed profile, 0 for one that is not closed.
+    origin_rate, angle_rate, radius_rate, start_rate, coefficient_rate, period_rate : ndarray
+        Derivatives with respect to the shape parameters (the corner radius of a door), a leading
+        axis of length S each. The extent of a cubic piece does not change with the shape.
     run_centre, run_radius : ndarray, shapes (b, 2), (b,)
         Circles of ``geometry.bounds`` around runs of pieces.
     """
@@ -45,89 +52,81 @@ class RigidProfile(NamedTuple):
     radius: np.ndarray
     start: np.ndarray
     length: np.ndarray
+    coefficient: np.ndarray
+    period: float
     origin_rate: np.ndarray
     angle_rate: np.ndarray
     radius_rate: np.ndarray
     start_rate: np.ndarray
+    coefficient_rate: np.ndarray
+    period_rate: np.ndarray
     run_centre: np.ndarray
     run_radius: np.ndarray
 
-    @classmethod
-    def of(cls, kind, origin, angle, radius, start, length, *rates):
-        """The profile of these pieces, with the circles around them."""
-        circles = bounding_circles(kind == LINE, origin, angle, radius, length)
-        return cls(kind, origin, angle, radius, start, length, *rates, *circles)
+    @property
+    def n_shapes(self) -> int:
+        """Number S of shape parameters."""
+        return self.period_rate.size
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
-def curve_point(profile, piece, xi):
-    """x_c and its derivatives: ((x, y), t, x_c,xixi, x_c,xixixi) as four pairs."""
-    s = xi - profile.start[piece]
-    ox, oy = profile.origin[piece, 0], profile.origin[piece, 1]
-    if profile.kind[piece] == LINE:
-        c, n = np.cos(profile.angle[piece]), np.sin(profile.angle[piece])
-        return (ox + s * c, oy + s * n), (c, n), (0.0, 0.0), (0.0, 0.0)
-    r = profile.radius[piece]
-    a = profile.angle[piece] + s / r
-    c, n = np.cos(a), np.sin(a)
-    size = abs(r)
-    turn = 1.0 if r > 0.0 else -1.0
-    return (
-        (ox + size * c, oy + size * n),
-        (-turn * n, turn * c),
-        (-c / size, -n / size),
-        (turn * n / (r * r), -turn * c / (r * r)),
-    )
+def _piece_circles(kind, origin, radius, length, coefficient):
+    """``origin`` and ``radius`` with those of the circles around cubic pieces filled in."""
+    centre, reach = circles_of_cubics(coefficient, length)
+    cubic = kind == CUBIC
+    return np.where(cubic[:, None], centre, origin), np.where(cubic, reach, radius)
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
-def curve_velocity(profile, piece, xi):
-    """Design velocity V_c of Eq. (49) at fixed xi with V_c,xi and V_c,xixi, as three pairs."""
-    s, ds = xi - profile.start[piece], -profile.start_rate[piece]
-    ox, oy = profile.origin_rate[piece, 0], profile.origin_rate[piece, 1]
-    da = profile.angle_rate[piece]
-    if profile.kind[piece] == LINE:
-        c, n = np.cos(profile.angle[piece]), np.sin(profile.angle[piece])
-        return (
-            (ox + ds * c - s * da * n, oy + ds * n + s * da * c),
-            (-da * n, da * c),
-            (0.0, 0.0),
-        )
-    r, dr = profile.radius[piece], profile.radius_rate[piece]
-    a = profile.angle[piece] + s / r
-    c, n = np.cos(a), np.sin(a)
-    turn = 1.0 if r > 0.0 else -1.0
-    size, dsize = abs(r), turn * dr
-    rate = da + ds / r - s * dr / (r * r)  # a'
-    rate_1 = -dr / (r * r)  # (a')_,xi
-    k = 1.0 / r
-    # V = o' + dsize u + size a' w, with u = (cos, sin), w = (-sin, cos), u_,xi = k w, w_,xi = -k u
-    v_u, v_w = dsize, size * rate
-    v1_u, v1_w = -k * v_w, k * v_u + size * rate_1
-    v2_u, v2_w = -k * size * rate_1 - k * v1_w, k * v1_u
-    return (
-        (ox + v_u * c - v_w * n, oy + v_u * n + v_w * c),
-        (v1_u * c - v1_w * n, v1_u * n + v1_w * c),
-        (v2_u * c - v2_w * n, v2_u * n + v2_w * c),
-    )
+def rigid_profile(
+    kind, origin, angle, radius, start, length, *, coefficient=None, period=0.0, origin_rate=(),
+    angle_rate=(), radius_rate=(), start_rate=(), coefficient_rate=(), period_rate=(),
+) -> RigidProfile:  # fmt: skip
+    """The profile of these pieces; arguments as the attributes of ``RigidProfile``.
 
-
-def _profile(pieces, rates) -> RigidProfile:
-    kind, origin, angle, radius, length = (np.array(column) for column in zip(*pieces, strict=True))
-    d_origin, d_angle, d_radius, d_length = (
-        np.array(column, float) for column in zip(*rates, strict=True)
-    )
-    start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
-    d_start = np.concatenate([[0.0], np.cumsum(d_length)[:-1]])
-    return RigidProfile.of(
-        kind.astype(np.int64), origin.astype(float), angle.astype(float), radius.astype(float),
-        start, length.astype(float), d_origin, d_angle, d_radius, d_start,
+    Rates that are left out are zero; origin and radius of cubic pieces are found from their
+    coefficients.
+    """
+    kind, n = np.array(kind, np.int64), len(kind)
+    given = (
+        (origin_rate, (n, 2)), (angle_rate, (n,)), (radius_rate, (n,)), (start_rate, (n,)),
+        (coefficient_rate, (n, 4, 2)), (period_rate, ()),
     )  # fmt: skip
+    count = max(len(rate) for rate, _ in given)
+    rates = [
+        np.array(rate if len(rate) else np.zeros((count, *shape)), float).reshape(count, *shape)
+        for rate, shape in given
+    ]
+    coefficient = np.zeros((n, 4, 2)) if coefficient is None else np.array(coefficient, float)
+    angle, start, length = (np.array(values, float) for values in (angle, start, length))
+    origin, radius = _piece_circles(kind, np.array(origin, float), radius, length, coefficient)
+    circles = bounding_circles(kind == LINE, origin, angle, radius, length, period > 0.0)
+    return RigidProfile(
+        kind, origin, angle, radius, start, length, coefficient, float(period), *rates, *circles
+    )
+
+
+def _profile(pieces, *shapes, period=0.0, period_rate=()) -> RigidProfile:
+    """The profile of pieces (kind, origin, angle, radius, length), and for every shape parameter the
+    rates (origin, angle, radius, length) of all pieces."""
+    kind, origin, angle, radius, length = (np.array(column) for column in zip(*pieces, strict=True))
+    names = ("origin_rate", "angle_rate", "radius_rate", "start_rate")
+    rates = {name: [] for name in names}
+    for shape in shapes:
+        *columns, d_length = (np.array(column, float) for column in zip(*shape, strict=True))
+        for name, column in zip(names, (*columns, _starts(d_length)), strict=True):
+            rates[name].append(column)
+    return rigid_profile(
+        kind, origin, angle, radius, _starts(length), length, period=period,
+        period_rate=period_rate, **rates,
+    )  # fmt: skip
+
+
+def _starts(length) -> np.ndarray:
+    return np.concatenate([[0.0], np.cumsum(length)[:-1]])
 
 
 def flat_profile(extent: float = PROFILE_EXTENT) -> RigidProfile:
     """A flat lower face through y = 0, outward normal (0, -1); the end pieces of a profile extend."""
-    return _profile([(LINE, (-extent, 0.0), 0.0, 1.0, 2 * extent)], [((0.0, 0.0), 0.0, 0.0, 0.0)])
+    return _profile([(LINE, (-extent, 0.0), 0.0, 1.0, 2 * extent)])
 
 
 def corner_profile(corner_x: float, radius: float, side: float, extent: float = PROFILE_EXTENT):
@@ -168,24 +167,24 @@ def segmented_corner_profile(
     arc_rate = np.array([-1.0, 1.0]) + unit
     first, last = [corner_x - extent, 0.0], [side, radius + extent]
     return polyline_profile(
-        np.vstack([first, arc, last]), np.vstack([[0.0, 0.0], arc_rate, [0.0, 1.0]])
+        np.vstack([first, arc, last]), np.vstack([[0.0, 0.0], arc_rate, [0.0, 1.0]])[np.newaxis]
     )
 
 
 def polyline_profile(vertices: np.ndarray, rates: np.ndarray | None = None) -> RigidProfile:
-    """Straight segments through ``vertices`` (n, 2), with the vertices' design velocity ``rates``."""
+    """Straight segments through ``vertices`` (n, 2), with the vertices' design velocities ``rates``
+    (S, n, 2); none when left out."""
     vertices = np.asarray(vertices, float)
-    rates = np.zeros_like(vertices) if rates is None else np.asarray(rates, float)
-    edge, edge_rate = np.diff(vertices, axis=0), np.diff(rates, axis=0)
-    length = np.hypot(*edge.T)
-    d_length = np.einsum("ni,ni->n", edge, edge_rate) / length
-    turn = (edge[:, 0] * edge_rate[:, 1] - edge[:, 1] * edge_rate[:, 0]) / length**2
-    angle = np.arctan2(edge[:, 1], edge[:, 0])
+    edge = np.diff(vertices, axis=0)
+    angle, length = np.arctan2(edge[:, 1], edge[:, 0]), np.hypot(*edge.T)
     one, zero = np.ones(len(edge)), np.zeros(len(edge))
-    return _profile(
-        list(zip(zero, vertices[:-1], angle, one, length, strict=True)),
-        list(zip(rates[:-1], turn, zero, d_length, strict=True)),
-    )
+    shapes = []
+    for rate in np.zeros((0, *vertices.shape)) if rates is None else np.asarray(rates, float):
+        edge_rate = np.diff(rate, axis=0)
+        d_length = np.einsum("ni,ni->n", edge, edge_rate) / length
+        turn = (edge[:, 0] * edge_rate[:, 1] - edge[:, 1] * edge_rate[:, 0]) / length**2
+        shapes.append(list(zip(rate[:-1], turn, zero, d_length, strict=True)))
+    return _profile(list(zip(zero, vertices[:-1], angle, one, length, strict=True)), *shapes)
 
 
 def circle_profile(centre, radius: float) -> RigidProfile:
@@ -193,14 +192,23 @@ def circle_profile(centre, radius: float) -> RigidProfile:
     return _profile(
         [(ARC, tuple(centre), -0.5 * np.pi, radius, 2 * np.pi * radius)],
         [((0.0, 0.0), 0.0, 1.0, 2 * np.pi)],
+        period=2 * np.pi * radius,
+        period_rate=[2 * np.pi],
     )
 
 
 def trace(profile: RigidProfile, spacing: float, reach: float) -> np.ndarray:
     """Points along the profile for pictures, shape (n, 2), within ``reach`` of the origin."""
     points = []
-    for piece in range(len(profile.kind)):
-        count = 2 if profile.kind[piece] == LINE else 2 + int(profile.length[piece] / spacing)
-        for s in np.linspace(0.0, profile.length[piece], count):
-            points.append(curve_point(profile, piece, profile.start[piece] + s)[0])
+    last = len(profile.kind) - 1
+    for piece, (kind, length) in enumerate(zip(profile.kind, profile.length, strict=True)):
+        along = {LINE: 0.0, ARC: length, CUBIC: 2.0 * profile.radius[piece]}[int(kind)]
+        places = np.linspace(0.0, length, 2 + int(along / spacing))
+        if kind == CUBIC and profile.period == 0.0:
+            # the ends of a spline go on along their tangents
+            beyond = reach * length / profile.radius[piece]
+            places = np.concatenate([
+                [-beyond] * (piece == 0), places, [length + beyond] * (piece == last)
+            ])  # fmt: skip
+        points += [curve_point(profile, piece, profile.start[piece] + s)[0] for s in places]
     return np.clip(np.array(points), -reach, reach)

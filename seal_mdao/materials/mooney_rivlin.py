@@ -5,14 +5,15 @@ I1 = T + 1 and I2 = T + J^2, so that the energy is a function of T and J alone:
 
     W_dev(T, J) = C10 ((T + 1) J^(-2/3) - 3) + C01 ((T + J^2) J^(-4/3) - 3)
     W_vol(J)    = K/2 (J - 1)^2, with J projected on the background cell (refs. [29], [32])
-
-    P = 2 W_T F + W_J cof F
 """
 
 from dataclasses import dataclass
 
 import numba as nb
 import numpy as np
+
+from seal_mdao.materials.isotropic import NO_VALUE, Isotropic, checked
+from seal_mdao.materials.isotropic import cofactor as cofactor
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
@@ -82,8 +83,22 @@ def von_mises(t, j, c10, c01):
     return value, by_t, by_j
 
 
+@nb.njit(cache=True, error_model="numpy")
+def _fill_derivatives(t, j, c10, c01, out):
+    for i in range(t.size):
+        w_t, w_j, w_tj, w_jj = energy_derivatives(t[i], j[i], c10, c01)
+        out[0, i], out[1, i] = w_t, w_j
+        out[2, i], out[3, i], out[4, i] = 0.0, w_tj, w_jj
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _fill_unit_gradients(t, j, out):
+    for i in range(t.size):
+        out[0, 0, i], out[0, 1, i], out[1, 0, i], out[1, 1, i] = unit_energy_gradients(t[i], j[i])
+
+
 @dataclass(frozen=True)
-class MooneyRivlin:
+class MooneyRivlin(Isotropic):
     """Material constants (any one stress unit; the door seal uses kPa).
 
     Attributes
@@ -98,68 +113,32 @@ class MooneyRivlin:
     bulk_modulus: float = 80_000.0
 
     def __post_init__(self):
-        for name in ("c10", "c01", "bulk_modulus"):
-            value = getattr(self, name)
-            if not np.isfinite(value):
-                raise ValueError(f"{name} must be a finite number, got {value}")
-        if self.c10 + self.c01 <= 0.0 or self.c10 < 0.0 or self.c01 < 0.0:
-            raise ValueError(
-                f"c10 = {self.c10} and c01 = {self.c01} must not be negative and not both zero"
-            )
-        if self.bulk_modulus <= 0.0:
-            raise ValueError(f"bulk_modulus = {self.bulk_modulus} must be positive")
+        checked(self, positive=("bulk_modulus",), nonnegative=("c10", "c01"))
+        if self.c10 + self.c01 <= 0.0:
+            raise ValueError("c10 and c01 of MooneyRivlin must not both be zero")
 
-    @property
-    def shear_modulus(self) -> float:
-        """2 (C10 + C01)."""
-        return 2.0 * (self.c10 + self.c01)
+    @np.errstate(**NO_VALUE)
+    def energy(self, t, j):
+        """Isochoric strain energy density W_dev, shape of ``t``."""
+        first, second = (t + 1) * j ** (-2 / 3) - 3, (t + j**2) * j ** (-4 / 3) - 3
+        return self.c10 * first + self.c01 * second
 
-    def energy(self, F: np.ndarray) -> np.ndarray:
-        """Isochoric strain energy density W_dev of deformation gradients ``F`` (..., 2, 2)."""
-        t, j = np.einsum("...ij,...ij", F, F), _det(F)
-        return self.c10 * ((t + 1) * j ** (-2 / 3) - 3) + self.c01 * (
-            (t + j**2) * j ** (-4 / 3) - 3
-        )
+    def derivatives(self, t, j):
+        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...), in one compiled loop."""
+        t, j, out = _loop_arrays(t, j, 5)
+        _fill_derivatives(t.ravel(), j.ravel(), self.c10, self.c01, out.reshape(5, -1))
+        return out
 
-    def stress(self, F: np.ndarray) -> np.ndarray:
-        """First Piola-Kirchhoff stress of ``energy``, shape (..., 2, 2)."""
-        t, j = np.einsum("...ij,...ij", F, F), _det(F)
-        w_t, w_j, _, _ = energy_derivatives(t, j, self.c10, self.c01)
-        return 2.0 * _on(w_t) * F + _on(w_j) * cofactor(F)
-
-    def tangent(self, F: np.ndarray) -> np.ndarray:
-        """dP_ij / dF_kl of ``energy``, shape (..., 2, 2, 2, 2)."""
-        t, j = np.einsum("...ij,...ij", F, F), _det(F)
-        w_t, w_j, w_tj, w_jj = (_on(_on(w)) for w in energy_derivatives(t, j, self.c10, self.c01))
-        cof = cofactor(F)
-        identity = np.einsum("ik,jl->ijkl", np.eye(2), np.eye(2))
-        eps = np.array([[0.0, 1.0], [-1.0, 0.0]])
-        dcof = np.einsum("ik,jl->ijkl", eps, eps)
-        mixed = np.einsum("...ij,...kl->...ijkl", F, cof) + np.einsum(
-            "...ij,...kl->...ijkl", cof, F
-        )
-        both = np.einsum("...ij,...kl->...ijkl", cof, cof)
-        return 2 * w_t * identity + 2 * w_tj * mixed + w_jj * both + w_j * dcof
-
-    def von_mises(self, F: np.ndarray) -> np.ndarray:
-        """Von Mises stress of the deviatoric Cauchy stress, shape (...)."""
-        t, j = np.einsum("...ij,...ij", F, F), _det(F)
-        return np.vectorize(lambda a, b: von_mises(a, b, self.c10, self.c01)[0], otypes=[float])(
-            t, j
-        )
+    def constant_derivatives(self, t, j):
+        """d(W_T, W_J) / d(c10, c01, bulk_modulus), shape (3, 2, ...)."""
+        t, j, out = _loop_arrays(t, j, 3, 2)
+        _fill_unit_gradients(t.ravel(), j.ravel(), out.reshape(3, 2, -1))
+        out[2] = 0.0
+        return out
 
 
-def cofactor(F: np.ndarray) -> np.ndarray:
-    """cof F = d(det F)/dF of in-plane gradients, shape (..., 2, 2)."""
-    cof = np.empty_like(F)
-    cof[..., 0, 0], cof[..., 0, 1] = F[..., 1, 1], -F[..., 1, 0]
-    cof[..., 1, 0], cof[..., 1, 1] = -F[..., 0, 1], F[..., 0, 0]
-    return cof
-
-
-def _det(F):
-    return F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0]
-
-
-def _on(scalar):
-    return np.asarray(scalar)[..., None, None]
+def _loop_arrays(t, j, *leading):
+    """T and J as arrays of floating numbers, and room for the result."""
+    kind = np.result_type(t, j, float)
+    t, j = np.asarray(t, kind), np.asarray(j, kind)
+    return t, j, np.empty((*leading, *t.shape), kind)

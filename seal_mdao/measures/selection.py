@@ -1,43 +1,8 @@
 """Where the measures are taken: chosen once on the drawn seal, then frozen."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from seal_mdao.contact.friction import OPEN
-
-STRESS_COUNT = 7
-
-
-@dataclass(frozen=True, eq=False)
-class MeasurePoints:
-    """Frozen places of the measures.
-
-    Attributes
-    ----------
-    stress : ndarray of int
-        Particles at which the von Mises stress is a measure.
-    gap : ndarray of int
-        Contact points (places in ``body.contact``) whose normal gap is a measure.
-    stretch : ndarray of int
-        Contact points from the first to the last one in contact.
-    patches : tuple of ndarray of int
-        All contact points, divided in the middle of the opened stretch.
-    curve : ndarray of int
-        Nominal steps, from 0, whose reaction is a measure.
-    """
-
-    stress: np.ndarray
-    gap: np.ndarray
-    stretch: np.ndarray
-    patches: tuple
-    curve: np.ndarray
-
-    def size_of(self, measure: str) -> int:
-        """Entries of an optional measure."""
-        return {"patch_pressure": len(self.patches), "reaction_curve": self.curve.size}.get(
-            measure, 1
-        )
 
 
 def local_maxima(values: np.ndarray, periodic: bool) -> np.ndarray:
@@ -49,7 +14,7 @@ def local_maxima(values: np.ndarray, periodic: bool) -> np.ndarray:
     return np.flatnonzero(peak)
 
 
-def stress_points(rows, stress: np.ndarray, count: int = STRESS_COUNT) -> np.ndarray:
+def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
     """The particles of the ``count`` largest local maxima along boundary rows, largest first.
 
     Parameters
@@ -89,9 +54,3 @@ def contact_patches(state: np.ndarray) -> tuple:
         return (everywhere,)
     middle = opened[opened.size // 2]
     return everywhere[:middle], everywhere[middle:]
-
-
-def curve_steps(travel: np.ndarray, depths) -> np.ndarray:
-    """Steps, from 0, whose ``travel`` is nearest to those of the ``depths`` that are reached."""
-    reached = [depth for depth in depths if depth <= travel[-1] + 1e-9]
-    return np.array([np.argmin(np.abs(travel - depth)) for depth in reached], int)

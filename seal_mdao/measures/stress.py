@@ -1,66 +1,85 @@
-"""Von Mises stress of the deviatoric Cauchy stress at particles."""
+"""Von Mises stress at particles, and its p-norm over a region."""
 
-import numba as nb
+from dataclasses import dataclass
+
 import numpy as np
 
-from seal_mdao.analysis.internal_force import cell_gradients
-from seal_mdao.materials.mooney_rivlin import von_mises
-from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.measures.aggregates import NORM_ORDER, p_norm
+from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.selection import boundary_peaks
+from seal_mdao.structure.particle_stress import particle_stress
+
+STRESS_COUNT = 7
 
 
-@nb.njit(cache=True, error_model="numpy")
-def _stress(table, d, c10, c01, value, by_gradient):
-    f = np.empty((1, 5))
-    for i in range(table.start.size - 1):
-        s0, s1 = table.start[i], table.start[i + 1]
-        n = s1 - s0
-        grad = table.grad[2 * s0 : 2 * s1].reshape(1, 2, n)
-        cell_gradients(grad, d[table.neighbours[s0:s1]].T, n, 1, f)
-        t = f[0, 0] ** 2 + f[0, 1] ** 2 + f[0, 2] ** 2 + f[0, 3] ** 2
-        value[i], by_t, by_j = von_mises(t, 1.0 + f[0, 4], c10, c01)
-        cof = (f[0, 3], -f[0, 2], -f[0, 1], f[0, 0])
-        for r in range(4):
-            by_gradient[i, r] = 2.0 * by_t * f[0, r] + by_j * cof[r]
+@dataclass(frozen=True)
+class VonMises(Measure):
+    """Von Mises stress at particles at the end of the path.
 
-
-def von_mises_at(table: ShapeTable, d: np.ndarray, material) -> tuple[np.ndarray, np.ndarray]:
-    """Von Mises stress at the points of a table, and its derivative with respect to F.
-
-    Parameters
+    Attributes
     ----------
-    table : ShapeTable
-        Single points.
-    d : ndarray, shape (n, 2)
-        Generalised displacements.
-    material : MooneyRivlin
-
-    Returns
-    -------
-    stress : ndarray, shape (n_points,)
-    by_gradient : ndarray, shape (n_points, 4)
-        d stress / d F in the order 11, 12, 21, 22.
+    points : tuple of int, or None
+        Particles; None for the ``count`` largest local maxima along the boundaries of the drawn seal.
+    count : int
     """
-    value, by_gradient = np.empty(table.n_groups), np.empty((table.n_groups, 4))
-    _stress(table, d, material.c10, material.c01, value, by_gradient)
-    return value, by_gradient
+
+    points: tuple | None = None
+    count: int = STRESS_COUNT
+    name: str = "von_mises"
+    units = "kPa"
+    text = "Von Mises stress at particles, at the end of the path."
+
+    @property
+    def takes_places(self):
+        return self.points is None
+
+    def frozen(self, drawn):
+        if self.points is not None:
+            return self
+        rows = [
+            (edge.particles[~drawn.seal.body.fixed[edge.particles].all(axis=1)], edge.closed)
+            for edge in drawn.seal.body.edges.values()
+        ]
+        rows = [(row, closed) for row, closed in rows if row.size]
+        peaks = boundary_peaks(rows, drawn.stress_field(), self.count)
+        return VonMises(tuple(int(p) for p in peaks), self.count, self.name)
+
+    def size(self, seal):
+        return self.count if self.points is None else len(self.points)
+
+    def evaluate(self, result, partials):
+        points = np.array(self.points, int)
+        stress, by_gradient, by_constants = particle_stress(result.path, points)
+        rows = np.arange(len(points))
+        partials.gradient()[rows, points] += by_gradient
+        for name, row in by_constants.items():
+            partials.parameter(name)[:] += row
+        return stress
 
 
-def constants_gradient(table, d, material) -> np.ndarray:
-    """d stress / d(C10, C01, bulk modulus), shape (n_points, 3).
+@dataclass(frozen=True)
+class StressNorm(Measure):
+    """p-norm of the von Mises stress over particles: a smooth upper bound of the largest.
 
-    sigma_vm is homogeneous of degree one in (C10, C01) and the square root of a quadratic form in
-    them, so its derivative follows from the values at three pairs of constants.
+    Attributes
+    ----------
+    points : tuple of int, or None
+        None for all particles.
+    order : int
     """
-    out, _ = np.empty((table.n_groups, 3)), None
-    values = [np.empty(table.n_groups) for _ in range(3)]
-    scratch = np.empty((table.n_groups, 4))
-    for (c10, c01), value in zip(((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)), values, strict=True):
-        _stress(table, d, c10, c01, value, scratch)
-    first, second, mixed = values[0] ** 2, values[1] ** 2, values[2] ** 2
-    cross = 0.5 * (mixed - first - second)
-    stress = von_mises_at(table, d, material)[0]
-    safe = np.where(stress > 0.0, stress, 1.0)
-    out[:, 0] = (material.c10 * first + material.c01 * cross) / safe
-    out[:, 1] = (material.c01 * second + material.c10 * cross) / safe
-    out[:, 2] = 0.0
-    return out
+
+    points: tuple | None = None
+    order: int = NORM_ORDER
+    name: str = "stress_norm"
+    units = "kPa"
+    text = "p-norm of the von Mises stress of the particles, an upper bound."
+
+    def evaluate(self, result, partials):
+        n = len(result.particles)
+        points = np.arange(n) if self.points is None else np.array(self.points, int)
+        stress, by_gradient, by_constants = particle_stress(result.path, points)
+        value, weight = p_norm(stress, self.order)
+        partials.gradient()[0, points] += weight[:, None] * by_gradient
+        for name, row in by_constants.items():
+            partials.parameter(name)[0] += weight @ row
+        return value

@@ -5,27 +5,27 @@ from matplotlib.figure import Figure
 
 from seal_mdao.plotting import field, section
 from seal_mdao.plotting.style import styled, subplots
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
 
 
-def steps_at(result: SealResult, depths) -> list[int]:
+def steps_at(result: DoorSealResult, depths) -> list[int]:
     """Nominal steps whose door travel is nearest to ``depths`` (mm), each once, in order."""
     travel = result.door_travel
     return sorted({int(np.argmin(np.abs(travel - depth))) for depth in depths})
 
 
-def spread_depths(result: SealResult, count: int = 4) -> np.ndarray:
+def spread_depths(result: DoorSealResult, count: int = 4) -> np.ndarray:
     """``count`` depths that share out the travel reached, the last one included, mm."""
     return result.door_travel[-1] * np.arange(1, count + 1) / count
 
 
 @styled
-def deformed_shapes(result: SealResult, depths=None) -> Figure:
+def deformed_shapes(result: DoorSealResult, depths=None) -> Figure:
     """Deformed shapes with von Mises contours in one colour scale, and the rigid door.
 
     Parameters
     ----------
-    result : SealResult
+    result : DoorSealResult
         Complete, or up to the step at which the path ended.
     depths : sequence of float, optional
         Door travel from the first touch of the drawn seal, mm; four equal parts when left out.
@@ -47,7 +47,7 @@ def deformed_shapes(result: SealResult, depths=None) -> Figure:
     levels = section.stress_levels(max(field.von_mises(result, fine, s).max() for s in steps))
     columns = min(len(steps), 2)
     rows = -(-len(steps) // columns)
-    low, high = section.window(shapes, result.model.section.outer_radius + 1.0)
+    low, high = section.window(shapes, result.seal.section.outer_radius + 1.0)
     width, height = high - low
     panel = 4.4
     figure, axes = subplots(

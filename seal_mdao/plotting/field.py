@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.tri import Triangulation
 
-from seal_mdao.contact.assembly import interpolate
-from seal_mdao.measures.stress import von_mises_at
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import build_table
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.structure.particle_stress import deformation_gradients
+from seal_mdao.terms.point_assembly import interpolate
 
 ALONG, ACROSS = 5, 4
 """Intervals into which a background cell is divided along and across the wall."""
@@ -58,30 +58,30 @@ def _bilinear_points(rays: int, layers: int, along: int, across: int) -> tuple[t
     return shape, PointSet(corners, weights, 1)
 
 
-def fine_grid(result: SealResult, along: int = ALONG, across: int = ACROSS) -> FineGrid:
+def fine_grid(result: DoorSealResult, along: int = ALONG, across: int = ACROSS) -> FineGrid:
     """Shape functions of a result's design on a grid finer than its particles."""
-    grid, disc = result.model.grid, result.path.discretization
+    grid, disc = result.seal.grid, result.path.discretization
     shape, points = _bilinear_points(grid.rays, grid.layers, along, across)
     table = build_table(disc.cloud, points, disc.transformation).table
     return FineGrid(shape, points, table)
 
 
-def undeformed(result: SealResult, fine: FineGrid) -> np.ndarray:
+def undeformed(result: DoorSealResult, fine: FineGrid) -> np.ndarray:
     """Undeformed coordinates of the fine grid, shape (around, across, 2), mm."""
     return fine.points.at(result.particles).reshape(*fine.shape, 2)
 
 
-def deformed(result: SealResult, fine: FineGrid, step: int = -1) -> np.ndarray:
+def deformed(result: DoorSealResult, fine: FineGrid, step: int = -1) -> np.ndarray:
     """Deformed coordinates of the fine grid after a nominal step, (around, across, 2), mm."""
     u = np.empty((np.prod(fine.shape), 2))
     interpolate(fine.table, result.path.nominal_steps[step].d, u)
     return undeformed(result, fine) + u.reshape(*fine.shape, 2)
 
 
-def von_mises(result: SealResult, fine: FineGrid, step: int = -1) -> np.ndarray:
+def von_mises(result: DoorSealResult, fine: FineGrid, step: int = -1) -> np.ndarray:
     """Von Mises stress on the fine grid after a nominal step, shape (around * across,), kPa."""
-    d = result.path.nominal_steps[step].d
-    return von_mises_at(fine.table, d, result.model.material)[0]
+    f = deformation_gradients(fine.table, result.path.nominal_steps[step].d)
+    return result.seal.material.von_mises((f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4])[0]
 
 
 def triangulation(coordinates: np.ndarray, fine: FineGrid) -> Triangulation:

@@ -8,7 +8,7 @@ from matplotlib.ticker import MultipleLocator
 from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.style import BLUE, GREY, ORANGE, SKY, VERMILION, styled, subplots
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
 
 NEIGHBOURS = 3
 """Open points shown beyond either end of the contact."""
@@ -16,24 +16,24 @@ LEAST_SCALE = 0.02
 """Gap that the vertical axis shows at least, mm."""
 
 
-def boundary_coordinate(result: SealResult) -> np.ndarray:
+def boundary_coordinate(result: DoorSealResult) -> np.ndarray:
     """Undeformed arc length of the contact points along the outer boundary, shape (k,), mm.
 
     Counted from the highest point of the undeformed boundary, positive to the right.
     """
-    x = result.particles[result.model.body.contact]
+    x = result.term("door").reference
     s = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(x, axis=0).T))])
     top = int(np.argmax(x[:, 1]))
     return s[top] - s  # contact points run counter-clockwise, from the right to the left
 
 
 @styled
-def gap_profile(result: SealResult, earlier=()) -> Figure:
+def gap_profile(result: DoorSealResult, earlier=()) -> Figure:
     """Normal gap of the contact points around the contact, open stretch shaded.
 
     Parameters
     ----------
-    result : SealResult
+    result : DoorSealResult
         Complete, or up to the step at which the path ended.
     earlier : sequence of float
         Door travels (mm) at which the gap is drawn as a thin line as well.
@@ -43,9 +43,9 @@ def gap_profile(result: SealResult, earlier=()) -> Figure:
     Figure
     """
     figure, axes = subplots(width=7.6, height=4.2)
-    s, end = boundary_coordinate(result), result.path.nominal_steps[-1]
-    shown = _shown_points(end.after.state)
-    opened = opened_points(end.after.state)
+    s, end = boundary_coordinate(result), result.path.at_nominal("door")[-1]
+    shown = _shown_points(end.state)
+    opened = opened_points(end.state)
     _shade_open(axes, s, opened)
     for number, travel in enumerate(earlier):
         _earlier_line(axes, result, s, travel, (":", "-.", "--")[number % 3])
@@ -80,9 +80,9 @@ def _shade_open(axes: Axes, s: np.ndarray, opened: np.ndarray) -> None:
             axes.axvspan(min(ends), max(ends), color=SKY, alpha=0.22, linewidth=0, zorder=0)
 
 
-def _earlier_line(axes: Axes, result: SealResult, s: np.ndarray, travel: float, style) -> None:
+def _earlier_line(axes: Axes, result: DoorSealResult, s: np.ndarray, travel: float, style) -> None:
     step = int(np.argmin(np.abs(result.door_travel - travel)))
-    gap = result.path.nominal_steps[step].gap
+    gap = result.path.at_nominal("door")[step].gap
     axes.plot(
         s, gap, color=GREY, linewidth=1.0, linestyle=style, zorder=1,
         label=f"at {result.door_travel[step]:.1f} mm",
@@ -90,7 +90,7 @@ def _earlier_line(axes: Axes, result: SealResult, s: np.ndarray, travel: float, 
 
 
 def _draw_states(axes: Axes, s: np.ndarray, end, shown: np.ndarray) -> None:
-    state = end.after.state[shown]
+    state = end.state[shown]
     groups = (
         (state == OPEN, "open", "o", "white", BLUE),
         ((state != OPEN) & (state != SLIP), "stick", "s", BLUE, BLUE),

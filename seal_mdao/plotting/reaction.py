@@ -4,19 +4,19 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
 
 UNIT_SEAL = 0.1
 """Length of seal for which engineers quote forces, m."""
 
 
 @styled
-def reaction_curve(result: SealResult) -> Figure:
+def reaction_curve(result: DoorSealResult) -> Figure:
     """Both components of the force on the door against door travel.
 
     Parameters
     ----------
-    result : SealResult
+    result : DoorSealResult
         Complete, or up to the step at which the path ended.
 
     Returns
@@ -47,7 +47,7 @@ def reaction_curve(result: SealResult) -> Figure:
     return figure
 
 
-def _before_touch(result: SealResult) -> float:
+def _before_touch(result: DoorSealResult) -> float:
     """Travel at which the picture starts: 0, or just before a design touches earlier."""
     touched = np.flatnonzero(np.any(result.reaction != 0.0, axis=1))
     first = max(touched[0] - 1, 0) if touched.size else None
@@ -62,6 +62,6 @@ def _mark_end(axes, x: float, y: float, color) -> None:
     )
 
 
-def travel_table(result: SealResult) -> np.ndarray:
+def travel_table(result: DoorSealResult) -> np.ndarray:
     """Door travel (mm) and both force components (N/m) of every step, shape (n_steps, 3)."""
     return np.column_stack([np.round(result.door_travel, 12), result.reaction])

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import openmdao.api as om
 
-from seal_mdao.components.optional_inputs import OPTIONAL_INPUTS
-from seal_mdao.model import SealModel
 from seal_mdao.recording import run_log
 from seal_mdao.recording.settings import open_cases, recorded_problem
+from seal_mdao.seals.door.door_seal import DoorSeal
 
 NO_LIMIT = 1e20
 """Limits from here on are OpenMDAO's way of saying that there is none."""
@@ -93,8 +92,8 @@ class RecordedOptimization:
         False when the file does not tell major iterations apart: then every evaluation is a point.
     evaluations : int
         Recorded model evaluations.
-    model : SealModel or None
-        The model that was optimised, when the file holds it.
+    seal : DoorSeal or None
+        The seal that was optimised, when the file holds it.
     settings : dict
         Further arguments of ``seal_problem``, when the file holds them.
     runs : list of LoggedRun
@@ -115,7 +114,7 @@ class RecordedOptimization:
     design: dict
     major: bool
     evaluations: int
-    model: SealModel | None
+    seal: DoorSeal | None
     settings: dict = field(default_factory=dict)
     runs: list = field(default_factory=list)
     units: dict = field(default_factory=dict)
@@ -139,8 +138,8 @@ class RecordedOptimization:
         none = np.zeros(len(self.objective))
         return np.max([none, *(c.violation() for c in self.constraints)], axis=0)
 
-    def design_at(self, index: int) -> tuple[np.ndarray, float]:
-        """Boundary offsets and door radius (mm) of one point of the history.
+    def design_at(self, index: int) -> tuple[np.ndarray, dict]:
+        """Boundary offsets and door radius (mm) of one point, as ``analyze`` takes them.
 
         Raises
         ------
@@ -151,18 +150,17 @@ class RecordedOptimization:
             offsets, radius = (self.design[name] for name in ("boundary_offsets", "door_radius"))
         except KeyError as missing:
             raise ValueError(f"the recorded problem has no design variable {missing}") from None
-        return offsets[index], float(radius[index, 0])
+        return offsets[index], {"door_radius": float(radius[index, 0])}
 
-    def seal_at(self, index: int) -> tuple[SealModel, np.ndarray | None, float | None]:
-        """Model, boundary offsets and door radius (mm) of one point, as ``analyze`` takes them.
+    def seal_at(self, index: int) -> tuple[DoorSeal, np.ndarray | None, dict]:
+        """Seal, boundary offsets (mm) and scalar parameters of one point, as ``analyze`` takes them.
 
-        What was neither designed nor recorded is that of the drawn seal: None.
+        What was neither designed nor recorded is that of the drawn seal.
         """
         values = self.given | {_last(name): rows[index] for name, rows in self.design.items()}
-        numbers = {n: float(values[n].ravel()[0]) for n in OPTIONAL_INPUTS if n in values}
-        radius = values.get("door_radius")
-        radius = None if radius is None else float(np.ravel(radius)[0])
-        return self.model.with_parameters(numbers), values.get("boundary_offsets"), radius
+        known = [name for name in self.seal.scalars if name in values]
+        parameters = {name: float(np.ravel(values[name])[0]) for name in known}
+        return self.seal, values.get("boundary_offsets"), parameters
 
 
 def read_optimization(path) -> RecordedOptimization:
@@ -194,12 +192,12 @@ def read_optimization(path) -> RecordedOptimization:
         design=_stacked([case.get_design_vars(scaled=False) for case in cases]),
         major=major,
         evaluations=len(names),
-        model=problem and problem.model,
+        seal=problem and problem.seal,
         settings=problem.settings if problem else {},
         runs=runs,
         units=_units(evaluated[0]),
         bounds=_bounds(reader, cases[0]),
-        given=_given(cases[0]),
+        given=_given(cases[0], problem),
         analyses=np.array([numbers.get(case.counter, len(names)) for case in cases]),
     )
 
@@ -225,8 +223,8 @@ def _bounds(reader: om.CaseReader, case) -> dict:
     return bounds
 
 
-def _given(case) -> dict:
-    wanted = {"boundary_offsets", "door_radius", *OPTIONAL_INPUTS}
+def _given(case, problem) -> dict:
+    wanted = {"boundary_offsets", *problem.seal.scalars} if problem else {}
     inputs = {_last(name): value for name, value in (case.inputs or {}).items()}
     return {name: value for name, value in inputs.items() if name in wanted}
 

@@ -10,7 +10,7 @@ from seal_mdao.geometry.profile import trace
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting import field
 from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
 
 REACH = 40.0
 LEVELS = 20
@@ -24,23 +24,28 @@ def stress_levels(highest: float) -> np.ndarray:
     return step * np.arange(int(np.ceil(highest / step)) + 1)
 
 
-def door_outline(result: SealResult, position) -> np.ndarray:
+def door_outline(result: DoorSealResult, position) -> np.ndarray:
     """Closed polygon of the rigid door moved to ``position``, shape (n, 2), mm."""
-    face = trace(result.model.profile(result.door_radius), 0.05, REACH)
+    face = trace(result.seal.profile, 0.05, REACH)
     lid = [[face[-1, 0], REACH], [face[0, 0], REACH]]
     return np.vstack([face, lid]) + np.asarray(position)
 
 
-def draw_door(axes: Axes, result: SealResult, position) -> None:
+def door_position(result: DoorSealResult, step: int) -> np.ndarray:
+    """Where the door is after a nominal step, shape (2,), mm."""
+    return result.seal.motion.pose(result.path.nominal_steps[step].fraction).position
+
+
+def draw_door(axes: Axes, result: DoorSealResult, position) -> None:
     """The rigid door as a hatched body."""
     x, y = door_outline(result, position).T
     axes.fill(x, y, facecolor=LIGHT_GREY, edgecolor=GREY, hatch="////", linewidth=0.0, zorder=1)
     axes.plot(x[:-2], y[:-2], color="black", linewidth=1.4, zorder=4)
 
 
-def draw_base(axes: Axes, result: SealResult) -> None:
+def draw_base(axes: Axes, result: DoorSealResult) -> None:
     """The rigid base to which the seal is fixed, hatched."""
-    base = result.model.drawn_particles[result.model.grid.base]
+    base = result.seal.drawn_particles[result.seal.grid.base]
     left, right, y = base[:, 0].min() - 1.0, base[:, 0].max() + 1.0, base[:, 1].min()
     axes.fill(
         [left, right, right, left], [y, y, y - 0.8, y - 0.8],
@@ -57,7 +62,7 @@ def draw_outline(axes: Axes, coordinates: np.ndarray, **line) -> None:
         axes.plot(x, y, label=label if across else None, **line)
 
 
-def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int, levels):
+def draw_stress(axes: Axes, result: DoorSealResult, fine: field.FineGrid, step: int, levels):
     """Deformed body with filled von Mises contours, and the door above it.
 
     Returns
@@ -73,21 +78,21 @@ def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int,
     )  # fmt: skip
     draw_outline(axes, coordinates, color="black", linewidth=0.8, zorder=3)
     draw_base(axes, result)
-    draw_door(axes, result, result.path.nominal_steps[step].position)
+    draw_door(axes, result, door_position(result, step))
     draw_contact(axes, result, step)
     return contours
 
 
-def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
+def draw_contact(axes: Axes, result: DoorSealResult, step: int) -> None:
     """Contact points that touch the door, and those that stand open between them."""
-    end = result.path.nominal_steps[step]
-    touching = np.flatnonzero(end.after.state != OPEN)
+    contact = result.response("door", result.path.nominal_steps[step])
+    touching = np.flatnonzero(contact.state != OPEN)
     for which, fill, label in (
         (touching, ORANGE, "in contact"),
-        (opened_points(end.after.state), "white", "open between contacts"),
+        (opened_points(contact.state), "white", "open between contacts"),
     ):
         axes.plot(
-            *end.contact_x[which].T, linestyle="none", marker="o", markersize=4.2, zorder=5,
+            *contact.x[which].T, linestyle="none", marker="o", markersize=4.2, zorder=5,
             markerfacecolor=fill, markeredgecolor="black", markeredgewidth=0.7, label=label,
         )  # fmt: skip
 

@@ -7,8 +7,12 @@ from pathlib import Path
 
 import openmdao.api as om
 
-from seal_mdao.model import SealModel
-from seal_mdao.settings import PROBLEM_OPTION, SETTINGS_OPTION, model_from_json
+from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.seal import SETTINGS_OPTION
+
+PROBLEM_OPTION = "problem_settings"
+"""Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
+as JSON: what a restart needs to set up the same problem again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,12 +21,12 @@ class RecordedProblem:
 
     Attributes
     ----------
-    model : SealModel
+    seal : DoorSeal
     settings : dict
         Further keyword arguments of ``seal_problem``.
     """
 
-    model: SealModel
+    seal: DoorSeal
     settings: dict
 
 
@@ -53,5 +57,5 @@ def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:
     for options in reader.list_model_options(out_stream=None).values():
         if options.get(SETTINGS_OPTION):
             settings = json.loads(options[PROBLEM_OPTION]) if PROBLEM_OPTION in options else {}
-            return RecordedProblem(model_from_json(options[SETTINGS_OPTION]), settings)
+            return RecordedProblem(DoorSeal.from_settings(options[SETTINGS_OPTION]), settings)
     return None

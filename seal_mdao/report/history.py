@@ -53,8 +53,8 @@ def _design_charts(history: RecordedOptimization, name: str) -> list[dict]:
     """One chart for a design variable; two for the offsets of the two boundaries."""
     rows = history.design[name].reshape(len(history.objective), -1)
     parts = [(label(name), slice(None))]
-    if history.model is not None and name.rsplit(".", 1)[-1] == "boundary_offsets":
-        outer = history.model.outer_parameters
+    if history.seal is not None and name.rsplit(".", 1)[-1] == "boundary_offsets":
+        outer = history.seal.outer_parameters
         parts = [
             ("outer boundary offsets", slice(0, outer)),
             ("inner boundary offsets", slice(outer, None)),

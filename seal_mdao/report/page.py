@@ -11,7 +11,7 @@ from seal_mdao.plotting.recorded import RecordedOptimization, label
 from seal_mdao.report import tables
 from seal_mdao.report.history import FEASIBLE, history_data
 from seal_mdao.report.shapes import Pictures
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
 
 ASSETS = files("seal_mdao.report") / "assets"
 SCRIPTS = ("chart.js", "shape.js", "page.js")
@@ -24,7 +24,7 @@ WARNING = (
 
 
 def render(
-    history: RecordedOptimization, source: str, designs: list[SealResult], numbers: list[int]
+    history: RecordedOptimization, source: str, designs: list[DoorSealResult], numbers: list[int]
 ) -> str:
     """The page as text.
 
@@ -33,7 +33,7 @@ def render(
     history : RecordedOptimization
     source : str
         Name of the recorder file.
-    designs : list of SealResult
+    designs : list of DoorSealResult
         Designs of some points of the history, the first and the last among them; empty when the
         file is not that of a seal.
     numbers : list of int
@@ -63,7 +63,7 @@ def render(
         analyses=tables.analysis_table(history, designs[0], designs[-1]) if designs else "",
         history=tables.history_table(history),
         runs=tables.runs_table(history) if history.runs else "",
-        settings=tables.settings_table(history) if history.model else "",
+        settings=tables.settings_table(history) if history.seal else "",
         options=tables.options_table(history) if history.runs else "",
         style=_asset("page.css"),
         script="\n".join(_asset(name) for name in SCRIPTS),
@@ -71,7 +71,9 @@ def render(
     )
 
 
-def pictures_are_of_the_record(history: RecordedOptimization, designs: list[SealResult]) -> bool:
+def pictures_are_of_the_record(
+    history: RecordedOptimization, designs: list[DoorSealResult]
+) -> bool:
     """Whether the analyses of the first and the last design give the recorded cost."""
     if not designs or not tables.is_gap_sum(history.objective_name):
         return True
@@ -81,7 +83,7 @@ def pictures_are_of_the_record(history: RecordedOptimization, designs: list[Seal
 
 def title(history: RecordedOptimization) -> str:
     """What was optimised."""
-    return "Shape of a door seal" if history.model else f"Optimisation of {history.objective_name}"
+    return "Shape of a door seal" if history.seal else f"Optimisation of {history.objective_name}"
 
 
 def status(history: RecordedOptimization) -> tuple[str, str, str]:

@@ -14,9 +14,9 @@ from seal_mdao.contact.friction import OPEN
 from seal_mdao.geometry.profile import trace
 from seal_mdao.plotting import field
 from seal_mdao.plotting.gap import boundary_coordinate
-from seal_mdao.plotting.section import stress_levels, window
+from seal_mdao.plotting.section import door_position, stress_levels, window
 from seal_mdao.plotting.style import STRESS_MAP
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
 
 POINTS_AROUND, POINTS_ACROSS = 116, 5
 """Points of the fine grid that are enough for a picture."""
@@ -29,15 +29,15 @@ REACH = 60.0
 """How far the door is drawn, mm."""
 
 
-def fine_grid(result: SealResult) -> field.FineGrid:
+def fine_grid(result: DoorSealResult) -> field.FineGrid:
     """A grid with about as many points whatever the model's refinement."""
-    grid = result.model.grid
+    grid = result.seal.grid
     along = max(1, round(POINTS_AROUND / grid.rays))
     across = max(1, round((POINTS_ACROSS - 1) / (grid.layers - 1)))
     return field.fine_grid(result, along, across)
 
 
-def kept_steps(result: SealResult) -> np.ndarray:
+def kept_steps(result: DoorSealResult) -> np.ndarray:
     """Numbers of the nominal steps that are shown, the last one included."""
     count = len(result.path.nominal_steps)
     return np.unique(np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int))
@@ -48,29 +48,29 @@ class Pictures:
 
     Parameters
     ----------
-    start, end : SealResult
+    start, end : DoorSealResult
         The first and the last design, whose whole paths are shown.
-    between : list of SealResult
+    between : list of DoorSealResult
         Designs of which the last load step is shown, ``start`` and ``end`` among them.
     """
 
-    def __init__(self, start: SealResult, end: SealResult, between: list[SealResult]):
+    def __init__(self, start: DoorSealResult, end: DoorSealResult, between: list[DoorSealResult]):
         self._start, self._end, self._between = start, end, between
         self._fine = {id(result): fine_grid(result) for result in (start, end, *between)}
         self._steps = {id(result): kept_steps(result) for result in (start, end)}
         shapes = [self._deformed(r, s) for r in (start, end) for s in self._steps[id(r)]]
         shapes += [self._deformed(result, -1) for result in between]
         shapes += [field.undeformed(result, self._fine[id(result)]) for result in (start, end)]
-        self._low, self._high = window(shapes, start.model.section.outer_radius + 1.5)
+        self._low, self._high = window(shapes, start.seal.section.outer_radius + 1.5)
         self._length = max(np.abs(shape).max() for shape in shapes) / FULL
         highest = max(self._stress(r, s).max() for r in (start, end) for s in self._steps[id(r)])
         self._top = float(stress_levels(highest)[-1])
 
     def as_data(self) -> dict:
         """The pictures as JSON can hold them."""
-        model = self._start.model
+        seal = self._start.seal
         around, across = self._fine[id(self._start)].shape
-        base = model.drawn_particles[model.grid.base]
+        base = seal.drawn_particles[seal.grid.base]
         return {
             "around": around,
             "across": across,
@@ -81,7 +81,7 @@ class Pictures:
             "low": self._low.tolist(),
             "high": self._high.tolist(),
             "base": [base[:, 0].min(), base[:, 0].max(), base[:, 1].min()],
-            "contact": self._grid_points(model.grid.free_outer),
+            "contact": self._grid_points(seal.grid.free_outer),
             "watched": self._grid_points(self._start.points.stress),
             "paths": [self._path(self._start), self._path(self._end)],
             "designs": [self._design(result) for result in self._between],
@@ -89,64 +89,64 @@ class Pictures:
 
     def _grid_points(self, particles) -> list[int]:
         """Points of the fine grid at which particles lie."""
-        grid = self._start.model.grid
+        grid = self._start.seal.grid
         around, across = self._fine[id(self._start)].shape
         along, through = around // grid.rays, (across - 1) // (grid.layers - 1)
         ray, layer = np.divmod(particles, grid.layers)
         return (ray * along * across + layer * through).tolist()
 
-    def _deformed(self, result: SealResult, step: int) -> np.ndarray:
+    def _deformed(self, result: DoorSealResult, step: int) -> np.ndarray:
         return field.deformed(result, self._fine[id(result)], step)
 
-    def _stress(self, result: SealResult, step: int) -> np.ndarray:
+    def _stress(self, result: DoorSealResult, step: int) -> np.ndarray:
         return field.von_mises(result, self._fine[id(result)], step)
 
-    def _frame(self, result: SealResult, step: int) -> np.ndarray:
+    def _frame(self, result: DoorSealResult, step: int) -> np.ndarray:
         """x, y, stress of every point of the grid, shape (around * across, 3), integers."""
         places = self._deformed(result, step).reshape(-1, 2) / self._length
         stress = np.minimum(self._stress(result, step) * FULL / self._top, FULL)
         return np.column_stack([places, stress])
 
-    def _path(self, result: SealResult) -> dict:
+    def _path(self, result: DoorSealResult) -> dict:
         steps = self._steps[id(result)]
-        chosen = [result.path.nominal_steps[step] for step in steps]
+        contacts = result.path.at_nominal("door")
+        chosen = [contacts[step] for step in steps]
         return {
             "frames": packed([self._frame(result, step) for step in steps]),
             "travel": np.round(result.door_travel[steps], 6).tolist(),
-            "position": np.round([step.position for step in chosen], 6).tolist(),
+            "position": np.round([door_position(result, step) for step in steps], 6).tolist(),
             "reaction": np.round(result.reaction[steps], 4).tolist(),
             "peak": [float(np.round(self._stress(result, step).max(), 2)) for step in steps],
-            "state": ["".join(map(str, step.after.state)) for step in chosen],
-            "pressure": [np.round(pressure(result, step), 2).tolist() for step in chosen],
-            "gap": [np.round(step.gap, 5).tolist() for step in chosen],
+            "state": ["".join(map(str, contact.state)) for contact in chosen],
+            "pressure": [np.round(pressure(result, contact), 2).tolist() for contact in chosen],
+            "gap": [np.round(contact.gap, 5).tolist() for contact in chosen],
             "arc": np.round(boundary_coordinate(result), 4).tolist(),
             "door": door_face(result),
             "completed": result.converged,
         }
 
-    def _design(self, result: SealResult) -> dict:
-        last = result.path.nominal_steps[-1]
+    def _design(self, result: DoorSealResult) -> dict:
         drawn = field.undeformed(result, self._fine[id(result)])
         return {
             "frame": packed([self._frame(result, -1)]),
             "drawn": packed([drawn[:, [0, -1]] / self._length]),
-            "position": last.position.tolist(),
-            "state": "".join(map(str, last.after.state)),
+            "position": door_position(result, -1).tolist(),
+            "state": "".join(map(str, result.path.at_nominal("door")[-1].state)),
             "peak": float(np.round(self._stress(result, -1).max(), 2)),
             "door": door_face(result),
             "completed": result.converged,
         }
 
 
-def pressure(result: SealResult, step) -> np.ndarray:
+def pressure(result: DoorSealResult, contact) -> np.ndarray:
     """Contact pressure w_n |g_n| at the contact points, per undeformed area, shape (k,), kPa."""
-    touching = step.after.state != OPEN
-    return np.where(touching, -result.model.normal_penalty * step.gap, 0.0)
+    touching = contact.state != OPEN
+    return np.where(touching, -result.seal.normal_penalty * contact.gap, 0.0)
 
 
-def door_face(result: SealResult) -> list:
+def door_face(result: DoorSealResult) -> list:
     """Points along the door at its position zero, (n, 2) rounded, mm."""
-    face = trace(result.model.profile(result.door_radius), 0.2, REACH)
+    face = trace(result.seal.profile, 0.2, REACH)
     return np.round(face, 4).tolist()
 
 

@@ -12,7 +12,7 @@ from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.recorded import RecordedOptimization, label
 from seal_mdao.report import history as words
 from seal_mdao.report.shapes import pressure
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NO_VALUE = "–"
@@ -88,7 +88,9 @@ def _limits(constraint) -> str:
     return f"= {low}" if low == high else f"{low} to {high}"
 
 
-def analysis_table(history: RecordedOptimization, start: SealResult, end: SealResult) -> str:
+def analysis_table(
+    history: RecordedOptimization, start: DoorSealResult, end: DoorSealResult
+) -> str:
     """Measures of both designs, from their analyses."""
     pairs = zip(measures(start), measures(end), strict=True)
     rows = [[name, number(a), number(b), unit] for (name, unit, a), (_, _, b) in pairs]
@@ -108,17 +110,17 @@ def is_gap_sum(name: str) -> bool:
     return name.rsplit(".", 1)[-1] == "gap_square_sum"
 
 
-def agrees(history: RecordedOptimization, recorded: float, result: SealResult) -> bool:
+def agrees(history: RecordedOptimization, recorded: float, result: DoorSealResult) -> bool:
     """Whether the analysis of a design gives the recorded cost."""
     allowed = AGREEMENT * (abs(recorded) + abs(history.objective[0]))
     return result.converged and abs(result.gap_square_sum - recorded) <= allowed
 
 
-def measures(result: SealResult) -> list[tuple[str, str, float]]:
+def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
     """Name, unit and value of what an engineer asks about a design; nan where it is not known."""
-    last = result.path.nominal_steps[-1]
-    touching, opened = last.after.state != OPEN, opened_points(last.after.state)
-    lengths = result.path.discretization.contact_length
+    last = result.path.at_nominal("door")[-1]
+    touching, opened = last.state != OPEN, opened_points(last.state)
+    lengths = result.term("door").length
     reached = result.converged
     return [
         ("sum of squared gaps", "mm²", result.gap_square_sum if reached else math.nan),
@@ -143,8 +145,8 @@ def patches(touching: np.ndarray) -> int:
 
 
 def settings_table(history: RecordedOptimization) -> str:
-    """The attributes of the model, and the further settings of the problem."""
-    rows = list(_attributes(history.model))
+    """The attributes of the seal, and the further settings of the problem."""
+    rows = list(_attributes(history.seal))
     rows += [[f"problem: {name}", str(value)] for name, value in history.settings.items()]
     return table(["setting", "value"], rows, "Model and problem (mm, kPa, N/m)")
 

@@ -9,7 +9,7 @@ from tqdm import tqdm
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.plotting.recorded import RecordedOptimization, read_optimization
 from seal_mdao.report.page import render
-from seal_mdao.seal import SealResult
+from seal_mdao.seals.door.result import DoorSealResult
 
 DESIGNS = 40
 """Points of the history whose designs are analysed again at most; of more, evenly spread ones."""
@@ -50,7 +50,7 @@ def write_report(
     cases = Path(cases)
     history = read_optimization(cases)
     history = replace(history, given=(given or {}) | history.given)
-    numbers = chosen_points(len(history.objective)) if history.model else []
+    numbers = chosen_points(len(history.objective)) if history.seal else []
     designs = analyze_points(history, numbers, KeptAnalyses() if kept is None else kept)
     text = render(history, cases.name, designs, numbers)
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
@@ -66,8 +66,18 @@ def chosen_points(count: int) -> list[int]:
 
 def analyze_points(
     history: RecordedOptimization, numbers: list[int], kept: KeptAnalyses
-) -> list[SealResult]:
+) -> list[DoorSealResult]:
     """Designs of the history, analysed; all are measured where the recorded run did."""
-    points = kept.points(history.model) if numbers else None
+    if not numbers:
+        return []
+    points = kept.analyze(history.seal.as_drawn()).points
     bar = tqdm(numbers, desc="report", unit="analysis", disable=None, leave=False)
-    return [kept.analyze(*history.seal_at(number), points=points) for number in bar]
+    return [_analyzed(kept, *history.seal_at(number)).at(points) for number in bar]
+
+
+def _analyzed(kept: KeptAnalyses, seal, offsets, parameters) -> DoorSealResult:
+    """A design analysed, without looking for places of its measures."""
+    offsets = seal.check_offsets(offsets)
+    return kept.analyze_particles(
+        seal.with_parameters(parameters), seal.particles(offsets), offsets
+    )

@@ -33,6 +33,16 @@ class CellMap(NamedTuple):
     reference_weights: np.ndarray
 
 
+def support_radii(cells: np.ndarray, particles: np.ndarray, support: float) -> np.ndarray:
+    """Support radius of every particle: ``support`` times the longest cell edge that meets it."""
+    longest = np.zeros(len(particles))
+    for a, b in zip(cells.T, np.roll(cells, -1, axis=1).T, strict=True):
+        edge = np.linalg.norm(particles[a] - particles[b], axis=1)
+        np.maximum.at(longest, a, edge)
+        np.maximum.at(longest, b, edge)
+    return support * longest
+
+
 def cell_map(cells: np.ndarray, n_gauss: int = 2) -> CellMap:
     """The map of ``cells`` with ``n_gauss`` x ``n_gauss`` Gauss points."""
     g, w = np.polynomial.legendre.leggauss(n_gauss)

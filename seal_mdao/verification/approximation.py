@@ -2,13 +2,11 @@
 
 import numpy as np
 
-from seal_mdao.geometry.section import support_radii
 from seal_mdao.rkpm.basis import BASIS_SIZE
-from seal_mdao.rkpm.cells import cell_map, quadrature_points, quadrature_weights
+from seal_mdao.rkpm.cells import cell_map, quadrature_points, quadrature_weights, support_radii
 from seal_mdao.rkpm.shape_functions import Cloud
-from seal_mdao.rkpm.tables import build_table
 from seal_mdao.verification.bodies import Grid, scattered
-from seal_mdao.verification.fields import operators
+from seal_mdao.verification.fields import values_at
 from seal_mdao.verification.manufactured import (
     Convergence,
     displacement,
@@ -20,14 +18,13 @@ def interpolation_error(n: int, basis_order: int, seed: int = 1) -> tuple[float,
     """L2 and H1 errors of sum_I Phi_I(x) u(X_I) on an irregular cloud of ``n`` x ``n`` cells."""
     grid = Grid(n, n)
     X = scattered(grid, 0.3, seed)
-    radius = support_radii(grid, X, 2.0 if basis_order == 1 else 2.5)
+    radius = support_radii(grid.cells, X, 2.0 if basis_order == 1 else 2.5)
     cloud = Cloud(X, radius, float(radius.max()), BASIS_SIZE[basis_order])
     mapping = cell_map(grid.cells, 4)
     points, w = quadrature_points(mapping), quadrature_weights(mapping, X).ravel()
-    at, places = operators(build_table(cloud, points).table, len(X)), points.at(X)
-    u = displacement(X)
-    value = at.value @ u - displacement(places)
-    slope = at.gradient(u) - displacement_gradient(places)
+    value, slope = values_at(cloud, points._replace(group_size=1), displacement(X))
+    value = value - displacement(points.at(X))
+    slope = slope - displacement_gradient(points.at(X))
     return np.sqrt(w @ (value**2).sum(axis=1)), np.sqrt(w @ (slope**2).sum(axis=(1, 2)))
 
 

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from seal_mdao.materials.mooney_rivlin import MooneyRivlin, cofactor
+from seal_mdao.materials.isotropic import cofactor
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 
 PLACES = np.array([-1.0, 0.0, 1.0])
 EPS = np.array([[0.0, 1.0], [-1.0, 0.0]])

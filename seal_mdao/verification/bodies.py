@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body
-from seal_mdao.geometry.section import support_radii
+from seal_mdao.analysis.body import Body, Edge
+from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 
 
 class Grid(NamedTuple):
@@ -63,9 +64,9 @@ class Grid(NamedTuple):
         return np.unique(np.concatenate([self.left, self.right, self.bottom, self.top]))
 
 
-def edges_of(row: np.ndarray) -> np.ndarray:
-    """Edges between consecutive particles of a boundary row, shape (m, 2)."""
-    return np.column_stack([row[:-1], row[1:]])
+def row_gauss_points(row: np.ndarray, n_gauss: int) -> MaterialPoints:
+    """Gauss points of the edges between consecutive particles of a boundary row."""
+    return edge_points(Edge(row, False).sides, n_gauss)
 
 
 def fixed_components(n: int, x=(), y=()) -> np.ndarray:
@@ -80,18 +81,18 @@ def grid_body(
     grid: Grid, particles: np.ndarray, fixed: np.ndarray, support: float = 2.0, **options
 ) -> Body:
     """A body on ``grid``; ``support`` is the kernel radius over the longest edge at a particle."""
-    radius = support_radii(grid, particles, support)
+    radius = support_radii(grid.cells, particles, support)
     return Body(grid.cells, radius, fixed, **options)
 
 
-def row_contact(row: np.ndarray) -> dict:
-    """Options of ``Body`` that make the boundary row a contact boundary with half-edge lengths.
+def row_points(row: np.ndarray, n_ends: int = 0) -> MaterialPoints:
+    """Boundary particles in a row, with half the edges at each; the first and last ``n_ends`` are
+    neighbours only.
 
     The end particles of the row have one edge only, so it counts once.
     """
-    before = np.concatenate([row[:1], row[:-1]])
-    after = np.concatenate([row[1:], row[-1:]])
-    return {"contact": row, "contact_ends": np.column_stack([before, after])}
+    inside = slice(n_ends, len(row) - n_ends)
+    return boundary_particles(row[inside], Edge(row, False).neighbours[inside])
 
 
 def scattered(grid: Grid, share: float, seed: int) -> np.ndarray:

@@ -7,12 +7,17 @@ so that any uniform mesh converges slowly (observed order about one).
 
 import numpy as np
 
-from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.loads import edge_points, point_loads
+from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.verification.biquadratic import mapped_elements, solve_elements
-from seal_mdao.verification.bodies import Grid, edges_of, fixed_components, grid_body
-from seal_mdao.verification.solving import ramp, solve_free
+from seal_mdao.verification.bodies import (
+    Grid,
+    fixed_components,
+    grid_body,
+    row_gauss_points,
+)
+from seal_mdao.verification.solving import ramp, solve, tight
 
 # E = 240.565, nu = 0.4999 (J. C. Simo and F. Armero, Int. J. Numer. Meth. Engng 33 (1992) 1413):
 # shear modulus 80.1938, bulk modulus 400 942; 100 in all on the right side; any stress unit
@@ -33,10 +38,10 @@ def cook_deflection(cells: int = 16, material: MooneyRivlin = MATERIAL, n_steps:
     grid = Grid(cells, cells)
     X = membrane(grid.reference)
     fixed = fixed_components(len(X), x=grid.left, y=grid.left)
-    disc = discretize(grid_body(grid, X, fixed), X)
-    points, length = edge_points(edges_of(grid.right), X, 2)
-    force = point_loads(disc, points, length[:, None] * [0.0, TRACTION])
-    path = solve_free(disc, material, ramp(np.zeros_like(X), n_steps), ramp(force, n_steps))
+    right = row_gauss_points(grid.right, 2)
+    shear = DeadLoad("shear", right, np.array([0.0, TRACTION]), ramp(n_steps))
+    terms = elastic_body(material), shear
+    path = solve(grid_body(grid, X, fixed), X, terms, n_steps, options=tight(material))
     return float(path.displacement()[grid.top[-1], 1])
 
 

@@ -4,11 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.loads import internal_forces
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.structure.elastic_body import ElasticBody, elastic_body
 from seal_mdao.verification.bodies import Grid, fixed_components, grid_body
-from seal_mdao.verification.solving import ramp, solve_free
+from seal_mdao.verification.solving import grown, holding_forces, solve, tight
 
 BORE, OUTSIDE = 1.0, 2.0
 
@@ -51,18 +50,18 @@ def inflation_pressure(stretch, bore: float = BORE, outside: float = OUTSIDE):
     return np.log(a / b) + 0.5 * (b**-2 - a**-2)
 
 
-def inflate_cylinder(
-    bulk_ratio: float = 1e3,
+def inflate(
+    elastic: ElasticBody,
     cells: tuple[int, int] = (8, 16),
     final_stretch: float = 2.0,
     n_steps: int = 10,
-) -> Inflation:
-    """A quarter of the cylinder with the bore's radial displacement imposed.
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bore stretches and pressures, (n_steps,) each, of a quarter of a cylinder of any materials.
+
+    The bore's radial displacement is imposed; the cells are numbered layer by layer from the bore.
 
     Parameters
     ----------
-    bulk_ratio : float
-        Bulk over shear modulus.
     cells : tuple of int
         Background cells through the wall and along the quarter.
     """
@@ -72,14 +71,26 @@ def inflate_cylinder(
     X = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     bore = grid.left
     fixed = fixed_components(len(X), x=[*bore, *grid.top], y=[*bore, *grid.bottom])
-    material = MooneyRivlin(0.4, 0.1, bulk_ratio)
-    disc = discretize(grid_body(grid, X, fixed), X)
     target = np.zeros_like(X)
     target[bore] = (final_stretch - 1.0) * X[bore]
-    path = solve_free(disc, material, ramp(target, n_steps))
+    body, options = grid_body(grid, X, fixed), tight(*(r.material for r in elastic.regions))
+    path = solve(body, X, (elastic,), n_steps, grown(target, n_steps), options)
     stretch = np.linspace(1.0, final_stretch, n_steps + 1)[1:]
     normal = X[bore] / BORE
-    force = np.array([internal_forces(disc, material, s.d)[bore] for s in path.nominal_steps])
-    radial = np.einsum("ski,ki->s", force, normal)
-    pressure = radial / (0.5 * np.pi * BORE * stretch) / material.shear_modulus
-    return Inflation(stretch, pressure, inflation_pressure(stretch))
+    radial = np.einsum("ski,ki->s", holding_forces(path)[:, bore], normal)
+    return stretch, radial / (0.5 * np.pi * BORE * stretch)
+
+
+def inflate_cylinder(bulk_ratio: float = 1e3, cells: tuple[int, int] = (8, 16)) -> Inflation:
+    """The Mooney-Rivlin cylinder inflated to twice its bore in ten steps.
+
+    Parameters
+    ----------
+    bulk_ratio : float
+        Bulk over shear modulus.
+    cells : tuple of int
+        As of ``inflate``.
+    """
+    material = MooneyRivlin(0.4, 0.1, bulk_ratio)
+    stretch, pressure = inflate(elastic_body(material), cells)
+    return Inflation(stretch, pressure / material.shear_modulus, inflation_pressure(stretch))

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.dsa.sensitivity import Sensitivities
-from seal_mdao.model import SealModel
-from seal_mdao.seal import SealResult, analyze
+from seal_mdao.seals.door.door_seal import DOOR, DoorSeal
+from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import analyze, analyze_particles
 from seal_mdao.verification.estimates import Estimate, fitted, most_certain, nothing, plateau
 
 STEPS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
@@ -25,7 +26,7 @@ FIT_POINTS = 64
 class Design:
     """Boundary offsets followed by the door radius, mm."""
 
-    model: SealModel
+    model: DoorSeal
     values: np.ndarray
 
     def moved(self, parameter: int, change: float) -> "Design":
@@ -34,40 +35,47 @@ class Design:
         values[parameter] += change
         return Design(self.model, values)
 
-    def analyze(self, **options) -> SealResult:
-        return analyze(self.model, self.values[:-1], self.values[-1], **options)
+    def analyze(self, **options) -> DoorSealResult:
+        radius = {"door_radius": self.values[-1]}
+        return analyze(self.model, self.values[:-1], radius, **options)
 
 
-def perturbed(result: SealResult, name: str, step: float) -> SealResult:
+def beside(result: DoorSealResult, offsets, parameters=None) -> DoorSealResult:
+    """The analysis of another design, with the measures at the places of ``result``."""
+    seal = result.seal.with_parameters(parameters or {})
+    return analyze_particles(seal, seal.particles(offsets), offsets).at(result.points)
+
+
+def perturbed(result: DoorSealResult, name: str, step: float) -> DoorSealResult:
     """The analysis with one parameter, by its name, changed by ``step``; measures at the same places.
 
     Parameters
     ----------
-    result : SealResult
+    result : DoorSealResult
         Computed from boundary offsets.
     name : str
-        ``boundary_offsets[i]``, ``door_radius`` or a scalar of the model or of its material.
+        ``boundary_offsets[i]`` or a scalar of the seal.
     """
-    model, offsets, radius = result.model, result.boundary_offsets.copy(), result.door_radius
+    offsets = result.boundary_offsets.copy()
     if name.startswith("boundary_offsets["):
         offsets[int(name[17:-1])] += step
-    elif name == "door_radius":
-        radius += step
-    else:
-        owner = model.material if hasattr(model.material, name) else model
-        model = model.with_parameters({name: getattr(owner, name) + step})
-    return analyze(model, offsets, radius, points=result.points)
+        return beside(result, offsets)
+    return beside(result, offsets, {name: result.seal.scalars[name].value + step})
 
 
-def same_sequence(a: SealResult, b: SealResult) -> bool:
+def contact_states(result: DoorSealResult) -> np.ndarray:
+    """Stick, slip and open points at all steps of a path, cut ones included, shape (steps, k)."""
+    return np.array([response.state for response in result.path.responses(DOOR)])
+
+
+def same_sequence(a: DoorSealResult, b: DoorSealResult) -> bool:
     """Whether two paths have the same stick, slip and open points at all their steps."""
-    first, second = a.path.contact_state, b.path.contact_state
-    return first.shape == second.shape and np.array_equal(first, second)
+    return np.array_equal(contact_states(a), contact_states(b))
 
 
-def measure_names(result: SealResult) -> list[str]:
+def measure_names(result: DoorSealResult) -> list[str]:
     """Names of the measures in the order of ``measure_values``; particles in the names."""
-    gap_particles = result.model.body.contact[result.points.gap]
+    gap_particles = result.seal.grid.free_outer[result.points.gap]
     return [
         "area",
         *(f"von_mises_{p}" for p in result.points.stress),
@@ -78,7 +86,7 @@ def measure_names(result: SealResult) -> list[str]:
     ]
 
 
-def measure_values(result: SealResult) -> np.ndarray:
+def measure_values(result: DoorSealResult) -> np.ndarray:
     """All measures of a converged result, shape (m,)."""
     parts = (
         result.area, result.von_mises, result.gap_square_sum, result.reaction[-1], result.gap,
@@ -86,10 +94,11 @@ def measure_values(result: SealResult) -> np.ndarray:
     return np.concatenate([np.atleast_1d(part) for part in parts])
 
 
-def measure_rates(sensitivities: Sensitivities) -> np.ndarray:
-    """Their derivatives with respect to all parameters, shape (m, P)."""
-    s = sensitivities
-    return np.vstack([s.area, s.von_mises, s.gap_square_sum, s.reaction, s.gap])
+def measure_rates(result: DoorSealResult, sensitivities: Sensitivities) -> np.ndarray:
+    """Their derivatives with respect to offsets and door radius, shape (m, P)."""
+    area = np.append(result.seal.area(result.boundary_offsets)[1], 0.0)
+    names = "von_mises", "gap_square_sum", "reaction", "gap"
+    return np.vstack([area, *(sensitivities[name] for name in names)])
 
 
 def evaluation_noise(design: Design, step: float = 5e-7) -> np.ndarray:
@@ -118,7 +127,7 @@ class Differences:
     Parameters
     ----------
     design : Design
-    base : SealResult
+    base : DoorSealResult
         Its analysis.
     parameter : int
     noise : ndarray, shape (m,)

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.loads import internal_forces
+from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.verification.bodies import Grid, fixed_components, grid_body
-from seal_mdao.verification.solving import solve_free
+from seal_mdao.verification.solving import holding_forces, solve, tight
 
 
 class Flexure(NamedTuple):
@@ -86,13 +86,12 @@ def bend_block(
     X = grid.reference * [length, 1.0]
     ends = np.concatenate([grid.left, grid.right])
     material = MooneyRivlin(0.4, 0.1, bulk_ratio)
-    disc = discretize(grid_body(grid, X, fixed_components(len(X), x=ends, y=ends)), X)
+    body = grid_body(grid, X, fixed_components(len(X), x=ends, y=ends))
     angle = np.linspace(0.0, np.radians(degrees), n_steps + 1)
-    imposed = np.array([bent_places(X, a, length) - X for a in angle])
-    path = solve_free(disc, material, imposed)
+    imposed = ImposedDisplacements(np.array([bent_places(X, a, length) - X for a in angle]))
+    path = solve(body, X, (elastic_body(material),), n_steps, imposed, tight(material))
     moment = []
-    for a, step in zip(angle[1:], path.nominal_steps, strict=True):
-        f = internal_forces(disc, material, step.d)[grid.right]
+    for a, f in zip(angle[1:], holding_forces(path)[:, grid.right], strict=True):
         x = bent_places(X[grid.right], a, length)
         x = x - x.mean(axis=0)
         moment.append(np.sum(x[:, 0] * f[:, 1] - x[:, 1] * f[:, 0]))

@@ -5,15 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.load_path import solve_path
-from seal_mdao.analysis.loading import LoadProgram
-from seal_mdao.contact.friction import ContactLaw
-from seal_mdao.geometry.profile import ARC, RigidProfile
-from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.model import SealModel
+from seal_mdao.geometry.motion import Motion
+from seal_mdao.geometry.profile import ARC, RigidProfile, rigid_profile
+from seal_mdao.geometry.shape import GivenShape
+from seal_mdao.seals.door.door_seal import DOOR, DoorSeal
+from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.verification.rotation import rotation_matrix
-from seal_mdao.verification.solving import completed
+from seal_mdao.verification.solving import solve
 
 
 class Frame(NamedTuple):
@@ -89,32 +87,35 @@ def moved_profile(profile: RigidProfile, frame: Frame) -> RigidProfile:
         order = slice(None, None, -1)
     kind, length, radius = profile.kind[order], frame.size * length[order], profile.radius[order]
     start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
-    none = np.zeros(len(kind))
-    return RigidProfile.of(
-        kind.copy(), np.ascontiguousarray(frame.places(origin[order])),
+    return rigid_profile(
+        kind, frame.places(origin[order]),
         angle[order] + frame.angle, np.where(kind == ARC, frame.size, 1.0) * radius, start, length,
-        np.zeros((len(kind), 2)), none, none, none,
     )  # fmt: skip
 
 
-def analyze_in_frame(model: SealModel, frame: Frame) -> FrameResult:
-    """The drawn seal of ``model`` written in ``frame``: particles, door, material and penalties."""
-    cells = model.body.cells[:, ::-1] if frame.mirrored else model.body.cells
+def analyze_in_frame(seal: DoorSeal, frame: Frame) -> FrameResult:
+    """The drawn ``seal`` written in ``frame``: particles, door, material and penalties."""
+    cells = seal.body.cells[:, ::-1] if frame.mirrored else seal.body.cells
+    particles = frame.places(seal.drawn_particles)
     body = replace(
-        model.body, cells=np.ascontiguousarray(cells),
-        support_radius=frame.size * model.body.support_radius,
+        seal.body, cells=np.ascontiguousarray(cells), drawn=particles,
+        support_radius=frame.size * seal.body.support_radius,
     )  # fmt: skip
-    m, law, unit = model.material, model.law, frame.stress / frame.size
-    material = MooneyRivlin(*(frame.stress * c for c in (m.c10, m.c01, m.bulk_modulus)))
-    law = ContactLaw(
-        unit * law.normal_penalty, unit * law.tangent_penalty, law.friction, law.accumulated
+    material, law, unit = seal.material, seal.law, frame.stress / frame.size
+    stresses = {name: frame.stress * value for name, value in material.constants.items()}
+    law = law._replace(
+        normal_penalty=unit * law.normal_penalty, tangent_penalty=unit * law.tangent_penalty
     )
-    profile = moved_profile(model.profile(model.drawn_door_radius), frame)
-    program = LoadProgram(frame.size * frame.vectors(model.positions))
-    disc = discretize(body, frame.places(model.particles()))
-    path = completed(solve_path(disc, material, profile, law, program, model.newton))
+    positions = frame.size * frame.vectors(seal.motion.positions)
+    contact = replace(
+        seal.terms()[1], law=law, shape=GivenShape(moved_profile(seal.profile, frame)),
+        motion=Motion(positions, seal.motion.angles, seal.motion.steps),
+    )  # fmt: skip
+    terms = elastic_body(material.with_(**stresses)), contact
+    path = solve(body, particles, terms, seal.n_steps, options=seal.newton)
     back = frame.matrix / frame.size
     return FrameResult(
-        path.reaction @ back / frame.stress, path.displacement() @ back,
-        path.steps[-1].gap / frame.size, path.contact_state,
+        path.reaction(DOOR) @ back / frame.stress, path.displacement() @ back,
+        path.at_nominal(DOOR)[-1].gap / frame.size,
+        np.array([response.state for response in path.responses(DOOR)]),
     )  # fmt: skip

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from seal_mdao.model import SealModel
+from seal_mdao.seals.door.door_seal import DoorSeal
 
 DISTANCE = 0.3
 """Distance from the drawn seal, mm."""
 
 
-def design_away(model: SealModel, seed: int, distance: float = DISTANCE) -> np.ndarray:
+def design_away(model: DoorSeal, seed: int, distance: float = DISTANCE) -> np.ndarray:
     """Boundary offsets and door radius, shape (26,), mm.
 
     Random offsets, the largest of which is ``distance``; the radius is larger by ``distance``.

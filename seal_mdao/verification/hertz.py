@@ -4,14 +4,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body, discretize
-from seal_mdao.analysis.load_path import solve_path
-from seal_mdao.analysis.loading import LoadProgram
+from seal_mdao.analysis.body import Body
 from seal_mdao.contact.friction import OPEN, ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.geometry.profile import circle_profile
+from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, row_contact
-from seal_mdao.verification.solving import completed
+from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.terms.points import MaterialPoints
+from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, row_points
+from seal_mdao.verification.solving import solve
 
 RADIUS = 100.0
 # shear modulus 1, Poisson's ratio 0.3: E = 2.6, plane-strain modulus E / (1 - nu^2)
@@ -95,12 +98,15 @@ class FannedBlock(NamedTuple):
         return np.vstack([self.grid.cells, around])
 
     def body(self) -> Body:
-        """Held at the bottom; the upper surface of the patch may touch."""
+        """Held at the bottom."""
         bottom = self.rings[-1, self.n : -self.n]
         fixed = fixed_components(len(self.particles), x=bottom, y=bottom)
+        return grid_body(self, self.particles, fixed)
+
+    def surface(self) -> MaterialPoints:
+        """The upper surface of the patch, which may touch."""
         row = np.concatenate([self.rings[1:2, 0], self.grid.top, self.rings[1:2, -1]])
-        contact = {name: value[1:-1] for name, value in row_contact(row).items()}
-        return grid_body(self, self.particles, fixed, **contact)
+        return row_points(row, 1)
 
 
 def hertz_line(load: float) -> tuple[float, float]:
@@ -131,17 +137,17 @@ def press_cylinder(n: int = 8, depth: float = 0.03, side: float = 20.0) -> Hertz
     compliance of the finite block does not enter.
     """
     block = FannedBlock(n, 1.6, side)
-    disc = discretize(block.body(), block.particles)
-    y = np.linspace(1e-6, -depth, 4)
-    law = ContactLaw(3e3, 1.0, 0.0, True)
-    program = LoadProgram(np.column_stack([0.0 * y, y]))
-    profile = circle_profile((0.0, RADIUS), RADIUS)
-    step = completed(solve_path(disc, MATERIAL, profile, law, program)).steps[-1]
-    touching = step.after.state != OPEN
-    x = step.contact_x[touching, 0]
-    force = np.hypot(*step.force[touching].T)
-    pressure = force / disc.contact_length[touching]
+    contact = RigidContact(
+        "cylinder", block.surface(), GivenShape(circle_profile((0.0, RADIUS), RADIUS)),
+        straight_motion((0.0, 1e-6), (0.0, -depth), 3), ContactLaw(3e3, 1.0, 0.0, True),
+    )  # fmt: skip
+    path = solve(block.body(), block.particles, (elastic_body(MATERIAL), contact), 3)
+    end, length = path.at_nominal("cylinder")[-1], path.problem.term("cylinder").length
+    touching = end.state != OPEN
+    x = end.x[touching, 0]
+    force = np.hypot(*end.force[touching].T)
+    pressure = force / length[touching]
     half_width = float(2.0 * np.sqrt(force @ x**2 / force.sum()))
-    load = float(step.reaction[1])
+    load = float(end.total[1])
     exact = hertz_line(load)
     return HertzContact(load, x, pressure, half_width, exact[0], float(pressure.max()), exact[1])

@@ -5,12 +5,21 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.analysis.body import Discretization, discretize
-from seal_mdao.analysis.loads import edge_points, point_loads
-from seal_mdao.materials.mooney_rivlin import MooneyRivlin, cofactor
-from seal_mdao.verification.bodies import Grid, edges_of, fixed_components, grid_body, scattered
-from seal_mdao.verification.fields import domain_rule, operators_at
+from seal_mdao.loads.dead_load import DeadLoad
+from seal_mdao.materials.isotropic import cofactor
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.terms.points import fixed_points
+from seal_mdao.verification.bodies import (
+    Grid,
+    fixed_components,
+    grid_body,
+    row_gauss_points,
+    scattered,
+)
+from seal_mdao.verification.fields import displacement_at, domain_rule
 from seal_mdao.verification.quadratic_integration import discretize_quadratic
-from seal_mdao.verification.solving import ramp, solve_free
+from seal_mdao.verification.solving import grown, ramp, solve_discretized, tight
 
 AMPLITUDE, WAVE = 0.1, 2.0
 # shear modulus 1, bulk modulus 50 (any stress unit)
@@ -82,31 +91,31 @@ def body_force(X: np.ndarray, material: MooneyRivlin) -> np.ndarray:
     return -sum(along) / STEP
 
 
-def dead_loads(disc: Discretization, grid: Grid, material: MooneyRivlin, n_edge: int) -> np.ndarray:
-    """Body force in the cells and tractions P N on all four sides, shape (n, 2)."""
-    X = disc.particles
-    points, area = domain_rule(disc, 3)
-    out = point_loads(disc, points, body_force(points.at(X), material) * area[:, None])
-    sides = ((grid.right, (1, 0)), (grid.left, (-1, 0)), (grid.bottom, (0, -1)), (grid.top, (0, 1)))
-    for row, normal in sides:
-        points, length = edge_points(edges_of(row), X, n_edge)
-        traction = piola_stress(points.at(X), material) @ np.array(normal, float)
-        out += point_loads(disc, points, traction * length[:, None])
-    return out
+def dead_loads(body, X, grid: Grid, material: MooneyRivlin, n_edge: int, n_steps: int) -> list:
+    """Body force in the cells and tractions P N on all four sides, as terms."""
+    points, area = domain_rule(body, X, 3)
+    inside = fixed_points(points, area)
+    loads = [DeadLoad("inside", inside, body_force(points.at(X), material), ramp(n_steps))]
+    normals = {"right": (1, 0), "left": (-1, 0), "bottom": (0, -1), "top": (0, 1)}
+    for side, normal in normals.items():
+        where = row_gauss_points(getattr(grid, side), n_edge)
+        traction = piola_stress(where.points.at(X), material) @ np.array(normal, float)
+        loads.append(DeadLoad(side, where, traction, ramp(n_steps)))
+    return loads
 
 
 def errors(disc: Discretization, d: np.ndarray) -> tuple[float, float]:
     """L2 error without the rigid motion, and H1 seminorm of the error, 5 x 5 points a cell."""
-    points, w = domain_rule(disc, 5)
-    places, at = points.at(disc.particles), operators_at(disc, points)
-    e = at.value @ d - displacement(places)
+    points, w = domain_rule(disc.body, disc.particles, 5)
+    places, (value, slope) = points.at(disc.particles), displacement_at(disc, points, d)
+    e = value - displacement(places)
     x, y = (places + displacement(places)).T
     one, zero = np.ones_like(x), np.zeros_like(x)
     rigid = np.array([[one, zero], [zero, one], [-y, x]])
     gram = np.einsum("p,aip,bip->ab", w, rigid, rigid)
     share = np.linalg.solve(gram, np.einsum("p,aip,pi->a", w, rigid, e))
     e = e - np.einsum("a,aip->pi", share, rigid)
-    slope = at.gradient(d) - displacement_gradient(places)
+    slope = slope - displacement_gradient(places)
     return np.sqrt(w @ (e**2).sum(axis=1)), np.sqrt(w @ (slope**2).sum(axis=(1, 2)))
 
 
@@ -129,10 +138,11 @@ def solution_error(n: int, basis_order: int, consistent: int, seed: int) -> tupl
     fixed = fixed_components(len(X), x=[left], y=[left, right])
     support, n_gauss = (2.0, 2) if basis_order == 1 else (3.0, 3)
     body = grid_body(grid, X, fixed, support, basis_order=basis_order, n_gauss=n_gauss)
-    disc = discretize(body, X) if consistent == 1 else discretize_quadratic(body, X)
     # the analysis' consistent gradients see two points of every edge; so must its tractions
-    force = dead_loads(disc, grid, MATERIAL, 2 if consistent == 1 else 3)
-    path = solve_free(disc, MATERIAL, ramp(displacement(X), 2), ramp(force, 2))
+    loads = dead_loads(body, X, grid, MATERIAL, 2 if consistent == 1 else 3, 2)
+    terms = elastic_body(MATERIAL), *loads
+    disc = (discretize if consistent == 1 else discretize_quadratic)(body, X, terms)
+    path = solve_discretized(disc, terms, 2, grown(displacement(X), 2), tight(MATERIAL))
     return errors(disc, path.steps[-1].d)
 
 

@@ -4,12 +4,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.loads import edge_points, internal_forces, point_loads
-from seal_mdao.materials.mooney_rivlin import MooneyRivlin, cofactor
-from seal_mdao.verification.bodies import Grid, edges_of, fixed_components, grid_body, scattered
+from seal_mdao.loads.dead_load import DeadLoad
+from seal_mdao.materials.isotropic import Isotropic, cofactor
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.verification.bodies import (
+    Grid,
+    fixed_components,
+    grid_body,
+    row_gauss_points,
+    scattered,
+)
 from seal_mdao.verification.fields import piola_stresses
-from seal_mdao.verification.solving import ramp, solve_free
+from seal_mdao.verification.solving import grown, holding_forces, ramp, solve, tight
 
 # displacement gradient of the patch: stretch, shear and rotation of order 20 %
 GRADIENT = np.array([[0.20, 0.15], [-0.10, -0.12]])
@@ -31,7 +38,7 @@ class PatchErrors(NamedTuple):
     stress: float
 
 
-def homogeneous_stress(F: np.ndarray, material: MooneyRivlin) -> np.ndarray:
+def homogeneous_stress(F: np.ndarray, material: Isotropic) -> np.ndarray:
     """First Piola-Kirchhoff stress of a homogeneous deformation, K/2 (J - 1)^2 included."""
     J = np.linalg.det(F)
     return material.stress(F) + material.bulk_modulus * (J - 1.0) * cofactor(F)
@@ -51,16 +58,16 @@ def patch_test(traction: bool, basis_order: int = 1, cells: int = 6, seed: int =
     held = grid.left if traction else grid.boundary
     support = 2.0 if basis_order == 1 else 3.0
     fixed = fixed_components(len(X), x=held, y=held)
-    disc = discretize(grid_body(grid, X, fixed, support, basis_order=basis_order), X)
+    body = grid_body(grid, X, fixed, support, basis_order=basis_order)
     stress = homogeneous_stress(np.eye(2) + GRADIENT, MATERIAL)
-    force = np.zeros_like(X)
-    if traction:
-        for row, normal in ((grid.right, (1, 0)), (grid.bottom, (0, -1)), (grid.top, (0, 1))):
-            points, length = edge_points(edges_of(row), X, 2)
-            force += point_loads(disc, points, np.outer(length, stress @ normal))
+    sides = {"right": (1, 0), "bottom": (0, -1), "top": (0, 1)} if traction else {}
+    loads = [
+        DeadLoad(side, row_gauss_points(getattr(grid, side), 2), stress @ normal, ramp(5))
+        for side, normal in sides.items()
+    ]
     u = X @ GRADIENT.T
-    path = solve_free(disc, MATERIAL, ramp(u, 5), ramp(force, 5))
-    difference = piola_stresses(disc, MATERIAL, path.steps[-1].d) - stress
+    path = solve(body, X, (elastic_body(MATERIAL), *loads), 5, grown(u, 5), tight(MATERIAL))
+    difference = piola_stresses(path, path.steps[-1]) - stress
     return PatchErrors(
         float(np.abs(path.displacement() - u).max()),
         float(np.abs(difference).max() / np.abs(stress).max()),
@@ -87,7 +94,7 @@ class Compression(NamedTuple):
     exact_width: np.ndarray
 
 
-def free_width(stretch: float, material: MooneyRivlin) -> float:
+def free_width(stretch: float, material: Isotropic) -> float:
     """Lateral stretch l of P_11 = 0 in F = diag(l, stretch), the faces being free (Newton)."""
     width, step = 1.0 / stretch, 1e-30
     for _ in range(50):
@@ -99,33 +106,45 @@ def free_width(stretch: float, material: MooneyRivlin) -> float:
     return width
 
 
-def compress_block(
-    bulk_ratio: float = 1e3, final_stretch: float = 0.5, n_steps: int = 10, seed: int = 5
-) -> Compression:
+def squeeze(
+    material: Isotropic, cells=(12, 6), walls: bool = False, final_stretch=0.5, n_steps=10, seed=5
+):
     """A 2 x 1 block squeezed between platens on which it slides freely, irregular cloud.
 
-    Exact: F = diag(l, h) with l from P_11(l, h) = 0 of the compressible material and the platen
-    pressure -P_22; lengths over the block's, stresses over the shear modulus.
+    Parameters
+    ----------
+    walls : bool
+        Whether smooth walls keep the sides where they are; else these are free.
+
+    Returns
+    -------
+    stretch, pressure, width : ndarray, shape (n_steps,)
+        Height and width over the undeformed ones, force per undeformed width.
     """
-    grid = Grid(12, 6)
+    grid = Grid(*cells)
     X = scattered(grid, 0.25, seed) * [2.0, 1.0]
-    fixed = fixed_components(len(X), x=[grid.bottom[0]], y=[*grid.bottom, *grid.top])
-    material = MooneyRivlin(0.4, 0.1, bulk_ratio)
-    disc = discretize(grid_body(grid, X, fixed), X)
+    held = [*grid.left, *grid.right] if walls else [grid.bottom[0]]
+    fixed = fixed_components(len(X), x=held, y=[*grid.bottom, *grid.top])
     target = np.zeros_like(X)
     target[grid.top, 1] = final_stretch - 1.0
-    path = solve_free(disc, material, ramp(target, n_steps))
-    stretch = np.linspace(1.0, final_stretch, n_steps + 1)[1:]
-    force = [internal_forces(disc, material, s.d)[grid.top, 1].sum() for s in path.nominal_steps]
-    ends = (grid.right, grid.left)
-    width = [
-        1.0 + np.subtract(*(path.displacement(k)[row, 0].mean() for row in ends)) / 2.0
-        for k in range(n_steps)
-    ]
+    body, imposed = grid_body(grid, X, fixed), grown(target, n_steps)
+    path = solve(body, X, (elastic_body(material),), n_steps, imposed, tight(material))
+    sides = np.array([path.displacement(k)[[grid.left, grid.right], 0] for k in range(n_steps)])
+    width = 1.0 + np.diff(sides.mean(axis=2), axis=1)[:, 0] / 2.0
+    pressure = -holding_forces(path)[:, grid.top, 1].sum(axis=1) / 2.0
+    return np.linspace(1.0, final_stretch, n_steps + 1)[1:], pressure, width
+
+
+def compress_block(bulk_ratio: float = 1e3, n_steps: int = 10) -> Compression:
+    """The block squeezed to half its height, its sides free; stresses over the shear modulus.
+
+    Exact: F = diag(l, h) with l from P_11(l, h) = 0 of the compressible material and the platen
+    pressure -P_22.
+    """
+    material = MooneyRivlin(0.4, 0.1, bulk_ratio)
+    stretch, pressure, width = squeeze(material, n_steps=n_steps)
     exact = np.array([free_width(h, material) for h in stretch])
     stress = [
         homogeneous_stress(np.diag(f), material)[1, 1] for f in zip(exact, stretch, strict=True)
     ]
-    return Compression(
-        stretch, -np.array(force) / 2.0, -np.array(stress), np.array(width), exact
-    )  # fmt: skip
+    return Compression(stretch, pressure, -np.array(stress), width, exact)

@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 
 from seal_mdao.analysis.body import Body, Discretization, discretize
-from seal_mdao.analysis.equations import tangent_layout
+from seal_mdao.analysis.equations import equation_numbers, tangent_layout
 from seal_mdao.rkpm.integration import CellTable
 from seal_mdao.rkpm.shape_functions import PointSet, ShapeTable
-from seal_mdao.rkpm.tables import PointTable, raw_table, transform_table
+from seal_mdao.rkpm.tables import PointTable, build_table, raw_table, transform_table
 
 
 def _points(body: Body, n_edge: int) -> tuple[PointSet, np.ndarray, np.ndarray]:
@@ -56,7 +56,7 @@ def _corrected(weights, normals, x, phi, grad):
     return grad[:q] + np.einsum("ql,ljn->qjn", m[:q], share)
 
 
-def discretize_quadratic(body: Body, particles: np.ndarray, n_edge: int = 3) -> Discretization:
+def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Discretization:
     """As ``discretize``, with quadratically consistent gradients at the quadrature points."""
     disc = discretize(body, particles)
     points, ends, reference = _points(body, n_edge)
@@ -76,6 +76,9 @@ def discretize_quadratic(body: Body, particles: np.ndarray, n_edge: int = 3) -> 
         body.edge_rule, disc.weights, PointTable(points, x, full, full), raw,
         transform_table(raw, disc.transformation),
     )  # fmt: skip
-    tables = [cells.raw, disc.contact.raw]
-    layout = tangent_layout(body.fixed, tables, disc.transformation, body.solver)
-    return replace(disc, cells=cells, layout=layout)
+    where = [term.point_set() for term in terms]
+    tables = [p and build_table(disc.cloud, p, disc.transformation) for p in where]
+    every = [cells.raw, *(table.raw for table in tables if table is not None)]
+    equations = equation_numbers(body.fixed, every, disc.transformation)
+    layout = tangent_layout(equations, every, disc.transformation, body.solver)
+    return replace(disc, cells=cells, tables=tuple(tables), layout=layout)

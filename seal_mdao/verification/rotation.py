@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import discretize
+from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, scattered
 from seal_mdao.verification.fields import piola_stresses
-from seal_mdao.verification.solving import solve_free
+from seal_mdao.verification.solving import solve, tight
 
 
 class Rotation(NamedTuple):
@@ -43,12 +44,12 @@ def rotate_body(degrees: float = 170.0, n_steps: int = 17, seed: int = 5) -> Rot
     X = scattered(grid, 0.3, seed)
     fixed = fixed_components(len(X), x=grid.left, y=grid.left)
     material = MooneyRivlin()
-    disc = discretize(grid_body(grid, X, fixed), X)
     angle = np.linspace(0.0, np.radians(degrees), n_steps + 1)
     places = np.array([X @ rotation_matrix(a).T for a in angle])
-    path = solve_free(disc, material, places - X)
+    body, imposed = grid_body(grid, X, fixed), ImposedDisplacements(places - X)
+    path = solve(body, X, (elastic_body(material),), n_steps, imposed, tight(material))
     stress, away = [], []
     for k, step in enumerate(path.nominal_steps):
-        stress.append(np.abs(piola_stresses(disc, material, step.d)).max())
+        stress.append(np.abs(piola_stresses(path, step)).max())
         away.append(np.abs(X + path.displacement(k) - places[k + 1]).max())
     return Rotation(angle[1:], np.array(stress) / material.shear_modulus, np.array(away))

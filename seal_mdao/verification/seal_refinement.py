@@ -6,8 +6,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.model import door_seal
-from seal_mdao.seal import SealResult, analyze
+from seal_mdao.seals.door.door_seal import DOOR, door_seal
+from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import analyze
 from seal_mdao.verification.flat_door_reference import BOUNDARY, REACTION
 
 LEVELS = ((58, 3), (116, 5), (174, 7))
@@ -37,10 +38,9 @@ class SealLevel(NamedTuple):
 def corner_level(rays: int, layers: int, n_steps: int = 105) -> SealLevel:
     """Reaction and opened stretch of the drawn seal with ``rays`` x ``layers`` particles."""
     result = analyze(door_seal(rays=rays, layers=layers, n_steps=n_steps))
-    end = result.end
-    opened = opened_points(end.after.state)
-    gap, length = end.gap[opened], result.path.discretization.contact_length[opened]
-    return SealLevel(rays, layers, end.reaction, float(gap.max()), float(length @ gap**2))
+    opened = opened_points(result.contact.state)
+    gap, length = result.contact.gap[opened], result.term(DOOR).length[opened]
+    return SealLevel(rays, layers, result.reaction[-1], float(gap.max()), float(length @ gap**2))
 
 
 class FlatLevel(NamedTuple):
@@ -71,12 +71,12 @@ def flat_level(rays: int, layers: int) -> FlatLevel:
     return FlatLevel(rays, layers, error, _boundary_error(result))
 
 
-def _boundary_error(result: SealResult) -> float:
+def _boundary_error(result: DoorSealResult) -> float:
     mirrored = BOUNDARY * [-1.0, 1.0, -1.0, 1.0]
     undeformed, deformed = np.hsplit(np.vstack([BOUNDARY, mirrored]), 2)
-    outer = result.model.body.contact
+    outer = result.seal.grid.free_outer
     distance, nearest = cKDTree(result.particles[outer]).query(undeformed)
     if distance.max() > 1e-5:
         raise ValueError("the particles do not include those of the reference")
-    place = (result.particles + result.path.displacement())[outer[nearest]]
+    place = result.deformed()[outer[nearest]]
     return float(np.hypot(*(place - deformed).T).max())

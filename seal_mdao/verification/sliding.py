@@ -4,15 +4,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.load_path import solve_path
-from seal_mdao.analysis.loading import LoadProgram
-from seal_mdao.analysis.loads import internal_forces
 from seal_mdao.contact.friction import SLIP, ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.profile import circle_profile, flat_profile
+from seal_mdao.geometry.shape import GivenShape
+from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, row_contact
-from seal_mdao.verification.solving import completed
+from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, row_points
+from seal_mdao.verification.solving import holding_forces, solve
 
 MATERIAL = MooneyRivlin(80.0, 20.0, 2000.0)
 
@@ -47,19 +48,20 @@ def drag_block(friction: float = 0.3) -> DraggedBlock:
     grid = Grid(12, 6)
     X = grid.reference * [2.0, 1.0] - [1.0, 1.0]
     fixed = fixed_components(len(X), x=grid.bottom, y=grid.bottom)
-    disc = discretize(grid_body(grid, X, fixed, **row_contact(grid.top)), X)
-    down = np.column_stack([np.zeros(6), np.linspace(1e-3, -0.05, 6)])
-    travel = np.concatenate([np.linspace(0.0, 0.3, 16), np.linspace(0.3, -0.3, 31)[1:]])
-    along = np.column_stack([travel[1:], np.full(len(travel) - 1, -0.05)])
-    law = ContactLaw(1e5, 1e4, friction, True)
-    program = LoadProgram(np.vstack([down, along]))
-    path = completed(solve_path(disc, MATERIAL, flat_profile(), law, program))
-    steps = path.nominal_steps[5:]
-    force = np.array([s.reaction for s in steps])
-    base = np.array([internal_forces(disc, MATERIAL, s.d)[grid.bottom].sum(axis=0) for s in steps])
-    touching = [s.after.state[s.gap < 0.0] for s in steps]
+    # down in 5 steps, right in 15, left in 30
+    places = [(0.0, 1e-3), (0.0, -0.05), (0.3, -0.05), (-0.3, -0.05)]
+    motion = Motion(places, np.zeros(4), [5, 15, 30])
+    plane = RigidContact(
+        "plane", row_points(grid.top), GivenShape(flat_profile()), motion,
+        ContactLaw(1e5, 1e4, friction, True),
+    )  # fmt: skip
+    path = solve(grid_body(grid, X, fixed), X, (elastic_body(MATERIAL), plane), motion.n_steps)
+    travel = np.array([motion.coordinates(s.fraction)[0] for s in path.nominal_steps[5:]])
+    force = path.reaction("plane")[5:]
+    base = holding_forces(path)[5:, grid.bottom].sum(axis=1)
+    touching = [c.state[c.gap < 0.0] for c in path.at_nominal("plane")[5:]]
     return DraggedBlock(
-        travel[1:], force[:, 0] / force[:, 1], np.array([np.all(t == SLIP) for t in touching]),
+        travel, force[:, 0] / force[:, 1], np.array([np.all(t == SLIP) for t in touching]),
         base[:, 0] / base[:, 1],
     )  # fmt: skip
 
@@ -115,22 +117,24 @@ def pull_belt(friction: float = 0.3, thickness: float = 0.2, cells: int = 144) -
     X = hanging_belt(grid, thickness)
     ends = np.concatenate([grid.left, grid.right])
     fixed = fixed_components(len(X), x=ends, y=ends)
-    disc = discretize(grid_body(grid, X, fixed, **row_contact(grid.bottom)), X)
-    up, pull = np.linspace(-1e-6, 0.2, 6), np.linspace(0.0, 1.0, 11)
-    positions = np.column_stack([np.zeros(16), np.concatenate([up, np.full(10, 0.2)])])
-    imposed = np.zeros((16, len(X), 2))
-    imposed[6:, grid.right, 1] = -pull[1:, None]
-    law = ContactLaw(1e2, 1e2, friction, True)
-    program = LoadProgram(positions, imposed)
-    profile = circle_profile((0.0, 0.0), RADIUS)
-    step = completed(solve_path(disc, BELT, profile, law, program)).steps[-1]
-    force = internal_forces(disc, BELT, step.d)
+    motion = Motion([(0.0, -1e-6), (0.0, 0.2), (0.0, 0.2)], np.zeros(3), [5, 10])
+    pull = np.zeros((motion.n_steps + 1, len(X), 2))
+    pull[5:, grid.right, 1] = -np.linspace(0.0, 1.0, 11)[:, None]
+    cylinder = RigidContact(
+        "cylinder", row_points(grid.bottom), GivenShape(circle_profile((0.0, 0.0), RADIUS)), motion,
+        ContactLaw(1e2, 1e2, friction, True),
+    )  # fmt: skip
+    path = solve(
+        grid_body(grid, X, fixed), X, (elastic_body(BELT), cylinder), motion.n_steps,
+        ImposedDisplacements(pull),
+    )  # fmt: skip
+    force = holding_forces(path)[-1]
     ends_force = [force[row].sum(axis=0) for row in (grid.left, grid.right)]
     slack, tight = (float(np.hypot(*end)) for end in ends_force)
-    wrap, touching = turning(*ends_force), step.gap < 0.0
+    wrap, end = turning(*ends_force), path.at_nominal("cylinder")[-1]
     return Belt(
         thickness / RADIUS, wrap, (slack, tight), float(np.log(tight / slack)),
-        friction * wrap, bool(np.all(step.after.state[touching] == SLIP)),
+        friction * wrap, bool(np.all(end.state[end.gap < 0.0] == SLIP)),
     )  # fmt: skip
 
 

@@ -1,62 +1,56 @@
-"""Solving a body without a rigid profile: imposed displacements and dead loads only."""
+"""Load paths of the benchmarks, and the forces that hold their bodies."""
 
 import numpy as np
 
-from seal_mdao.analysis.body import Discretization
+from seal_mdao.analysis.body import Body, Discretization, discretize
 from seal_mdao.analysis.load_path import solve_path
-from seal_mdao.analysis.loading import LoadProgram
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import PathResult
-from seal_mdao.contact.friction import ContactLaw
-from seal_mdao.geometry.profile import flat_profile
-from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.loads.imposed import ImposedDisplacements
 
 
-def tight(material: MooneyRivlin) -> NewtonOptions:
+def tight(*materials) -> NewtonOptions:
     """Newton tolerance near what rounding leaves, which grows with the bulk modulus."""
-    ratio = material.bulk_modulus / material.shear_modulus
+    ratio = max(material.bulk_modulus / material.shear_modulus for material in materials)
     return NewtonOptions(tolerance=max(1e-11, 1e-14 * ratio))
 
 
-def ramp(values: np.ndarray, n_steps: int) -> np.ndarray:
-    """Nodal values (n, 2) grown from zero in equal steps, shape (n_steps + 1, n, 2)."""
-    return np.linspace(0.0, 1.0, n_steps + 1)[:, None, None] * values
+def ramp(n_steps: int) -> np.ndarray:
+    """From 0 to 1 in equal steps, shape (n_steps + 1,)."""
+    return np.linspace(0.0, 1.0, n_steps + 1)
 
 
-def solve_free(
-    disc: Discretization,
-    material: MooneyRivlin,
-    imposed: np.ndarray,
-    force: np.ndarray | None = None,
+def grown(values: np.ndarray, n_steps: int) -> ImposedDisplacements:
+    """Displacements (n, 2) imposed in equal steps."""
+    return ImposedDisplacements(ramp(n_steps)[:, None, None] * values)
+
+
+def solve(
+    body: Body, particles: np.ndarray, definitions, n_steps: int, imposed=None, options=None
 ) -> PathResult:
-    """Load path of a body that touches nothing.
-
-    Parameters
-    ----------
-    imposed : ndarray, shape (n_steps + 1, n, 2)
-        Displacements of the fixed components at the start and after every step.
-    force : ndarray, shape (n_steps + 1, n, 2), optional
-        Dead loads.
+    """Load path of a body under its terms; arguments as of ``PathProblem`` and ``solve_path``.
 
     Raises
     ------
     RuntimeError
         When the path cannot be completed.
     """
-    program = LoadProgram(np.zeros((len(imposed), 2)), imposed, force)
-    law = ContactLaw(1.0, 1.0, 0.0, True)
-    path = solve_path(disc, material, flat_profile(), law, program, tight(material))
-    return completed(path)
+    disc = discretize(body, particles, definitions)
+    return solve_discretized(disc, definitions, n_steps, imposed, options)
 
 
-def completed(path: PathResult) -> PathResult:
-    """The path itself, if it was completed.
-
-    Raises
-    ------
-    RuntimeError
-        With the place of the failure, when it was not.
-    """
+def solve_discretized(
+    disc: Discretization, definitions, n_steps: int, imposed=None, options=None
+) -> PathResult:
+    """As ``solve``, with the shape functions given."""
+    path = solve_path(PathProblem(disc, definitions, imposed), n_steps, options)
     if not path.converged:
         raise RuntimeError(f"the benchmark's load path ended at {path.failure}")
     return path
+
+
+def holding_forces(path: PathResult) -> np.ndarray:
+    """Forces that hold imposed components at every nominal step, shape (n_steps, n, 2)."""
+    structure = path.problem.term("structure")
+    return np.array([structure.forces(step.d) for step in path.nominal_steps])

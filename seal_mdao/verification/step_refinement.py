@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.model import door_seal
-from seal_mdao.seal import analyze, measure_points
+from seal_mdao.seals.door.door_seal import door_seal
+from seal_mdao.seals.door.measures import measure_points
+from seal_mdao.seals.result import analyze
 
 STEPS = (50, 100, 200, 400)
 
@@ -80,7 +81,7 @@ def refine_steps(friction_history: str, steps=STEPS, **changes) -> StepStudy:
     frozen = measure_points(door_seal(**changes)).gap
     reaction, gap = [], []
     for n in steps:
-        end = analyze(model.with_(n_steps=int(n))).end
-        reaction.append(end.reaction)
+        end = analyze(model.with_(n_steps=int(n))).contact
+        reaction.append(end.total)
         gap.append(float(end.gap[frozen] @ end.gap[frozen]))
     return StepStudy(np.array(steps), np.array(reaction), np.array(gap))

@@ -8,6 +8,7 @@ TOLERANCES = {
     "slope": 0.15,
     "cylinder": 5e-3,
     "cylinder_drift": 1e-3,
+    "layers": 1e-3,
     "flexure": 5e-3,
     "flexure_place": 2e-3,
     "cook_reference": 5e-4,

@@ -4,8 +4,8 @@ import numpy as np
 
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.dsa.sensitivity import Sensitivities, differentiate
-from seal_mdao.model import SealModel, door_seal
-from seal_mdao.seal import SealResult, analyze
+from seal_mdao.seals.door.door_seal import DoorSeal, door_seal
+from seal_mdao.seals.result import SealResult, analyze
 
 SCALARS = (
     "door_radius", "friction", "c10", "c01", "bulk_modulus", "depth", "normal_penalty",
@@ -27,7 +27,7 @@ RADIUS = 4.05
 NEARLY_ZERO = 1e-2
 
 
-def case_model(friction: str, door: str, path: str) -> SealModel:
+def case_model(friction: str, door: str, path: str) -> DoorSeal:
     """A model of ``FRICTIONS`` x ``DOORS`` x ``PATHS``, pressed 7 mm (3 mm without friction)."""
     return door_seal(
         **{"depth": 7.0, "start": 10.03} | FRICTIONS[friction] | DOORS[door] | PATHS[path]
@@ -38,7 +38,7 @@ def analyze_case(friction: str, door: str, path: str, seed: int = 7) -> SealResu
     """That model at a random design within 0.04 mm of the drawn seal."""
     model = case_model(friction, door, path)
     offsets = np.random.default_rng(seed).uniform(-0.04, 0.04, model.n_offsets)
-    result = analyze(model, offsets, RADIUS, keep_factors=True)
+    result = analyze(model, offsets, {"door_radius": RADIUS}, keep_factors=True)
     result.require_converged()
     return result
 
@@ -49,8 +49,11 @@ def method_difference(result: SealResult) -> float:
     Relative to the derivative itself or, below 1 % of the largest one of its measure, to that;
     derivatives in scalars are multiplied by the scalar, so that those of a measure have one unit.
     """
-    direct, adjoint = (_table(differentiate(result, SCALARS, m)) for m in ("direct", "adjoint"))
-    size = np.array([*np.ones(result.model.n_offsets), *map(_value(result), SCALARS)])
+    direct, adjoint = (
+        _table(differentiate(result, SCALARS, method=method)) for method in ("direct", "adjoint")
+    )
+    scalars = [result.seal.scalars[name].value or 1.0 for name in SCALARS]
+    size = np.array([*np.ones(result.seal.n_offsets), *scalars])
     direct, adjoint = direct * size, adjoint * size
     entry = np.abs(direct)
     largest = entry.max(axis=1, keepdims=True)
@@ -61,15 +64,3 @@ def method_difference(result: SealResult) -> float:
 
 def _table(rates: Sensitivities) -> np.ndarray:
     return np.vstack([np.atleast_2d(getattr(rates, name)) for name in MEASURES])
-
-
-def _value(result: SealResult):
-    model = result.model
-
-    def value(name: str) -> float:
-        if name == "door_radius":
-            return result.door_radius
-        owner = model.material if hasattr(model.material, name) else model
-        return getattr(owner, name) or 1.0
-
-    return value

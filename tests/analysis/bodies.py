@@ -1,13 +1,24 @@
 """A small irregular square body, and dense copies of tangents in either layout."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from seal_mdao.analysis.body import Body, discretize
-from seal_mdao.analysis.internal_force import assemble_internal, internal_energy
 from seal_mdao.analysis.linear_solver import BandedStorage
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.shape_functions import PointSet
+from seal_mdao.structure.elastic_body import elastic_body
 
 CONSTANTS = (80.0, 20.0, 3000.0)
+
+
+@dataclass(frozen=True)
+class AnyConstants(MooneyRivlin):
+    """Without the checks: a single constant, which no rubber has."""
+
+    def __post_init__(self):
+        pass
 
 
 def square(rng, n=6, order=1, solver="auto", fixed="rim"):
@@ -26,16 +37,16 @@ def square(rng, n=6, order=1, solver="auto", fixed="rim"):
     return discretize(body, particles)
 
 
+def structure(disc, constants=CONSTANTS):
+    """The structural form on a body."""
+    return elastic_body(AnyConstants(*constants)).on(disc, 0)
+
+
 def internal(disc, d, constants=CONSTANTS, tangent=True):
     """Internal force (n_equations,) and the tangent buffer, through raw shape functions."""
-    layout = disc.layout
-    force = np.zeros(layout.force_size)
-    values = np.zeros(layout.size if tangent else 0)
-    bad = assemble_internal(
-        disc.cells.raw, disc.weights, constants, disc.transformation.coefficients(d),
-        layout.scatter[0], force, values,
-    )  # fmt: skip
-    assert bad == -1
+    layout, raw = disc.layout, disc.transformation.coefficients(d)
+    force, values = np.zeros(layout.force_size), np.zeros(layout.size if tangent else 0)
+    assert structure(disc, constants).add(d, raw, 0.0, None, force, values) is not None
     layout.condense_force(force)
     if tangent:
         layout.condense_tangent(values)
@@ -43,7 +54,7 @@ def internal(disc, d, constants=CONSTANTS, tangent=True):
 
 
 def energy(disc, d, constants=CONSTANTS):
-    return internal_energy(disc.cells.table, disc.weights, constants, d)
+    return structure(disc, constants).energy(d)
 
 
 def dense(layout, values):

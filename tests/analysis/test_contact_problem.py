@@ -12,6 +12,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
+from seal_mdao.verification.differences import contact_states
 
 
 @pytest.fixture(scope="module", params=["accumulated", "incremental"])
@@ -23,16 +24,18 @@ def pressed(request, drawn, drawn_model):
 
 
 def problem_of(result):
-    model = result.model
-    return PathProblem(
-        result.path.discretization, model.material, model.profile(result.door_radius), model.law
-    )
+    return PathProblem(result.path.discretization, result.seal.terms())
 
 
-def interesting(path):
+def state_of(problem):
+    """Contact states at the displacements assembled last."""
+    return problem.responses[1].state.copy()
+
+
+def interesting(result):
     """The last steps with a point that begins to touch, and with many sticking or slipping points."""
-    before = np.array([s.before.state for s in path.steps])
-    after = path.contact_state
+    path, after = result.path, contact_states(result)
+    before = np.array([step.before[path.place("door")].state for step in path.steps])
     touching = ((before == OPEN) & (after != OPEN)).any(axis=1)
     sticking, slipping = (after == STICK).sum(axis=1), (after == SLIP).sum(axis=1)
     places = {np.flatnonzero(touching)[-1], sticking.argmax(), slipping.argmax(), len(after) - 1}
@@ -40,8 +43,8 @@ def interesting(path):
 
 
 def residual(problem, step, d):
-    problem.direction[:] = 0
-    assert problem.assemble(d, step.loading, step.before)
+    problem.begin()
+    assert problem.assemble(d, step.fraction, step.before)
     return problem.residual()[0].copy()
 
 
@@ -49,28 +52,29 @@ def test_converged_steps_are_in_equilibrium(pressed):
     """And are found again from the record, whatever slip directions an iteration left behind."""
     problem = problem_of(pressed)
     for place, step in enumerate(pressed.path.steps[::5]):
-        problem.direction[:] = place % 3 - 1
+        problem.term("door")._direction[:] = place % 3 - 1
         problem.assemble_at(step)
         _, size, rounding = problem.residual()
         assert size <= 1e-11 or rounding
-        np.testing.assert_array_equal(problem.state, step.after.state)
-        np.testing.assert_array_equal(problem.force, step.force)
-        np.testing.assert_array_equal(problem.kept, step.after.variables)
+        found, kept = problem.responses[1], pressed.response("door", step)
+        np.testing.assert_array_equal(found.state, kept.state)
+        np.testing.assert_array_equal(found.force, kept.force)
+        np.testing.assert_array_equal(found.history.variables, kept.history.variables)
 
 
 def test_tangent_is_the_derivative_of_the_residual(pressed, rng):
     """Rubber, stick, slip, first touch and curvature together; five-point differences."""
     problem = problem_of(pressed)
     layout = pressed.path.discretization.layout
-    for step in interesting(pressed.path):
+    for step in interesting(pressed):
         problem.assemble_at(step)
-        matrix, state = dense(layout, problem.values), problem.state.copy()
+        matrix, state = dense(layout, problem.values), state_of(problem)
         direction = rng.standard_normal(layout.n_equations)
         spread, h = layout.gather(direction), 1e-6
         values = []
         for k in (-2, -1, 1, 2):
             values.append(residual(problem, step, step.d + k * h * spread))
-            np.testing.assert_array_equal(problem.state, state)
+            np.testing.assert_array_equal(state_of(problem), state)
         slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h)
         exact = matrix @ direction
         np.testing.assert_allclose(slope, exact, rtol=0.0, atol=2e-8 * np.abs(exact).max())
@@ -81,15 +85,15 @@ def test_error_after_one_iteration_is_quadratic_in_the_error_before(pressed, rng
     problem = problem_of(pressed)
     layout = pressed.path.discretization.layout
     once = sm.NewtonOptions(tolerance=1e-30, max_iterations=1)
-    for step in interesting(pressed.path):
+    for step in interesting(pressed):
         direction = layout.gather(rng.standard_normal(layout.n_equations))
         size = []
         for h in (2e-6, 1e-6, 5e-7):
             status, _, residuals = newton(
-                problem, step.d + h * direction, step.loading, step.before, once
+                problem, step.d + h * direction, step.fraction, step.before, once
             )
             assert status is Status.NOT_CONVERGED
-            np.testing.assert_array_equal(problem.state, step.after.state)
+            np.testing.assert_array_equal(state_of(problem), step.responses[1].state)
             size.append(residuals)
         before, after = np.log(size).T
         order = np.diff(after) / np.diff(before)
@@ -117,13 +121,13 @@ def test_predictor_is_second_order_accurate_in_the_step(drawn):
     problem.assemble_at(step)
     factor = drawn.path.discretization.layout.factorize(problem.values).kept()
     errors = []
-    for share in (0.02, 0.01, 0.005):
-        target = step.loading._replace(position=step.position - np.array([0.0, share]))
+    for share in (0.2, 0.1, 0.05):
+        target = step.fraction + share
         problem.assemble_at(step)
         guess = problem.predict(step, factor, target)[0]
         status, d, _ = newton(problem, guess, target, step.after, sm.NewtonOptions(1e-12))
         assert status is Status.CONVERGED
-        np.testing.assert_array_equal(problem.state, step.after.state)
+        np.testing.assert_array_equal(state_of(problem), step.responses[1].state)
         errors.append(np.abs(guess - d).max())
     assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 1.8)
 

@@ -4,36 +4,34 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.analysis.internal_force import internal_energy
 from seal_mdao.contact.friction import OPEN, SLIP
 
 
 def work(result):
     """Work of the door by the trapezoidal rule, at every nominal step."""
     force = np.concatenate([[0.0], result.reaction[:, 1]])
-    down = -np.diff(result.model.positions[:, 1])
+    down = -np.diff(np.concatenate([[result.seal.start], result.door_positions]))
     return np.cumsum(0.5 * (force[1:] + force[:-1]) * down)
 
 
 def stored(result):
     """Strain energy, normal penalty energy and elastic slip energy at every nominal step."""
-    model, disc = result.model, result.path.discretization
-    constants = (model.material.c10, model.material.c01, model.material.bulk_modulus)
+    seal, structure, length = result.seal, result.term("structure"), result.term("door").length
     out = []
     for step in result.path.nominal_steps:
-        strain = internal_energy(disc.cells.table, disc.weights, constants, step.d)
-        closed = step.gap < 0.0
-        normal = 0.5 * model.normal_penalty * np.sum((disc.contact_length * step.gap**2)[closed])
-        slip = step.after.variables[closed, 2]
-        tangential = 0.5 * model.tangent_penalty * np.sum(disc.contact_length[closed] * slip**2)
-        out.append(strain + normal + tangential)
+        door = result.response("door", step)
+        closed = door.gap < 0.0
+        normal = 0.5 * seal.normal_penalty * np.sum((length * door.gap**2)[closed])
+        slip = door.history.variables[closed, 2]
+        tangential = 0.5 * seal.tangent_penalty * np.sum(length[closed] * slip**2)
+        out.append(structure.energy(step.d) + normal + tangential)
     return np.array(out)
 
 
 def test_without_friction_the_work_is_stored(frictionless):
     """Error of the trapezoidal rule only: it falls with the square of the step."""
     coarse = frictionless
-    fine = sm.analyze(coarse.model.with_(n_steps=140))
+    fine = sm.analyze(coarse.seal.with_(n_steps=140))
     errors = [abs(work(r)[-1] - stored(r)[-1]) / stored(r)[-1] for r in (coarse, fine)]
     assert errors[0] < 2e-3
     assert errors[1] < errors[0] / 8
@@ -41,23 +39,24 @@ def test_without_friction_the_work_is_stored(frictionless):
 
 def dissipated(result):
     """Work of the friction traction on the inelastic slip, straight door (v = 1), per step."""
-    model, length = result.model, result.path.discretization.contact_length
-    out = []
+    length, place, out = result.term("door").length, result.path.place("door"), []
     for step in result.path.nominal_steps:
-        before, after = step.before.variables, step.after.variables
+        began, door = step.before[place], step.responses[place]
+        before, after = began.variables, door.history.variables
         slid = after[:, 0] - before[:, 0]
-        was_open = step.before.state == OPEN
-        share = np.where(was_open, step.gap / (step.gap - before[:, 2]), 1.0)
+        was_open = began.state == OPEN
+        share = np.where(was_open, door.gap / (door.gap - before[:, 2]), 1.0)
         inelastic = slid * share - (after[:, 2] - np.where(was_open, 0.0, before[:, 2]))
-        slips = step.after.state == SLIP
-        out.append(np.sum((model.tangent_penalty * after[:, 2] * inelastic * length)[slips]))
+        slips = door.state == SLIP
+        penalty = result.seal.tangent_penalty
+        out.append(np.sum((penalty * after[:, 2] * inelastic * length)[slips]))
     return np.array(out)
 
 
 def test_with_friction_the_rest_of_the_work_is_dissipated(flat):
     """Sliding takes energy at every step, and the balance closes as the steps are refined."""
     errors = []
-    for result in (flat, sm.analyze(flat.model.with_(n_steps=420))):
+    for result in (flat, sm.analyze(flat.seal.with_(n_steps=420))):
         lost = dissipated(result)
         assert np.all(lost >= 0.0)
         balance = work(result) - stored(result) - np.cumsum(lost)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bodies import dense, internal, square, wave
 
-from seal_mdao.analysis.equations import tangent_layout
+from seal_mdao.analysis.equations import equation_numbers, tangent_layout
 from seal_mdao.analysis.linear_solver import SOLVERS, BandedStorage
 
 
@@ -92,7 +92,8 @@ def test_components_can_be_fixed_one_by_one(rng):
     disc = square(rng, fixed="nothing")
     fixed = np.zeros((36, 2), bool)
     fixed[:6, 0], fixed[0, 1] = True, True
-    layout = tangent_layout(fixed, [disc.cells.table], solver="banded")
+    tables = [disc.cells.table]
+    layout = tangent_layout(equation_numbers(fixed, tables), tables, solver="banded")
     assert layout.n_equations == 72 - 7
     np.testing.assert_array_equal(layout.equations < 0, fixed)
 
@@ -100,7 +101,7 @@ def test_components_can_be_fixed_one_by_one(rng):
 def test_unknown_solver_is_refused(rng):
     disc = square(rng)
     with pytest.raises(ValueError, match="solver"):
-        tangent_layout(disc.body.fixed, [disc.cells.table], solver="cholesky")
+        tangent_layout(disc.layout.equations, [disc.cells.table], solver="cholesky")
     assert "cholesky" not in SOLVERS
 
 

@@ -7,16 +7,17 @@ import pytest
 from lines import check, slopes
 
 import seal_mdao as sm
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, STICK
-from seal_mdao.dsa.sensitivity import path_problem
+from seal_mdao.verification.differences import beside
 
 # little friction; the last point that sticks begins to slide near the end of the path (0.01 mm)
 OFFSETS = 0.01 * np.array([
     17, -6, -23, 36, -32, -49, 15, 22, -10, -49, 21, 7, -25, 20, 15, 23, 27, 37, 17, -8, -15, 13, 24,
     19, 12,
 ])  # fmt: skip
-RADIUS = 3.62
+RADIUS = {"door_radius": 3.62}
 NEWTON = sm.NewtonOptions(tolerance=1e-11)
 STEP = 5e-6
 
@@ -41,7 +42,7 @@ def stuck(model):
 def test_newton_alone_ends_where_the_last_point_begins_to_slide(stuck):
     assert stuck.path.status is Status.NOT_CONVERGED
     assert stuck.path.step_cuts >= 8
-    states = stuck.path.steps[-1].after.state
+    states = stuck.response("door", stuck.path.steps[-1]).state
     assert np.sum(states == STICK) == 1
 
 
@@ -60,22 +61,23 @@ def test_damped_motion_completes_the_path(sliding, stuck):
 
 def test_what_it_finds_is_equilibrium(sliding, stuck, model):
     path = sliding.path
-    problem = path_problem(sliding)
+    problem = PathProblem(path.discretization, sliding.seal.terms())
     relaxed = path.steps[len(stuck.path.steps)]
     problem.assemble_at(relaxed)
     _, size, rounding = problem.residual()
     assert size <= model.newton.tolerance or rounding
-    np.testing.assert_array_equal(problem.state, relaxed.after.state)
-    assert np.sum(problem.state != OPEN) > 2
+    state = problem.responses[path.place("door")].state
+    np.testing.assert_array_equal(state, sliding.response("door", relaxed).state)
+    assert np.sum(state != OPEN) > 2
 
 
 def test_derivatives_pass_through_it(sliding, model, rng):
     way = rng.uniform(-1.0, 1.0, model.n_offsets)
 
-    def beside(t):
-        return sm.analyze(model, OFFSETS + t * way, RADIUS, points=sliding.points)
+    def moved(t):
+        return beside(sliding, OFFSETS + t * way)
 
-    found = slopes(sliding, beside, STEP)
+    found = slopes(sliding, moved, STEP)
     check(found, sm.differentiate(sliding), np.append(way, 0.0))
 
 

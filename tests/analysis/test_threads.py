@@ -126,8 +126,8 @@ def test_threads_share_a_result(method):
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda _: sm.differentiate(result, method=method), range(4)))
     for rates in found:
-        for name in ("von_mises", "gap", "reaction", "area"):
-            np.testing.assert_array_equal(getattr(rates, name), getattr(exact, name))
+        for name in ("von_mises", "gap", "reaction"):
+            np.testing.assert_array_equal(rates[name], exact[name])
 
 
 BITS = """
@@ -144,12 +144,12 @@ def blas():
 def bits(seed):
     model = sm.door_seal(depth=1.5, n_steps=12, solver=SOLVER)
     offsets = np.random.default_rng(seed).uniform(-0.1, 0.1, model.n_offsets)
-    result = sm.analyze(model, offsets, 4.0 + 0.01 * seed, keep_factors=True)
+    result = sm.analyze(model, offsets, {"door_radius": 4.0 + 0.01 * seed}, keep_factors=True)
     rates = sm.differentiate(result, ("door_radius", "friction"), method=METHODS[seed % 2])
     everything = [
-        result.deformed(), result.reaction, result.area, result.stress_field(), result.end.gap,
+        result.deformed(), result.reaction, result.area, result.stress_field(), result.contact.gap,
         result.von_mises, result.gap, result.gap_square_sum, rates.von_mises, rates.gap,
-        rates.gap_square_sum, rates.reaction, rates.area,
+        rates.gap_square_sum, rates.reaction,
     ]
     return [hashlib.sha256(np.ascontiguousarray(x).tobytes()).hexdigest() for x in everything]
 

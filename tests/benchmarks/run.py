@@ -23,7 +23,6 @@ from threadpoolctl import threadpool_limits
 
 import seal_mdao as sm
 from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.internal_force import assemble_internal
 from seal_mdao.analysis.linear_solver import BandedStorage
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.problem import PathProblem
@@ -49,11 +48,11 @@ def dense_reference(n):
     return best(lambda: scipy.linalg.lu_solve(scipy.linalg.lu_factor(matrix), rhs), 30)
 
 
-def kernel_times(model):
+def kernel_times(seal):
     """Times of the parts of a Newton iteration at the end of the path, s."""
-    result = sm.analyze(model)
+    result = sm.analyze(seal)
     disc, (before, step) = result.path.discretization, result.path.steps[-2:]
-    problem = PathProblem(disc, model.material, model.profile(result.door_radius), model.law)
+    problem, structure = result.path.problem, result.term("structure")
     rhs, layout = np.ones(disc.layout.n_equations), disc.layout
     raw = disc.transformation.coefficients(step.d)
     problem.assemble_at(before)
@@ -64,10 +63,7 @@ def kernel_times(model):
         layout.factorize(problem.values)
 
     def internal():
-        assemble_internal(
-            disc.cells.raw, disc.weights, problem.constants, raw, layout.scatter[0],
-            problem.internal, problem.values,
-        )  # fmt: skip
+        structure.add(step.d, raw, step.fraction, None, problem.forces[0], problem.values)
 
     assemble = best(lambda: problem.assemble_at(step), 100)
     cells = best(internal, 100)
@@ -78,27 +74,27 @@ def kernel_times(model):
         "contact, condensation": assemble - cells,
         "factorisation": best(factorize, 100) - assemble,
         "solution": best(lambda: factor.solve(rhs), 100),
-        "predictor": best(lambda: problem.predict(before, factor, step.loading), 100),
+        "predictor": best(lambda: problem.predict(before, factor, step.fraction), 100),
     }
 
 
-def analysis_figures(model):
+def analysis_figures(seal):
     """Analysis and sensitivities of the drawn seal: absolute times (ms) and ratios."""
-    parts = kernel_times(model)
+    parts = kernel_times(seal)
     dense = dense_reference(parts["n_equations"])
-    analysis = best(lambda: sm.analyze(model), 7)
-    result = sm.analyze(model, keep_factors=True)
-    iterations = int(result.newton_iterations.sum())
+    analysis = best(lambda: sm.analyze(seal), 7)
+    result = sm.analyze(seal, keep_factors=True)
+    iterations, measures = int(result.newton_iterations.sum()), result.measures()
     times = {
         (method, which): best(lambda f=function, m=method: f(result, method=m), 5)
         for method in ("direct", "adjoint")
         for which, function in (("26 parameters", sm.differentiate),)
     }
     times["adjoint", "all particle coordinates"] = best(
-        lambda: particle_gradient(result, method="adjoint"), 5
+        lambda: particle_gradient(result, seal.inputs, measures, "adjoint"), 5
     )
     times["direct", "all particle coordinates"] = best(
-        lambda: particle_gradient(result, method="direct"), 1
+        lambda: particle_gradient(result, seal.inputs, measures, "direct"), 1
     )
     iteration = parts["assembly"] + parts["factorisation"] + parts["solution"]
     return {
@@ -112,11 +108,11 @@ def analysis_figures(model):
     }
 
 
-def openmdao_figures(model):
+def openmdao_figures(seal):
     """``compute_totals`` over ``run_model``."""
-    prob = om.Problem(sm.SealGroup(model=model), reports=None)
+    prob = om.Problem(sm.SealGroup(seal=seal), reports=None)
     prob.setup()
-    design = np.zeros(model.n_offsets)
+    design = np.zeros(seal.n_offsets)
     run, totals = [], []
     for k in range(4):
         design[:] = 1e-3 * k
@@ -128,30 +124,31 @@ def openmdao_figures(model):
     return {"compute_totals / run_model": min(totals[1:]) / min(run[1:])}
 
 
-def pressed_steps(model):
+def problem_of(seal):
+    """The drawn seal with its terms."""
+    terms = seal.terms()
+    return PathProblem(discretize(seal.body, seal.drawn_particles, terms), terms)
+
+
+def pressed_steps(seal):
     """Load steps after that of the first touch: their times (s), their iterations, and the path."""
     clock = []
     path = solve_path(
-        discretize(model.body, model.drawn_particles), model.material,
-        model.profile(model.drawn_door_radius), model.law, model.program, model.newton,
+        problem_of(seal), seal.n_steps, seal.newton,
         callback=lambda step: clock.append(time.perf_counter()),
     )  # fmt: skip
-    touched = int(np.argmax(path.n_contact > 0))
+    touched = int(np.argmax([response.branch.any() for response in path.at_nominal("door")]))
     return np.diff(clock)[touched:], path.newton_iterations[touched + 1 :], path
 
 
-def is_banded(model):
+def is_banded(seal):
     """Whether the solver chosen by default is the banded one."""
-    layout = discretize(model.body, model.drawn_particles).layout
-    return isinstance(layout.storage, BandedStorage)
+    return isinstance(problem_of(seal).discretization.layout.storage, BandedStorage)
 
 
-def tangent_time(model, path):
+def tangent_time(path):
     """Assembly, factorisation and one solution at the end of a path, s."""
-    problem = PathProblem(
-        path.discretization, model.material, model.profile(model.drawn_door_radius), model.law
-    )
-    rhs = np.ones(path.discretization.layout.n_equations)
+    problem, rhs = path.problem, np.ones(path.discretization.layout.n_equations)
 
     def iteration():
         problem.assemble_at(path.steps[-1])
@@ -180,16 +177,16 @@ def growth(largest, solver):
     for rays, layers in CLOUDS:
         if rays * layers > largest:
             break
-        model = sm.door_seal(rays=rays, layers=layers, start=9.6, depth=0.7, n_steps=8)
-        if not is_banded(model):
-            model = model.with_(solver=solver)
-        runs = [pressed_steps(model) for _ in range(5 if rays * layers < 5000 else 1)]
+        seal = sm.door_seal(rays=rays, layers=layers, start=9.6, depth=0.7, n_steps=8)
+        if not is_banded(seal):
+            seal = seal.with_(solver=solver)
+        runs = [pressed_steps(seal) for _ in range(5 if rays * layers < 5000 else 1)]
         times, iterations, path = min(runs, key=lambda run: run[0].sum())
-        name = "banded" if model.solver == "auto" else solver
+        name = "banded" if seal.solver == "auto" else solver
         cloud = f"{rays} x {layers} particles, {name} (ms)"
         rows["load step"][cloud] = 1e3 * times.mean()
         rows["iteration"][cloud] = 1e3 * times.sum() / iterations.sum()
-        rows["assembly, factorisation, solution"][cloud] = 1e3 * tangent_time(model, path)
+        rows["assembly, factorisation, solution"][cloud] = 1e3 * tangent_time(path)
         sizes.append(rays * layers)
     figures = {f"{kind}, {cloud}": t for kind, row in rows.items() for cloud, t in row.items()}
     if len(sizes) > 1:
@@ -207,11 +204,11 @@ def shares(largest):
     for rays, layers in CLOUDS:
         if rays * layers > largest:
             break
-        model = sm.door_seal(rays=rays, layers=layers, depth=0.3, n_steps=8)
+        seal = sm.door_seal(rays=rays, layers=layers, depth=0.3, n_steps=8)
         repeats = 3 if rays * layers < 5000 else 1
-        analysis = best(lambda model=model: sm.analyze(model), repeats)
-        result = sm.analyze(model, keep_factors=True)
-        _ = result.points  # chosen once for a model, with an analysis of the drawn seal
+        analysis = best(lambda seal=seal: sm.analyze(seal), repeats)
+        result = sm.analyze(seal, keep_factors=True)
+        _ = result.points  # chosen once for a seal, with an analysis of the drawn seal
         for method in ("direct", "adjoint"):
             time_of = best(lambda r=result, m=method: sm.differentiate(r, method=m), repeats)
             rows[f"{method} / analysis, {rays} x {layers} particles"] = time_of / analysis
@@ -275,11 +272,11 @@ def main(argv=None):
     parser.add_argument("--out", type=Path, help="write benchmarks.json and benchmarks.md there")
     parser.add_argument("--largest", type=int, default=21_000, help="largest cloud (particles)")
     arguments = parser.parse_args(argv)
-    model = sm.door_seal()
+    seal = sm.door_seal()
     with threadpool_limits(1):
         figures = {
-            "drawn seal, 174 particles": analysis_figures(model),
-            "through OpenMDAO": openmdao_figures(model),
+            "drawn seal, 174 particles": analysis_figures(seal),
+            "through OpenMDAO": openmdao_figures(seal),
             **{f"growth, {s}": growth(arguments.largest, s) for s in sparse_solvers()},
             "sensitivities of 8 steps": shares(arguments.largest),
             "start": start_up(),

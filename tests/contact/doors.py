@@ -2,25 +2,31 @@
 
 import numpy as np
 
-from seal_mdao.contact.friction import ContactHistory, contact_linearization, contact_points
+from seal_mdao.contact.friction import (
+    SHAPE,
+    ContactHistory,
+    contact_linearization,
+    contact_points,
+)
+from seal_mdao.geometry.curve import ARC, curve_point, curve_velocity
+from seal_mdao.geometry.pose import Pose
 from seal_mdao.geometry.profile import (
-    ARC,
-    RigidProfile,
     circle_profile,
     corner_profile,
-    curve_point,
-    curve_velocity,
     flat_profile,
+    rigid_profile,
     segmented_corner_profile,
 )
+
+AT_REST = Pose.of((0.0, 0.0))
 
 
 def hollow(radius):
     """A rigid bore with the body inside: an arc walked clockwise, radius negative."""
-    one = np.ones(1)
-    return RigidProfile.of(
-        np.array([ARC]), np.array([[0.5, 0.2]]), np.array([2.0]), np.array([-radius]),
-        0 * one, np.array([2 * np.pi * radius]), np.zeros((1, 2)), 0 * one, -one, 0 * one,
+    way = 2 * np.pi
+    return rigid_profile(
+        [ARC], [(0.5, 0.2)], [2.0], [-radius], [0.0], [way * radius], radius_rate=[[-1.0]],
+        period=way * radius, period_rate=[way],
     )  # fmt: skip
 
 
@@ -39,9 +45,11 @@ def curve(profile, piece, xi):
     return np.array(curve_point(profile, piece, xi))
 
 
-def velocity(profile, piece, xi):
-    """V_c, V_c,xi, V_c,xixi as an array (3, 2)."""
-    return np.array(curve_velocity(profile, piece, xi))
+def velocity(profile, piece, xi, shape=0):
+    """V_c, V_c,xi, V_c,xixi as an array (3, 2); zero for a profile without shape parameters."""
+    if profile.n_shapes == 0:
+        return np.zeros((3, 2))
+    return np.array(curve_velocity(profile, shape, piece, xi))
 
 
 def normal(profile, piece, xi):
@@ -57,26 +65,26 @@ def at_gap(profile, piece, share, gap):
     return curve(profile, piece, xi)[0] + gap * normal(profile, piece, xi), xi
 
 
-def press(profile, law, x, history, direction=0, length=1.0):
+def press(profile, law, x, history, direction=0, length=1.0, pose=AT_REST):
     """``contact_points`` for one point: force, tangent, state, kept, gap, made to stick, direction."""
     state, variables = history
     before = ContactHistory(np.array([state]), np.array([variables], float))
     way, force, tangent = np.array([direction]), np.empty((1, 2)), np.empty((1, 2, 2))
     after, kept, gap = np.empty(1, np.int64), np.empty((1, 3)), np.empty(1)
     made = contact_points(
-        profile, law, np.zeros(2), np.array([x], float), np.array([float(length)]), before, way,
+        profile, law, pose, np.array([x], float), np.array([float(length)]), before, way,
         force, tangent, after, kept, gap,
     )  # fmt: skip
     return force[0], tangent[0], int(after[0]), kept[0], float(gap[0]), made, int(way[0])
 
 
-def linearized(profile, law, x, history, length=1.0):
-    """``contact_linearization`` for one point, (6, 10)."""
+def linearized(profile, law, x, history, length=1.0, pose=AT_REST):
+    """``contact_linearization`` for one point, (6, SHAPE + S)."""
     state, variables = history
     before = ContactHistory(np.array([state]), np.array([variables], float))
-    out = np.full((1, 6, 10), np.nan)
+    out = np.full((1, 6, SHAPE + profile.n_shapes), np.nan)
     contact_linearization(
-        profile, law, np.zeros(2), np.array([x], float), np.array([float(length)]), before,
+        profile, law, pose, np.array([x], float), np.array([float(length)]), before,
         np.array([0]), out,
     )  # fmt: skip
     return out[0]

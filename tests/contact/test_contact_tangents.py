@@ -114,7 +114,7 @@ def test_slip_tangent_is_the_closed_form_and_not_symmetric(form, piece, gap, sig
     profile, x, xi, args = placed(form, piece, gap)
     size_0 = 0.9
     _, tangent, state, *_ = press(
-        profile, LAW, x, (STICK, (xi - 50.0 * sign, size_0, 0.0)), length=1.7
+        profile, LAW, x, (STICK, (xi - 10.0 * sign, size_0, 0.0)), length=1.7
     )
     e_t, e_n, size, alpha, _, _, c, _ = args
     closed = normal_form(LAW, e_t, e_n, alpha, c, gap)

@@ -44,3 +44,19 @@ def test_analysis_without_openmdao(run_page, capsys):
     assert square == names["result"].gap_square_sum
     assert names["rates"].parameters[-1] == "friction"
     assert by_friction == names["rates"].gap_square_sum[-1] < 0.0
+
+
+def test_extensions(run_page, docs, capsys):
+    """The page shows the tested files; alone and in OpenMDAO they give the same derivatives."""
+    text = (docs / "extend.md").read_text(encoding="utf-8")
+    shown = [docs / path for path in re.findall(r"{literalinclude} (\S+)", text)]
+    assert {path.stem for path in shown} == {
+        "arruda_boyce", "elastic_foundation", "ellipse", "highest_point", "pressed_block",
+    }  # fmt: skip
+    assert all(path.is_file() for path in shown)
+    alone, openmdao = run_page("extend.md")
+    slopes = dict(zip(alone["rates"].parameters, alone["rates"].highest_point[0], strict=True))
+    assert len(capsys.readouterr().out.splitlines()) == len(slopes)
+    totals = openmdao["totals"]
+    size = max(abs(slope) for slope in slopes.values())
+    assert abs(totals["highest_point", "roll_a"][0, 0] - slopes["roll_a"]) <= 1e-9 * size

@@ -7,8 +7,9 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
-from seal_mdao.measures.selection import local_maxima, opened_points, stress_points
-from seal_mdao.seal import analyze_particles, measure_points
+from seal_mdao.measures.selection import boundary_peaks, local_maxima, opened_points
+from seal_mdao.seals.door.measures import measure_points
+from seal_mdao.seals.result import analyze_particles
 
 
 def test_local_maxima_of_an_open_row_leave_out_its_ends():
@@ -28,7 +29,7 @@ def test_stress_points_are_the_largest_maxima_of_all_rows_largest_first(rng):
     stress[:20], stress[20:] = np.tile([1.0, 2.0], 10), np.tile([1.0, 3.0], 10)
     stress[[3, 25, 9]] += [4.0, 7.0, 2.0]
     rows = [(np.arange(20), False), (np.arange(20, 40), True)]
-    found = stress_points(rows, stress, 5)
+    found = boundary_peaks(rows, stress, 5)
     np.testing.assert_array_equal(found[:3], [25, 3, 9])
     assert np.all(np.diff(stress[found]) <= 0.0)
     assert np.all(found[3:] >= 20)
@@ -36,7 +37,7 @@ def test_stress_points_are_the_largest_maxima_of_all_rows_largest_first(rng):
 
 def test_stress_points_fall_back_on_other_boundary_values():
     stress = np.arange(10.0)
-    found = stress_points([(np.arange(10), False)], stress, 3)
+    found = boundary_peaks([(np.arange(10), False)], stress, 3)
     np.testing.assert_array_equal(found, [9, 8, 7])
 
 
@@ -67,18 +68,18 @@ def test_points_of_the_drawn_seal(drawn, drawn_model):
         assert stress[particle] > stress[row[(place + 1) % len(row)]]
     assert np.all(np.diff(stress[points.stress]) < 0.0)
     assert np.all(np.diff(points.gap) == 1)
-    assert np.all(drawn.end.gap[points.gap] > 0.0)
-    assert drawn.end.gap[points.gap[0] - 1] < 0.0
-    assert drawn.end.gap[points.gap[-1] + 1] < 0.0
+    assert np.all(drawn.contact.gap[points.gap] > 0.0)
+    assert drawn.contact.gap[points.gap[0] - 1] < 0.0
+    assert drawn.contact.gap[points.gap[-1] + 1] < 0.0
 
 
 def test_points_are_frozen_for_all_designs_of_a_model(drawn, random_design):
-    assert random_design.points is measure_points(drawn.model)
+    assert random_design.points is measure_points(drawn.seal)
     for name in ("stress", "gap", "stretch"):
         np.testing.assert_array_equal(
             getattr(random_design.points, name), getattr(drawn.points, name)
         )
-    np.testing.assert_array_equal(random_design.gap, random_design.end.gap[drawn.points.gap])
+    np.testing.assert_array_equal(random_design.gap, random_design.contact.gap[drawn.points.gap])
     np.testing.assert_array_equal(
         random_design.von_mises, random_design.stress_field()[drawn.points.stress]
     )
@@ -101,7 +102,7 @@ def test_drawn_seal_measures_are_of_the_expected_size(drawn):
 
 def test_contact_grows_then_opens_in_the_middle(drawn):
     """One patch until about half way; at the end two with open points between."""
-    states = np.array([step.after.state for step in drawn.path.nominal_steps])
+    states = np.array([response.state for response in drawn.path.at_nominal("door")])
     patches = [np.sum(np.diff((state != OPEN).astype(int)) == 1) for state in states]
     travel = drawn.door_travel
     splits = travel[np.flatnonzero(np.array(patches) >= 2)[0]]
@@ -113,7 +114,7 @@ def test_contact_grows_then_opens_in_the_middle(drawn):
 def test_contact_counts_add_up(drawn):
     counts = drawn.contact_counts
     assert counts["contact"] == counts["stick"] + counts["slip"]
-    assert counts["contact"] == np.sum(drawn.end.gap < 0.0)
+    assert counts["contact"] == np.sum(drawn.contact.gap < 0.0)
 
 
 def test_points_of_a_path_that_fails_are_refused():
@@ -141,7 +142,7 @@ def test_measures_start_no_analysis(monkeypatch):
     def refuse(*arguments):
         raise AssertionError("a load path is followed")
 
-    monkeypatch.setattr("seal_mdao.seal.solve_path", refuse)
+    monkeypatch.setattr("seal_mdao.seals.result.solve_path", refuse)
     for result in (first, second):
         assert result.points is measure_points(model)
         assert result.von_mises.shape == result.points.stress.shape
@@ -151,7 +152,7 @@ def test_measures_start_no_analysis(monkeypatch):
 def test_the_drawn_seal_chooses_the_points_itself(monkeypatch):
     model = sm.door_seal(depth=0.5, n_steps=10, friction=0.22)
     drawn = sm.analyze(model)
-    monkeypatch.setattr("seal_mdao.seal.measure_points", None)
+    monkeypatch.setattr("seal_mdao.seals.door.door_seal.measure_points", None)
     assert len(drawn.points.stress) == 7
 
 

@@ -1,10 +1,21 @@
 """Von Mises stress at particles and its derivatives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-import seal_mdao as sm
-from seal_mdao.measures.stress import constants_gradient, von_mises_at
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.materials.isotropic import invariants
+from seal_mdao.structure.particle_stress import particle_stress
+
+
+def stress_of(result, d, points=None, **constants):
+    """What ``particle_stress`` gives for coefficients ``d`` and perhaps other constants."""
+    path, seal = result.path, result.seal.with_parameters(constants)
+    problem = PathProblem(path.discretization, seal.terms())
+    points = np.arange(len(d)) if points is None else points
+    return particle_stress(replace(path, problem=problem), points, replace(path.steps[-1], d=d))
 
 
 def gradients_at(table, d):
@@ -20,62 +31,53 @@ def gradients_at(table, d):
 def test_stress_at_particles_is_that_of_the_material(drawn):
     table = drawn.path.discretization.everywhere.table
     F = gradients_at(table, drawn.end.d)
-    np.testing.assert_allclose(
-        drawn.stress_field(), drawn.model.material.von_mises(F), rtol=1e-11, atol=1e-9
-    )
+    exact, _, _ = drawn.seal.material.von_mises(*invariants(F))
+    np.testing.assert_allclose(drawn.stress_field(), exact, rtol=1e-11, atol=1e-9)
 
 
 def test_stress_of_a_homogeneous_deformation_is_uniform(drawn):
     disc, slope = drawn.path.discretization, np.array([[0.2, 0.3], [0.0, -0.1]])
-    stress, _ = von_mises_at(disc.everywhere.table, disc.particles @ slope.T, drawn.model.material)
-    np.testing.assert_allclose(stress, drawn.model.material.von_mises(np.eye(2) + slope), rtol=1e-9)
+    stress = stress_of(drawn, disc.particles @ slope.T)[0]
+    exact, _, _ = drawn.seal.material.von_mises(*invariants(np.eye(2) + slope))
+    np.testing.assert_allclose(stress, exact, rtol=1e-9)
 
 
 def test_derivative_with_respect_to_the_deformation_gradient(drawn, rng):
     """Through the coefficients d: a directional derivative by five points."""
-    disc, material = drawn.path.discretization, drawn.model.material
-    table = disc.table_at(drawn.points.stress).table
-    direction = rng.standard_normal(drawn.end.d.shape)
-    _, by_gradient = von_mises_at(table, drawn.end.d, material)
+    points, d = drawn.points.stress, drawn.end.d
+    table = drawn.path.discretization.table_at(points).table
+    direction = rng.standard_normal(d.shape)
+    _, by_gradient, _ = stress_of(drawn, d, points)
     rate = gradients_at(table, direction) - np.eye(2)
     exact = np.einsum("sij,sij->s", by_gradient.reshape(-1, 2, 2), rate)
     h = 1e-4
-    values = [
-        von_mises_at(table, drawn.end.d + k * h * direction, material)[0] for k in (-2, -1, 1, 2)
-    ]
+    values = [stress_of(drawn, d + k * h * direction, points)[0] for k in (-2, -1, 1, 2)]
     slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h)
     np.testing.assert_allclose(slope, exact, rtol=0.0, atol=1e-8 * np.abs(exact).max())
 
 
 def test_undeformed_particles_have_no_stress_and_no_derivative(drawn):
-    table = drawn.path.discretization.table_at(np.array([5, 60])).table
-    stress, by_gradient = von_mises_at(table, 0 * drawn.end.d, drawn.model.material)
+    stress, by_gradient, by_constants = stress_of(drawn, 0 * drawn.end.d, np.array([5, 60]))
     assert not stress.any()
     assert not by_gradient.any()
-    assert not constants_gradient(table, 0 * drawn.end.d, drawn.model.material).any()
+    assert not any(row.any() for row in by_constants.values())
 
 
 def test_derivative_with_respect_to_the_constants(drawn):
-    table, d = drawn.path.discretization.table_at(drawn.points.stress).table, drawn.end.d
-    material = drawn.model.material
-    found = constants_gradient(table, d, material)
-    h = 1e-2
-    for column, name in enumerate(("c10", "c01", "bulk_modulus")):
-        constants = {"c10": 80.0, "c01": 20.0, "bulk_modulus": 80_000.0}
-        values = []
-        for sign in (1, -1):
-            moved = constants | {name: constants[name] + sign * h}
-            values.append(von_mises_at(table, d, sm.MooneyRivlin(**moved))[0])
-        np.testing.assert_allclose(found[:, column], (values[0] - values[1]) / (2 * h), atol=1e-7)
+    points, d, h = drawn.points.stress, drawn.end.d, 1e-2
+    constants = {"c10": 80.0, "c01": 20.0, "bulk_modulus": 80_000.0}
+    stress, _, found = stress_of(drawn, d, points)
+    assert set(found) == set(constants)
+    for name, value in constants.items():
+        values = [stress_of(drawn, d, points, **{name: value + s * h})[0] for s in (1, -1)]
+        np.testing.assert_allclose(found[name], (values[0] - values[1]) / (2 * h), atol=1e-7)
     # homogeneous of degree one in (C10, C01)
-    stress = von_mises_at(table, d, material)[0]
-    np.testing.assert_allclose(found @ [80.0, 20.0, 0.0], stress, rtol=1e-12)
+    np.testing.assert_allclose(80.0 * found["c10"] + 20.0 * found["c01"], stress, rtol=1e-12)
 
 
 def test_stress_does_not_change_under_a_rigid_rotation(drawn):
     disc, d = drawn.path.discretization, drawn.end.d
     c, s = np.cos(2.9), np.sin(2.9)
     more = (disc.particles + d) @ np.array([[c, s], [-s, c]]) - disc.particles
-    table = disc.everywhere.table
-    before, after = (von_mises_at(table, field, drawn.model.material)[0] for field in (d, more))
+    before, after = (stress_of(drawn, field)[0] for field in (d, more))
     assert after == pytest.approx(before, rel=1e-9, abs=1e-8)

@@ -63,10 +63,11 @@ def test_result_without_steps_cannot_be_drawn(drawn):
 def test_door_is_a_body_outside_the_seal(drawn):
     from matplotlib.path import Path
 
-    lifted = drawn.end.position + np.array([0.0, 5e-3])  # beyond the penetration
+    position = section.door_position(drawn, -1)
+    lifted = position + np.array([0.0, 5e-3])  # beyond the penetration
     outline = section.door_outline(drawn, lifted)
     assert not Path(outline).contains_points(drawn.deformed()).any()
-    assert Path(outline).contains_point((0.0, drawn.end.position[1] + 1.0))
+    assert Path(outline).contains_point((0.0, position[1] + 1.0))
 
 
 def test_reaction_is_drawn_against_travel(drawn):
@@ -81,8 +82,8 @@ def test_gap_profile_shows_the_open_points(drawn):
     axes = plotting.gap_profile(drawn, (5.0,)).axes[0]
     s = boundary_coordinate(drawn)
     assert np.all(np.diff(s) < 0.0)
-    assert s[np.argmax(drawn.particles[drawn.model.body.contact][:, 1])] == 0.0
-    opened = np.column_stack([s, drawn.end.gap])[drawn.points.gap]
+    assert s[np.argmax(drawn.particles[drawn.seal.grid.free_outer][:, 1])] == 0.0
+    opened = np.column_stack([s, drawn.contact.gap])[drawn.points.gap]
     markers = [line for line in axes.get_lines() if line.get_label() == "open"]
     shown = np.column_stack(markers[0].get_data())
     assert all(np.any(np.all(np.isclose(shown, point), axis=1)) for point in opened)

@@ -29,9 +29,9 @@ def reports_on(monkeypatch, tmp_path):
 
 def seal_problem_of_a_user(recorder):
     """A seal that is not promoted, one of whose inputs is set by hand and not recorded."""
-    model = sm.door_seal(n_steps=21)
+    seal = sm.door_seal(n_steps=21)
     problem = om.Problem(driver=om.ScipyOptimizeDriver(maxiter=1, disp=False), reports=["seal"])
-    problem.model.add_subsystem("rubber", sm.SealGroup(model=model, parameters=("friction",)))
+    problem.model.add_subsystem("rubber", sm.SealGroup(seal=seal, parameters=("friction",)))
     problem.model.add_design_var("rubber.boundary_offsets", lower=-0.5, upper=0.5)
     problem.model.add_design_var("rubber.friction", lower=0.2, upper=0.3)
     problem.model.add_objective("rubber.gap_square_sum", ref=0.1)

@@ -62,7 +62,7 @@ def test_frames_are_the_deformed_sections(seal_page, ends):
     size = shapes["around"] * shapes["across"]
     for path, result in zip(shapes["paths"], ends, strict=True):
         frames = unpacked(path["frames"], 21, size, 3)
-        grid = result.model.grid
+        grid = result.seal.grid
         # a watched point is a particle: its stress and its place are those of the analysis
         for index, particle in zip(shapes["watched"], result.points.stress, strict=True):
             for step in (10, 20):
@@ -72,7 +72,7 @@ def test_frames_are_the_deformed_sections(seal_page, ends):
                 exact = result.stress_field(step)[particle]
                 assert stress * shapes["stress"] == pytest.approx(exact, abs=0.02)
         contact = frames[20, shapes["contact"], :2] * shapes["length"]
-        assert contact == pytest.approx(result.end.contact_x, abs=1e-3)
+        assert contact == pytest.approx(result.contact.x, abs=1e-3)
         assert len(shapes["contact"]) == len(grid.free_outer)
         assert np.abs(frames).max() <= FULL
         assert path["travel"] == pytest.approx(result.door_travel, abs=1e-6)
@@ -83,15 +83,14 @@ def test_frames_are_the_deformed_sections(seal_page, ends):
 def test_pressure_carries_the_vertical_force(ends):
     """On the flat of the door pressure times tributary length is the normal force."""
     for result in ends:
-        end = result.end
-        lengths = result.path.discretization.contact_length
+        end, lengths = result.contact, result.term("door").length
         carried = pressure(result, end) * lengths
         normal = np.abs(end.force).max(axis=1)
-        flat = np.flatnonzero((carried > 0.0) & (end.contact_x[:, 0] < 1.5))
+        flat = np.flatnonzero((carried > 0.0) & (end.x[:, 0] < 1.5))
         assert flat.size
         # friction adds a horizontal part of at most a quarter
         assert carried[flat] == pytest.approx(normal[flat], rel=1e-6)
-        assert np.all(carried[np.array(end.after.state) == 0] == 0.0)
+        assert np.all(carried[end.state == 0] == 0.0)
 
 
 def test_all_pictures_share_one_scale(seal_page, ends):
@@ -104,7 +103,7 @@ def test_all_pictures_share_one_scale(seal_page, ends):
     assert len(shapes["designs"]) == len(shapes["numbers"])
 
 
-def test_refined_model_has_pictures_of_the_same_size():
+def test_refined_seal_has_pictures_of_the_same_size():
     coarse, fine = (
         sm.analyze(sm.door_seal(depth=1.0, n_steps=2, rays=58 * k, layers=2 * k + 1))
         for k in (1, 2)
@@ -116,7 +115,7 @@ def test_refined_model_has_pictures_of_the_same_size():
     for shapes, result in zip(data, (coarse, fine), strict=True):
         frame = unpacked(shapes["designs"][0]["frame"], size, 3)
         contact = frame[shapes["contact"], :2] * shapes["length"]
-        assert contact == pytest.approx(result.end.contact_x, abs=1e-3)
+        assert contact == pytest.approx(result.contact.x, abs=1e-3)
 
 
 def test_table_of_limits(history):
@@ -207,7 +206,7 @@ def test_settings_and_versions_are_on_the_page(seal_page):
     assert rows["version of seal_mdao"] == sm.__version__
 
 
-def test_changed_model_is_pointed_out(seal_page, tmp_path):
+def test_changed_seal_is_pointed_out(seal_page, tmp_path):
     """The recorded cost is not that of the designs analysed again."""
     assert 'class="warning"' not in seal_page.text
     path = shutil.copy(seal_page.cases, tmp_path / "cases.sql")

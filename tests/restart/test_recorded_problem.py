@@ -9,18 +9,17 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.optimization import seal_problem, uno_driver
-from seal_mdao.recording.settings import open_cases, recorded_problem
-from seal_mdao.settings import PROBLEM_OPTION
+from seal_mdao.recording.settings import PROBLEM_OPTION, open_cases, recorded_problem
 
-NOT_THE_PROBLEM = {"model", "driver", "recorder", "callback", "kept", "work_dir", "reports"}
+NOT_THE_PROBLEM = {"seal", "driver", "recorder", "callback", "kept", "work_dir", "reports"}
 """Arguments of ``seal_problem`` that do not say what is optimised."""
-MODEL = {"n_steps": 21, "friction": 0.3, "segments": 32, "newton": sm.NewtonOptions(max_cuts=7)}
+SEAL = {"n_steps": 21, "friction": 0.3, "segments": 32, "newton": sm.NewtonOptions(max_cuts=7)}
 
 
 def test_every_setting_of_the_problem_is_recorded(tmp_path):
-    model = sm.door_seal(**MODEL)
+    seal = sm.door_seal(**SEAL)
     first = seal_problem(
-        model, keep_force=True, driver=uno_driver(1), recorder=tmp_path / "cases.sql",
+        seal, keep_force=True, driver=uno_driver(1), recorder=tmp_path / "cases.sql",
         work_dir=tmp_path,
     )  # fmt: skip
     settings = json.loads(first.model.options[PROBLEM_OPTION])
@@ -28,9 +27,9 @@ def test_every_setting_of_the_problem_is_recorded(tmp_path):
     first.run_driver()
     first.cleanup()
     recorded = recorded_problem(open_cases(tmp_path / "cases.sql"))
-    assert recorded.model == model
+    assert recorded.seal == seal
     assert recorded.settings == settings
-    again = seal_problem(recorded.model, driver=uno_driver(1), **recorded.settings)
+    again = seal_problem(recorded.seal, driver=uno_driver(1), **recorded.settings)
     again.final_setup()
     for name, limit in first.driver._cons.items():
         other = again.driver._cons[name]
@@ -48,14 +47,12 @@ def test_file_without_a_seal(tmp_path):
 
 
 def test_settings_of_another_version():
-    from seal_mdao.settings import model_from_json, settings_json
-
-    text = settings_json(sm.door_seal())
+    text = sm.door_seal().settings()
     for wrong in (
         text.replace('"friction":', '"rubbing":'),
         text.replace('"c10":', '"c100":'),
         text.replace('"newton":', '"newtons":'),
     ):
-        with pytest.raises(ValueError, match="not those of this version's model"):
-            model_from_json(wrong)
-    assert model_from_json(text) == sm.door_seal()
+        with pytest.raises(ValueError, match="not those of this version's door seal"):
+            sm.DoorSeal.from_settings(wrong)
+    assert sm.DoorSeal.from_settings(text) == sm.door_seal()

@@ -93,13 +93,17 @@ def test_kill_in_a_gradient(make_driver, gradient):
     assert gradient_counters("cases.sql") == gradient_counters("whole.sql")
 
 
-def run_and_die(make_driver, moment):
-    """Record a slow run and kill this process after ``moment`` seconds."""
-    timer = threading.Timer(moment, os.kill, (os.getpid(), signal.SIGKILL))
-    timer.daemon = True
-    timer.start()
-    slow = valley_problem(make_driver())
-    slow.model.valley.options["on_call"] = lambda *_: time.sleep(2e-3)
+def run_and_die(make_driver, call, delay):
+    """Record a run and kill this process ``delay`` seconds after a call of the model has begun."""
+
+    def die_soon(component=None, *_):
+        if component is None or component.calls == call:
+            threading.Timer(delay, os.kill, (os.getpid(), signal.SIGKILL)).start()
+
+    if call == 0:
+        die_soon()
+    slow = valley_problem(make_driver(), die_soon)
+    slow.model.valley.options["on_gradient"] = lambda *_: time.sleep(1e-3)
     record(slow).run_driver()
     time.sleep(60.0)
 
@@ -107,26 +111,18 @@ def run_and_die(make_driver, moment):
 def test_kill_at_any_moment(make_driver, rng):
     """Also before the first case, while the file is made, and while a case is written."""
     _, result, expected = whole_run(make_driver)
-    begun = time.perf_counter()
-    problem = valley_problem(make_driver())
-    problem.model.valley.options["on_call"] = lambda *_: time.sleep(2e-3)
-    record(problem, "timed.sql").run_driver()
-    problem.cleanup()
-    seconds = time.perf_counter() - begun
-    lengths = set()
-    for moment in rng.uniform(0.0, seconds, 12):
+    lengths = []
+    for call in (0, 1, 2, 5, 11, len(expected)):
         Path("cases.sql").unlink(missing_ok=True)
-        assert killed(partial(run_and_die, make_driver, moment))
-        if not Path("cases.sql").exists():
-            lengths.add(None)  # killed before there was anything to record
-            continue
-        already = designs()
-        lengths.add(len(already))
+        assert killed(partial(run_and_die, make_driver, call, rng.uniform(0.0, 5e-3)))
+        already = designs() if Path("cases.sql").exists() else expected[:0]
+        lengths.append(len(already))
         assert np.array_equal(already, expected[: len(already)])
-        _, again = continued(make_driver)
-        assert again.success == result.success
-        assert np.array_equal(designs(), expected)
-    assert len(lengths) >= 3  # the moments did differ
+        if Path("cases.sql").exists():
+            _, again = continued(make_driver)
+            assert again.success == result.success
+            assert np.array_equal(designs(), expected)
+    assert lengths[0] < lengths[-1]
 
 
 def test_many_cuts_one_after_the_other(make_driver):

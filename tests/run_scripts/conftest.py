@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from script_runs import CHEAP, SCRIPTS
 
-from seal_mdao import seal
+from seal_mdao.seals import result as analyses
 
 
 @pytest.fixture(scope="session")
@@ -47,14 +47,15 @@ def assert_drawn():
 @pytest.fixture(scope="session")
 def counted_optimisation(run_script, tmp_path_factory):
     """One optimisation of the cheap variant, and the bodies and doors of which a path was solved."""
-    out, solved, real = tmp_path_factory.mktemp("optimised"), [], seal.solve_path
+    out, solved, real = tmp_path_factory.mktemp("optimised"), [], analyses.solve_path
 
-    def solve_path(discretization, material, profile, *more):
-        solved.append((discretization.particles.tobytes(), repr(profile)))
-        return real(discretization, material, profile, *more)
+    def solve_path(problem, *more):
+        door = problem.term("door")
+        solved.append((problem.discretization.particles.tobytes(), repr(door.profile)))
+        return real(problem, *more)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(seal, "solve_path", solve_path)
+        patch.setattr(analyses, "solve_path", solve_path)
         ended = run_script("optimize_door_seal", out, *CHEAP)
     return (out, *ended), solved
 

@@ -48,25 +48,25 @@ def test_drawn_cases_follow_their_rule_and_are_always_the_same(cases):
         assert 0.0 <= case.corner_x <= 4.0
         assert case.segments is None or 8 <= case.segments <= 64
         assert set(case.flags) <= set(cases.FLAGS)
-        assert case.model().n_offsets + 1 == case.parameters
-        assert np.abs(case.design(case.model())[0]).max() <= cases.DRAWN_START
+        assert case.seal().n_offsets + 1 == case.parameters
+        assert np.abs(case.design(case.seal())[0]).max() <= cases.DRAWN_START
     for values in (*zip(*[(c.parameters, c.friction_history) for c in found], strict=True),):
         assert len(set(values)) > 1
     assert {name for case in found for name in case.flags} == set(cases.FLAGS)
 
 
-def test_models_and_starts(cases):
+def test_seals_and_starts(cases):
     ten = cases.Case(parameters=10, start=2, segments=32, flags=("keep_force",))
     assert ten.name == "parameters 10, segments 32, start 2, keep_force"
-    model = ten.model(n_steps=21)
-    assert model.symmetric
-    assert (model.segments, model.n_steps) == (32, 21)
-    offsets, radius = ten.design(model)
-    again, _ = ten.design(model)
+    seal = ten.seal(n_steps=21)
+    assert seal.symmetric
+    assert (seal.segments, seal.n_steps) == (32, 21)
+    offsets, radius = ten.design(seal)
+    again, _ = ten.design(seal)
     np.testing.assert_array_equal(offsets, again)
     assert 0.05 < np.abs(offsets).max() <= 0.2
     assert 0.0 < abs(radius - 4.0) <= 0.2
-    assert not cases.Case().design(model)[0].any()
+    assert not cases.Case().design(seal)[0].any()
     assert ten.settings() == {"keep_force": True}
 
 

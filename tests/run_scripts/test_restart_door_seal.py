@@ -117,9 +117,7 @@ def test_another_problem_is_refused(
     arguments, message, tmp_path, run_script, optimised, capsys, monkeypatch
 ):
     """In one line, and before anything is analysed."""
-    from seal_mdao import seal
-
-    monkeypatch.setattr(seal, "analyze_particles", None)
+    monkeypatch.setattr("seal_mdao.kept_analyses.analyze_particles", None)
     cases = shutil.copy(optimised[0] / "cases.sql", tmp_path)
     before = Path(cases).read_bytes()
     with pytest.raises(SystemExit) as ended:
@@ -146,8 +144,8 @@ def test_files_that_cannot_be_continued(tmp_path, run_script, optimised, capsys)
     messages = {
         "text.sql": "not a file of an OpenMDAO recorder",
         "empty.sql": "not a file of an OpenMDAO recorder",
-        "other.sql": "does not hold the settings of a seal model",
-        "version.sql": "not those of this version's model",
+        "other.sql": "does not hold the settings of a seal",
+        "version.sql": "not those of this version's door seal",
         "nowhere.sql": "is not a file",
     }
     for name, message in messages.items():
@@ -158,7 +156,7 @@ def test_files_that_cannot_be_continued(tmp_path, run_script, optimised, capsys)
 
 
 def forget_an_attribute(path):
-    """Rename an attribute of the model in the recorded settings."""
+    """Rename an attribute of the seal in the recorded settings."""
     import pickle
     import zlib
 

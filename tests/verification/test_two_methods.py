@@ -56,7 +56,7 @@ def model():
 def group_problem(model, mode, sensitivity, variables=WRT, response="gap_square_sum"):
     """The group at a random design with its derivatives not yet asked for."""
     problem = om.Problem(reports=None)
-    group = SealGroup(model=model, sensitivity=sensitivity, parameters=tuple(WRT[2:]))
+    group = SealGroup(seal=model, sensitivity=sensitivity, parameters=tuple(WRT[2:]))
     problem.model.add_subsystem("seal", group, promotes=["*"])
     for name in variables:
         problem.model.add_design_var(name)

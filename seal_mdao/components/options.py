@@ -1,0 +1,98 @@
+"""Options that the contact component and the group around it share."""
+
+from seal_mdao.dsa.sensitivity import METHODS
+from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.measures.measure import Measure
+from seal_mdao.seals.result import FACTOR_MEMORY
+from seal_mdao.seals.seal import Seal
+
+CONTACT_OPTIONS = (
+    "seal", "measures", "parameters", "sensitivity", "factor_memory", "kept", "callback",
+)  # fmt: skip
+"""What a group hands to its contact component."""
+
+
+def declare_seal_options(options) -> None:
+    """Declare the options of an analysis."""
+    options.declare("seal", types=Seal, recordable=False, desc="The seal.")
+    options.declare(
+        "measures",
+        default=None,
+        allow_none=True,
+        recordable=False,
+        check_valid=_check_measures,
+        desc="Outputs: measures, or names of those that the seal knows; its standard ones for None.",
+    )
+    options.declare(
+        "parameters",
+        default=(),
+        check_valid=_check_names,
+        desc="Scalar parameters that become inputs beside those that the seal always has.",
+    )
+    options.declare(
+        "sensitivity",
+        default="auto",
+        values=METHODS,
+        desc="Method of the partials: auto takes the one with fewer right-hand sides.",
+    )
+    options.declare(
+        "factor_memory",
+        default=FACTOR_MEMORY,
+        types=(int, float),
+        lower=0.0,
+        desc="GiB for factors of converged tangents; those beyond are made again for the partials.",
+    )
+    options.declare(
+        "kept",
+        default=None,
+        allow_none=True,
+        types=KeptAnalyses,
+        recordable=False,
+        desc="Where analyses are looked up and kept; only the last one is when left out.",
+    )
+    options.declare(
+        "callback",
+        default=None,
+        allow_none=True,
+        recordable=False,
+        check_valid=_check_callable,
+        desc="Called with every converged load step.",
+    )
+
+
+def check_parameters(seal: Seal, names) -> None:
+    """Raise ValueError for parameters that the seal does not have."""
+    unknown = [name for name in names if name not in seal.scalars]
+    if unknown:
+        raise ValueError(
+            f"option 'parameters': unknown parameter {unknown[0]!r}; known are "
+            f"{', '.join(seal.scalars)}"
+        )
+
+
+def _check_names(name, value):
+    if isinstance(value, str):
+        raise ValueError(f"option {name!r} must be a sequence of names, got the string {value!r}")
+    if len(set(value)) < len(value):
+        raise ValueError(f"option {name!r} names a parameter twice: {tuple(value)}")
+
+
+def _check_measures(name, value):
+    if value is None:
+        return
+    if isinstance(value, str | Measure):
+        raise ValueError(f"option {name!r} must be a sequence of measures, got {value!r}")
+    wrong = [item for item in value if not isinstance(item, str | Measure)]
+    if wrong:
+        raise ValueError(f"option {name!r} holds {wrong[0]!r}, which is no measure")
+    names = [item if isinstance(item, str) else item.name for item in value]
+    twice = {item for item in names if names.count(item) > 1}
+    if twice:
+        raise ValueError(
+            f"option {name!r} has two measures named {sorted(twice)[0]!r}; give one a name of its own"
+        )
+
+
+def _check_callable(name, value):
+    if value is not None and not callable(value):
+        raise TypeError(f"option {name!r} must be callable or None, got {value!r}")

@@ -1,0 +1,243 @@
+"""Frictional contact of boundary points with one rigid profile, as a term: b(z, z-bar), Eq. (29)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from seal_mdao.contact.friction import (
+    CARRIED,
+    OPEN,
+    SLIP,
+    XI,
+    ContactHistory,
+    ContactLaw,
+    contact_linearization,
+    contact_points,
+    no_history,
+    uses_history,
+)
+from seal_mdao.errors import GeometryError
+from seal_mdao.geometry.curve import has_cubics
+from seal_mdao.geometry.motion import Motion
+from seal_mdao.geometry.pose import Pose, quarter_turn
+from seal_mdao.geometry.shape import Shape
+from seal_mdao.terms.handed_on import HandedOn, directions_of
+from seal_mdao.terms.point_term import PointResponse, PointTerm
+from seal_mdao.terms.points import MaterialPoints
+from seal_mdao.terms.term import Scalar, TermDefinition
+
+LAW_SCALARS = {
+    "normal_penalty": ("kPa/mm", "Normal penalty w_n."),
+    "tangent_penalty": ("kPa/mm", "Tangential penalty w_t."),
+    "friction": (None, "Coulomb friction coefficient."),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class RigidContact(TermDefinition):
+    """A rigid profile that moves, and the boundary points that may touch it.
+
+    Attributes
+    ----------
+    label : str
+        Name of the profile.
+    where : MaterialPoints
+    shape : Shape
+    motion : Motion
+        Its parameters count from its waypoints: they are zero.
+    law : ContactLaw
+    prefix : str
+        Put before the names of all parameters but those of the motion.
+    """
+
+    label: str
+    where: MaterialPoints
+    shape: Shape
+    motion: Motion
+    law: ContactLaw
+    prefix: str = ""
+
+    @property
+    def scalars(self) -> dict:
+        """Penalties and friction, shape, motion."""
+        law = {
+            self.prefix + name: Scalar(getattr(self.law, name), *rest)
+            for name, rest in LAW_SCALARS.items()
+        }
+        shape = {
+            self.prefix + name: Scalar(float(getattr(self.shape, name)), "mm", f"Profile: {name}.")
+            for name in self.shape.names
+        }
+        motion = {name: Scalar(0.0, None, f"Motion: {name}.") for name in self.motion.names}
+        return law | shape | motion
+
+    def with_parameters(self, values: dict) -> "RigidContact":
+        """The contact with some of its parameters changed."""
+        own = {name.removeprefix(self.prefix): value for name, value in values.items()}
+        law = {name: own[name] for name in LAW_SCALARS if name in own}
+        shape = {name: own[name] for name in self.shape.names if name in own}
+        motion = {name: values[name] for name in self.motion.names if name in values}
+        return replace(
+            self, law=self.law._replace(**law),
+            shape=replace(self.shape, **shape) if shape else self.shape,
+            motion=self.motion.moved(motion),
+        )  # fmt: skip
+
+    def point_set(self):
+        """The points that may touch."""
+        return self.where.points
+
+    def on(self, discretization, place) -> "ContactTerm":
+        """The term on one design."""
+        return ContactTerm(self, discretization, place)
+
+
+class ContactResponse(PointResponse):
+    """Contact forms of all points; ``branch`` is OPEN, STICK or SLIP."""
+
+    __slots__ = ()
+
+    @property
+    def gap(self) -> np.ndarray:
+        """Normal gaps g_n, negative in penetration, shape (k,)."""
+        return self.outputs[:, 0]
+
+    @property
+    def state(self) -> np.ndarray:
+        """OPEN, STICK or SLIP, shape (k,)."""
+        return self.branch
+
+
+class ContactTerm(PointTerm):
+    """A ``RigidContact`` on one design. A force is that of the body on the profile."""
+
+    history_size = 3
+    output_names = ("gap",)
+
+    def __init__(self, definition: RigidContact, discretization, place: int):
+        super().__init__(
+            definition.label, definition.scalars, definition.where, discretization, place
+        )
+        self.profile = definition.shape.profile()
+        self.motion, self.law = definition.motion, definition.law
+        k = len(self.where)
+        self._force, self._tangent = np.empty((k, 2)), np.empty((k, 2, 2))
+        self._state, self._kept = np.empty(k, np.int64), np.empty((k, 3))
+        self._gap, self._direction = np.empty((k, 1)), np.zeros(k, np.int64)
+        self._last = (None,)
+        self._speed_varies = has_cubics(self.profile)
+        size = float(np.abs(discretization.particles).max())
+        self.rounding = self.law.normal_penalty * size
+
+    @property
+    def remembers(self) -> bool:
+        """Without friction nothing depends on the history."""
+        return self.law.friction != 0.0
+
+    def begin(self):
+        self._direction[:] = 0
+
+    def no_history(self) -> ContactHistory:
+        return no_history(len(self.where))
+
+    def pose(self, fraction) -> Pose:
+        """Place of the profile."""
+        return self._placed(fraction)[1]
+
+    def _placed(self, fraction) -> tuple:
+        """Fraction, pose and the motion's rates; those asked for last are at hand."""
+        if self._last[0] != fraction:
+            self._last = fraction, self.motion.pose(fraction), self.motion.rates_at(fraction)
+        return self._last
+
+    def respond(self, x, fraction, history) -> ContactResponse:
+        made_to_stick = contact_points(
+            self.profile, self.law, self.pose(fraction), x, self.length, history,
+            self._direction, self._force, self._tangent, self._state, self._kept, self._gap[:, 0],
+        )  # fmt: skip
+        return ContactResponse(
+            x, self._force, self._tangent, self._state, ContactHistory(self._state, self._kept),
+            self._gap, made_to_stick,
+        )  # fmt: skip
+
+    def linearize(self, response, fraction, history, points):
+        out = np.zeros((points.size, *self.local_shape))
+        contact_linearization(
+            self.profile, self.law, self.pose(fraction), response.x, self.length, history, points,
+            out,
+        )  # fmt: skip
+        if self.motion.names:
+            self._add_motion(out, response, fraction, points)
+        return out
+
+    def _add_motion(self, out, response, fraction, points) -> None:
+        """Columns of the motion's parameters: they move the profile under the points."""
+        rates = self._placed(fraction)[2]
+        columns = out[:, :, -len(rates) :]
+        np.matmul(out[:, :, :2], -rates[:, :2].T, out=columns)
+        if rates[:, 2].any():
+            arm = response.x[points] - self.pose(fraction).centre
+            columns -= (out[:, :, :2] @ quarter_turn(arm)[:, :, None]) * rates[:, 2]
+            columns[:, :2] += quarter_turn(response.force[points])[:, :, None] * rates[:, 2]
+
+    # ---- what a step hands on ----
+
+    def uses_history(self, following):
+        return np.flatnonzero(uses_history(self._speed_varies, following.branch))
+
+    def handed_on(self, following, local, points) -> HandedOn:
+        used = self.uses_history(following)
+        at = used if len(points) == len(self.where) else np.searchsorted(points, used)
+        slopes = local[at][:, XI : CARRIED + 1 : 2, :2]
+        if self._speed_varies:
+            # |t0| changes with the natural coordinate alone
+            slopes[following.branch[used] == SLIP, 1] = 0.0
+        return directions_of(used, slopes)
+
+    # ---- the path ----
+
+    def check_start(self, response):
+        if np.any(response.branch != OPEN):
+            raise GeometryError(
+                f"the undeformed body starts {-float(response.gap.min()):.3g} inside the rigid "
+                f"profile {self.label!r}; start it farther away"
+            )
+
+    def changes(self, step, response, target):
+        """The force depends on the place relative to the profile only, so its rate with the motion is
+        minus its tangent. With the incremental history slip starts again from zero. Where a point
+        slides on, its friction is back at once; where it does not, the force jumps to that at the
+        old place with the new history. Both are predicted then.
+        """
+        moved = self._moved(response, step.fraction, target)
+        if self.law.accumulated:
+            return [self.point_loads(moved, response.branch)]
+        jump = self._force_again(response, step.fraction) - response.force
+        return [self.point_loads(change, response.branch) for change in (moved + jump, moved)]
+
+    def _moved(self, response, fraction, target) -> np.ndarray:
+        """Change of the forces (k, 2) at fixed x when the profile moves on."""
+        change = self.motion.coordinates(target) - self.motion.coordinates(fraction)
+        if change[2] == 0.0:
+            return -np.einsum("kij,j->ki", response.tangent, change[:2])
+        shift = change[:2] + change[2] * quarter_turn(response.x - self.pose(fraction).centre)
+        moved = -np.einsum("kij,kj->ki", response.tangent, shift)
+        return moved + change[2] * quarter_turn(response.force)
+
+    def _force_again(self, response, fraction) -> np.ndarray:
+        """Forces (k, 2) at the same places with the history that the step hands on."""
+        k = len(self.where)
+        force = np.empty((k, 2))
+        contact_points(
+            self.profile, self.law, self.pose(fraction), response.x, self.length,
+            response.history, np.zeros(k, np.int64), force, np.empty((k, 2, 2)),
+            np.empty(k, np.int64), np.empty((k, 3)), np.empty(k),
+        )  # fmt: skip
+        return force
+
+    def describe(self, response, fraction):
+        x, y = self.pose(fraction).position
+        return (
+            f"{self.label} at x = {x:.4g}, y = {y:.4g}, {int(np.sum(response.branch != OPEN))} points "
+            f"in contact, {int(np.sum(response.branch == SLIP))} slipping"
+        )

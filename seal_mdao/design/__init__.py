@@ -1,1 +1,0 @@
-"""Design parameters of the seal and their design velocities."""

@@ -1,0 +1,79 @@
+"""Rates of the discretisation along design velocities, which all terms share."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.analysis.body import Discretization
+from seal_mdao.rkpm.cells import weight_rates
+from seal_mdao.rkpm.essential import rows_on_union, transformation_rates, transformation_seeds
+from seal_mdao.rkpm.integration import cell_table_rates
+from seal_mdao.rkpm.tables import PointTable, raw_rates, table_rates, table_seeds
+from seal_mdao.rkpm.transformed import TableRates
+
+
+@dataclass(frozen=True, eq=False)
+class DiscretizationRates:
+    """Rates of shape functions and weights along P design velocities; once per design.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (c, u, P)
+        T' of the essential transformation.
+    cells : TableRates
+    tables : tuple of TableRates or None
+        Of the points of every term.
+    weights : ndarray, shape (P, n_cells, q)
+    """
+
+    matrix: np.ndarray
+    cells: TableRates
+    tables: tuple
+    weights: np.ndarray
+
+
+def _matrix_rates(discretization: Discretization, velocity: np.ndarray) -> np.ndarray:
+    """T' along design velocities (P, n, 2), shape (c, u, P)."""
+    transformation, rows = discretization.transformation, discretization.constrained_rows
+    rates = raw_rates(discretization.cloud, rows, velocity)
+    dense = np.zeros((rows.raw.neighbours.size, len(velocity)))
+    for g in range(rows.raw.n_groups):
+        which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
+        here = slice(rows.raw.start[g], rows.raw.start[g + 1])
+        block = rates.phi[rates.start[g, 1] : rates.start[g + 1, 1]]
+        dense[here, which] = block.reshape(here.stop - here.start, which.size)
+    return transformation_rates(
+        transformation, rows_on_union(rows.raw, transformation.union, dense)
+    )
+
+
+def add_matrix_seeds(discretization: Discretization, matrix_bar, particles_bar) -> None:
+    """Transpose of T': seeds (c, u, M) on the essential transformation to the particles (n, 2, M)."""
+    rows, transformation = discretization.constrained_rows, discretization.transformation
+    rows_bar = transformation_seeds(transformation, matrix_bar)
+    raw = rows.raw
+    point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
+    phi_bar = rows_bar[point, np.searchsorted(transformation.union, raw.neighbours)]
+    grad_bar = np.zeros((raw.grad.size, particles_bar.shape[2]))
+    table_seeds(discretization.cloud, rows, np.ascontiguousarray(phi_bar), grad_bar, particles_bar)
+
+
+def discretization_rates(discretization: Discretization, velocity) -> DiscretizationRates:
+    """All rates of the discretisation along design velocities (P, n, 2)."""
+    body, cloud, t = discretization.body, discretization.cloud, discretization.transformation
+    matrix = _matrix_rates(discretization, velocity)
+    weights = weight_rates(body.cell_map, cloud.particles, velocity)
+    return DiscretizationRates(
+        matrix,
+        cell_table_rates(cloud, discretization.cells, velocity, weights, t, matrix),
+        tuple(
+            None if table is None else point_table_rates(discretization, table, velocity, matrix)
+            for table in discretization.tables
+        ),
+        weights,
+    )
+
+
+def point_table_rates(discretization, table: PointTable, velocity, matrix) -> TableRates:
+    """Rates of a table of single points."""
+    return table_rates(discretization.cloud, table, velocity, discretization.transformation, matrix)

@@ -1,0 +1,210 @@
+"""Motion of a rigid profile along the load path: stages of translation and rotation about a pivot.
+
+Within a stage position and angle go in a straight line from one waypoint to the next. Parameters of
+the motion move the waypoints, so their share of every step is a number of the motion, not of a sweep.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from seal_mdao.geometry.pose import Pose
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Waypoints of a profile, the load steps between them, and how parameters move them.
+
+    Attributes
+    ----------
+    positions : ndarray, shape (n_stages + 1, 2)
+        Translations at the start and at the end of every stage.
+    angles : ndarray, shape (n_stages + 1,)
+        Radians.
+    steps : ndarray of int, shape (n_stages,)
+        Nominal load steps of every stage.
+    pivot : ndarray, shape (2,)
+        Centre of rotation, in the profile's own frame.
+    rates : ndarray, shape (n_parameters, n_stages + 1, 3)
+        Derivatives of the waypoints (x, y, angle) with respect to the parameters ``names``.
+    names : tuple of str
+
+    Raises
+    ------
+    ValueError
+        For arrays that do not fit each other, numbers that are not finite, stages without steps.
+    """
+
+    positions: np.ndarray
+    angles: np.ndarray
+    steps: np.ndarray
+    pivot: np.ndarray = (0.0, 0.0)
+    rates: np.ndarray | None = None
+    names: tuple[str, ...] = ()
+
+    def __post_init__(self):
+        steps = np.array(self.steps)
+        count, names = steps.size, tuple(self.names)
+        _require(
+            steps.ndim == 1
+            and count > 0
+            and np.issubdtype(steps.dtype, np.integer)
+            and steps.min() > 0,
+            f"steps of a motion must be positive whole numbers, one a stage; got {self.steps!r}",
+        )
+        rates = np.zeros((0, count + 1, 3)) if self.rates is None else self.rates
+        shapes = {
+            "positions": (self.positions, (count + 1, 2)),
+            "angles": (self.angles, (count + 1,)),
+            "pivot": (self.pivot, (2,)),
+            "rates": (rates, (len(names), count + 1, 3)),
+        }
+        for name, (values, shape) in shapes.items():
+            object.__setattr__(self, name, _checked(name, values, shape, count, names))
+        _require(len(set(names)) == len(names), f"names of a motion's parameters repeat: {names}")
+        object.__setattr__(self, "steps", steps.astype(np.int64))
+        object.__setattr__(self, "names", names)
+
+    def moved(self, values: Mapping[str, float]) -> "Motion":
+        """The motion after its parameters have changed by ``values``.
+
+        Raises
+        ------
+        ValueError
+            For a parameter that it does not have.
+        """
+        unknown = [name for name in values if name not in self.names]
+        _require(not unknown, f"a motion with parameters {self.names} has no {unknown[:1]}")
+        change = sum(
+            (float(value) * self.rates[self.names.index(name)] for name, value in values.items()),
+            np.zeros((len(self.angles), 3)),
+        )
+        return replace(
+            self, positions=self.positions + change[:, :2], angles=self.angles + change[:, 2]
+        )
+
+    @cached_property
+    def n_steps(self) -> int:
+        """Nominal load steps of all stages."""
+        return int(self.steps.sum())
+
+    @cached_property
+    def _nominal(self) -> np.ndarray:
+        """x, y, angle at the start and after every nominal step, shape (n_steps + 1, 3)."""
+        waypoints = np.column_stack([self.positions, self.angles])
+        parts = [waypoints[:1]]
+        for n, ends in zip(self.steps, pairwise(waypoints), strict=True):
+            # one component at a time: linspace of arrays rounds otherwise where one stands still
+            columns = [np.linspace(*pair, n + 1)[1:] for pair in zip(*ends, strict=True)]
+            parts.append(np.column_stack(columns))
+        return np.concatenate(parts)
+
+    def coordinates(self, fraction: float) -> np.ndarray:
+        """x, y and angle after ``fraction`` nominal steps, shape (3,)."""
+        first = self._step(fraction)
+        share = fraction - first
+        return self._nominal[first] + share * (self._nominal[first + 1] - self._nominal[first])
+
+    def pose(self, fraction: float) -> Pose:
+        """Place of the profile after ``fraction`` nominal steps."""
+        x, y, angle = self.coordinates(fraction)
+        return Pose.of((x, y), angle, self.pivot)
+
+    def rates_at(self, fraction: float) -> np.ndarray:
+        """Derivatives of x, y and angle with respect to the parameters, shape (n_parameters, 3)."""
+        ends = np.cumsum(self.steps)
+        stage = int(np.searchsorted(ends, self._step(fraction), side="right"))
+        share = (fraction - (ends[stage] - self.steps[stage])) / self.steps[stage]
+        first = self.rates[:, stage]
+        return first + share * (self.rates[:, stage + 1] - first)
+
+    def _step(self, fraction: float) -> int:
+        """The nominal step under way; the last one at the end."""
+        _require(
+            0.0 <= fraction <= self.n_steps,
+            f"a motion of {self.n_steps} steps has no place after {fraction} of them",
+        )
+        return min(int(fraction), self.n_steps - 1)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage of a motion, relative to where the stage before has ended.
+
+    Attributes
+    ----------
+    steps : int
+    translate : pair of float
+        Travel.
+    rotate : float
+        Degrees, counter-clockwise about the pivot.
+    rates : mapping of str to (dx, dy, degrees)
+        Derivatives of ``translate`` and ``rotate`` with respect to named parameters. Later stages
+        begin where this one ends, so they are moved too.
+    """
+
+    steps: int
+    translate: tuple[float, float] = (0.0, 0.0)
+    rotate: float = 0.0
+    rates: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+
+
+def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0.0, 0.0)) -> Motion:
+    """The motion of these stages, one after the other, from ``start`` (2,) and ``angle`` (degrees).
+
+    Examples
+    --------
+    Close by 3 mm, a parameter "depth"; then open again by 10 degrees:
+
+    >>> motion = staged_motion(
+    ...     [Stage(20, (0.0, -3.0), rates={"depth": (0.0, -1.0, 0.0)}), Stage(10, rotate=10.0)])
+    >>> motion.n_steps, motion.names
+    (30, ('depth',))
+    """
+    _require(len(stages) > 0, "a motion needs at least one stage")
+    names = tuple(dict.fromkeys(name for stage in stages for name in stage.rates))
+    units = np.array([1.0, 1.0, np.pi / 180.0])
+    travel = np.array([[*stage.translate, stage.rotate] for stage in stages], float) * units
+    first = np.array([*start, angle], float) * units
+    waypoints = np.cumsum(np.vstack([first, travel]), axis=0)
+    rates = np.zeros((len(names), len(stages) + 1, 3))
+    for i, stage in enumerate(stages):
+        for name, rate in stage.rates.items():
+            rates[names.index(name), i + 1 :] += np.asarray(rate, float) * units
+    return Motion(
+        waypoints[:, :2], waypoints[:, 2], [stage.steps for stage in stages], pivot, rates, names
+    )
+
+
+def straight_motion(start, end, steps: int, rates: Mapping[str, tuple] | None = None) -> Motion:
+    """Translation from ``start`` to ``end`` (2,) in ``steps`` load steps.
+
+    Parameters
+    ----------
+    rates : mapping of str to pair of float, optional
+        Derivatives of ``end`` with respect to named parameters; the start stays.
+    """
+    rates = {} if rates is None else rates
+    still = np.zeros(3)
+    ends = [(still, (*map(float, rate), 0.0)) for rate in rates.values()]
+    waypoints = np.array(ends).reshape(len(rates), 2, 3)
+    return Motion([start, end], np.zeros(2), [steps], rates=waypoints, names=tuple(rates))
+
+
+def _checked(name, values, shape, stages, names) -> np.ndarray:
+    values = np.array(values, float)
+    _require(
+        values.shape == shape,
+        f"{name} of a motion with {stages} stage(s) and {len(names)} parameter(s) must have shape "
+        f"{shape}, got {values.shape}",
+    )
+    _require(np.isfinite(values).all(), f"{name} of a motion must be finite numbers")
+    return values
+
+
+def _require(condition, message) -> None:
+    if not condition:
+        raise ValueError(message)

@@ -1,0 +1,130 @@
+"""Rigid profiles of cubic pieces: given by coefficients, or as a C2 spline through points."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from seal_mdao.geometry.curve import CUBIC
+from seal_mdao.geometry.profile import RigidProfile, rigid_profile
+
+
+def cubic_profile(knots, coefficients, rates=None, closed: bool = False) -> RigidProfile:
+    """Cubic pieces x_c = sum_k c_k (xi - knot)^k between ``knots``.
+
+    The ends continue along their tangents for ever unless the profile is closed. Pieces should join
+    with a continuous t: what slides over a joint measures its slip by |t|.
+
+    Parameters
+    ----------
+    knots : array_like, shape (n + 1,)
+        Increasing natural coordinates; fixed numbers that do not change with the shape.
+    coefficients : array_like, shape (n, 4, 2)
+    rates : array_like, shape (S, n, 4, 2), optional
+        Their derivatives with respect to S shape parameters.
+    closed : bool
+        Whether the last piece ends where the first begins.
+
+    Raises
+    ------
+    ValueError
+        For knots that do not increase, or arrays that do not fit each other.
+    """
+    knots, coefficients = np.asarray(knots, float), np.asarray(coefficients, float)
+    n = len(knots) - 1
+    _require(n > 0 and np.all(np.diff(knots) > 0.0), "the knots of a profile must increase")
+    rates = np.zeros((0, n, 4, 2)) if rates is None else np.asarray(rates, float)
+    _require(
+        coefficients.shape == (n, 4, 2) and rates.shape[1:] == (n, 4, 2),
+        f"{n + 1} knots need coefficients of shape ({n}, 4, 2) and rates (S, {n}, 4, 2), got "
+        f"{coefficients.shape} and {rates.shape}",
+    )
+    return rigid_profile(
+        np.full(n, CUBIC), np.zeros((n, 2)), np.zeros(n), np.ones(n), knots[:-1], np.diff(knots),
+        coefficient=coefficients, coefficient_rate=rates,
+        period=knots[-1] - knots[0] if closed else 0.0,
+    )  # fmt: skip
+
+
+def spline_profile(points, rates=None, closed: bool = False, parameter=None) -> RigidProfile:
+    """The C2 cubic spline through ``points``, with exact rates.
+
+    Not-a-knot at the ends, which go on along their tangents for ever, or periodic when ``closed``.
+    The coefficients are linear in the points as long as the natural coordinates of the points stay
+    the same numbers; so these are 0, 1, 2, ... or the ``parameter`` given, never computed from points
+    that move.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 2)
+        Walked with the rigid body on the left; a closed profile does not repeat the first point.
+    rates : array_like, shape (S, n, 2), optional
+        Velocities of the points with respect to S shape parameters.
+    closed : bool
+    parameter : array_like, shape (n,), or (n + 1,) when closed, optional
+        Natural coordinates of the points; for points at uneven distances, ``chord_length`` of the
+        *drawn* points. Closed: the last is that of the first point after a whole way round.
+
+    Raises
+    ------
+    ValueError
+        For arrays of a wrong shape, coinciding neighbours, coordinates that do not increase.
+
+    Examples
+    --------
+    An ellipse whose semi-axes are its two shape parameters:
+
+    >>> phi = 2 * np.pi * np.arange(40) / 40
+    >>> unit = np.column_stack([np.cos(phi), np.sin(phi)])
+    >>> ellipse = spline_profile(unit * [3.0, 2.0], [unit * [1, 0], unit * [0, 1]], closed=True)
+    >>> ellipse.n_shapes
+    2
+    """
+    points = _checked_points(points, closed)
+    n = len(points)
+    rates = np.zeros((0, n, 2)) if rates is None else np.asarray(rates, float)
+    _require(
+        rates.shape[1:] == (n, 2) and np.isfinite(rates).all(),
+        f"rates of {n} points must be finite numbers of shape (S, {n}, 2), got {rates.shape}",
+    )
+    count = n + closed
+    knots = np.arange(float(count)) if parameter is None else np.asarray(parameter, float)
+    _require(
+        knots.shape == (count,) and np.all(np.diff(knots) > 0.0),
+        f"parameter must be {count} increasing numbers, got {knots}",
+    )
+    # points and their rates are columns of one interpolation
+    values = np.concatenate([points[np.newaxis], rates]).transpose(1, 0, 2)
+    if closed:
+        values = np.concatenate([values, values[:1]])
+    spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
+    coefficients = spline.c[::-1].transpose(2, 1, 0, 3)
+    return cubic_profile(knots, coefficients[0], coefficients[1:], closed)
+
+
+def chord_length(points, closed: bool = False) -> np.ndarray:
+    """Natural coordinates of points (n, 2) from their distances, shape (n,), or (n + 1,) closed.
+
+    With them |t| is about 1 on a smooth curve.
+    """
+    points = _checked_points(points, closed)
+    if closed:
+        points = np.concatenate([points, points[:1]])
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
+def _checked_points(points, closed) -> np.ndarray:
+    points = np.asarray(points, float)
+    least = 3 if closed else 2
+    _require(
+        points.ndim == 2 and points.shape[1] == 2 and len(points) >= least,
+        f"a profile needs points of shape (n, 2), n at least {least}; got shape {points.shape}",
+    )
+    _require(np.isfinite(points).all(), "the points of a profile must be finite numbers")
+    step = np.diff(np.concatenate([points, points[:1]]) if closed else points, axis=0)
+    same = np.flatnonzero(~step.any(axis=1))
+    _require(same.size == 0, f"point {same[:1].sum()} of the profile and the next one coincide")
+    return points
+
+
+def _require(condition, message) -> None:
+    if not condition:
+        raise ValueError(message)

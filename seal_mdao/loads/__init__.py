@@ -1,0 +1,1 @@
+"""Dead loads and imposed displacements."""

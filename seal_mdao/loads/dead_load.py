@@ -1,0 +1,96 @@
+"""Dead loads: forces at material points that keep their direction; exact derivatives of all kinds."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from seal_mdao.loads.ramp import at_fraction
+from seal_mdao.terms.point_term import PointResponse, PointTerm
+from seal_mdao.terms.points import MaterialPoints
+from seal_mdao.terms.term import Scalar, TermDefinition
+
+COMPONENTS = ("x", "y")
+_NO_TANGENT = np.empty(0)
+
+
+@dataclass(frozen=True, eq=False)
+class DeadLoad(TermDefinition):
+    """A force per measure of every point (a traction where the measure is a length).
+
+    Attributes
+    ----------
+    label : str
+    where : MaterialPoints
+    density : ndarray, shape (2,) or (k, 2)
+        Force per measure, at a ramp of 1. One for all points has the parameters ``label_x`` and
+        ``label_y``; forces of single points have none.
+    ramp : ndarray, shape (n_steps + 1,)
+        Multiplier at the start and after every nominal step; straight between.
+    """
+
+    label: str
+    where: MaterialPoints
+    density: np.ndarray
+    ramp: np.ndarray
+    couples = False
+
+    @property
+    def scalars(self) -> dict:
+        """The components of a common density."""
+        if np.ndim(self.density) > 1:
+            return {}
+        return {
+            f"{self.label}_{component}": Scalar(
+                float(value), None, f"Load {self.label!r}, {component}."
+            )
+            for component, value in zip(COMPONENTS, self.density, strict=True)
+        }
+
+    def with_parameters(self, values: dict) -> "DeadLoad":
+        """The load with components of its density changed."""
+        if not values:
+            return self
+        changed = {name: scalar.value for name, scalar in self.scalars.items()} | values
+        return replace(self, density=np.array([changed[name] for name in self.scalars]))
+
+    def point_set(self):
+        """Where it acts."""
+        return self.where.points
+
+    def on(self, discretization, place) -> "DeadLoadTerm":
+        """The term on one design."""
+        return DeadLoadTerm(self, discretization, place)
+
+
+class DeadLoadTerm(PointTerm):
+    """A ``DeadLoad`` on one design; its force joins the residual with a minus."""
+
+    def __init__(self, definition: DeadLoad, discretization, place: int):
+        super().__init__(
+            definition.label, definition.scalars, definition.where, discretization, place
+        )
+        self.ramp = np.asarray(definition.ramp, float)
+        self.density = np.broadcast_to(definition.density, (len(self.where), 2)).astype(float)
+        self._none = np.zeros((len(self.where), 2, 2)), np.ones(len(self.where), np.int64)
+
+    def _force(self, fraction) -> np.ndarray:
+        return -at_fraction(self.ramp, fraction) * self.length[:, None] * self.density
+
+    def add(self, d, raw, fraction, history, force, values):
+        # the tangent is zero: nothing of it is added, for there may be many points
+        return super().add(d, raw, fraction, history, force, _NO_TANGENT)
+
+    def respond(self, x, fraction, history):
+        tangent, branch = self._none
+        return PointResponse(x, self._force(fraction), tangent, branch, None, np.empty((len(x), 0)))
+
+    def linearize(self, response, fraction, history, points):
+        out, size = np.zeros((points.size, *self.local_shape)), at_fraction(self.ramp, fraction)
+        out[:, :, 2] = -size * self.density[points]
+        if self.names:
+            out[:, 0, 3] = out[:, 1, 4] = -size * self.length[points]
+        return out
+
+    def changes(self, step, response, target):
+        change = self._force(target) - response.force
+        return [self.point_loads(change, response.branch)]

@@ -1,0 +1,50 @@
+"""Imposed displacements of the fixed components, and how parameters move them."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from seal_mdao.loads.ramp import at_fraction
+from seal_mdao.terms.term import Scalar
+
+
+@dataclass(frozen=True, eq=False)
+class ImposedDisplacements:
+    """Displacements of fixed components: base + sum of parameters times shapes, along the path.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n_steps + 1, n, 2)
+        At the start and after every nominal step; straight between.
+    names : tuple of str
+        Scalar parameters.
+    rates : ndarray, shape (len(names), n_steps + 1, n, 2)
+        Derivatives of ``values`` with respect to them.
+    """
+
+    values: np.ndarray
+    names: tuple = ()
+    rates: np.ndarray = field(default_factory=lambda: np.empty((0, 0, 0, 0)))
+
+    @property
+    def scalars(self) -> dict:
+        """Its parameters; they count from ``values``, so they are zero."""
+        return {name: Scalar(0.0, None, f"Imposed displacement: {name}.") for name in self.names}
+
+    def with_parameters(self, values: dict) -> "ImposedDisplacements":
+        """The same with its parameters changed by ``values``."""
+        change = sum(
+            (value * self.rates[self.names.index(name)] for name, value in values.items()),
+            np.zeros_like(self.values),
+        )
+        return replace(self, values=self.values + change)
+
+    def at(self, fraction: float) -> np.ndarray:
+        """Displacements (n, 2) at a path parameter."""
+        return at_fraction(self.values, fraction)
+
+    def rates_at(self, fraction: float) -> np.ndarray:
+        """Their derivatives with respect to the parameters, shape (len(names), n, 2)."""
+        if not self.names:
+            return np.empty((0, *self.values.shape[1:]))
+        return np.stack([at_fraction(rates, fraction) for rates in self.rates])

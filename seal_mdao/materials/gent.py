@@ -1,0 +1,55 @@
+"""Gent rubber, W = -(G Jm / 2) ln(1 - x / Jm) with x = I1 J^(-2/3) - 3 < Jm."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.materials.first_invariant import FirstInvariant
+from seal_mdao.materials.isotropic import checked
+
+
+@dataclass(frozen=True)
+class Gent(FirstInvariant):
+    """Chains of limited extension (A. N. Gent, Rubber Chem. Technol. 69 (1996) 59).
+
+    At x >= ``limit`` the chains are stretched out and the law has no value: energy and derivatives
+    are NaN there, and a Newton iteration that meets them has to take a shorter step.
+
+    Attributes
+    ----------
+    shear_modulus : float
+        G of the undeformed rubber, positive.
+    limit : float
+        Jm, the x at which the stress grows without bound, positive; some 30 to 100 for rubbers. With
+        growing ``limit`` the law tends to the neo-Hookean one, its relative difference being x / Jm.
+    bulk_modulus : float
+        Of the projected volumetric energy, positive.
+    """
+
+    shear_modulus: float = 200.0
+    limit: float = 50.0
+    bulk_modulus: float = 80_000.0
+
+    def __post_init__(self):
+        checked(self, positive=("shear_modulus", "limit", "bulk_modulus"))
+
+    def invariant_energy(self, x):
+        """-(G Jm / 2) ln(1 - x / Jm)."""
+        return -0.5 * self.shear_modulus * self.limit * np.log1p(-self._share(x))
+
+    def invariant_derivatives(self, x):
+        """(G / 2) / (1 - x / Jm) and (G / (2 Jm)) / (1 - x / Jm)^2."""
+        room = 1.0 - self._share(x)
+        first = 0.5 * self.shear_modulus / room
+        return first, first / (self.limit * room)
+
+    def invariant_constants(self, x):
+        """Derivatives of f' with respect to G and Jm."""
+        room = 1.0 - self._share(x)
+        by_limit = -0.5 * self.shear_modulus * x / (self.limit * room) ** 2
+        return 0.5 / room, by_limit
+
+    def _share(self, x):
+        """x / Jm, NaN where the chains are stretched out."""
+        share = x / self.limit
+        return np.where(share.real < 1.0, share, np.nan)

@@ -1,0 +1,126 @@
+"""Storakers' compressible law for sponge rubber and foams.
+
+W = sum 2 mu/alpha^2 [lambda_1^alpha + lambda_2^alpha + lambda_3^alpha - 3 + (J^(-alpha b) - 1) / b],
+b = nu / (1 - 2 nu)
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from seal_mdao.materials.isotropic import NO_VALUE
+from seal_mdao.materials.stretch_powers import PowerTerm, StretchPowers, checked_terms
+
+
+@dataclass(frozen=True)
+class Hyperfoam(StretchPowers):
+    """Highly compressible elastomers (B. Storakers, J. Mech. Phys. Solids 34 (1986) 125).
+
+    All of the energy is in W: J is not projected. Constants by name: ``mu_1``, ``mu_2``, ...,
+    ``alpha_1``, ..., ``nu_1``, ...
+
+    Attributes
+    ----------
+    mu : tuple of float
+        Moduli; their sum, the initial shear modulus, must be positive.
+    alpha : tuple of float
+        Exponents, not zero.
+    nu : tuple of float
+        Poisson's ratios, above -1 and below 1/2; the initial bulk modulus is
+        sum 2 mu (1/3 + nu / (1 - 2 nu)). At zero a stretch gives no stress across it.
+    """
+
+    mu: tuple[float, ...]
+    alpha: tuple[float, ...]
+    nu: tuple[float, ...]
+
+    bulk_modulus: ClassVar[float] = 0.0
+
+    def __post_init__(self):
+        checked_terms(self, ("mu", "alpha", "nu"))
+        if not sum(self.mu) > 0.0:
+            raise ValueError(
+                f"the initial shear modulus sum(mu) of Hyperfoam must be positive: mu = {self.mu}"
+            )
+        for i, nu in enumerate(self.nu, 1):
+            if not -1.0 < nu < 0.5:
+                raise ValueError(
+                    f"nu_{i} of Hyperfoam must lie between -1 and 1/2, got {nu}; "
+                    "for a nearly incompressible rubber take Ogden"
+                )
+        if not self.initial_bulk_modulus > 0.0:
+            raise ValueError(
+                f"the initial bulk modulus of Hyperfoam must be positive: mu = {self.mu}, "
+                f"nu = {self.nu} give {self.initial_bulk_modulus}"
+            )
+
+    @property
+    def terms(self):
+        """lambda_1^alpha + lambda_2^alpha = 2 J^(alpha/2) C, h = (J^(-alpha b) - 1) / b - 2."""
+        return tuple(
+            PowerTerm(m, a, 2.0 / a**2, 0.5 * a, a * b, -4.0 / a**3, 0.5, b)
+            for m, a, b in zip(self.mu, self.alpha, self._b, strict=True)
+        )
+
+    def rest(self, term, log_j):
+        """(J^(-alpha b) - 1) / b - 2, which is -alpha ln J - 2 for b = 0."""
+        y = -term.r * log_j
+        at_zero = y == 0.0
+        return (
+            -term.alpha * log_j * np.where(at_zero, 1.0, np.expm1(y) / np.where(at_zero, 1.0, y))
+            - 2.0
+        )
+
+    @np.errstate(**NO_VALUE)
+    def further_constants(self, log_j, j):
+        """By nu through W_J = ... - 2 q J^(-r - 1), r = alpha b."""
+        zero = np.zeros_like(log_j)
+        return [
+            np.array(
+                [
+                    zero,
+                    m.mu
+                    * m.scale
+                    * 2.0
+                    * m.q
+                    * log_j
+                    * np.exp(-m.r * log_j)
+                    / j
+                    * m.alpha
+                    * b_rate,
+                ]
+            )
+            for m, b_rate in zip(self.terms, self._b_rates, strict=True)
+        ]
+
+    @np.errstate(**NO_VALUE)
+    def across(self, t, j):
+        """sigma_33 = (1/J) dW/dlambda_3 = (1/J) sum 2 mu/alpha (1 - J^(-alpha b)), d/dT and d/dJ."""
+        j = np.asarray(j)
+        log_j = np.log(j)
+        value = -sum(m.mu * m.scale * m.alpha * np.expm1(-m.r * log_j) for m in self.terms) / j
+        slope = sum(m.mu * m.scale * m.alpha * m.r * np.exp(-m.r * log_j) for m in self.terms)
+        return np.array([value, np.zeros_like(value), (slope / j - value) / j])
+
+    @np.errstate(**NO_VALUE)
+    def across_constant_derivatives(self, t, j):
+        """d sigma_33 / d constant: all mu, all alpha, all nu."""
+        j = np.asarray(j)
+        log_j, by_mu, by_alpha, by_nu = np.log(j), [], [], []
+        for m, b_rate in zip(self.terms, self._b_rates, strict=True):
+            tension, factor = -np.expm1(-m.r * log_j), 2.0 / m.alpha
+            fall = log_j * np.exp(-m.r * log_j)  # of the tension with r
+            by_mu.append(factor * tension)
+            by_alpha.append(m.mu * factor * (m.r_rate * fall - tension / m.alpha))
+            by_nu.append(m.mu * factor * fall * m.alpha * b_rate)
+        return np.array([*by_mu, *by_alpha, *by_nu]) / j
+
+    @property
+    def _b(self):
+        return tuple(nu / (1.0 - 2.0 * nu) for nu in self.nu)
+
+    @property
+    def _b_rates(self):
+        """db / dnu."""
+        return tuple(1.0 / (1.0 - 2.0 * nu) ** 2 for nu in self.nu)

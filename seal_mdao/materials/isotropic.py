@@ -1,0 +1,245 @@
+"""What every isotropic hyperelastic law in plane strain has in common.
+
+With lambda_3 = 1 the energy of an isotropic solid is a function of T = F : F and J = det F of the
+in-plane deformation gradient alone, W(T, J):
+
+    P = 2 W_T F + W_J cof F
+    sigma = (2 / J) W_T F F^T + W_J 1      (Cauchy, in the plane)
+
+A law gives W, its derivatives and those in its constants; everything else follows here.
+"""
+
+from abc import ABC, abstractmethod
+from copy import copy
+from dataclasses import fields, replace
+
+import numpy as np
+
+NO_VALUE = {"invalid": "ignore", "divide": "ignore", "over": "ignore"}
+"""For ``numpy.errstate``, where a law has no value and says so with NaN."""
+
+STEP = 1e-30
+"""Of complex steps."""
+
+
+class Isotropic(ABC):
+    """Contract of a material; a law is a frozen dataclass whose fields are its constants.
+
+    Arrays ``t`` and ``j`` have the same shape, any one. T is without unit, W, stresses and moduli in
+    one unit of stress of the user's choice. A law may have no value for a state (J <= 0, a chain
+    that is stretched out): its energy and derivatives are then NaN, without a warning.
+
+    Attributes
+    ----------
+    bulk_modulus : float
+        K of the volumetric energy K/2 (J_c - 1)^2 of the projected J, which is not part of W; 0 for a
+        compressible law, whose W holds all of its energy.
+    """
+
+    bulk_modulus: float
+
+    # ---- what a law gives ----
+
+    @abstractmethod
+    def energy(self, t, j) -> np.ndarray:
+        """Strain energy density W per undeformed volume, shape of ``t``; complex step passes, through
+        the constants too."""
+
+    @abstractmethod
+    def derivatives(self, t, j) -> np.ndarray:
+        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
+
+    @abstractmethod
+    def constant_derivatives(self, t, j) -> np.ndarray:
+        """d(W_T, W_J) / d constant, shape (n_constants, 2, ...); zero for ``bulk_modulus``."""
+
+    def constant_energies(self, t, j) -> np.ndarray:
+        """dW / d constant, shape (n_constants, ...): ``energy`` by complex steps, which are exact."""
+        slopes = [self._stepped(name).energy(t, j).imag / STEP for name in self.names]
+        return np.array([np.broadcast_to(slope, np.shape(t)) for slope in slopes])
+
+    def _stepped(self, name: str):
+        """The law with an imaginary step in one constant, unchecked."""
+        other = copy(self)
+        object.__setattr__(other, name, getattr(self, name) + 1j * STEP)
+        return other
+
+    # ---- constants by name ----
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Values by name, in the order of ``names``."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the constants; ``bulk_modulus`` last where there is one."""
+        return tuple(self.constants)
+
+    def with_(self, **constants):
+        """The same law with other constants.
+
+        Raises
+        ------
+        ValueError
+            If a name is not one of ``names``, or the constants give no stable material.
+        """
+        self._refuse_unknown(constants)
+        return replace(self, **constants)
+
+    def _refuse_unknown(self, constants):
+        unknown = [name for name in constants if name not in self.names]
+        if unknown:
+            raise ValueError(
+                f"{type(self).__name__} has no constant {', '.join(unknown)}; "
+                f"its constants are {', '.join(self.names)}"
+            )
+
+    # ---- stress across the plane ----
+
+    def across(self, t, j) -> np.ndarray:
+        """Cauchy stress sigma_33 across the plane, d/dT and d/dJ, shape (3, ...).
+
+        Here that of an energy of the isochoric stretches J^(-1/3) lambda, whose stress has no trace:
+        sigma_33 = -(sigma_11 + sigma_22). A compressible law overrides this, for W(T, J) alone does
+        not know dW/dlambda_3.
+        """
+        return -2.0 * _mean_stress(t, j, self.derivatives(t, j))
+
+    def across_constant_derivatives(self, t, j) -> np.ndarray:
+        """d sigma_33 / d constant, shape (n_constants, ...)."""
+        rates = self.constant_derivatives(t, j)
+        return -2.0 * (rates[:, 0] * t / j + rates[:, 1])
+
+    # ---- what follows from the energy ----
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus of the undeformed state, 2 W_T."""
+        return 2.0 * float(self.derivatives(2.0, 1.0)[0])
+
+    @property
+    def initial_bulk_modulus(self) -> float:
+        """Bulk modulus of the undeformed state: ``bulk_modulus`` and what W adds to it.
+
+        From A_1111 = 2 W_T + 4 W_TT + 4 W_TJ + W_JJ = K + 4/3 G.
+        """
+        w_t, _, w_tt, w_tj, w_jj = (float(w) for w in self.derivatives(2.0, 1.0))
+        return self.bulk_modulus + 4.0 * (w_tt + w_tj) + w_jj - 2.0 / 3.0 * w_t
+
+    def stress(self, F: np.ndarray) -> np.ndarray:
+        """First Piola-Kirchhoff stress dW/dF of in-plane gradients (..., 2, 2), same shape."""
+        w_t, w_j, *_ = self.derivatives(*invariants(F))
+        return 2.0 * w_t[..., None, None] * F + w_j[..., None, None] * cofactor(F)
+
+    def tangent(self, F: np.ndarray) -> np.ndarray:
+        """dP_ij / dF_kl, shape (..., 2, 2, 2, 2).
+
+        A = 2 W_T I + 4 W_TT F(x)F + 2 W_TJ (F(x)cof F + cof F(x)F) + W_JJ cof F(x)cof F
+        + W_J d(cof F)/dF
+        """
+        w_t, w_j, w_tt, w_tj, w_jj = self.derivatives(*invariants(F))[..., None, None, None, None]
+        eps = np.array([[0.0, 1.0], [-1.0, 0.0]])
+        identity = np.einsum("ik,jl->ijkl", np.eye(2), np.eye(2))
+        cof = cofactor(F)
+        mixed = _dyad(F, cof)
+        return (
+            2.0 * w_t * identity
+            + 4.0 * w_tt * _dyad(F, F)
+            + 2.0 * w_tj * (mixed + np.einsum("...ijkl->...klij", mixed))
+            + w_jj * _dyad(cof, cof)
+            + w_j * np.einsum("ik,jl->ijkl", eps, eps)
+        )
+
+    def von_mises(self, t, j) -> np.ndarray:
+        """Von Mises stress sqrt(3/2 dev sigma : dev sigma), d/dT and d/dJ, shape (3, ...).
+
+        The Cauchy stress in the plane has the mean m = W_T T / J + W_J and the half difference
+        d = (W_T / J) sqrt(T^2 - 4 J^2), so that sigma_vm^2 = 3 d^2 + (m - sigma_33)^2. At zero
+        stress, where the square root has a corner, the derivatives are zero.
+        """
+        t, j = np.asarray(t), np.asarray(j)
+        w = self.derivatives(t, j)
+        shear, spread, away = self._deviator(t, j, w)
+        shear_t, shear_j = w[2] / j, (w[3] - shear) / j
+        value = np.sqrt(3.0 * shear * shear * spread + away[0] * away[0])
+        by_t = 3.0 * shear * (shear_t * spread + shear * t) + away[0] * away[1]
+        by_j = 3.0 * shear * (shear_j * spread - 4.0 * shear * j) + away[0] * away[2]
+        return np.array([value, _over(by_t, value), _over(by_j, value)])
+
+    def von_mises_constants(self, t, j) -> np.ndarray:
+        """d sigma_vm / d constant, shape (n_constants, ...); zero at zero stress."""
+        t, j = np.asarray(t), np.asarray(j)
+        shear, spread, away = self._deviator(t, j, self.derivatives(t, j))
+        value = np.sqrt(3.0 * shear * shear * spread + away[0] * away[0])
+        rates = self.constant_derivatives(t, j)
+        away_rates = (
+            rates[:, 0] * t / j + rates[:, 1] - self.across_constant_derivatives(t, j)
+        )  # of m - sigma_33
+        return _over(3.0 * shear * spread * rates[:, 0] / j + away[0] * away_rates, value)
+
+    def _deviator(self, t, j, w):
+        """W_T / J, T^2 - 4 J^2 = (lambda_1^2 - lambda_2^2)^2, and m - sigma_33 with its derivatives."""
+        spread = (t - 2.0 * j) * (t + 2.0 * j)
+        # rounding of T and J must not make the square of a difference negative
+        spread = np.where(spread.real > 0.0, spread, 0.0 * spread)
+        return w[0] / j, spread, _mean_stress(t, j, w) - self.across(t, j)
+
+
+def invariants(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """T = F : F and J = det F of in-plane gradients (..., 2, 2)."""
+    return (
+        np.einsum("...ij,...ij", F, F),
+        F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0],
+    )
+
+
+def cofactor(F: np.ndarray) -> np.ndarray:
+    """cof F = d(det F)/dF of in-plane gradients, shape (..., 2, 2)."""
+    cof = np.empty_like(F)
+    cof[..., 0, 0], cof[..., 0, 1] = F[..., 1, 1], -F[..., 1, 0]
+    cof[..., 1, 0], cof[..., 1, 1] = -F[..., 0, 1], F[..., 0, 0]
+    return cof
+
+
+def _mean_stress(t, j, w):
+    """m = W_T T / J + W_J, half the trace of the Cauchy stress in the plane, d/dT and d/dJ."""
+    w_t, w_j, w_tt, w_tj, w_jj = w
+    ratio = t / j
+    return np.array(
+        [
+            w_t * ratio + w_j,
+            w_tt * ratio + w_t / j + w_tj,
+            w_tj * ratio - w_t * ratio / j + w_jj,
+        ]
+    )
+
+
+def _dyad(A, B):
+    return np.einsum("...ij,...kl->...ijkl", A, B)
+
+
+def _over(slope, value):
+    """slope / value, zero where the value is zero."""
+    zero = value == 0.0
+    return np.where(zero, 0.0, slope / np.where(zero, 1.0, value))
+
+
+def checked(material, positive=(), nonnegative=(), real=()) -> None:
+    """Make the named fields of a law floats; refuse what is not finite or has the wrong sign.
+
+    Raises
+    ------
+    ValueError
+        With the name of the constant.
+    """
+    for name in (*positive, *nonnegative, *real):
+        value = float(getattr(material, name))
+        where = f"{name} of {type(material).__name__}"
+        if not np.isfinite(value):
+            raise ValueError(f"{where} must be a finite number, got {value}")
+        if name in positive and value <= 0.0:
+            raise ValueError(f"{where} must be positive, got {value}")
+        if name in nonnegative and value < 0.0:
+            raise ValueError(f"{where} must not be negative, got {value}")
+        object.__setattr__(material, name, value)

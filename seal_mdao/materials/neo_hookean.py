@@ -1,0 +1,37 @@
+"""Neo-Hookean rubber, W = C10 x with x = I1 J^(-2/3) - 3."""
+
+from dataclasses import dataclass
+
+from seal_mdao.materials.first_invariant import FirstInvariant
+from seal_mdao.materials.isotropic import checked
+
+
+@dataclass(frozen=True)
+class NeoHookean(FirstInvariant):
+    """The law of Gaussian chains (L. R. G. Treloar, The Physics of Rubber Elasticity, chapter 4).
+
+    Attributes
+    ----------
+    c10 : float
+        Half the shear modulus, positive.
+    bulk_modulus : float
+        Of the projected volumetric energy, positive.
+    """
+
+    c10: float = 100.0
+    bulk_modulus: float = 80_000.0
+
+    def __post_init__(self):
+        checked(self, positive=("c10", "bulk_modulus"))
+
+    def invariant_energy(self, x):
+        """C10 x."""
+        return self.c10 * x
+
+    def invariant_derivatives(self, x):
+        """C10 and zero."""
+        return self.c10, 0.0
+
+    def invariant_constants(self, x):
+        """df'/dC10 = 1."""
+        return (1.0,)

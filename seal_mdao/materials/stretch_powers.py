@@ -1,0 +1,179 @@
+"""Laws whose energy is a sum over powers of the principal stretches, as functions of T and J.
+
+W = sum_p mu_p k_p [2 J^q C(c) + h(J)],   c = T / (2 J),   h'(J) = -2 q J^(-r - 1),
+
+C of ``materials.chebyshev`` with a = alpha_p / 2. With h' of this form the undeformed state is free
+of stress in the plane.
+"""
+
+from abc import abstractmethod
+from copy import copy
+from dataclasses import fields
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.materials.chebyshev import stretch_power
+from seal_mdao.materials.isotropic import NO_VALUE, STEP, Isotropic
+
+
+class PowerTerm(NamedTuple):
+    """One term of the sum, and the derivatives of its numbers with respect to alpha.
+
+    Attributes
+    ----------
+    mu, alpha : float
+        Modulus and exponent.
+    scale, q, r : float
+        k, q and r above.
+    scale_rate, q_rate, r_rate : float
+        d / d alpha.
+    """
+
+    mu: float
+    alpha: float
+    scale: float
+    q: float
+    r: float
+    scale_rate: float
+    q_rate: float
+    r_rate: float
+
+
+class StretchPowers(Isotropic):
+    """A law with tuples of constants, one entry a term, known by name as ``mu_1``, ``mu_2``, ..."""
+
+    @property
+    @abstractmethod
+    def terms(self) -> tuple[PowerTerm, ...]:
+        """The terms of the sum."""
+
+    @abstractmethod
+    def rest(self, term: PowerTerm, log_j) -> np.ndarray:
+        """h(J) of a term, with the constant that makes the undeformed energy zero."""
+
+    @property
+    def constants(self):
+        """Values by name, in the order of ``names``."""
+        out = {}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, tuple):
+                out |= {f"{field.name}_{i}": entry for i, entry in enumerate(value, 1)}
+            else:
+                out[field.name] = value
+        return out
+
+    def with_(self, **constants):
+        """The same law with other constants, by their names: ``with_(mu_2=-4.0)``."""
+        self._refuse_unknown(constants)
+        values, changed = iter((self.constants | constants).values()), {}
+        for field in fields(self):
+            old = getattr(self, field.name)
+            many = isinstance(old, tuple)
+            changed[field.name] = tuple(next(values) for _ in old) if many else next(values)
+        return type(self)(**changed)
+
+    def _stepped(self, name):
+        if name in vars(self):
+            return super()._stepped(name)
+        other, (field, number) = copy(self), name.rsplit("_", 1)
+        entries = list(getattr(self, field))
+        entries[int(number) - 1] += 1j * STEP
+        object.__setattr__(other, field, tuple(entries))
+        return other
+
+    @np.errstate(**NO_VALUE)
+    def energy(self, t, j):
+        """Strain energy density W, shape of ``t``."""
+        v, log_j = _variables(t, j)
+        return sum(
+            m.mu * m.scale
+            * (2.0 * np.exp(m.q * log_j) * stretch_power(v, 0.5 * m.alpha, 1)[0] + self.rest(m, log_j))
+            for m in self.terms
+        )  # fmt: skip
+
+    @np.errstate(**NO_VALUE)
+    def derivatives(self, t, j):
+        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
+        v, log_j = _variables(t, j)
+        return sum(m.mu * m.scale * _term_derivatives(m, v, log_j, j) for m in self.terms)
+
+    @np.errstate(**NO_VALUE)
+    def constant_derivatives(self, t, j):
+        """d(W_T, W_J) / d constant: all mu, all alpha, then ``further_constants``."""
+        v, log_j = _variables(t, j)
+        by_mu, by_alpha = [], []
+        for m in self.terms:
+            first, rate = _term_rates(m, v, log_j, j)
+            by_mu.append(m.scale * first)
+            by_alpha.append(m.mu * (m.scale_rate * first + m.scale * rate))
+        return np.array([*by_mu, *by_alpha, *self.further_constants(log_j, j)])
+
+    @abstractmethod
+    def further_constants(self, log_j, j) -> list[np.ndarray]:
+        """d(W_T, W_J) / d constant, (2, ...) each, of the constants after mu and alpha."""
+
+
+def _variables(t, j):
+    """v = c - 1 and ln J."""
+    j = np.asarray(j)
+    return (t - 2.0 * j) / (2.0 * j), np.log(j)
+
+
+def _term_derivatives(m, v, log_j, j):
+    """Derivatives of 2 J^q C + h: by T, J, TT, TJ, JJ."""
+    C, C1, C2 = stretch_power(v, 0.5 * m.alpha)
+    c, swell, balance = 1.0 + v, np.exp(m.q * log_j), np.exp(-m.r * log_j)
+    q = m.q
+    return np.array(
+        [
+            swell * C1 / j,
+            (2.0 * q * (swell * C - balance) - 2.0 * swell * c * C1) / j,
+            0.5 * swell * C2 / (j * j),
+            swell * ((q - 1.0) * C1 - c * C2) / (j * j),
+            (
+                swell * (2.0 * q * (q - 1.0) * C - 4.0 * (q - 1.0) * c * C1 + 2.0 * c * c * C2)
+                + 2.0 * q * (m.r + 1.0) * balance
+            )
+            / (j * j),
+        ]
+    )
+
+
+def _term_rates(m, v, log_j, j):
+    """The derivatives by T and J of 2 J^q C + h, and their derivatives with respect to alpha."""
+    C, C1, _, C_a, C1_a = stretch_power(v, 0.5 * m.alpha, 5)
+    c, swell, balance = 1.0 + v, np.exp(m.q * log_j), np.exp(-m.r * log_j)
+    q, grow = m.q, m.q_rate * log_j
+    # of J^q C, J^q C' and J^-r
+    power, slope = swell * (grow * C + 0.5 * C_a), swell * (grow * C1 + 0.5 * C1_a)
+    balance_rate = -m.r_rate * log_j * balance
+    first = [swell * C1, 2.0 * q * (swell * C - balance) - 2.0 * swell * c * C1]
+    rate = [
+        slope,
+        2.0 * m.q_rate * (swell * C - balance) + 2.0 * q * (power - balance_rate) - 2.0 * c * slope,
+    ]
+    return np.array(first) / j, np.array(rate) / j
+
+
+def checked_terms(material, names: tuple[str, ...]) -> None:
+    """Make the tuples ``names`` of a law tuples of floats; refuse what cannot be a sum of terms.
+
+    Raises
+    ------
+    ValueError
+        With the name of the constant.
+    """
+    kind = type(material).__name__
+    for name in names:
+        values = tuple(float(value) for value in np.ravel(getattr(material, name)))
+        object.__setattr__(material, name, values)
+        for i, value in enumerate(values, 1):
+            if not np.isfinite(value):
+                raise ValueError(f"{name}_{i} of {kind} must be a finite number, got {value}")
+            if name == "alpha" and value == 0.0:
+                raise ValueError(f"alpha_{i} of {kind} must not be zero")
+    counts = {name: len(getattr(material, name)) for name in names}
+    if len(set(counts.values())) > 1 or 0 in counts.values():
+        raise ValueError(f"{kind} needs as many {' as '.join(names)}, at least one; got {counts}")

@@ -1,0 +1,43 @@
+"""Yeoh rubber, W = C10 x + C20 x^2 + C30 x^3 with x = I1 J^(-2/3) - 3."""
+
+from dataclasses import dataclass
+
+from seal_mdao.materials.first_invariant import FirstInvariant
+from seal_mdao.materials.isotropic import checked
+
+
+@dataclass(frozen=True)
+class Yeoh(FirstInvariant):
+    """Cubic in the invariant (O. H. Yeoh, Rubber Chem. Technol. 66 (1993) 754): filled rubbers.
+
+    Attributes
+    ----------
+    c10 : float
+        Half the initial shear modulus, positive.
+    c20, c30 : float
+        Change of the shear modulus with the distortion; c20 is mostly negative (softening at medium
+        strain) and c30 positive. W_T must stay positive where the rubber is strained to.
+    bulk_modulus : float
+        Of the projected volumetric energy, positive.
+    """
+
+    c10: float = 100.0
+    c20: float = 0.0
+    c30: float = 0.0
+    bulk_modulus: float = 80_000.0
+
+    def __post_init__(self):
+        checked(self, positive=("c10", "bulk_modulus"), real=("c20", "c30"))
+
+    def invariant_energy(self, x):
+        """The cubic."""
+        return x * (self.c10 + x * (self.c20 + x * self.c30))
+
+    def invariant_derivatives(self, x):
+        """Its first and second derivative."""
+        first = self.c10 + x * (2.0 * self.c20 + x * (3.0 * self.c30))
+        return first, 2.0 * self.c20 + 6.0 * self.c30 * x
+
+    def invariant_constants(self, x):
+        """1, 2 x and 3 x^2."""
+        return 1.0, 2.0 * x, 3.0 * x * x

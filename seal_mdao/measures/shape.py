@@ -1,0 +1,91 @@
+"""Measures of the deformed and the undeformed section."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.measures.measure import Measure
+
+
+@dataclass(frozen=True)
+class Displacement(Measure):
+    """Displacement of a particle at the end of the path.
+
+    Attributes
+    ----------
+    point : int
+        Particle.
+    """
+
+    point: int
+    name: str = "displacement"
+    units = "mm"
+    text = "Displacement of a particle: horizontal, vertical."
+
+    def size(self, seal):
+        return 2
+
+    def evaluate(self, result, partials):
+        partials.displacement()[np.arange(2), self.point, np.arange(2)] += 1.0
+        return result.displacement()[self.point]
+
+
+@dataclass(frozen=True)
+class CavityArea(Measure):
+    """Area inside a closed edge of the deformed section.
+
+    Attributes
+    ----------
+    edge : str
+        Name of the edge around the cavity.
+    """
+
+    edge: str
+    name: str = "cavity_area"
+    units = "mm**2"
+    text = "Area of a cavity of the deformed section."
+
+    def evaluate(self, result, partials):
+        ring = result.seal.body.edge(self.edge).particles
+        x = result.particles[ring] + result.displacement()[ring]
+        value, by_x = polygon_area(x)
+        # edges are walked with the body on the left: a cavity clockwise
+        way = 1.0 if value > 0.0 else -1.0
+        partials.displacement()[0, ring] += way * by_x
+        partials.particles[0, ring] += way * by_x
+        return way * value
+
+
+@dataclass(frozen=True)
+class SectionArea(Measure):
+    """Area of the undeformed section, as its cells have it."""
+
+    name: str = "section_area"
+    units = "mm**2"
+    text = "Area of the undeformed section."
+
+    def evaluate(self, result, partials):
+        value, by_particles = cells_area(result.seal.body.cells, result.particles)
+        partials.particles[0] += by_particles
+        return value
+
+
+def cells_area(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.ndarray]:
+    """Area of quadrilateral cells (m, 4), and its gradient with respect to the particles (n, 2)."""
+    value, gradient = 0.0, np.zeros_like(particles)
+    for corners in (cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]):
+        a, b, c = (particles[corners[:, i]] for i in range(3))
+        u, v = b - a, c - a
+        value += 0.5 * float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum())
+        by_b = 0.5 * np.column_stack([v[:, 1], -v[:, 0]])
+        by_c = 0.5 * np.column_stack([-u[:, 1], u[:, 0]])
+        for corner, pull in enumerate((-by_b - by_c, by_b, by_c)):
+            np.add.at(gradient, corners[:, corner], pull)
+    return value, gradient
+
+
+def polygon_area(x: np.ndarray) -> tuple[float, np.ndarray]:
+    """Signed area of a closed polygon (k, 2), positive counter-clockwise, and its gradient (k, 2)."""
+    before, after = np.roll(x, 1, axis=0), np.roll(x, -1, axis=0)
+    value = 0.5 * float((x[:, 0] * after[:, 1] - x[:, 1] * after[:, 0]).sum())
+    return value, 0.5 * np.column_stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]])

@@ -1,0 +1,135 @@
+"""A seal put together from a body, terms and a design: what users start from."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from seal_mdao.analysis.body import Body
+from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.measures.shape import cells_area
+from seal_mdao.seals.result import SealResult
+from seal_mdao.seals.seal import Seal
+
+
+@dataclass(frozen=True, eq=False)
+class AssembledSeal(Seal):
+    """Any body under any terms.
+
+    Attributes
+    ----------
+    drawn_particles : ndarray, shape (n, 2)
+        mm.
+    design_velocity : ndarray, shape (P, n, 2)
+        How the design parameters (``boundary_offsets``) move the particles.
+    body : Body
+    definitions : tuple of TermDefinition
+        An elastic body first.
+    n_steps : int
+        Nominal load steps.
+    standard : tuple of Measure
+        The measures that an OpenMDAO component has unless others are asked for.
+    inputs : tuple of str
+        Scalar parameters that are always inputs.
+    imposed_displacements : ImposedDisplacements, optional
+    newton : NewtonOptions
+    changed : dict of str to float
+        Scalar parameters with other values than the definitions have.
+
+    Raises
+    ------
+    ValueError
+        For arrays that do not fit each other, labels that repeat, inputs that no term knows.
+    """
+
+    drawn_particles: np.ndarray
+    design_velocity: np.ndarray
+    body: Body
+    definitions: tuple
+    n_steps: int
+    standard: tuple = ()
+    inputs: tuple = ()
+    imposed_displacements: object = None
+    newton: NewtonOptions = field(default_factory=NewtonOptions)
+    changed: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        shape = (self.body.n_particles, 2)
+        if np.shape(self.drawn_particles) != shape:
+            raise ValueError(
+                f"drawn_particles must have shape {shape}, got {np.shape(self.drawn_particles)}"
+            )
+        if np.ndim(self.design_velocity) != 3 or np.shape(self.design_velocity)[1:] != shape:
+            raise ValueError(
+                f"design_velocity must have shape (P, {shape[0]}, 2), got "
+                f"{np.shape(self.design_velocity)}"
+            )
+        labels = [definition.label for definition in self.definitions]
+        if len(set(labels)) < len(labels):
+            raise ValueError(f"labels of terms repeat: {labels}")
+        unknown = [name for name in self.inputs if name not in self.scalars]
+        if unknown:
+            raise ValueError(
+                f"no term has the input {unknown[0]!r}; known are {', '.join(self.scalars)}"
+            )
+
+    @cached_property
+    def scalars(self) -> dict:
+        found = {}
+        for definition in (*self.definitions, self.imposed_displacements):
+            found |= {} if definition is None else definition.scalars
+        return {
+            name: scalar._replace(value=self.changed.get(name, scalar.value))
+            for name, scalar in found.items()
+        }
+
+    def _applied(self, definition):
+        """A definition with what was changed of it."""
+        own = {name: self.changed[name] for name in definition.scalars if name in self.changed}
+        return definition.with_parameters(own) if own else definition
+
+    @cached_property
+    def _terms(self) -> tuple:
+        return tuple(self._applied(definition) for definition in self.definitions)
+
+    def terms(self) -> tuple:
+        return self._terms
+
+    def imposed(self):
+        imposed = self.imposed_displacements
+        return None if imposed is None else self._applied(imposed)
+
+    def with_parameters(self, values: dict) -> "AssembledSeal":
+        unknown = [name for name in values if name not in self.scalars]
+        if unknown:
+            raise ValueError(
+                f"unknown parameter {unknown[0]!r}; known are {', '.join(self.scalars)}"
+            )
+        other = replace(self, changed=self.changed | dict(values))
+        other.__dict__["_origin"] = self._origin
+        other.terms()  # values that are not admissible are refused here
+        return other
+
+    def area(self, offsets):
+        value, by_particles = cells_area(self.body.cells, self.particles(offsets))
+        return value, np.tensordot(self.design_velocity, by_particles, 2)
+
+    def measures(self, names=()) -> tuple:
+        known = {measure.name: measure for measure in self.standard}
+        unknown = [name for name in names if name not in known]
+        if unknown:
+            raise ValueError(
+                f"unknown measure {unknown[0]!r}; this seal's own are: {', '.join(known) or 'none'}"
+            )
+        return tuple(known[name] for name in names) if names else self.standard
+
+    def result(self, path, boundary_offsets=None) -> SealResult:
+        return SealResult(self, path, boundary_offsets)
+
+    @cached_property
+    def _origin(self):
+        return object()
+
+    @property
+    def key(self):
+        return self._origin, tuple(scalar.value for scalar in self.scalars.values())

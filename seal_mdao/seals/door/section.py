@@ -1,0 +1,112 @@
+"""The drawn section of the door seal: radii of its two boundaries over the ray angle.
+
+Polar about the origin. D is the angle from straight down, positive counter-clockwise (to the right).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Section:
+    """Drawn section (lengths in mm).
+
+    Attributes
+    ----------
+    inner_radius, outer_radius : float
+        Radii of the two circles.
+    base_angle : float
+        D0: the flat base spans |D| <= D0, the straight flanks D0 <= |D| <= 2 D0.
+    """
+
+    inner_radius: float = 7.5
+    outer_radius: float = 9.5
+    base_angle: float = 3 * (2 * np.pi / 58)
+
+    def __post_init__(self):
+        if not 0.0 < self.inner_radius < self.outer_radius:
+            raise ValueError(
+                f"radii must satisfy 0 < inner_radius < outer_radius, got {self.inner_radius} and "
+                f"{self.outer_radius}"
+            )
+        if not 0.0 < self.base_angle < np.pi / 4:
+            raise ValueError(f"base_angle = {self.base_angle} must lie between 0 and pi/4")
+
+    def inner(self, angle: np.ndarray) -> np.ndarray:
+        """Radius of the drawn inner boundary."""
+        return np.full(np.shape(angle), self.inner_radius)
+
+    def outer(self, angle: np.ndarray) -> np.ndarray:
+        """Radius of the drawn outer boundary: flat base, straight flanks, circle."""
+        d = np.abs((np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi)
+        tilt = np.where(d <= self.base_angle, d, 2 * self.base_angle - d)
+        return self.outer_radius / np.cos(np.where(d < 2 * self.base_angle, tilt, 0.0))
+
+
+def ray_directions(angle: np.ndarray) -> np.ndarray:
+    """Unit vectors along the rays, shape (..., 2); angle 0 points straight down."""
+    return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+
+
+@dataclass(frozen=True)
+class RingGrid:
+    """Rays x layers of particles across the wall, numbered ray by ray from the inner boundary.
+
+    Attributes
+    ----------
+    rays, layers : int
+    base_columns : int
+        Rays on either side of straight down whose outer particle lies on the flat base.
+    """
+
+    rays: int
+    layers: int
+    base_columns: int
+
+    @property
+    def angles(self) -> np.ndarray:
+        """Ray angles, the first straight down, shape (rays,)."""
+        return 2 * np.pi * np.arange(self.rays) / self.rays
+
+    @property
+    def fractions(self) -> np.ndarray:
+        """Isoparametric coordinate across the wall of every layer, 0 inner, 1 outer."""
+        return np.linspace(0.0, 1.0, self.layers)
+
+    def particle(self, ray, layer) -> np.ndarray:
+        """Particle number of a ray (any integer, periodic) and layer."""
+        return (np.asarray(ray) % self.rays) * self.layers + layer
+
+    @property
+    def cells(self) -> np.ndarray:
+        """Background cells between neighbouring rays and layers, counter-clockwise, (n, 4)."""
+        ray, layer = (
+            a.ravel()
+            for a in np.meshgrid(np.arange(self.rays), np.arange(self.layers - 1), indexing="ij")
+        )
+        corners = [(ray, layer), (ray, layer + 1), (ray + 1, layer + 1), (ray + 1, layer)]
+        return np.column_stack([self.particle(r, k) for r, k in corners])
+
+    @property
+    def base(self) -> np.ndarray:
+        """Outer particles on the flat base."""
+        columns = np.arange(-self.base_columns, self.base_columns + 1)
+        return self.particle(columns, self.layers - 1)
+
+    @property
+    def free_rays(self) -> np.ndarray:
+        """Rays whose outer particle is free, from the right base corner round to the left one."""
+        return np.arange(self.base_columns + 1, self.rays - self.base_columns)
+
+    @property
+    def free_outer(self) -> np.ndarray:
+        """Outer particles that may touch the door."""
+        return self.particle(self.free_rays, self.layers - 1)
+
+    def positions(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
+        """Particles from boundary radii on every ray, (..., rays) each, shape (..., n, 2)."""
+        t = self.fractions
+        radius = inner[..., :, None] * (1 - t) + outer[..., :, None] * t
+        xy = radius[..., None] * ray_directions(self.angles)[:, None]
+        return xy.reshape(*xy.shape[:-3], -1, 2)

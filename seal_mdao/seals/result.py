@@ -1,0 +1,210 @@
+"""A seal analysed: from design parameters to the path and its measures, without OpenMDAO."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from seal_mdao.analysis.body import discretize
+from seal_mdao.analysis.load_path import solve_path
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
+from seal_mdao.analysis.threads import one_blas_thread
+from seal_mdao.errors import LoadPathError
+from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.seals.seal import Seal
+from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
+
+FACTOR_MEMORY = 2.0
+"""GiB for factors that are kept for sensitivities."""
+
+
+@dataclass(frozen=True, eq=False)
+class SealResult:
+    """One design of a seal, analysed.
+
+    What concerns the path is there for a path that ended early too; what concerns its end then raises
+    ``LoadPathError``.
+
+    Attributes
+    ----------
+    seal : Seal
+        With the scalar parameters of this analysis.
+    path : PathResult
+    boundary_offsets : ndarray
+        mm; None when the result was computed from particles.
+    """
+
+    seal: Seal
+    path: PathResult = field(repr=False)
+    boundary_offsets: np.ndarray | None = None
+
+    @property
+    def converged(self) -> bool:
+        return self.path.converged
+
+    @property
+    def status(self) -> Status:
+        return self.path.status
+
+    @property
+    def newton_iterations(self) -> np.ndarray:
+        """Newton iterations of every nominal step, shape (n_steps,)."""
+        return self.path.newton_iterations
+
+    @property
+    def step_cuts(self) -> int:
+        return self.path.step_cuts
+
+    @property
+    def particles(self) -> np.ndarray:
+        """Undeformed particles, shape (n, 2), mm."""
+        return self.path.discretization.particles
+
+    def require_converged(self) -> None:
+        """Raise ``LoadPathError`` for a path that was not completed."""
+        if not self.converged:
+            raise LoadPathError(self.failure, self)
+
+    @property
+    def failure(self) -> str:
+        """Where a path ended, in what state, and what can be done; empty for a complete one."""
+        if self.converged:
+            return ""
+        done = len(self.path.nominal_steps)
+        return (
+            f"the load path could not be completed at {self.path.failure}; {done} of "
+            f"{self.seal.n_steps} load steps converged. {self.advice}"
+        )
+
+    advice = (
+        "Use more load steps (n_steps), a shorter motion, a smaller normal penalty, or a design nearer "
+        "to the drawn seal"
+    )
+
+    @property
+    def end(self) -> ConvergedStep:
+        """The last step of a completed path."""
+        self.require_converged()
+        return self.path.steps[-1]
+
+    def term(self, label: str):
+        """A term of the problem that was solved."""
+        return self.path.problem.term(label)
+
+    def response(self, label: str, step: ConvergedStep | None = None):
+        """What a term answers at a converged step, the end of the path when left out."""
+        step = self.end if step is None else step
+        return step.responses[self.path.place(label)]
+
+    def displacement(self, step: int = -1) -> np.ndarray:
+        """Displacements of the particles after a nominal step, shape (n, 2), mm."""
+        return self.path.displacement(step)
+
+    def deformed(self, step: int = -1) -> np.ndarray:
+        """Deformed particles after a nominal step, shape (n, 2), mm."""
+        return self.particles + self.displacement(step)
+
+    def gradient(self, step: int = -1) -> np.ndarray:
+        """F at the particles after a nominal step, in the order 11, 12, 21, 22, shape (n, 4)."""
+        table = self.path.discretization.everywhere.table
+        return deformation_gradients(table, self.path.nominal_steps[step].d)[:, :4]
+
+    def stress_field(self, step: int = -1) -> np.ndarray:
+        """Von Mises stress at all particles after a nominal step, shape (n,), kPa."""
+        every = np.arange(len(self.particles))
+        return particle_stress(self.path, every, self.path.nominal_steps[step])[0]
+
+    def measures(self, measures=None) -> tuple:
+        """Measures with their places, as ``frozen_measures`` gives them."""
+        return frozen_measures(self.seal, measures)
+
+    def value(self, measure: Measure) -> np.ndarray:
+        """Values of a measure with frozen places, shape (m,)."""
+        if isinstance(measure, Derived):
+            return np.atleast_1d(measure.value(self.value(measure.base))[0])
+        return measure.of(self).values
+
+
+def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None) -> tuple:
+    """Measures with their places.
+
+    Parameters
+    ----------
+    measures : sequence of Measure or str, optional
+        The seal's standard ones when left out; names are those that the seal knows.
+    analysis : callable, optional
+        ``analysis(seal)`` gives the result of the drawn seal, where a measure takes its places from
+        it; ``analyze`` when left out.
+
+    Raises
+    ------
+    ValueError
+        For a name that the seal does not know.
+    LoadPathError
+        When the path of the drawn seal cannot be completed, and a measure takes places from it.
+    """
+    chosen = []
+    for measure in seal.measures() if measures is None else measures:
+        chosen += seal.measures((measure,)) if isinstance(measure, str) else [measure]
+    if not any(measure.takes_places for measure in chosen):
+        return tuple(chosen)
+    drawn = (analyze if analysis is None else analysis)(seal.as_drawn())
+    drawn.require_converged()
+    return tuple(measure.frozen(drawn) for measure in chosen)
+
+
+@one_blas_thread
+def analyze(
+    seal: Seal,
+    boundary_offsets: np.ndarray | None = None,
+    parameters: dict | None = None,
+    *,
+    keep_factors: bool = False,
+    callback: Callable | None = None,
+) -> SealResult:
+    """Analyse one design of a seal.
+
+    Parameters
+    ----------
+    seal : Seal
+    boundary_offsets : ndarray, shape (seal.n_offsets,), optional
+        mm; zeros, the drawn seal, when left out.
+    parameters : dict of str to float, optional
+        Scalar parameters to change, by their names in ``seal.scalars``.
+    keep_factors : bool
+        Keep the factors of the converged tangents for sensitivities, as far as ``FACTOR_MEMORY``
+        (GiB) goes.
+    callback : callable, optional
+        Called with each ``ConvergedStep`` that completes a nominal step.
+
+    Returns
+    -------
+    SealResult
+        Look at ``converged``: a path that ends early is returned, not raised.
+
+    Raises
+    ------
+    ValueError
+        Wrong sizes, unknown parameters, values that are not finite, a folded section, too small a
+        support.
+    """
+    offsets = seal.check_offsets(boundary_offsets)
+    result = analyze_particles(
+        seal.with_parameters(parameters or {}), seal.particles(offsets), offsets,
+        factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
+    )  # fmt: skip
+    return seal.completed(result)
+
+
+def analyze_particles(
+    seal: Seal, particles, boundary_offsets=None, *, factor_memory=0.0, callback=None
+) -> SealResult:
+    """As ``analyze``, with the particles (n, 2) themselves.
+
+    Factors of converged tangents are kept as far as ``factor_memory`` (GiB) goes.
+    """
+    terms = seal.terms()
+    problem = PathProblem(discretize(seal.body, particles, terms), terms, seal.imposed())
+    path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback)
+    return seal.result(path, boundary_offsets)

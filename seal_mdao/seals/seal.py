@@ -1,0 +1,126 @@
+"""The contract of a seal: what is designed, and what the engine needs to know of it."""
+
+import numpy as np
+
+from seal_mdao.analysis.body import Body
+from seal_mdao.analysis.newton import NewtonOptions
+
+SETTINGS_OPTION = "seal_settings"
+"""Option of a ``SealGroup`` that holds what ``Seal.settings`` gives, for recorder files."""
+
+
+class Seal:
+    """Base class of seals. A subclass is a frozen object that decides everything but the design.
+
+    Particles are linear in the design parameters, X = X0 + sum_p offset_p V_p, so the design velocity V
+    of Eq. (48) is constant.
+
+    Attributes
+    ----------
+    drawn_particles : ndarray, shape (n, 2)
+        X0, mm.
+    design_velocity : ndarray, shape (P, n, 2)
+        V.
+    body : Body
+        Cells, supports, fixed components, named edges.
+    n_steps : int
+        Nominal load steps.
+    newton : NewtonOptions
+    scalars : dict of str to Scalar
+        Parameters that ``with_parameters`` takes and that can be differentiated.
+    inputs : tuple of str
+        Those of the scalars that are always inputs of an OpenMDAO component.
+    """
+
+    drawn_particles: np.ndarray
+    design_velocity: np.ndarray
+    body: Body
+    n_steps: int
+    newton: NewtonOptions
+    scalars: dict
+    inputs: tuple = ()
+
+    def result(self, path, boundary_offsets=None):
+        """The ``SealResult`` of a path."""
+        raise NotImplementedError
+
+    def terms(self) -> tuple:
+        """Definitions of all terms of equilibrium, in the order in which they are summed."""
+        raise NotImplementedError
+
+    def imposed(self):
+        """``ImposedDisplacements`` of the fixed components, or None."""
+
+    def with_parameters(self, values: dict) -> "Seal":
+        """A copy with some of the ``scalars`` changed.
+
+        Raises
+        ------
+        ValueError
+            For a value that is not admissible.
+        """
+        raise NotImplementedError
+
+    def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
+        """Area of the section, mm^2, and its gradient with respect to the offsets."""
+        raise NotImplementedError
+
+    def measures(self, names=()) -> tuple:
+        """The standard measures, or those of ``names``; without the places that they take from the
+        drawn seal.
+
+        Raises
+        ------
+        ValueError
+            For a name that the seal does not know.
+        """
+        raise NotImplementedError
+
+    def settings(self) -> str:
+        """The seal as JSON, from which it can be made again; empty where that is not possible."""
+        return ""
+
+    @property
+    def key(self):
+        """What makes two seals the same: hashable, equal for equal inputs."""
+        raise NotImplementedError
+
+    def as_drawn(self) -> "Seal":
+        """The same seal under the drawn profile, where places of measures are chosen."""
+        return self
+
+    def completed(self, result, analysis=None):
+        """A result with what the seal still has to say to it.
+
+        ``analysis(seal)`` gives the result of the drawn seal, where that is wanted.
+        """
+        return result
+
+    @property
+    def n_offsets(self) -> int:
+        return len(self.design_velocity)
+
+    def particles(self, offsets=None) -> np.ndarray:
+        """Particles of a design, shape (n, 2), mm.
+
+        Raises
+        ------
+        ValueError
+            For offsets of a wrong number, or not finite.
+        """
+        offsets = self.check_offsets(offsets)
+        return self.drawn_particles + np.tensordot(offsets, self.design_velocity, 1)
+
+    def check_offsets(self, offsets) -> np.ndarray:
+        """Offsets as an array of the right shape; zeros for None."""
+        if offsets is None:
+            return np.zeros(self.n_offsets)
+        offsets = np.asarray(offsets, float)
+        if offsets.shape != (self.n_offsets,):
+            raise ValueError(
+                f"boundary_offsets must have shape ({self.n_offsets},), got {offsets.shape}"
+            )
+        bad = np.flatnonzero(~np.isfinite(offsets))
+        if bad.size:
+            raise ValueError(f"boundary_offsets[{bad[0]}] is not a finite number")
+        return offsets

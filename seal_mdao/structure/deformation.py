@@ -1,0 +1,191 @@
+"""Deformation gradients at the quadrature points, and the volume change projected on every cell.
+
+Pressure projection in the energy: J is averaged over each background cell,
+
+    W = sum_q w_q W(F_q) + sum_c K/2 V_c (J_c - 1)^2,   J_c = sum_q w_q J_q / V_c.
+"""
+
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+
+from seal_mdao.rkpm.shape_functions import ShapeTable
+
+
+class Deformation(NamedTuple):
+    """Deformation of all cells at K displacement fields.
+
+    Attributes
+    ----------
+    f : ndarray, shape (K, n_cells, q, 5)
+        F in the order 11, 12, 21, 22, and det F - 1.
+    square : ndarray, shape (K, n_cells, q)
+        T = F : F.
+    swelling : ndarray, shape (K, n_cells)
+        Projected J_c - 1.
+    """
+
+    f: np.ndarray
+    square: np.ndarray
+    swelling: np.ndarray
+
+    @property
+    def jacobian(self) -> np.ndarray:
+        """J = det F, shape (K, n_cells, q)."""
+        return 1.0 + self.f[..., 4]
+
+
+def no_deformation(n_fields: int, weights: np.ndarray) -> Deformation:
+    """Room for ``n_fields`` displacement fields on cells with quadrature ``weights``."""
+    shape = (n_fields, *weights.shape)
+    return Deformation(np.empty((*shape, 5)), np.empty(shape), np.empty(shape[:2]))
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def cell_gradients(grad, displacement, n, q_count, f):
+    """Deformation gradients of one cell: ``f`` (q, 5) in the order 11, 12, 21, 22, and det F - 1.
+
+    The last is formed from the displacement gradient: det F itself would lose the small volume
+    change that the bulk modulus multiplies.
+    """
+    for q in range(q_count):
+        f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0
+        for a in range(n):
+            bx, by = grad[q, 0, a], grad[q, 1, a]
+            f11 += displacement[0, a] * bx
+            f12 += displacement[0, a] * by
+            f21 += displacement[1, a] * bx
+            f22 += displacement[1, a] * by
+        f[q, 0], f[q, 1], f[q, 2], f[q, 3] = 1.0 + f11, f12, f21, 1.0 + f22
+        f[q, 4] = f11 + f22 + (f11 * f22 - f12 * f21)
+
+
+@nb.njit(cache=True, error_model="numpy")
+def widest_group(table):
+    """Largest number of neighbours of a group."""
+    widest = 0
+    for group in range(table.start.size - 1):
+        widest = max(widest, table.start[group + 1] - table.start[group])
+    return widest
+
+
+@nb.njit(cache=True, error_model="numpy")
+def deform(table, weights, d, out):
+    """Fill the first field of ``out`` for displacements ``d`` (n, 2).
+
+    Returns
+    -------
+    int
+        The first cell with an inverted quadrature point, at which it stops, or -1.
+    """
+    q_count, displacement = table.group_size, np.empty((2, widest_group(table)))
+    for cell in range(table.start.size - 1):
+        s0 = table.start[cell]
+        n = table.start[cell + 1] - s0
+        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        for i in range(n):
+            near = table.neighbours[s0 + i]
+            displacement[0, i], displacement[1, i] = d[near, 0], d[near, 1]
+        f = out.f[0, cell]
+        cell_gradients(grad, displacement, n, q_count, f)
+        volume, change = 0.0, 0.0
+        for q in range(q_count):
+            if not f[q, 4] > -1.0:
+                return cell
+            out.square[0, cell, q] = (
+                f[q, 0] * f[q, 0] + f[q, 1] * f[q, 1] + f[q, 2] * f[q, 2] + f[q, 3] * f[q, 3]
+            )
+            volume += weights[cell, q]
+            change += weights[cell, q] * f[q, 4]
+        out.swelling[0, cell] = change / volume
+    return -1
+
+
+@nb.njit(cache=True, error_model="numpy")
+def block(buffer, rows, columns):
+    """The beginning of a flat buffer as a matrix."""
+    return buffer[: rows * columns].reshape(rows, columns)
+
+
+@nb.njit(cache=True, error_model="numpy")
+def cell_displacements(d, near, out):
+    """``out`` (2 K, n): d of the neighbours, rows (step, component)."""
+    for k in range(d.shape[0]):
+        for a in range(near.size):
+            out[2 * k, a] = d[k, near[a], 0]
+            out[2 * k + 1, a] = d[k, near[a], 1]
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _deform_many(table, weights, d, out):
+    """As ``_deform`` for fields that are known to be admissible, by one matrix product a cell."""
+    q_count, widest, rows = table.group_size, widest_group(table), 2 * len(d)
+    points = 2 * q_count
+    displacements, turned = np.empty(rows * widest), np.empty(widest * points)
+    slopes = np.empty((rows, points))
+    for cell in range(table.start.size - 1):
+        s0 = table.start[cell]
+        n = table.start[cell + 1] - s0
+        grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
+        u, b = block(displacements, rows, n), block(turned, n, points)
+        cell_displacements(d, table.neighbours[s0 : s0 + n], u)
+        for a in range(n):
+            for r in range(points):
+                b[a, r] = grad[r, a]
+        np.dot(u, b, slopes)
+        volume = weights[cell].sum()
+        for k in range(len(d)):
+            change = 0.0
+            for q in range(q_count):
+                f = out.f[k, cell, q]
+                f11, f12 = slopes[2 * k, 2 * q], slopes[2 * k, 2 * q + 1]
+                f21, f22 = slopes[2 * k + 1, 2 * q], slopes[2 * k + 1, 2 * q + 1]
+                f[0], f[1], f[2], f[3] = 1.0 + f11, f12, f21, 1.0 + f22
+                f[4] = f11 + f22 + (f11 * f22 - f12 * f21)
+                out.square[k, cell, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
+                change += weights[cell, q] * f[4]
+            out.swelling[k, cell] = change / volume
+
+
+def deformations(table: ShapeTable, weights: np.ndarray, d: np.ndarray) -> Deformation:
+    """Deformation at displacement fields (K, n, 2) of converged steps."""
+    out = no_deformation(len(d), weights)
+    _deform_many(table, weights, d, out)
+    return out
+
+
+@nb.njit(cache=True, error_model="numpy")
+def particle_gradients(table, cells, d, out):
+    """Deformation gradients at the particles: means over the quadrature points of the cells around.
+
+    Parameters
+    ----------
+    table : ShapeTable
+        Shape functions at the quadrature points, one group a cell.
+    cells : ndarray of int, shape (n_cells, 4)
+        Corner particles.
+    d : ndarray, shape (n, 2)
+        Generalised displacements.
+    out : ndarray, shape (n, 2, 2)
+        Written; the unit matrix for a particle at no cell.
+    """
+    q_count = table.group_size
+    f, count = np.empty((q_count, 5)), np.zeros(len(out))
+    out[:] = 0.0
+    for cell in range(table.start.size - 1):
+        s0 = table.start[cell]
+        n = table.start[cell + 1] - s0
+        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        cell_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, q_count, f)
+        for particle in cells[cell]:
+            count[particle] += q_count
+            for q in range(q_count):
+                for i in range(2):
+                    for k in range(2):
+                        out[particle, i, k] += f[q, 2 * i + k]
+    for particle in range(len(out)):
+        if count[particle] > 0.0:
+            out[particle] /= count[particle]
+        else:
+            out[particle] = np.eye(2)

@@ -1,0 +1,234 @@
+"""The structural form as a term: regions of hyperelastic materials, internal force, energy."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.structure.deformation import (
+    Deformation,
+    deform,
+    deformations,
+    no_deformation,
+)
+from seal_mdao.structure.energy_gradient import EnergySeeds
+from seal_mdao.structure.internal_force import assemble_internal
+from seal_mdao.structure.structural_sweeps import StructuralForward, StructuralReverse
+from seal_mdao.terms.term import Scalar, Term, TermDefinition
+
+_NO_BRANCH = np.empty(0, int)
+
+
+class Region(NamedTuple):
+    """Cells of one material.
+
+    Attributes
+    ----------
+    material : Isotropic
+    cells : ndarray of int, or None
+        Places of the cells; None for all of them.
+    prefix : str
+        Put before the names of the material's constants.
+    """
+
+    material: object
+    cells: np.ndarray | None = None
+    prefix: str = ""
+
+    @property
+    def names(self) -> tuple:
+        """Names of the constants as parameters."""
+        return tuple(self.prefix + name for name in self.material.names)
+
+    def with_parameters(self, values: dict) -> "Region":
+        """The region with some constants changed; names of others are passed over."""
+        pairs = zip(self.names, self.material.names, strict=True)
+        own = {constant: values[name] for name, constant in pairs if name in values}
+        return self._replace(material=self.material.with_(**own)) if own else self
+
+    @property
+    def at(self):
+        """Index of the region's cells."""
+        return slice(None) if self.cells is None else self.cells
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticBody(TermDefinition):
+    """Internal force of a body of one or several hyperelastic materials.
+
+    Attributes
+    ----------
+    regions : tuple of Region
+        They divide the cells.
+    """
+
+    regions: tuple
+    label = "structure"
+
+    @property
+    def scalars(self) -> dict:
+        """Constants of all regions; equal names are one parameter."""
+        return {
+            region.prefix + name: Scalar(value, None, f"Material constant {name}.")
+            for region in self.regions
+            for name, value in region.material.constants.items()
+        }
+
+    def with_parameters(self, values: dict) -> "ElasticBody":
+        """The body with some constants changed."""
+        return replace(self, regions=tuple(r.with_parameters(values) for r in self.regions))
+
+    def on(self, discretization, place) -> "StructuralTerm":
+        """The term on one design."""
+        return StructuralTerm(self, discretization)
+
+    def per_cell(self, values, n_cells: int, dtype=float) -> np.ndarray:
+        """A value of each region spread to its cells."""
+        out = np.empty(n_cells, dtype)
+        for region, value in zip(self.regions, values, strict=True):
+            out[region.at] = value
+        return out
+
+
+def elastic_body(material, prefix: str = "") -> ElasticBody:
+    """A body of one material."""
+    return ElasticBody((Region(material, None, prefix),))
+
+
+class StructuralResponse(NamedTuple):
+    """What the structural form answers: nothing but its force, which is in the buffers."""
+
+    history: None = None
+    branch: np.ndarray = _NO_BRANCH
+    unsettled: int = 0
+
+    def kept(self):
+        """Itself."""
+        return self
+
+
+class StructuralTerm(Term):
+    """An ``ElasticBody`` on one design."""
+
+    label = ElasticBody.label
+
+    def __init__(self, definition: ElasticBody, discretization):
+        self.definition, self.names = definition, tuple(definition.scalars)
+        self.discretization, self.cells = discretization, discretization.cells
+        self.bulk = definition.per_cell(
+            [region.material.bulk_modulus for region in definition.regions], len(self.cells.weights)
+        )
+        self.deformation = no_deformation(1, self.cells.weights)
+        self.rounding = float(self.bulk.max() * discretization.body.support_radius.max())
+
+    # ---- the material at the quadrature points ----
+
+    def energy_derivatives(self, deformation: Deformation) -> np.ndarray:
+        """W_T, W_J, W_TT, W_TJ, W_JJ of K fields, shape (5, K, n_cells, q)."""
+        square, jacobian = deformation.square, deformation.jacobian
+        if len(self.definition.regions) == 1:
+            return self.definition.regions[0].material.derivatives(square, jacobian)
+        out = np.empty((5, *square.shape))
+        for region in self.definition.regions:
+            at = region.at
+            out[:, :, at] = region.material.derivatives(square[:, at], jacobian[:, at])
+        return out
+
+    def constant_derivatives(self, deformation: Deformation) -> np.ndarray:
+        """d(W_T, W_J) / d(every parameter) of K fields, shape (C, 2, K, n_cells, q)."""
+        out = np.zeros((len(self.names), 2, *deformation.square.shape))
+        for region in self.definition.regions:
+            at = region.at
+            rows = region.material.constant_derivatives(
+                deformation.square[:, at], deformation.jacobian[:, at]
+            )
+            for name, row in zip(region.names, rows, strict=True):
+                out[self.names.index(name)][:, :, at] = row
+        return out
+
+    @cached_property
+    def bulk_row(self) -> np.ndarray:
+        """Which parameter is the bulk modulus of every cell, -1 for none, shape (n_cells,)."""
+        rows = [
+            self.names.index(region.prefix + "bulk_modulus")
+            if "bulk_modulus" in region.material.names
+            else -1
+            for region in self.definition.regions
+        ]
+        return self.definition.per_cell(rows, len(self.bulk), int)
+
+    @cached_property
+    def particle_regions(self) -> np.ndarray:
+        """Number of the region of every particle, shape (n,)."""
+        regions, body = self.definition.regions, self.discretization.body
+        out = np.zeros(body.n_particles, int)
+        for number, region in enumerate(regions):
+            out[body.cells[region.at]] = number
+        return out
+
+    def deformation_of(self, d: np.ndarray) -> Deformation:
+        """Deformation at displacement fields (K, n, 2) that are known to be admissible."""
+        return deformations(self.cells.table, self.cells.weights, d)
+
+    # ---- the contract of a term ----
+
+    def add(self, d, raw, fraction, history, force, values):
+        scatter = self.discretization.layout.scatter[0]
+        if not self._assemble(self.cells.raw, raw, scatter, force, values):
+            return None
+        return StructuralResponse()
+
+    def _assemble(self, table, d, scatter, force, values) -> bool:
+        weights = self.cells.weights
+        if deform(table, weights, d, self.deformation) >= 0:
+            return False
+        w = self.energy_derivatives(self.deformation)[:, 0]
+        assemble_internal(table, weights, self.deformation, 0, w, self.bulk, scatter, force, values)
+        return True
+
+    def forces(self, d: np.ndarray) -> np.ndarray | None:
+        """Internal forces of all components, imposed ones included, shape (n, 2); None if inverted.
+
+        At an imposed component of a converged step this is the force that holds it there.
+        """
+        every = self.discretization.layout.every_component
+        force = np.zeros(2 * len(d) + 1)
+        if not self._assemble(self.cells.table, d, every, force, np.empty(0)):
+            return None
+        return force[:-1].reshape(-1, 2)
+
+    def energy(self, d: np.ndarray) -> float:
+        """Strain energy per unit depth, mJ/m."""
+        deformation, weights = self.deformation_of(d[None]), self.cells.weights
+        volumetric = 0.5 * self.bulk * deformation.swelling[0] ** 2
+        return float((weights * (self.density(deformation) + volumetric[:, None])).sum())
+
+    def density(self, deformation: Deformation) -> np.ndarray:
+        """W at the quadrature points of one field, shape (n_cells, q)."""
+        out = np.empty(self.cells.weights.shape)
+        for region in self.definition.regions:
+            at = region.at
+            out[at] = region.material.energy(deformation.square[0, at], deformation.jacobian[0, at])
+        return out
+
+    def constant_densities(self, deformation: Deformation) -> np.ndarray:
+        """dW / d(every parameter) of one field, but for what is projected, shape (C, n_cells, q)."""
+        out = np.zeros((len(self.names), *self.cells.weights.shape))
+        for region in self.definition.regions:
+            at = region.at
+            rows = region.material.constant_energies(
+                deformation.square[0, at], deformation.jacobian[0, at]
+            )
+            for name, row in zip(region.names, rows, strict=True):
+                out[self.names.index(name)][at] = row
+        return out
+
+    def forward(self, shape, rates) -> StructuralForward:
+        return StructuralForward(self, shape, rates)
+
+    def reverse(self, n_measures) -> StructuralReverse:
+        return StructuralReverse(self, n_measures)
+
+    def no_seeds(self, n_measures) -> EnergySeeds:
+        return EnergySeeds(np.zeros(n_measures))

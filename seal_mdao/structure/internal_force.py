@@ -1,0 +1,169 @@
+"""Internal force and tangent of the structural form a(z, z-bar) and a*(z; dz, z-bar), Eqs. (43), (44).
+
+They are the exact first and second derivatives of the energy of ``deformation``. The kernels know no
+material: they take the derivatives of W(T, J) at the quadrature points as arrays.
+"""
+
+import numba as nb
+import numpy as np
+
+from seal_mdao.structure.deformation import widest_group
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def point_stress(f, w_t, w_j, p):
+    """First Piola-Kirchhoff stress P = 2 W_T F + W_J cof F in ``p`` (4,)."""
+    p[0] = 2.0 * w_t * f[0] + w_j * f[3]
+    p[1] = 2.0 * w_t * f[1] + w_j * -f[2]
+    p[2] = 2.0 * w_t * f[2] + w_j * -f[1]
+    p[3] = 2.0 * w_t * f[3] + w_j * f[0]
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
+    """Moduli A = dP/dF in ``a`` (4, 4) at fixed cell pressure, which ``w_j`` contains."""
+    cof = (f[3], -f[2], -f[1], f[0])
+    for r in range(4):
+        for c in range(4):
+            a[r, c] = 2.0 * w_tj * (f[r] * cof[c] + cof[r] * f[c]) + w_jj * cof[r] * cof[c]
+            a[r, c] += 4.0 * w_tt * f[r] * f[c]
+        a[r, r] += 2.0 * w_t
+    a[0, 3] += w_j
+    a[3, 0] += w_j
+    a[1, 2] -= w_j
+    a[2, 1] -= w_j
+
+
+@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _moduli_rows(weight, a, b, n, c):
+    """c = weight A B of one quadrature point, (4, 2 n): rows 11, 12, 21, 22, columns x then y."""
+    for r in range(4):
+        ax0, ax1 = weight * a[r, 0], weight * a[r, 1]
+        ay0, ay1 = weight * a[r, 2], weight * a[r, 3]
+        row, b0, b1 = c[r], b[0], b[1]
+        for j in range(n):
+            row[j] = ax0 * b0[j] + ax1 * b1[j]
+        for j in range(n):
+            row[n + j] = ay0 * b0[j] + ay1 * b1[j]
+
+
+@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
+def _scatter_tangent(grad, c, g, factor, n, q_count, row, slots, values):
+    """Add sum_q B^T (w A B) + K / V_c g g^T of one cell to the tangent.
+
+    The matrix is symmetric: its rows are added as columns, which lie together in memory; computing
+    one triangle only is slower, for the scatter then strides. The last term is the projected
+    pressure's, with g = sum_q w cof B.
+    """
+    whole = 2 * n
+    for i in range(2):
+        for a in range(n):
+            scale = factor * g[i * n + a]
+            for j in range(whole):
+                row[j] = scale * g[j]
+            for q in range(q_count):
+                b0, b1 = grad[q, 0, a], grad[q, 1, a]
+                c0, c1 = c[q, 2 * i], c[q, 2 * i + 1]
+                for j in range(whole):
+                    row[j] += b0 * c0[j] + b1 * c1[j]
+            to = slots[(i * n + a) * whole : (i * n + a + 1) * whole]
+            for j in range(whole):
+                values[to[j]] += row[j]
+
+
+@nb.njit(cache=True, error_model="numpy")
+def assemble_internal(table, weights, deformation, k, w, bulk, scatter, force, values):
+    """Add the internal force to ``force`` and, where ``values`` is not empty, the tangent to it.
+
+    Parameters
+    ----------
+    table : ShapeTable
+        Shape functions at the quadrature points, one group a cell.
+    weights : ndarray, shape (n_cells, q)
+    deformation : Deformation
+        Of ``deform``; its field ``k`` is taken.
+    w : ndarray, shape (5, n_cells, q)
+        W_T, W_J, W_TT, W_TJ, W_JJ at that field.
+    bulk : ndarray, shape (n_cells,)
+        K of the projected energy.
+    scatter : Scatter
+    force, values : ndarray
+        Length n_equations + 1 (the last collects imposed components), and the tangent buffer.
+    """
+    q_count, widest = table.group_size, widest_group(table)
+    local, p, a = np.empty((2, widest)), np.empty(4), np.empty((4, 4))
+    g, row, c = np.empty(2 * widest), np.empty(2 * widest), np.empty((q_count, 4, 2 * widest))
+    for cell in range(table.start.size - 1):
+        s0 = table.start[cell]
+        n = table.start[cell + 1] - s0
+        near = table.neighbours[s0 : s0 + n]
+        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        local[:, :n] = 0.0
+        g[: 2 * n] = 0.0
+        volume, pressure = 0.0, bulk[cell] * deformation.swelling[k, cell]
+        for q in range(q_count):
+            f, weight, b = deformation.f[k, cell, q], weights[cell, q], grad[q]
+            w_t, w_j = w[0, cell, q], w[1, cell, q] + pressure
+            volume += weight
+            point_stress(f, w_t, w_j, p)
+            for i in range(n):
+                local[0, i] += weight * (p[0] * b[0, i] + p[1] * b[1, i])
+                local[1, i] += weight * (p[2] * b[0, i] + p[3] * b[1, i])
+            if values.size:
+                point_moduli(f, w_t, w_j, w[2, cell, q], w[3, cell, q], w[4, cell, q], a)
+                for i in range(n):
+                    g[i] += weight * (f[3] * b[0, i] - f[2] * b[1, i])
+                    g[n + i] += weight * (f[0] * b[1, i] - f[1] * b[0, i])
+                _moduli_rows(weight, a, b, n, c[q])
+        for i in range(n):
+            force[scatter.equations[near[i], 0]] += local[0, i]
+            force[scatter.equations[near[i], 1]] += local[1, i]
+        if values.size:
+            slots = scatter.slots[scatter.start[cell] : scatter.start[cell + 1]]
+            _scatter_tangent(grad, c, g, bulk[cell] / volume, n, q_count, row, slots, values)
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_internal_change(table, weights, deformation, k, w, bulk, nodal, equations, out):
+    """Add K u for displacements u of all particles, ``nodal`` (n, 2, P), to ``out`` (rows, P).
+
+    Parameters
+    ----------
+    deformation, k, w, bulk :
+        As of ``assemble_internal``.
+    equations : ndarray of int, shape (n, 2)
+        Row of every component.
+    """
+    q_count, count = table.group_size, nodal.shape[2]
+    slopes, change, a = np.empty((q_count, 4, count)), np.empty((4, count)), np.empty((4, 4))
+    pressure_change = np.empty(count)
+    for cell in range(table.start.size - 1):
+        s0 = table.start[cell]
+        n = table.start[cell + 1] - s0
+        near = table.neighbours[s0 : s0 + n]
+        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        slopes[:], pressure_change[:] = 0.0, 0.0
+        pressure, volume = bulk[cell] * deformation.swelling[k, cell], weights[cell].sum()
+        for q in range(q_count):
+            f = deformation.f[k, cell, q]
+            for i in range(n):
+                for c in range(2):
+                    for j in range(2):
+                        slopes[q, 2 * c + j] += grad[q, j, i] * nodal[near[i], c]
+            on_cof = f[3] * slopes[q, 0] - f[2] * slopes[q, 1] - f[1] * slopes[q, 2]
+            on_cof += f[0] * slopes[q, 3]
+            pressure_change += weights[cell, q] * bulk[cell] / volume * on_cof
+        for q in range(q_count):
+            f, cof = deformation.f[k, cell, q], np.empty(4)
+            cof[0], cof[1], cof[2], cof[3] = f[3], -f[2], -f[1], f[0]
+            w_t, w_j = w[0, cell, q], w[1, cell, q] + pressure
+            point_moduli(f, w_t, w_j, w[2, cell, q], w[3, cell, q], w[4, cell, q], a)
+            for r in range(4):
+                change[r] = cof[r] * pressure_change
+                for s in range(4):
+                    change[r] += a[r, s] * slopes[q, s]
+            for i in range(n):
+                for c in range(2):
+                    row = out[equations[near[i], c]]
+                    for j in range(2):
+                        row += weights[cell, q] * grad[q, j, i] * change[2 * c + j]

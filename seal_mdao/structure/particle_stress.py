@@ -1,0 +1,54 @@
+"""Von Mises stress of the deviatoric Cauchy stress at particles."""
+
+import numba as nb
+import numpy as np
+
+from seal_mdao.structure.deformation import cell_gradients
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _point_gradients(table, d, f):
+    """F in the order 11, 12, 21, 22 and det F - 1 at single points, ``f`` (s, 5)."""
+    for i in range(table.start.size - 1):
+        s0, s1 = table.start[i], table.start[i + 1]
+        grad = table.grad[2 * s0 : 2 * s1].reshape(1, 2, s1 - s0)
+        cell_gradients(grad, d[table.neighbours[s0:s1]].T, s1 - s0, 1, f[i : i + 1])
+
+
+def deformation_gradients(table, d: np.ndarray) -> np.ndarray:
+    """F (s, 5) at single points: 11, 12, 21, 22, and det F - 1."""
+    f = np.empty((table.n_groups, 5))
+    _point_gradients(table, d, f)
+    return f
+
+
+def particle_stress(path, points: np.ndarray, step=None):
+    """Von Mises stress at particles ``points`` (s,) at a converged step (the last).
+
+    At a particle between two materials it is that of the region named last.
+
+    Returns
+    -------
+    stress : ndarray, shape (s,)
+    by_gradient : ndarray, shape (s, 4)
+        d stress / d F in the order 11, 12, 21, 22.
+    by_constants : dict of str to ndarray, shape (s,)
+        By the names of the material parameters.
+    """
+    disc, structure = path.discretization, path.problem.term("structure")
+    step = path.steps[-1] if step is None else step
+    table = disc.everywhere if len(points) == len(disc.particles) else disc.table_at(points)
+    f = deformation_gradients(table.table, step.d)
+    t, j = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4]
+    cofactor = f[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0)
+    stress, by_gradient, by_constants = np.empty(len(points)), np.empty((len(points), 4)), {}
+    of_region = structure.particle_regions[points]
+    for number, region in enumerate(structure.definition.regions):
+        at = np.flatnonzero(of_region == number)
+        value, by_t, by_j = region.material.von_mises(t[at], j[at])
+        stress[at] = value
+        by_gradient[at] = 2.0 * by_t[:, None] * f[at, :4] + by_j[:, None] * cofactor[at]
+        rows = region.material.von_mises_constants(t[at], j[at])
+        for name, row in zip(region.names, rows, strict=True):
+            by_constants.setdefault(name, np.zeros(len(points)))[at] = row
+    return stress, by_gradient, by_constants

@@ -1,0 +1,128 @@
+"""The direct method's part of a term at single points: Eqs. (57), (63), (66) for contact."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.terms.point_rates import (
+    add_displacement_seeds,
+    add_force_rates,
+    add_nodal_rates,
+    add_solution_rates,
+    displacement_rates,
+)
+from seal_mdao.terms.term import Forward
+
+
+@dataclass(frozen=True, eq=False)
+class PointSeeds:
+    """What M measures take from a term at single points.
+
+    Attributes
+    ----------
+    force : ndarray, shape (M, k, 2)
+    outputs : ndarray, shape (M, k, o)
+    """
+
+    force: np.ndarray
+    outputs: np.ndarray
+
+    @property
+    def used(self) -> np.ndarray:
+        """Which measures take something, shape (M,)."""
+        return self.force.any(axis=(1, 2)) | self.outputs.any(axis=(1, 2))
+
+    def put(self, rows, other: "PointSeeds") -> None:
+        """Set the ``rows`` of measures to ``other``."""
+        self.force[rows], self.outputs[rows] = other.force, other.outputs
+
+
+class PointForward(Forward):
+    """Rates of a term's points for P parameters.
+
+    Parameters
+    ----------
+    term : PointTerm
+    shape : DiscretizationRates
+    rates : ParameterRates
+    """
+
+    def __init__(self, term, shape, rates):
+        self.term, self.table_rates = term, shape.tables[term.place]
+        self.velocity = term.where.velocity(rates.velocity)
+        k, h = len(term.where), term.history_size
+        self.inputs = np.zeros((k, term.local_shape[1], rates.count))
+        at = 2 + h
+        self.inputs[:, at] = term.where.length_rates(term.discretization.particles, rates.velocity)
+        self.inputs[:, at + 1 : at + 1 + len(term.names)] = rates.of(term.names)
+        if term.uses_reference:
+            self.inputs[:, -2:] = self.velocity
+        self.every, self.remembered = np.arange(k), slice(2, 2 + h)
+        self.count = rates.count
+
+    def _linearized(self, step, following=None):
+        """Local derivatives (k, rows, columns), zero at points that do not matter."""
+        term, place = self.term, self.term.place
+        response, before = step.responses[place], step.before[place]
+        if following is None:
+            return term.linearize(response, step.fraction, before, self.every)
+        matters = response.branch != 0
+        matters[term.uses_history(following.responses[place])] = True
+        points = np.flatnonzero(matters)
+        local = np.zeros((len(matters), *term.local_shape))
+        local[points] = term.linearize(response, step.fraction, before, points)
+        return local
+
+    def start(self, step):
+        inputs = self.inputs
+        inputs[:, :2] = self.velocity
+        inputs[:, self.remembered] = 0.0
+        return self._linearized(step)[:, self.remembered] @ inputs
+
+    def linearize(self, step, following, history_rates, held, load):
+        local, response = self._linearized(step, following), step.responses[self.term.place]
+        explicit = self.velocity.copy()
+        table, equations = self.term.table.table, self.term.discretization.layout.equations
+        displacement_rates(table, self.table_rates, step.d, explicit)
+        if held is not None:
+            add_nodal_rates(table, held, explicit)
+        self.inputs[:, :2] = explicit
+        self.inputs[:, self.remembered] = history_rates
+        force_rate = local[:, :2] @ self.inputs
+        add_force_rates(
+            table, self.table_rates, response.force, force_rate, response.branch, equations, load
+        )
+        return local
+
+    def handed_on(self, kept, following):
+        layout = self.term.discretization.layout
+        self._handed = self.term.handed_on(following.responses[self.term.place], kept, self.every)
+        columns = np.zeros((layout.n_equations + 1, self._handed.points.size))
+        add_displacement_seeds(
+            self.term.table.table,
+            self._handed.points,
+            self._handed.seeds,
+            layout.equations,
+            columns,
+        )
+        return columns
+
+    def follow(self, kept, handed):
+        for i, direction, rate in zip(*self._handed, handed, strict=True):
+            self.inputs[i, :2] += np.outer(direction, rate)
+
+    def follow_solution(self, kept, solution):
+        equations = self.term.discretization.layout.equations
+        add_solution_rates(self.term.table.table, equations, solution, self.inputs[:, :2])
+
+    def history(self, kept):
+        return kept[:, self.remembered] @ self.inputs
+
+    def outputs(self, kept):
+        """Rates of force and outputs, shape (k, 2 + o, P)."""
+        rows = np.concatenate([kept[:, :2], kept[:, 2 + self.term.history_size :]], axis=1)
+        return rows @ self.inputs
+
+    def contract(self, seeds: PointSeeds, outputs):
+        taken = np.concatenate([seeds.force, seeds.outputs], axis=2)
+        return np.tensordot(taken, outputs, 2)

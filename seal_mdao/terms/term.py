@@ -1,0 +1,248 @@
+"""The contract of a term: one contribution to the equations of equilibrium R = sum of terms = 0.
+
+The path solver, the predictor and both sensitivity sweeps loop over terms and never ask which. A term
+is defined once, by a frozen ``TermDefinition``, and bound to one discretised design with
+ ``definition.on(discretization, place)``, which gives a ``Term``. Terms
+that act at single material points, rigid contact among them, are short: see ``point_term``.
+"""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from seal_mdao.rkpm.shape_functions import PointSet
+
+
+class Scalar(NamedTuple):
+    """A scalar parameter.
+
+    Attributes
+    ----------
+    value : float
+    units : str or None
+        As OpenMDAO writes them.
+    text : str
+        One line for documentation.
+    """
+
+    value: float
+    units: str | None
+    text: str
+
+
+class Response(Protocol):
+    """What a term answers at one state of the body.
+
+    Attributes
+    ----------
+    history : object
+        What it hands on to the next step; None for a term without memory.
+    branch : ndarray of int
+        Which branch of its law every point is on (stick, slip, open); empty where there is one.
+    unsettled : int
+        Places at which it has not answered with its own law yet; equilibrium wants none.
+    """
+
+    def kept(self) -> "Response":
+        """A copy that later assemblies do not overwrite."""
+
+
+class TermDefinition:
+    """Base class of a term before it is bound to a design; a subclass is a frozen dataclass.
+
+    Attributes
+    ----------
+    label : str
+        Unique among the terms of a problem; measures find the term by it.
+    couples : bool
+        Whether its force depends on displacements: the equations of its points are coupled then.
+    """
+
+    couples = True
+
+    @property
+    def scalars(self) -> dict:
+        """The scalar parameters it depends on, ``Scalar`` by name."""
+        return {}
+
+    def with_parameters(self, values: dict) -> "TermDefinition":
+        """A copy with some of the ``scalars`` changed."""
+        return self
+
+    def point_set(self) -> PointSet | None:
+        """Points through whose shape functions it acts, those of a group all coupled; or None."""
+
+    def on(self, discretization, place: int) -> "Term":
+        """The term on one design, the ``place``-th one: ``discretization.tables[place]`` holds the
+        shape functions at its points."""
+        raise NotImplementedError
+
+
+class Term:
+    """A term on one discretised design. Defaults: no memory, no parameters, nothing that moves.
+
+    Attributes
+    ----------
+    label : str
+    names : tuple of str
+    rounding : float
+        What rounding leaves of its forces, N/m.
+    """
+
+    label = ""
+    names: tuple = ()
+    rounding = 0.0
+
+    # ---- analysis ----
+
+    def begin(self) -> None:
+        """Forget what earlier iterations of the same solution left behind."""
+
+    def no_history(self):
+        """History of the undeformed state."""
+
+    def add(self, d, raw, fraction, history, force, values) -> Response | None:
+        """Add force and tangent at displacements ``d``.
+
+        Parameters
+        ----------
+        d, raw : ndarray, shape (n, 2)
+            Coefficients after and before the essential transformation.
+        fraction : float
+            Path parameter, in nominal load steps.
+        history : object
+            What the previous converged step handed on.
+        force : ndarray, shape (force_size,)
+            Added to through the scatter map of the term's raw table.
+        values : ndarray
+            The tangent's buffer, added to; empty where the force alone is wanted.
+
+        Returns
+        -------
+        Response or None
+            None where the term has no answer (a point turned inside out).
+        """
+        raise NotImplementedError
+
+    def check_start(self, response: Response) -> None:
+        """Raise GeometryError where the undeformed state is not admissible."""
+
+    def changes(self, step, response: Response, target: float) -> list:
+        """How the force changes between a converged step and ``target`` at fixed displacements.
+
+        Returns
+        -------
+        list of ndarray, shape (force_size,)
+            One estimate, or two of which the path takes the better one; none for no change.
+        """
+        return []
+
+    def describe(self, response: Response, fraction: float) -> str:
+        """A few words about a state, for messages."""
+        return ""
+
+    # ---- sensitivities ----
+
+    def forward(self, shape, rates) -> "Forward":
+        """Its part of the direct method; ``shape`` are the ``DiscretizationRates``."""
+        raise NotImplementedError
+
+    def reverse(self, n_measures: int) -> "Reverse":
+        """Its part of the adjoint method."""
+        raise NotImplementedError
+
+    def no_seeds(self, n_measures: int):
+        """Zero seeds of measures on what they may take from the term: an object with ``used`` and
+        ``put``, as ``PointSeeds``."""
+        raise ValueError(f"measures take nothing from the term {self.label!r}")
+
+
+class Forward:
+    """A term's part of the direct method, for P parameters. Defaults: nothing depends on anything."""
+
+    def start(self, step):
+        """Rates of the history of the undeformed state."""
+
+    def add_explicit(self, steps, loads) -> None:
+        """Add to ``loads`` (K, n_equations + 1, P) what does not depend on other steps' rates."""
+
+    def linearize(self, step, following, history_rates, held, load):
+        """Add what the history and imposed displacements do to ``load`` (n_equations + 1, P).
+
+        Parameters
+        ----------
+        following : ConvergedStep, or None
+            The next step where nothing is wanted of this one but what that uses.
+        held : ndarray, shape (n, 2, P), or None
+            Rates of the imposed displacements.
+
+        Returns
+        -------
+        object
+            What is to be kept for the methods below.
+        """
+
+    def handed_on(self, kept, following) -> np.ndarray:
+        """Columns (n_equations + 1, s) whose products with d' the next step needs; s may be 0."""
+        return _NOTHING
+
+    def follow(self, kept, handed: np.ndarray) -> None:
+        """Take the products (s, P) of ``handed_on``."""
+
+    def follow_solution(self, kept, solution: np.ndarray) -> None:
+        """Take all of d' (n_equations, P)."""
+
+    def history(self, kept):
+        """Rates of the history that the step hands on."""
+
+    def outputs(self, kept) -> np.ndarray | None:
+        """Rates of what measures may take from the term; in the form that ``contract`` wants."""
+
+    def contract(self, seeds, outputs) -> np.ndarray | float:
+        """Seeds of M measures times ``outputs``, shape (M, P)."""
+        return 0.0
+
+
+_NOTHING = np.empty((0, 0))
+
+
+class Reverse:
+    """A term's part of the adjoint method, for M measures: the transposes of ``Forward``."""
+
+    def prepare(self, step, following, measured: bool, history_bar):
+        """Linearise a step; returns what is to be kept, with an attribute ``count`` of columns."""
+        return _NO_PLAN
+
+    def no_history(self):
+        """Zero seeds on the history of the last step."""
+
+    def add_handed(self, plan, loads, mix) -> None:
+        """Fill ``loads`` (n_equations + 1, count) and ``mix`` (count, M) for what is handed on."""
+
+    def add_measured(self, plan, seeds, which, loads) -> None:
+        """Add the seeds of the measures ``which`` to ``loads`` (n_equations + 1, len(which))."""
+
+    def collect(self, plan, step, adjoints, mix, held_bar):
+        """Collect what the step's parameters do; returns seeds on the history it began with.
+
+        ``held_bar`` (2 n + 1, M), or None where nothing is imposed, is added to: seeds on the
+        displacements of all particles, in the order of ``TangentLayout.every_component``.
+        """
+
+    def finish(self, start, history_bar, particles_bar):
+        """After the first step: the undeformed state, and all seeds pulled back to the particles.
+
+        Returns
+        -------
+        parameters : ndarray, shape (len(names), M)
+        matrix : ndarray, shape (c, u, M), or 0.0
+            Seeds on the essential transformation.
+        """
+        raise NotImplementedError
+
+
+class _NoPlan:
+    count = 0
+
+
+_NO_PLAN = _NoPlan()

@@ -1,0 +1,125 @@
+"""Motion in stages: places along the path, rates of the waypoints, poses, and what is refused."""
+
+import numpy as np
+import pytest
+
+from seal_mdao.geometry.motion import Motion, Stage, staged_motion, straight_motion
+from seal_mdao.geometry.pose import Pose, in_frame, quarter_turn, rigid_velocity, turned
+
+
+def closing(depth=3.0, swing=25.0):
+    """Close, swing about a hinge while sliding, open."""
+    stages = [
+        Stage(4, (0.0, -depth), rates={"depth": (0.0, -1.0, 0.0)}),
+        Stage(5, (1.0, 0.5), swing, rates={"swing": (0.0, 0.0, 1.0)}),
+        Stage(2, (0.0, depth), rates={"depth": (0.0, 1.0, 0.0)}),
+    ]
+    return staged_motion(stages, start=(0.2, 1.0), pivot=(-4.0, 2.0))
+
+
+def test_waypoints_are_reached_at_the_ends_of_the_stages():
+    motion = closing()
+    assert motion.n_steps == 11
+    assert motion.names == ("depth", "swing")
+    angle = np.deg2rad(25.0)
+    for fraction, place in (
+        (0, (0.2, 1.0, 0.0)),
+        (4, (0.2, -2.0, 0.0)),
+        (9, (1.2, -1.5, angle)),
+        (11, (1.2, 1.5, angle)),
+    ):
+        np.testing.assert_allclose(motion.coordinates(fraction), place, atol=1e-15)
+
+
+def test_places_between_lie_on_straight_lines():
+    motion = closing()
+    for fraction, share, first, last in ((1.3, 1.3 / 4, 0, 4), (7.75, 3.75 / 5, 4, 9)):
+        ends = motion.coordinates(first), motion.coordinates(last)
+        np.testing.assert_allclose(
+            motion.coordinates(fraction), ends[0] + share * (ends[1] - ends[0]), atol=1e-15
+        )
+
+
+def test_rates_are_the_derivatives_of_the_places():
+    """Linear in both parameters: differences are exact to rounding."""
+    motion = closing()
+    for fraction in (0.0, 1.3, 4.0, 6.5, 9.0, 10.1, 11.0):
+        depth = closing(depth=4.0).coordinates(fraction) - closing(2.0).coordinates(fraction)
+        swing = closing(swing=35.0).coordinates(fraction) - closing(swing=15.0).coordinates(
+            fraction
+        )
+        np.testing.assert_allclose(motion.rates_at(fraction), [depth / 2, swing / 20], atol=1e-15)
+
+
+def test_a_straight_motion_is_a_linspace_bit_for_bit():
+    motion = straight_motion((0.0, 0.5), (0.0, -9.7), 105, {"depth": (0.0, -1.0)})
+    y = np.linspace(0.5, -9.7, 106)
+    for fraction in (0.0, 3.0, 17.625, 104.5, 105.0):
+        first = min(int(fraction), 104)
+        pose = motion.pose(fraction)
+        assert pose.position[1] == y[first] + (fraction - first) * (y[first + 1] - y[first])
+        assert (pose.position[0], pose.cos, pose.sin) == (0.0, 1.0, 0.0)
+        np.testing.assert_array_equal(motion.rates_at(fraction), [[0.0, -fraction / 105, 0.0]])
+
+
+def test_a_pose_without_rotation_subtracts_the_position_bit_for_bit(rng):
+    pose = Pose.of((0.3, -1.7), 0.0, (5.0, 7.0))
+    for x, y in rng.uniform(-10.0, 10.0, (50, 2)):
+        assert in_frame(pose, x, y) == (x - 0.3, y + 1.7)
+        assert turned(pose, (x, y)) == (x, y)
+
+
+def test_pivot_moves_with_the_position_and_points_turn_about_it():
+    pose = Pose.of((1.0, 2.0), np.pi / 2, (3.0, 0.0))
+    np.testing.assert_allclose(pose.places(np.array([[3.0, 0.0], [4.0, 0.0]])), [[4, 2], [4, 3]])
+
+
+def test_frames_are_inverse_to_each_other(rng):
+    pose = Pose.of((1.0, 2.0), 0.7, (3.0, -1.0))
+    points = rng.uniform(-5.0, 5.0, (20, 2))
+    back = [in_frame(pose, *x) for x in pose.places(points)]
+    np.testing.assert_allclose(back, points, atol=1e-14)
+
+
+def test_rigid_velocity_is_the_derivative_of_places():
+    place, h = np.array([1.0, 2.0, 0.7]), 1e-5
+    points, pivot = np.array([[0.4, 0.1], [-2.0, 3.0]]), (3.0, -1.0)
+    pose = Pose.of(place[:2], place[2], pivot)
+    found = rigid_velocity(pose, pose.places(points))
+    for k in range(3):
+        plus, minus = (
+            Pose.of(moved[:2], moved[2], pivot).places(points)
+            for moved in (place + h * np.eye(3)[k], place - h * np.eye(3)[k])
+        )
+        np.testing.assert_allclose(found[:, :, k], (plus - minus) / (2 * h), atol=2e-10)
+    np.testing.assert_array_equal(quarter_turn(np.array([2.0, 3.0])), [-3.0, 2.0])
+
+
+GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"steps": []}, "positive whole numbers"),
+        ({"steps": [2, 0]}, "positive whole numbers"),
+        ({"steps": [2.0, 3.5]}, "positive whole numbers"),
+        ({"positions": np.zeros((2, 2))}, r"positions .* must have shape \(3, 2\), got \(2, 2\)"),
+        ({"angles": [0.0, np.inf, 0.0]}, "angles of a motion must be finite"),
+        ({"pivot": (0.0, 0.0, 1.0)}, r"pivot .* must have shape \(2,\)"),
+        ({"names": ("a",)}, r"rates .* 1 parameter\(s\) must have shape \(1, 3, 3\)"),
+        ({"names": ("a", "a"), "rates": np.zeros((2, 3, 3))}, "repeat"),
+    ],
+)
+def test_what_does_not_fit_is_refused(changes, message):
+    assert Motion(**GOOD).n_steps == 5
+    with pytest.raises(ValueError, match=message):
+        Motion(**{**GOOD, **changes})
+
+
+def test_places_outside_the_motion_are_refused():
+    for fraction in (-0.1, 5.1):
+        with pytest.raises(ValueError, match="a motion of 5 steps has no place"):
+            Motion(**GOOD).pose(fraction)
+    with pytest.raises(ValueError, match="at least one stage"):
+        staged_motion([])

@@ -1,0 +1,47 @@
+"""Parameters of assembled seals."""
+
+import numpy as np
+import pytest
+from pressed_block import pressed_block
+
+import seal_mdao as sm
+
+
+@pytest.fixture(scope="module")
+def seal():
+    return pressed_block()
+
+
+@pytest.mark.parametrize("name", ["depth", "modulus", "roll_a", "roll_friction"])
+def test_a_changed_parameter_is_known_and_makes_another_seal(seal, name):
+    """Those of a motion too, which count from its waypoints."""
+    value = seal.scalars[name].value + 0.01
+    moved = seal.with_parameters({name: value})
+    assert moved.scalars[name].value == value
+    assert moved.key != seal.key
+    assert moved.with_parameters({name: value}).key == moved.key
+    assert moved.with_parameters({name: seal.scalars[name].value}).key == seal.key
+
+
+def test_a_kept_analysis_is_not_taken_for_another_motion(seal):
+    kept = sm.KeptAnalyses()
+    reaction = seal.measures(("reaction",))[0]
+    shallow, deep = (kept.analyze(seal, parameters={"depth": depth}) for depth in (0.0, 0.05))
+    assert kept.made == 2
+    assert deep.value(reaction)[1] > 1.02 * shallow.value(reaction)[1]
+
+
+def test_parameters_are_values_not_changes(seal):
+    """Set twice, a parameter is what it was set to last."""
+    twice = seal.with_parameters({"depth": 0.3}).with_parameters({"depth": 0.05})
+    once = seal.with_parameters({"depth": 0.05})
+    for one, other in zip(once.terms(), twice.terms(), strict=True):
+        if one.label == "roll":
+            assert np.array_equal(one.motion.positions, other.motion.positions)
+
+
+def test_what_no_seal_can_be_is_refused(seal):
+    with pytest.raises(ValueError, match="modulus of ArrudaBoyce must be positive"):
+        seal.with_parameters({"modulus": -1.0})
+    with pytest.raises(ValueError, match="unknown parameter 'breadth'"):
+        seal.with_parameters({"breadth": 1.0})
