@@ -64,10 +64,19 @@ def _cell_dual_stress(
         Written: dL/dw, and the derivatives of L with respect to the constants.
     """
     q_count, volume = weights.size, weights.sum()
-    on_f, on_cof = np.empty(q_count), np.empty(q_count)
+    on_f, on_cof, own = np.empty(q_count), np.empty(q_count), np.empty((q_count, 5))
+    constants = np.empty((q_count, by_constants.shape[0], 2))
     scalars[:] = 0.0
     for k in range(first.size - 1):
         f, swelling = deformation.f[k, cell], deformation.swelling[k, cell]
+        # what all adjoints of the step use, side by side
+        for q in range(q_count):
+            for i in range(5):
+                own[q, i] = w_[i, k, cell, q]
+            own[q, 1] += bulk * swelling
+            for m in range(by_constants.shape[0]):
+                constants[q, m, 0] = by_constants[m, 0, k, cell, q]
+                constants[q, m, 1] = by_constants[m, 1, k, cell, q]
         for c in range(first[k], first[k + 1]):
             pressure = 0.0
             for q in range(q_count):
@@ -80,8 +89,8 @@ def _cell_dual_stress(
                 x, y, w = 2 * q, 2 * q + 1, weights[q]
                 e0, e1, e2, e3 = strain[x, 0, c], strain[y, 0, c], strain[x, 1, c], strain[y, 1, c]
                 f0, f1, f2, f3 = f[q, 0], f[q, 1], f[q, 2], f[q, 3]
-                by_t, by_j = w_[0, k, cell, q], w_[1, k, cell, q] + bulk * swelling
-                by_tt, by_tj, by_jj = w_[2, k, cell, q], w_[3, k, cell, q], w_[4, k, cell, q]
+                by_t, by_j = own[q, 0], own[q, 1]
+                by_tt, by_tj, by_jj = own[q, 2], own[q, 3], own[q, 4]
                 stress[x, 0, c] = w * (2.0 * by_t * f0 + by_j * f3)
                 stress[y, 0, c] = w * (2.0 * by_t * f1 - by_j * f2)
                 stress[x, 1, c] = w * (2.0 * by_t * f2 - by_j * f1)
@@ -95,8 +104,8 @@ def _cell_dual_stress(
                 scalars[q, c] = 2.0 * by_t * on_f[q] + by_j * on_cof[q]
                 scalars[q, c] += (f[q, 4] - swelling) * pressure
                 for m in range(by_constants.shape[0]):
-                    by_c = by_constants[m, :, k, cell, q]
-                    scalars[q_count + m, c] += w * (2.0 * by_c[0] * on_f[q] + by_c[1] * on_cof[q])
+                    along = 2.0 * constants[q, m, 0] * on_f[q] + constants[q, m, 1] * on_cof[q]
+                    scalars[q_count + m, c] += w * along
                 if bulk_row >= 0:
                     scalars[q_count + bulk_row, c] += w * swelling * on_cof[q]
 
