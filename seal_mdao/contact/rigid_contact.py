@@ -141,14 +141,10 @@ class ContactTerm(PointTerm):
         return no_history(len(self.where))
 
     def pose(self, fraction) -> Pose:
-        """Place of the profile."""
-        return self._placed(fraction)[1]
-
-    def _placed(self, fraction) -> tuple:
-        """Fraction, pose and the motion's rates; those asked for last are at hand."""
+        """Place of the profile; the one asked for last is at hand."""
         if self._last[0] != fraction:
-            self._last = fraction, self.motion.pose(fraction), self.motion.rates_at(fraction)
-        return self._last
+            self._last = fraction, self.motion.pose(fraction)
+        return self._last[1]
 
     def respond(self, x, fraction, history) -> ContactResponse:
         made_to_stick = contact_points(
@@ -172,7 +168,7 @@ class ContactTerm(PointTerm):
 
     def _add_motion(self, out, response, fraction, points) -> None:
         """Columns of the motion's parameters: they move the profile under the points."""
-        rates = self._placed(fraction)[2]
+        rates = self.motion.rates_at(fraction)
         columns = out[:, :, -len(rates) :]
         np.matmul(out[:, :, :2], -rates[:, :2].T, out=columns)
         if rates[:, 2].any():

@@ -39,7 +39,7 @@ class AdjointGradient:
     scalars: np.ndarray
 
     def of(self, names) -> np.ndarray:
-        """Derivatives with respect to scalar parameters, shape (M, len(names)).
+        """Derivatives with respect to scalar parameters that were wanted, shape (M, len(names)).
 
         Zero for those that no term depends on (the corner radius of a flat door).
         """
@@ -60,11 +60,14 @@ class AdjointSweep:
     probe : PointTable
         The points at which displacements and F are measured.
     n_measures : int
+    names : sequence of str, optional
+        The scalar parameters that are wanted; all of them when left out.
     """
 
-    def __init__(self, path: PathResult, probe, n_measures: int):
+    def __init__(self, path: PathResult, probe, n_measures: int, names=None):
         self.path, self.problem, self.m = path, path.problem, n_measures
-        self.reverses = [term.reverse(n_measures) for term in self.problem.terms]
+        wanted = set(path.problem.names if names is None else names)
+        self.reverses = [term.reverse(n_measures, wanted) for term in self.problem.terms]
         self.probe = ProbeReverse(path.discretization, probe, n_measures)
         imposed = self.problem.imposed
         self.held = np.zeros((0 if imposed is None else len(imposed.names), n_measures))

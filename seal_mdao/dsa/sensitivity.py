@@ -79,7 +79,7 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
     if method == "direct":
         table = direct_rates(result, wanted, parameter_rates(velocity, names))
     else:
-        gradient = adjoint_gradient(result, wanted)
+        gradient = adjoint_gradient(result, wanted, names)
         by_shape = np.tensordot(gradient.particles, velocity, ((1, 2), (1, 2)))
         table = np.hstack([by_shape, gradient.of(names)])
     offsets = tuple(f"boundary_offsets[{i}]" for i in range(len(velocity)))
@@ -113,7 +113,7 @@ def particle_gradient(result, parameters, measures, method: str = "auto") -> dic
     if method == "auto":
         method = "adjoint" if wanted.count < 2 * n + len(parameters) else "direct"
     if method == "adjoint":
-        gradient = adjoint_gradient(result, wanted)
+        gradient = adjoint_gradient(result, wanted, parameters)
         rows, columns = gradient.particles, gradient.of(parameters)
     else:
         unit = np.eye(2 * n).reshape(2 * n, n, 2)
@@ -204,10 +204,11 @@ def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
     return out
 
 
-def adjoint_gradient(result, wanted: Wanted) -> AdjointGradient:
-    """Gradients of all wanted measures by the adjoint method."""
+def adjoint_gradient(result, wanted: Wanted, names) -> AdjointGradient:
+    """Gradients of all wanted measures in the particles and the parameters ``names``, by the adjoint
+    method."""
     stack = wanted.stack
-    gradient = AdjointSweep(result.path, wanted.probe, stack.count).run(stack.seeds)
+    gradient = AdjointSweep(result.path, wanted.probe, stack.count, names).run(stack.seeds)
     scalars = gradient.scalars.copy()
     for name, own in stack.parameters.items():
         scalars[gradient.names.index(name)] += own

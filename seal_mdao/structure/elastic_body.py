@@ -227,8 +227,8 @@ class StructuralTerm(Term):
     def forward(self, shape, rates) -> StructuralForward:
         return StructuralForward(self, shape, rates)
 
-    def reverse(self, n_measures) -> StructuralReverse:
-        return StructuralReverse(self, n_measures)
+    def reverse(self, n_measures, wanted) -> StructuralReverse:
+        return StructuralReverse(self, n_measures, not wanted.isdisjoint(self.names))
 
     def no_seeds(self, n_measures) -> EnergySeeds:
         return EnergySeeds(np.zeros(n_measures))

@@ -104,10 +104,18 @@ class StructuralPlan:
 
 
 class StructuralReverse(Reverse):
-    """Seeds on shape functions, weights and constants of M measures; steps are taken in blocks."""
+    """Seeds on shape functions, weights and constants of M measures; steps are taken in blocks.
 
-    def __init__(self, term, n_measures: int):
-        self.term, disc = term, term.discretization
+    Parameters
+    ----------
+    term : StructuralTerm
+    n_measures : int
+    by_constants : bool
+        Whether derivatives with respect to any of the constants are wanted.
+    """
+
+    def __init__(self, term, n_measures: int, by_constants: bool):
+        self.term, self.by_constants, disc = term, by_constants, term.discretization
         self.grad_bar = np.zeros((disc.cells.table.grad.size, n_measures))
         self.weight_bar = np.zeros((*disc.weights.shape, n_measures))
         self.parameters = np.zeros((len(term.names), n_measures))
@@ -141,6 +149,15 @@ class StructuralReverse(Reverse):
         if is_full(self.size):
             self._flush()
 
+    def _constants(self, deformation):
+        """Derivatives in the constants, rows of the bulk moduli, and room for what follows; none of
+        them where they are not wanted."""
+        term = self.term
+        if self.by_constants:
+            return term.constant_derivatives(deformation), term.bulk_row, self.parameters
+        none = np.empty((0, 2, *deformation.square.shape))
+        return none, np.full(len(term.bulk), -1), self.parameters[:0]
+
     def _flush(self):
         if not self.swept:
             return
@@ -148,11 +165,12 @@ class StructuralReverse(Reverse):
         steps, adjoints, mixes = zip(*self.swept, strict=True)
         d = np.array([step.d for step in steps])
         deformation = term.deformation_of(d)
+        constants, bulk_row, parameters = self._constants(deformation)
         add_internal_seeds(
             disc.cells.table, disc.weights, deformation, term.energy_derivatives(deformation),
-            term.constant_derivatives(deformation), term.bulk, term.bulk_row, d,
-            np.cumsum([0, *map(len, mixes)]), np.hstack(adjoints), np.vstack(mixes),
-            disc.layout.equations, self.grad_bar, self.weight_bar, self.parameters,
+            constants, term.bulk, bulk_row, d, np.cumsum([0, *map(len, mixes)]),
+            np.hstack(adjoints), np.vstack(mixes), disc.layout.equations, self.grad_bar,
+            self.weight_bar, parameters,
         )  # fmt: skip
         self.swept, self.size = [], 0
 

@@ -168,7 +168,7 @@ class PointTerm(Term):
     def forward(self, shape, rates) -> PointForward:
         return PointForward(self, shape, rates)
 
-    def reverse(self, n_measures: int) -> PointReverse:
+    def reverse(self, n_measures: int, wanted: set) -> PointReverse:
         return PointReverse(self, n_measures)
 
     def no_seeds(self, n_measures: int) -> PointSeeds:

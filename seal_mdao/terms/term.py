@@ -147,8 +147,8 @@ class Term:
         """Its part of the direct method; ``shape`` are the ``DiscretizationRates``."""
         raise NotImplementedError
 
-    def reverse(self, n_measures: int) -> "Reverse":
-        """Its part of the adjoint method."""
+    def reverse(self, n_measures: int, wanted: set) -> "Reverse":
+        """Its part of the adjoint method; ``wanted`` are names of scalar parameters."""
         raise NotImplementedError
 
     def no_seeds(self, n_measures: int):

@@ -117,7 +117,7 @@ def test_few_parameters_and_few_measures_are_solved_for_themselves(random_design
     last_gap = random_design.measures(("gap",))[0]
     alone = stacked([replace(last_gap, points=last_gap.points[-1:]).of(random_design)])
     single = AdjointSweep(path, path.discretization.table_at(alone.at), 1).run(alone.seeds)
-    whole = wanted.by_name(adjoint_gradient(random_design, wanted).particles)["gap"][-1]
+    whole = wanted.by_name(adjoint_gradient(random_design, wanted, ()).particles)["gap"][-1]
     np.testing.assert_allclose(
         single.particles[0], whole, rtol=0.0, atol=1e-10 * np.abs(whole).max()
     )

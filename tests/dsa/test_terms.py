@@ -151,7 +151,7 @@ def test_reverse_is_the_transpose_of_forward(pressed, step, rng, label):
     adjoints[-1] = 0.0
     at_points = label != "structure"
     seeds = random_seeds(term, rng, m) if at_points else None
-    reverse = term.reverse(m)
+    reverse = term.reverse(m, set(term.names))
     after, first = reverse.no_history(), reverse.no_history()
     if carried is not None:
         after, first = history_rates(term, rng, m), history_rates(term, rng, m)
@@ -200,7 +200,7 @@ def test_what_is_handed_on_is_all_that_the_next_step_takes(pressed, rng):
     forward = term.forward(discretization_rates(term.discretization, rates.velocity), rates)
     taken = []
     for step, following in zip(path.steps, path.steps[1:], strict=False):
-        reverse = term.reverse(m)
+        reverse = term.reverse(m, set(term.names))
         plan = reverse.prepare(following, None, True, reverse.no_history())
         adjoints = rng.standard_normal((layout.n_equations + 1, m))
         adjoints[-1] = 0.0
