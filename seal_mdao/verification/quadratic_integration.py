@@ -78,7 +78,11 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
     )  # fmt: skip
     where = [term.point_set() for term in terms]
     tables = [p and build_table(disc.cloud, p, disc.transformation) for p in where]
-    every = [cells.raw, *(table.raw for table in tables if table is not None)]
+    couples = tuple(term.couples for term in terms)
+    every = [
+        cells.raw,
+        *(table.raw for table, own in zip(tables, couples, strict=True) if table and own),
+    ]
     equations = equation_numbers(body.fixed, every, disc.transformation)
     layout = tangent_layout(equations, every, disc.transformation, body.solver)
-    return replace(disc, cells=cells, tables=tuple(tables), layout=layout)
+    return replace(disc, cells=cells, tables=tuple(tables), couples=couples, layout=layout)

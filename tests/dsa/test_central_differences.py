@@ -80,7 +80,7 @@ def test_seal_far_from_the_drawn_one(drawn_model):
 
 @pytest.mark.long
 @pytest.mark.parametrize("parameter", range(26))
-@pytest.mark.parametrize("seed", [1, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_every_parameter_far_from_the_drawn_seal(drawn_model, seed, parameter):
     design = design_away(drawn_model, seed)
     result = analyzed(drawn_model, design)

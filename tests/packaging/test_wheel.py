@@ -18,14 +18,13 @@ print(json.dumps([sm.__file__, result.converged, result.reaction.tolist()]))
 STRESS = """
 import numpy as np
 import seal_mdao.rkpm.shape_functions as shapes
-from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.measures.stress import von_mises_at
+from seal_mdao.structure.particle_stress import deformation_gradients
 
 table = shapes.ShapeTable(
     np.array([0, 3]), np.arange(3), np.full(3, 1 / 3), np.array([-1.0, 1, 0, -1, 0, 1]), 1
 )
 d = np.array([[0.0, 0.0], [0.1, 0.0], [0.02, -0.05]])
-print(von_mises_at(table, d, MooneyRivlin(80.0, 20.0, 8e4))[0][0])
+print(deformation_gradients(table, d)[0, 0])
 """
 AND_A_CHILD = """
 import subprocess, sys
