@@ -15,7 +15,7 @@ import seal_mdao as sm
 result = sm.analyze(sm.door_seal(depth=1.0, n_steps=8))
 print(json.dumps([sm.__file__, result.converged, result.reaction.tolist()]))
 """
-STRESS = """
+GRADIENT = """
 import numpy as np
 import seal_mdao.rkpm.shape_functions as shapes
 from seal_mdao.structure.particle_stress import deformation_gradients
@@ -28,7 +28,7 @@ print(deformation_gradients(table, d)[0, 0])
 """
 AND_A_CHILD = """
 import subprocess, sys
-print(subprocess.run([sys.executable, "-B", "-c", STRESS], check=True, capture_output=True))
+print(subprocess.run([sys.executable, "-B", "-c", GRADIENT], check=True, capture_output=True))
 """
 
 
@@ -76,7 +76,7 @@ def test_without_any_writable_folder_one_warning_and_a_temporary_cache(tmp_path,
     install(folder)
     close_caches(folder)
     scratch.mkdir()
-    code = STRESS + f"STRESS = {STRESS!r}\n" + AND_A_CHILD
+    code = GRADIENT + f"GRADIENT = {GRADIENT!r}\n" + AND_A_CHILD
     run = start(folder, code, "/dev/null", TMPDIR=str(scratch))
     (own, child), errors = run.lines()
     assert errors.count("NUMBA_CACHE_DIR") == 1
@@ -91,25 +91,26 @@ def test_cache_folder_chosen_by_the_user_is_kept(tmp_path, install, start):
     install(folder)
     close_caches(folder)
     said = [
-        start(folder, STRESS, "/dev/null", NUMBA_CACHE_DIR=str(chosen)).lines()[1] for _ in range(2)
+        start(folder, GRADIENT, "/dev/null", NUMBA_CACHE_DIR=str(chosen)).lines()[1]
+        for _ in range(2)
     ]
     assert said == [MESSAGE + "\n", ""]
 
 
 def test_upgrade_over_the_kernel_cache_of_an_older_version(tmp_path, install, start):
-    """The older one had another stress, in a file that its caller does not see change, and a type
+    """The older one had other gradients, in a file that their caller does not see change, and a type
     in a module that is no longer there.
     """
     folder = tmp_path / "site-packages"
     install(folder)
     package = folder / "seal_mdao"
-    (new,), _ = start(folder, STRESS, tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "other")).lines()
-    law, shapes = (
-        package / "materials" / "mooney_rivlin.py",
+    (new,), _ = start(folder, GRADIENT, tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "other")).lines()
+    inner, shapes = (
+        package / "structure" / "deformation.py",
         package / "rkpm" / "shape_functions.py",
     )
     for path, found, older in (
-        (law, "p, q = 2.0 * c10", "p, q = 3.0 * c10"),
+        (inner, "f11 += displacement[0, a]", "f11 += 4.0 * displacement[0, a]"),
         (shapes, "class ShapeTable(NamedTuple)", "class _Unused(NamedTuple)"),
         (shapes, "class Cloud(", "from seal_mdao.rkpm.gone import ShapeTable\n\n\nclass Cloud("),
     ):
@@ -123,12 +124,12 @@ def test_upgrade_over_the_kernel_cache_of_an_older_version(tmp_path, install, st
         "    grad: np.ndarray\n    group_size: int\n    n_groups = 1\n",
         encoding="utf-8",
     )
-    (old,), said = start(folder, STRESS, tmp_path).lines()
+    (old,), said = start(folder, GRADIENT, tmp_path).lines()
     assert MESSAGE in said
     assert abs(float(old) / float(new) - 1.0) > 0.1
     gone.unlink()
     install(folder)
-    (upgraded,), said = start(folder, STRESS, tmp_path).lines()
+    (upgraded,), said = start(folder, GRADIENT, tmp_path).lines()
     assert upgraded == new
     assert MESSAGE in said
     assert list(package.rglob("*.nbi"))
