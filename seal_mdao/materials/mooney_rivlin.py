@@ -13,7 +13,6 @@ import numba as nb
 import numpy as np
 
 from seal_mdao.materials.isotropic import NO_VALUE, Isotropic, checked
-from seal_mdao.materials.isotropic import cofactor as cofactor
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
@@ -48,39 +47,6 @@ def energy_derivatives(t, j, c10, c01):
         * i
     )
     return w_t, w_j, w_tj, w_jj
-
-
-@nb.njit(cache=True, error_model="numpy", inline="always")
-def von_mises(t, j, c10, c01):
-    """Von Mises stress from the deviatoric Cauchy stress, with its derivatives in T and J.
-
-    s = (2/J) dev[ (C10 J^(-2/3) + C01 J^(-4/3) I1) b - C01 J^(-4/3) b^2 ] has principal values that
-    depend on T and J only; the in-plane pair enters as mean m and half difference d.
-
-    Returns
-    -------
-    tuple of float
-        sigma_vm, d sigma_vm / dT, d sigma_vm / dJ.
-    """
-    a2 = j ** (-2.0 / 3.0)
-    i = 1.0 / j
-    p, q = 2.0 * c10 * a2 * i, 2.0 * c01 * a2 * a2 * i
-    p_j, q_j = -5.0 / 3.0 * p * i, -7.0 / 3.0 * q * i
-    # in the plane S = (p + q) b + q J^2 I, across it S_33 = p + q T
-    dd = 0.25 * (t * t - 4.0 * j * j)
-    r = p + q
-    e = 0.5 * r * t + q * j * j - p - q * t  # m - S_33
-    square = 3.0 * r * r * dd + e * e
-    value = square**0.5
-    if value == 0.0:
-        return 0.0, 0.0, 0.0
-    r_j = p_j + q_j
-    e_t = 0.5 * r - q
-    e_j = 0.5 * r_j * t + q_j * j * j + 2.0 * q * j - p_j - q_j * t
-    half = 0.5 / value
-    by_t = half * (3.0 * r * r * 0.5 * t + 2.0 * e * e_t)
-    by_j = half * (6.0 * r * r_j * dd - 6.0 * r * r * j + 2.0 * e * e_j)
-    return value, by_t, by_j
 
 
 @nb.njit(cache=True, error_model="numpy")
