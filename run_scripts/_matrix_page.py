@@ -14,7 +14,8 @@ HEAD = """# Optimisation from everywhere
 `python run_scripts/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` writes
 this page from the runs that it makes; it goes on where it was interrupted. It solves problem (71)
 for the paper's case, for each factor changed alone, for 20 combinations of the factors, and for
-{drawn} drawn cases, with every optimiser of {{mod}}`seal_mdao.optimization` at its settings there.
+{run} of {drawn} drawn cases, with every optimiser of {{mod}}`seal_mdao.optimization` at its settings
+there.
 
 A run has converged when the optimiser reports success, the optimality conditions hold to {kkt:g}
 (largest entry of the scaled Lagrangian's gradient, KKT in the tables, measured in the same way for
@@ -60,7 +61,8 @@ def page(table: list[dict], drawn: set[str]) -> str:
             [row for row in table if row["case"] in drawn],
         ),
     )
-    text = HEAD.format(drawn=len(drawn), kkt=KKT, violation=VIOLATION) + _summary(table)
+    run = len({row["case"] for row in table} & drawn)
+    text = HEAD.format(run=run, drawn=len(drawn), kkt=KKT, violation=VIOLATION) + _summary(table)
     text += "".join(head + markdown(rows) + "\n" for head, rows in kinds if rows)
     return text + _failures(table) + _versions(table)
 
