@@ -1,9 +1,9 @@
 """The contract of a term: one contribution to the equations of equilibrium R = sum of terms = 0.
 
 The path solver, the predictor and both sensitivity sweeps loop over terms and never ask which. A term
-is defined once, by a frozen ``TermDefinition``, and bound to one discretised design with
- ``definition.on(discretization, place)``, which gives a ``Term``. Terms
-that act at single material points, rigid contact among them, are short: see ``point_term``.
+is defined once, by a frozen ``TermDefinition``, and bound to one discretised design with its method
+``on``, which gives a ``Term``. Terms that act at single material points, rigid contact among them, are
+short: see ``point_term``.
 """
 
 from typing import NamedTuple, Protocol

@@ -80,9 +80,9 @@ def test_seal_far_from_the_drawn_one(drawn_model):
 
 @pytest.mark.long
 @pytest.mark.parametrize("parameter", range(26))
-@pytest.mark.parametrize("seed", [1, 2])
-def test_every_parameter_far_from_the_drawn_seal(drawn_model, seed, parameter):
-    design = design_away(drawn_model, seed)
+def test_every_parameter_far_from_the_drawn_seal(drawn_model, parameter):
+    """At one design: elsewhere the quotients of a norm of order 40 are too uncertain to show much."""
+    design = design_away(drawn_model, 1)
     result = analyzed(drawn_model, design)
     check_along(result, np.eye(26)[parameter], further=FURTHER_NAMES)
 
