@@ -6,7 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from seal_mdao.seals.result import FACTOR_MEMORY, SealResult, analyze_particles
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.seals.result import SealResult, analyze_particles, analyzed_with
 from seal_mdao.seals.seal import Seal
 
 KEPT_MEMORY = 0.5
@@ -46,11 +47,9 @@ class KeptAnalyses:
         callback: Callable | None = None,
     ) -> SealResult:
         """As ``seal_mdao.analyze``."""
-        offsets = seal.check_offsets(boundary_offsets)
-        result = self.analyze_particles(
-            seal.with_parameters(parameters or {}), seal.particles(offsets), offsets,
-            factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
-        )  # fmt: skip
+        result = analyzed_with(
+            self.analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback
+        )
         return seal.completed(result, partial(self.analyze, callback=callback))
 
     def analyze_particles(
@@ -93,6 +92,8 @@ def held_bytes(record) -> int:
         return record.nbytes
     if isinstance(record, list | tuple):
         return sum(map(held_bytes, record))
+    if isinstance(record, PathProblem):
+        return held_bytes((record.discretization, record.values, record.forces))
     if is_dataclass(record):
         return sum(held_bytes(getattr(record, f.name)) for f in fields(record))
     return 0

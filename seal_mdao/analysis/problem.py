@@ -51,7 +51,7 @@ class PathProblem:
     @property
     def remembers(self) -> bool:
         """Whether a step depends on the one before."""
-        return any(getattr(term, "remembers", False) for term in self.terms)
+        return any(term.remembers for term in self.terms)
 
     def no_history(self) -> tuple:
         """History of the undeformed state."""

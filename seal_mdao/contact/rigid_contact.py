@@ -19,7 +19,7 @@ from seal_mdao.contact.friction import (
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
-from seal_mdao.geometry.pose import Pose, quarter_turn
+from seal_mdao.geometry.pose import Pose, quarter_turn, rigid_velocity
 from seal_mdao.geometry.shape import Shape
 from seal_mdao.terms.handed_on import HandedOn, directions_of
 from seal_mdao.terms.point_term import PointResponse, PointTerm
@@ -172,8 +172,8 @@ class ContactTerm(PointTerm):
         columns = out[:, :, -len(rates) :]
         np.matmul(out[:, :, :2], -rates[:, :2].T, out=columns)
         if rates[:, 2].any():
-            arm = response.x[points] - self.pose(fraction).centre
-            columns -= (out[:, :, :2] @ quarter_turn(arm)[:, :, None]) * rates[:, 2]
+            turning = rigid_velocity(self.pose(fraction), response.x[points])[:, :, 2:]
+            columns -= (out[:, :, :2] @ turning) * rates[:, 2]
             columns[:, :2] += quarter_turn(response.force[points])[:, :, None] * rates[:, 2]
 
     # ---- what a step hands on ----
@@ -216,7 +216,7 @@ class ContactTerm(PointTerm):
         change = self.motion.coordinates(target) - self.motion.coordinates(fraction)
         if change[2] == 0.0:
             return -np.einsum("kij,j->ki", response.tangent, change[:2])
-        shift = change[:2] + change[2] * quarter_turn(response.x - self.pose(fraction).centre)
+        shift = rigid_velocity(self.pose(fraction), response.x) @ change
         moved = -np.einsum("kij,kj->ki", response.tangent, shift)
         return moved + change[2] * quarter_turn(response.force)
 

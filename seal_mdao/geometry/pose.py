@@ -46,11 +46,6 @@ class Pose(NamedTuple):
         return cls(position, float(np.cos(angle)), float(np.sin(angle)), pivot)
 
     @property
-    def centre(self) -> np.ndarray:
-        """Centre of rotation z + c in the fixed frame, shape (2,)."""
-        return self.position + self.pivot
-
-    @property
     def matrix(self) -> np.ndarray:
         """Q, shape (2, 2)."""
         return np.array([[self.cos, -self.sin], [self.sin, self.cos]])

@@ -33,8 +33,6 @@ class Gap(Measure):
         return self.points is None
 
     def frozen(self, drawn):
-        if self.points is not None:
-            return self
         opened = opened_points(drawn.response(self.profile).state)
         return replace(self, points=tuple(int(point) for point in opened))
 
@@ -90,8 +88,6 @@ class GapSquareIntegral(Measure):
         return self.stretch is None
 
     def frozen(self, drawn):
-        if self.stretch is not None:
-            return self
         touching = touching_stretch(drawn.response(self.profile).state)
         return replace(self, stretch=tuple(int(point) for point in touching))
 
@@ -137,11 +133,8 @@ class ContactWidth(Measure):
     text = "Length of the undeformed boundary in contact."
 
     def evaluate(self, result, partials):
-        response, every = (
-            result.response(self.profile),
-            np.arange(len(result.term(self.profile).where)),
-        )
-        line, gap = _Line(result, self.profile, every), response.gap
+        gap = result.response(self.profile).gap
+        line = _Line(result, self.profile, np.arange(gap.size))
         a, b = gap[:-1], gap[1:]
         span = np.where((a < 0.0) != (b < 0.0), a - b, 1.0)
         share = np.where((a < 0.0) & (b < 0.0), 1.0, 0.0)
@@ -183,8 +176,6 @@ class ContactPressure(Measure):
         return self.patches is None
 
     def frozen(self, drawn):
-        if self.patches is not None:
-            return self
         found = contact_patches(drawn.response(self.profile).state)
         return replace(self, patches=tuple(tuple(int(p) for p in patch) for patch in found))
 

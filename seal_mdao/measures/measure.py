@@ -146,7 +146,8 @@ class Measure:
         return False
 
     def frozen(self, drawn) -> "Measure":
-        """The measure with its places taken from the path of the drawn seal."""
+        """The measure with its places taken from the path of the drawn seal; asked only of those that
+        take places."""
         return self
 
     def size(self, seal) -> int:

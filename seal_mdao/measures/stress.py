@@ -1,6 +1,6 @@
 """Von Mises stress at particles, and its p-norm over a region."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,15 +34,13 @@ class VonMises(Measure):
         return self.points is None
 
     def frozen(self, drawn):
-        if self.points is not None:
-            return self
         rows = [
             (edge.particles[~drawn.seal.body.fixed[edge.particles].all(axis=1)], edge.closed)
             for edge in drawn.seal.body.edges.values()
         ]
         rows = [(row, closed) for row, closed in rows if row.size]
         peaks = boundary_peaks(rows, drawn.stress_field(), self.count)
-        return VonMises(tuple(int(p) for p in peaks), self.count, self.name)
+        return replace(self, points=tuple(int(p) for p in peaks))
 
     def size(self, seal):
         return self.count if self.points is None else len(self.points)

@@ -151,7 +151,7 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
         return tuple(chosen)
     drawn = (analyze if analysis is None else analysis)(seal.as_drawn())
     drawn.require_converged()
-    return tuple(measure.frozen(drawn) for measure in chosen)
+    return tuple(m.frozen(drawn) if m.takes_places else m for m in chosen)
 
 
 @one_blas_thread
@@ -189,12 +189,20 @@ def analyze(
         Wrong sizes, unknown parameters, values that are not finite, a folded section, too small a
         support.
     """
+    return seal.completed(
+        analyzed_with(analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback)
+    )
+
+
+def analyzed_with(
+    analysis: Callable, seal: Seal, boundary_offsets, parameters, keep_factors, callback
+) -> SealResult:
+    """A design and parameters as the particles and the seal that ``analysis`` takes."""
     offsets = seal.check_offsets(boundary_offsets)
-    result = analyze_particles(
+    return analysis(
         seal.with_parameters(parameters or {}), seal.particles(offsets), offsets,
         factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
     )  # fmt: skip
-    return seal.completed(result)
 
 
 def analyze_particles(

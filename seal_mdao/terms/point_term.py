@@ -16,12 +16,6 @@ from seal_mdao.terms.point_reverse import PointReverse
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import Term
 
-FORCE = slice(0, 2)
-"""Rows of a local linearisation that hold the force; the history's rows follow, then the outputs."""
-PLACE = slice(0, 2)
-"""Its columns of the deformed place x; the history's follow, the measure (length) of the point, the
-parameters, and for terms that use it the undeformed place X."""
-
 
 class PointResponse(NamedTuple):
     """What a term answers at k points.

@@ -87,11 +87,14 @@ class Term:
     names : tuple of str
     rounding : float
         What rounding leaves of its forces, N/m.
+    remembers : bool
+        Whether a step depends on the one before.
     """
 
     label = ""
     names: tuple = ()
     rounding = 0.0
+    remembers = False
 
     # ---- analysis ----
 

@@ -14,9 +14,9 @@ from seal_mdao.verification.gradients import design_away
 FURTHER_NAMES = tuple(measure.name for measure in FURTHER)
 STEP = 7e-6
 """Of lengths, mm: small enough for the curvature, large enough for the rounding."""
-# scalars and their steps relative to the value
+# scalars and their steps relative to the value, where truncation and rounding leave about as much
 SCALARS = {
-    "door_radius": 5e-6, "normal_penalty": 2e-4, "tangent_penalty": 1e-4, "friction": 2e-4,
+    "door_radius": 5e-6, "normal_penalty": 1e-3, "tangent_penalty": 1e-3, "friction": 2e-4,
     "c10": 2e-4, "c01": 2e-4, "bulk_modulus": 2e-4, "depth": 1e-5,
 }  # fmt: skip
 
@@ -114,7 +114,8 @@ def test_variants_of_the_model(variant):
         quick_model(**VARIANTS[variant]), offsets, {"door_radius": 4.05}, keep_factors=True
     )
     assert result.converged
-    check_along(result, any_way(1))
+    # its path rounds more: a larger step
+    check_along(result, any_way(1), step=3.0 * STEP if variant == "quadratic basis" else STEP)
 
 
 def test_path_with_cut_steps(cut):

@@ -41,8 +41,6 @@ class ReactionCurve(Reaction):
         return self.travels is None
 
     def frozen(self, drawn):
-        if self.travels is not None:
-            return self
         steps = curve_steps(drawn.door_travel)
         if not steps.size:
             raise ValueError(

@@ -7,9 +7,9 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.errors import LoadPathError
-from seal_mdao.measures.stress import particle_stress
 from seal_mdao.seals.door.measures import BY_NAME, MeasurePoints, chosen_points, measures_at
 from seal_mdao.seals.result import SealResult
+from seal_mdao.structure.particle_stress import particle_stress
 
 
 @dataclass(frozen=True, eq=False)
