@@ -300,10 +300,32 @@ def contact_points(
     return made_to_stick
 
 
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def _add_motion(pose, motion_rates, x, force, first, out):
+    """Columns of one point from ``first`` on for the motion's parameters: the profile moves under it,
+    see ``geometry.pose``."""
+    for m in range(motion_rates.shape[0]):
+        v_x, v_y, turn = motion_rates[m, 0], motion_rates[m, 1], motion_rates[m, 2]
+        v_x -= turn * (x[1] - pose.position[1] - pose.pivot[1])
+        v_y += turn * (x[0] - pose.position[0] - pose.pivot[0])
+        for row in range(out.shape[0]):
+            out[row, first + m] = -out[row, X] * v_x - out[row, Y] * v_y
+        out[FORCE_X, first + m] -= turn * force[1]
+        out[FORCE_Y, first + m] += turn * force[0]
+
+
 @nb.njit(cache=True, error_model="numpy")
-def contact_linearization(profile, law, pose, x, length, history, points, out):
-    """Full local derivatives of the ``points`` (s,) at a converged step, in the first SHAPE + S columns
-    of ``out`` (s, 6, ...); see the input names above."""
+def contact_linearization(profile, law, pose, motion_rates, x, length, force, history, points, out):
+    """Full local derivatives of the ``points`` (s,) at a converged step, ``out`` (s, 6, SHAPE + S + m)
+    written; see the input names above.
+
+    Parameters
+    ----------
+    motion_rates : ndarray, shape (m, 3)
+        Rates of x, y and angle of the pose, whose columns come last.
+    force : ndarray, shape (n, 2)
+        Of all points at the step.
+    """
     columns = SHAPE + profile.period_rate.size
     for k, i in enumerate(points):
         x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
@@ -317,3 +339,4 @@ def contact_linearization(profile, law, pose, x, length, history, points, out):
             profile, law, pose, piece, xi, g_n, state, tau, state_0, carried, length[i], columns,
             out[k],
         )  # fmt: skip
+        _add_motion(pose, motion_rates, x[i], force[i], columns, out[k])

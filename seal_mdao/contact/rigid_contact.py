@@ -1,6 +1,7 @@
 """Frictional contact of boundary points with one rigid profile, as a term: b(z, z-bar), Eq. (29)."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from seal_mdao.contact.friction import (
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
-from seal_mdao.geometry.pose import Pose, quarter_turn, rigid_velocity
+from seal_mdao.geometry.pose import quarter_turn, rigid_velocity
 from seal_mdao.geometry.shape import Shape
 from seal_mdao.terms.handed_on import HandedOn, directions_of
 from seal_mdao.terms.point_term import PointResponse, PointTerm
@@ -124,7 +125,8 @@ class ContactTerm(PointTerm):
         self._force, self._tangent = np.empty((k, 2)), np.empty((k, 2, 2))
         self._state, self._kept = np.empty(k, np.int64), np.empty((k, 3))
         self._gap, self._direction = np.empty((k, 1)), np.zeros(k, np.int64)
-        self._last = (None,)
+        # both sweeps come back to the steps of the path
+        self.pose, self.motion_rates = cache(self.motion.pose), cache(self.motion.rates_at)
         self._speed_varies = has_cubics(self.profile)
         size = float(np.abs(discretization.particles).max())
         self.rounding = self.law.normal_penalty * size
@@ -140,12 +142,6 @@ class ContactTerm(PointTerm):
     def no_history(self) -> ContactHistory:
         return no_history(len(self.where))
 
-    def pose(self, fraction) -> Pose:
-        """Place of the profile; the one asked for last is at hand."""
-        if self._last[0] != fraction:
-            self._last = fraction, self.motion.pose(fraction)
-        return self._last[1]
-
     def respond(self, x, fraction, history) -> ContactResponse:
         made_to_stick = contact_points(
             self.profile, self.law, self.pose(fraction), x, self.length, history,
@@ -157,24 +153,12 @@ class ContactTerm(PointTerm):
         )  # fmt: skip
 
     def linearize(self, response, fraction, history, points):
-        out = np.zeros((points.size, *self.local_shape))
+        out = np.empty((points.size, *self.local_shape))
         contact_linearization(
-            self.profile, self.law, self.pose(fraction), response.x, self.length, history, points,
-            out,
+            self.profile, self.law, self.pose(fraction), self.motion_rates(fraction), response.x,
+            self.length, response.force, history, points, out,
         )  # fmt: skip
-        if self.motion.names:
-            self._add_motion(out, response, fraction, points)
         return out
-
-    def _add_motion(self, out, response, fraction, points) -> None:
-        """Columns of the motion's parameters: they move the profile under the points."""
-        rates = self.motion.rates_at(fraction)
-        columns = out[:, :, -len(rates) :]
-        np.matmul(out[:, :, :2], -rates[:, :2].T, out=columns)
-        if rates[:, 2].any():
-            turning = rigid_velocity(self.pose(fraction), response.x[points])[:, :, 2:]
-            columns -= (out[:, :, :2] @ turning) * rates[:, 2]
-            columns[:, :2] += quarter_turn(response.force[points])[:, :, None] * rates[:, 2]
 
     # ---- what a step hands on ----
 

@@ -47,27 +47,50 @@ def _moduli_rows(weight, a, b, n, c):
             row[n + j] = ay0 * b0[j] + ay1 * b1[j]
 
 
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def _row_of_four(b, c, g, scale, i, a, row):
+    """As ``_row_of_any`` for four points, in one pass: a third faster."""
+    b0, b1, b2, b3 = b[0, 0, a], b[0, 1, a], b[1, 0, a], b[1, 1, a]
+    b4, b5, b6, b7 = b[2, 0, a], b[2, 1, a], b[3, 0, a], b[3, 1, a]
+    c0, c1, c2, c3 = c[0, 2 * i], c[0, 2 * i + 1], c[1, 2 * i], c[1, 2 * i + 1]
+    c4, c5, c6, c7 = c[2, 2 * i], c[2, 2 * i + 1], c[3, 2 * i], c[3, 2 * i + 1]
+    for j in range(row.size):
+        row[j] = (
+            scale * g[j] + b0 * c0[j] + b1 * c1[j] + b2 * c2[j] + b3 * c3[j]
+            + b4 * c4[j] + b5 * c5[j] + b6 * c6[j] + b7 * c7[j]
+        )  # fmt: skip
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def _row_of_any(b, c, g, scale, i, a, row):
+    """Row (component i, neighbour a) of scale g + sum_q B^T (w A B)."""
+    for j in range(row.size):
+        row[j] = scale * g[j]
+    for q in range(b.shape[0]):
+        b0, b1, c0, c1 = b[q, 0, a], b[q, 1, a], c[q, 2 * i], c[q, 2 * i + 1]
+        for j in range(row.size):
+            row[j] += b0 * c0[j] + b1 * c1[j]
+
+
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"})
-def _scatter_tangent(grad, c, g, factor, n, q_count, row, slots, values):
+def _scatter_tangent(grad, c, g, factor, buffer, slots, values):
     """Add sum_q B^T (w A B) + K / V_c g g^T of one cell to the tangent.
 
     The matrix is symmetric: its rows are added as columns, which lie together in memory; computing
     one triangle only is slower, for the scatter then strides. The last term is the projected
     pressure's, with g = sum_q w cof B.
     """
-    whole = 2 * n
+    n = grad.shape[2]
+    row = buffer[: 2 * n]
     for i in range(2):
         for a in range(n):
             scale = factor * g[i * n + a]
-            for j in range(whole):
-                row[j] = scale * g[j]
-            for q in range(q_count):
-                b0, b1 = grad[q, 0, a], grad[q, 1, a]
-                c0, c1 = c[q, 2 * i], c[q, 2 * i + 1]
-                for j in range(whole):
-                    row[j] += b0 * c0[j] + b1 * c1[j]
-            to = slots[(i * n + a) * whole : (i * n + a + 1) * whole]
-            for j in range(whole):
+            if grad.shape[0] == 4:
+                _row_of_four(grad, c, g, scale, i, a, row)
+            else:
+                _row_of_any(grad, c, g, scale, i, a, row)
+            to = slots[(i * n + a) * row.size : (i * n + a + 1) * row.size]
+            for j in range(row.size):
                 values[to[j]] += row[j]
 
 
@@ -120,7 +143,7 @@ def assemble_internal(table, weights, deformation, k, w, bulk, scatter, force, v
             force[scatter.equations[near[i], 1]] += local[1, i]
         if values.size:
             slots = scatter.slots[scatter.start[cell] : scatter.start[cell + 1]]
-            _scatter_tangent(grad, c, g, bulk[cell] / volume, n, q_count, row, slots, values)
+            _scatter_tangent(grad, c, g, bulk[cell] / volume, row, slots, values)
 
 
 @nb.njit(cache=True, error_model="numpy")

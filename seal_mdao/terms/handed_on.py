@@ -12,6 +12,7 @@ they move by -Lambda_n^T f'_n, whatever the parameters (direct) or measures (adj
 import math
 from typing import NamedTuple
 
+import numba as nb
 import numpy as np
 
 # Sine of the angle between two directions below which they are one.
@@ -32,11 +33,6 @@ class HandedOn(NamedTuple):
     points: np.ndarray
     directions: np.ndarray
 
-    @property
-    def seeds(self) -> np.ndarray:
-        """Seeds (s, 2, s) on the points' displacements, a column for each direction."""
-        return self.directions[:, :, None] * np.eye(len(self.directions))[:, None]
-
 
 def directions_of(used: np.ndarray, slopes: np.ndarray) -> HandedOn:
     """Directions in which the wanted functions of the points ``used`` (s,) change.
@@ -46,13 +42,44 @@ def directions_of(used: np.ndarray, slopes: np.ndarray) -> HandedOn:
     slopes : ndarray, shape (s, 2, 2)
         Derivatives of two functions of every point with its displacement. The second may be zero.
     """
-    points, directions = [], []
-    for i, ((a_x, a_y), (b_x, b_y)) in zip(used, slopes.tolist(), strict=True):
+    points, directions = np.empty(2 * used.size, int), np.empty((2 * used.size, 2))
+    count = _fill_directions(used, slopes, points, directions)
+    return HandedOn(points[:count], directions[:count])
+
+
+@nb.njit(cache=True, error_model="numpy")
+def _fill_directions(used, slopes, points, directions):
+    """Fill points and directions; returns how many there are."""
+    count = 0
+    for k, i in enumerate(used):
+        a_x, a_y, b_x, b_y = slopes[k, 0, 0], slopes[k, 0, 1], slopes[k, 1, 0], slopes[k, 1, 1]
         size = math.hypot(a_x, a_y)
+        points[count] = i
         if abs(a_x * b_y - a_y * b_x) <= PARALLEL * size * math.hypot(b_x, b_y):
-            points.append(i)
-            directions.append((a_x / size, a_y / size))
+            directions[count, 0], directions[count, 1] = a_x / size, a_y / size
+            count += 1
         else:
-            points += [i, i]
-            directions += [(1.0, 0.0), (0.0, 1.0)]
-    return HandedOn(np.array(points, int), np.array(directions).reshape(-1, 2))
+            points[count + 1] = i
+            directions[count : count + 2] = np.eye(2)
+            count += 2
+    return count
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_handed_columns(table, points, directions, equations, out):
+    """Phi^T q of every wanted direction q of a point, added to its column of ``out``
+    (n_equations + 1, s)."""
+    for k, i in enumerate(points):
+        for a in range(table.start[i], table.start[i + 1]):
+            near = table.neighbours[a]
+            for c in range(2):
+                out[equations[near, c], k] += table.phi[a] * directions[k, c]
+
+
+@nb.njit(cache=True, error_model="numpy")
+def add_handed_rates(points, directions, rates, out):
+    """Displacements of ``rates`` (s, P) along the wanted directions, added to ``out`` (k, 2..., P)."""
+    for k, i in enumerate(points):
+        for c in range(2):
+            for p in range(rates.shape[1]):
+                out[i, c, p] += directions[k, c] * rates[k, p]

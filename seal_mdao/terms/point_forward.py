@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seal_mdao.terms.handed_on import add_handed_columns, add_handed_rates
 from seal_mdao.terms.point_rates import (
-    add_displacement_seeds,
     add_force_rates,
     add_nodal_rates,
     add_solution_rates,
@@ -98,18 +98,11 @@ class PointForward(Forward):
         layout = self.term.discretization.layout
         self._handed = self.term.handed_on(following.responses[self.term.place], kept, self.every)
         columns = np.zeros((layout.n_equations + 1, self._handed.points.size))
-        add_displacement_seeds(
-            self.term.table.table,
-            self._handed.points,
-            self._handed.seeds,
-            layout.equations,
-            columns,
-        )
+        add_handed_columns(self.term.table.table, *self._handed, layout.equations, columns)
         return columns
 
     def follow(self, kept, handed):
-        for i, direction, rate in zip(*self._handed, handed, strict=True):
-            self.inputs[i, :2] += np.outer(direction, rate)
+        add_handed_rates(*self._handed, handed, self.inputs)
 
     def follow_solution(self, kept, solution):
         equations = self.term.discretization.layout.equations

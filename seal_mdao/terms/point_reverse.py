@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.rkpm.tables import table_seeds
-from seal_mdao.terms.handed_on import HandedOn
+from seal_mdao.terms.handed_on import HandedOn, add_handed_columns
 from seal_mdao.terms.point_rates import add_displacement_seeds, add_shape_seeds, point_adjoint
 from seal_mdao.terms.term import Reverse
 
@@ -48,8 +48,7 @@ class PointReverse(Reverse):
         k, m, h = len(term.where), n_measures, term.history_size
         self.every, self.remembered = np.arange(k), slice(2, 2 + h)
         self.phi_bar = np.zeros((term.table.table.phi.size, m))
-        self.point_bar, self.length_bar = np.zeros((k, 2, m)), np.zeros((k, m))
-        self.parameters = np.zeros((len(term.names), m))
+        self.input_bar = np.zeros((k, term.local_shape[1], m))
 
     def no_history(self):
         return np.zeros((self.every.size, self.term.history_size, self.m))
@@ -74,10 +73,8 @@ class PointReverse(Reverse):
         if not plan.count:
             return
         at = np.searchsorted(plan.points, plan.handed.points)
-        add_displacement_seeds(
-            self.term.table.table, plan.handed.points, plan.handed.seeds,
-            self.term.discretization.layout.equations, loads,
-        )  # fmt: skip
+        equations = self.term.discretization.layout.equations
+        add_handed_columns(self.term.table.table, *plan.handed, equations, loads)
         through_x = plan.local[at][:, :, :2].transpose(0, 2, 1) @ plan.out_bar[at]
         mix[:] = (plan.handed.directions[:, :, None] * through_x).sum(axis=1)
 
@@ -96,7 +93,8 @@ class PointReverse(Reverse):
         point_adjoint(table, plan.points, adjoints, equations, at_points)
         plan.out_bar[:, :2] -= at_points @ mix
         in_bar = plan.local.transpose(0, 2, 1) @ plan.out_bar
-        x_bar = self._collect_inputs(plan.points, in_bar)
+        self.input_bar[plan.points] += in_bar
+        x_bar = np.ascontiguousarray(in_bar[:, :2])
         force = step.responses[self.term.place].force
         add_shape_seeds(
             table, plan.points, x_bar, force, step.d, adjoints, mix, equations, self.phi_bar
@@ -108,29 +106,19 @@ class PointReverse(Reverse):
         history_bar[plan.points] = in_bar[:, self.remembered]
         return history_bar
 
-    def _collect_inputs(self, points, in_bar):
-        """Add seeds on the inputs of the points; returns those on the deformed places."""
-        at = self.remembered.stop
-        x_bar = np.ascontiguousarray(in_bar[:, :2])
-        self.point_bar[points] += x_bar
-        self.length_bar[points] += in_bar[:, at]
-        self.parameters += in_bar[:, at + 1 : at + 1 + len(self.term.names)].sum(axis=0)
-        if self.term.uses_reference:
-            self.point_bar[points] += in_bar[:, -2:]
-        return x_bar
-
     def finish(self, start, history_bar, particles_bar):
         term, disc = self.term, self.term.discretization
         if term.history_size:
             response, before = start.responses[term.place], start.before[term.place]
             local = term.linearize(response, start.fraction, before, self.every)
-            out_bar = np.zeros((self.every.size, local.shape[1], self.m))
-            out_bar[:, self.remembered] = history_bar
-            self._collect_inputs(self.every, local.transpose(0, 2, 1) @ out_bar)
+            self.input_bar += local[:, self.remembered].transpose(0, 2, 1) @ history_bar
+        at, x_bar = self.remembered.stop, self.input_bar[:, :2]
+        if term.uses_reference:
+            x_bar = x_bar + self.input_bar[:, -2:]
         grad_bar = np.zeros((term.table.table.grad.size, self.m))
         matrix_bar = table_seeds(
             disc.cloud, term.table, self.phi_bar, grad_bar, particles_bar, disc.transformation
         )
-        term.where.add_length_seeds(disc.particles, self.length_bar, particles_bar)
-        term.where.add_point_seeds(self.point_bar, particles_bar)
-        return self.parameters, matrix_bar
+        term.where.add_length_seeds(disc.particles, self.input_bar[:, at], particles_bar)
+        term.where.add_point_seeds(x_bar, particles_bar)
+        return self.input_bar[:, at + 1 : at + 1 + len(term.names)].sum(axis=0), matrix_bar
