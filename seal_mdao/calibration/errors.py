@@ -6,6 +6,7 @@ import numpy as np
 
 from seal_mdao.calibration.data import MaterialTests
 from seal_mdao.calibration.modes import MODES, nominal_stress
+from seal_mdao.calibration.residuals import share_of
 from seal_mdao.materials.isotropic import Isotropic
 
 
@@ -21,7 +22,8 @@ class FitErrors:
     max_at_stretch : float
         Where the largest one is.
     rms_relative : float
-        Root of the mean square of differences over readings.
+        Root of the mean square of differences over readings, which count as at least 2 % of the
+        largest one of their mode; NaN where all readings are zero.
     r2 : float
         1 - sum of squares over that about the mean; NaN when all readings are the same.
     """
@@ -40,7 +42,12 @@ class FitErrors:
 def errors_of(law: Isotropic, tests: MaterialTests) -> dict[str, FitErrors]:
     """Errors of every mode, and of all readings together under ``"all"``."""
     found = {
-        name: (data.stretch, data.stress, nominal_stress(law, MODES[name], data.stretch))
+        name: (
+            data.stretch,
+            data.stress,
+            nominal_stress(law, MODES[name], data.stretch),
+            share_of(data.stress),
+        )
         for name, data in tests.modes.items()
     }
     out = {name: _errors(*columns) for name, columns in found.items()}
@@ -48,12 +55,12 @@ def errors_of(law: Isotropic, tests: MaterialTests) -> dict[str, FitErrors]:
     return out
 
 
-def _errors(stretch, measured, computed) -> FitErrors:
+def _errors(stretch, measured, computed, size) -> FitErrors:
     away = computed - measured
     worst = int(np.argmax(np.abs(away)))
     spread = np.sum((measured - measured.mean()) ** 2)
-    there = measured != 0.0
-    share = away[there] / measured[there]
+    there = size > 0.0
+    share = away[there] / size[there]
     return FitErrors(
         readings=int(away.size),
         rms_kPa=float(np.sqrt(np.mean(away**2))),

@@ -189,8 +189,9 @@ def family(
         raise ValueError(f"unknown law {law!r}; known are {', '.join(LAWS)}")
     most = MAX_TERMS if law in OF_TERMS else 1
     if not 1 <= terms <= most:
-        raise ValueError(f"{law} has 1 to {most} terms, got {terms}" if most > 1 else
-                         f"{law} has no terms to choose; only {' and '.join(OF_TERMS)} have")  # fmt: skip
+        raise ValueError(
+            f"{law} has 1 to {most} terms, got {terms}; {' and '.join(OF_TERMS)} have more than one"
+        )
     if nu is not None and law != "hyperfoam":
         raise ValueError(f"{law} is nearly incompressible; only hyperfoam takes Poisson's ratio nu")
     if nu is not None and not POISSON[0] <= nu <= POISSON[1]:

@@ -98,5 +98,10 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
 def _scale(values, whole, weighting):
     if weighting == "absolute":
         return np.full(values.shape, whole)
-    floor = max(FLOOR * np.abs(values).max(), 1e-6 * whole)
-    return np.maximum(np.abs(values), floor)
+    return np.maximum(share_of(values), 1e-6 * whole)
+
+
+def share_of(readings: np.ndarray) -> np.ndarray:
+    """What a difference is a share of: the reading itself, but at least the floor."""
+    size = np.abs(readings)
+    return np.maximum(size, FLOOR * size.max())

@@ -1,10 +1,10 @@
 """Drucker's postulate: does more strain always take more stress?
 
-A law is stable in a state when d(tau) : d(ln lambda) > 0 for every small change of the stretches, that
-is, when its tangent d tau_i / d ln lambda_j is positive definite; for a nearly incompressible law, when it
-is so for changes that keep the volume. (D. C. Drucker, J. Appl. Mech. 26 (1959) 101; R. Hill, Proc. R.
-Soc. Lond. A 314 (1970) 457.) Changes across the direction of a test count as well: a strip may be stable
-in its own test and yet fail by thinning.
+A law is stable in a state when d(tau) : d(ln lambda) > 0 for every small change of the stretches: when
+its tangent d tau_i / d ln lambda_j is positive definite, for a nearly incompressible law on the changes
+that keep the volume. (D. C. Drucker, J. Appl. Mech. 26 (1959) 101; R. Hill, Proc. R. Soc. Lond. A 314
+(1970) 457.) Changes across the direction of a test count as well: a strip may be stable in its own test
+and yet fail by thinning.
 """
 
 from dataclasses import dataclass

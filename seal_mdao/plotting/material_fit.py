@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from seal_mdao.calibration.data import ModeData
 from seal_mdao.calibration.fit import Fit
 from seal_mdao.calibration.modes import MODES, is_compressible, lateral_stretch, nominal_stress
+from seal_mdao.calibration.residuals import share_of
 from seal_mdao.calibration.stability import widened
 from seal_mdao.plotting.style import BLUE, CYCLE, MARKERS, VERMILION, styled, subplots
 
@@ -33,9 +34,11 @@ def material_fit(fit: Fit, others: dict | None = None) -> Figure:
     heights = [2.2, 1.0, 1.2][: 3 if across else 2]
     columns = len(fit.tests.modes)
     figure, grid = subplots(
-        len(heights), columns, width=1.4 + 2.9 * columns, height=1.4 * sum(heights) + 0.3,
+        len(heights), columns, width=1.2 + 2.9 * columns, height=1.45 * sum(heights) + 0.3,
         squeeze=False, sharex="col", gridspec_kw={"height_ratios": heights},
     )  # fmt: skip
+    for axes in grid[1, 1:]:
+        axes.sharey(grid[1, 0])
     for column, (name, data) in zip(grid.T, fit.tests.modes.items(), strict=True):
         _stress(column[0], fit, name, data, laws)
         _differences(column[1], fit, name, data, laws)
@@ -44,10 +47,11 @@ def material_fit(fit: Fit, others: dict | None = None) -> Figure:
         column[-1].set_xlabel("stretch")
     grid[0, 0].set_ylabel("nominal stress (kPa)")
     share = fit.weighting == "relative"
-    grid[1, 0].set_ylabel("difference (% of reading)" if share else "difference (kPa)")
+    grid[1, 0].set_ylabel("difference (%)" if share else "difference (kPa)")
     if across:
         grid[2, 0].set_ylabel("lateral stretch")
     handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.align_ylabels(grid[:, 0])
     figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     return figure
 
@@ -70,20 +74,28 @@ def _stress(axes, fit, name, data, laws):
     axes.plot(
         data.stretch, data.stress, MARKERS[0], color=VERMILION, markerfacecolor="none", label="data"
     )
-    axes.set_title(f"{name}: RMS {error.rms_kPa:.3g} kPa, $R^2$ = {error.r2:.4f}")
+    axes.set_title(name)
+    text = f"RMS {error.rms_kPa:.3g} kPa\n$R^2$ {error.r2:.4f}"
+    axes.text(0.97, 0.05, text, transform=axes.transAxes, ha="right", va="bottom", fontsize=9.0)
 
 
 def _differences(axes, fit, name, data, laws):
     axes.axhline(0.0, color="black", linewidth=0.8)
-    there = data.stress != 0.0
     for i, law in enumerate(laws.values()):
         away = nominal_stress(law, MODES[name], data.stretch) - data.stress
-        x = data.stretch
         if fit.weighting == "relative":
-            x, away = x[there], 100.0 * away[there] / data.stress[there]
+            away = 100.0 * away / share_of(data.stress)
         look = _look(i)
         filled = look["color"] if i == 0 else "none"
-        axes.plot(x, away, MARKERS[i], markerfacecolor=filled, markersize=4, linewidth=0.8, **look)
+        axes.plot(
+            data.stretch,
+            away,
+            MARKERS[i],
+            markerfacecolor=filled,
+            markersize=4,
+            linewidth=0.8,
+            **look,
+        )
 
 
 def _lateral(axes, name, data, laws):
