@@ -219,11 +219,20 @@ def _descend(template, unknowns, values, differences, scale):
     def law_of(x):
         return template.with_(**dict(zip(names, (x * units).tolist(), strict=True)))
 
+    last = {}  # least squares asks for differences and derivatives at the same point
+
+    def both(x):
+        key = x.tobytes()
+        if key not in last:
+            last.clear()
+            last[key] = differences(law_of(x), names)
+        return last[key]
+
     def value(x):
-        return differences(law_of(x), names)[0]
+        return both(x)[0]
 
     def slope(x):
-        return differences(law_of(x), names)[1] * units
+        return both(x)[1] * units
 
     try:
         found = least_squares(
