@@ -13,10 +13,9 @@ import openmdao.api as om
 from _common import WrongArgumentError, checked_arguments, parser, run, write_summary
 
 import seal_mdao as sm
+from seal_mdao import plotting
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.measures.contact import Reaction
-from seal_mdao.plotting.calibration import calibration_figure
-from seal_mdao.plotting.style import save
 
 UNKNOWNS = ("c10", "friction")
 TRUE = {"c10": 92.0, "friction": 0.32}
@@ -147,8 +146,10 @@ def main(arguments) -> int:
     }  # fmt: skip
     write_summary(arguments.out, summary)
     curves = {"start": start, "calibrated": fitted}
-    figure = calibration_figure(bench.travel, measured, curves, found, TRUE, arguments.noise)
-    save(figure, arguments.out / "calibration.png")
+    figure = plotting.calibration_figure(
+        bench.travel, measured, curves, found, TRUE, arguments.noise
+    )
+    plotting.save(figure, arguments.out / "calibration.png")
     report(summary, found, both, arguments.out)
     return 1 if failed else 0
 
