@@ -12,12 +12,12 @@ ELLIPSES = ((1.5152, "68 % of cases"), (2.4477, "95 %"))
 
 @styled
 def calibration_figure(travel, measured, curves: dict, found, true: dict, noise: float) -> Figure:
-    """Force over travel, differences at the end, and what the data tell about two constants.
+    """Force over travel, loss on the way back, differences, what the data tell about two constants.
 
     Parameters
     ----------
     travel, measured : ndarray, shape (m,)
-        mm and N/m, in the order of the readings.
+        mm and N/m; readings on the way back at the same travels as on the way in, in reverse.
     curves : dict of str to ndarray, shape (m,)
         Computed force by label: where the search began, and last the calibrated one.
     found
@@ -27,16 +27,38 @@ def calibration_figure(travel, measured, curves: dict, found, true: dict, noise:
     noise : float
         Standard deviation of the readings, N/m.
     """
-    figure, (left, middle, right) = subplots(1, 3, width=11.4, height=3.8)
-    _forces(left, travel, measured, curves)
-    _differences(middle, travel, measured, list(curves.values())[-1], noise)
-    _region(right, found, true)
+    figure, ((force, loss), (away, region)) = subplots(2, 2, width=9.4, height=7.2)
+    _forces(force, travel, measured, curves)
+    _losses(loss, travel, measured, curves)
+    _differences(away, travel, measured, list(curves.values())[-1], noise)
+    _region(region, found, true)
     return figure
 
 
+LOOKS = ({"color": GREY, "linestyle": "--"}, {"color": BLUE})
+"""Of the curve at the start, and of the calibrated one."""
+
+
+def _losses(axes, travel, measured, curves):
+    """Force on the way in less that on the way back."""
+    turn = int(np.argmax(travel))
+
+    def loss(force):
+        return force[:turn] - force[turn + 1 :][::-1]
+
+    for (label, force), look in zip(curves.items(), LOOKS, strict=True):
+        axes.plot(travel[:turn], loss(force), label=label, **look)
+    axes.plot(
+        travel[:turn], loss(measured), "o", color=VERMILION, markerfacecolor="none", markersize=4,
+        label="measured",
+    )  # fmt: skip
+    axes.set_xlabel("travel (mm)")
+    axes.set_ylabel("closing less opening (N/m)")
+    axes.legend(loc="upper left")
+
+
 def _forces(axes, travel, measured, curves):
-    looks = ({"color": GREY, "linestyle": "--"}, {"color": BLUE})
-    for (label, force), look in zip(curves.items(), looks, strict=True):
+    for (label, force), look in zip(curves.items(), LOOKS, strict=True):
         axes.plot(travel, force, label=label, **look)
     every = slice(None, None, 2)
     axes.plot(
@@ -78,6 +100,7 @@ def _region(axes, found, true):
     axes.set_xlabel(f"{found.names[0]} (kPa)")
     axes.set_ylabel(f"{found.names[1]} coefficient")
     axes.set_title("from the Gauss-Newton Hessian")
+    axes.margins(0.12)
     axes.xaxis.set_major_locator(MaxNLocator(4))
     # the corner that the ellipse leaves free
     axes.legend(loc="lower left" if found.covariance[0, 1] < 0.0 else "lower right")

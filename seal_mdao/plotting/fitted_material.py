@@ -29,7 +29,8 @@ def material_fit(fit: Fit, others: dict | None = None) -> Figure:
         A column for every mode. Differences as shares of the readings, or in kPa when the fit was
         absolute; a third row with the free stretch where that was measured and the law knows it.
     """
-    laws = {fit.name.replace("_", " "): fit.law, **(others or {})}
+    label = fit.name.replace("_", "-").capitalize()
+    laws = {f"{label}, fitted": fit.law, **(others or {})}
     across = is_compressible(fit.law) and fit.tests.has_lateral
     heights = [2.2, 1.0, 1.2][: 3 if across else 2]
     columns = len(fit.tests.modes)
