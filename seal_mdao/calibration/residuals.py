@@ -1,8 +1,8 @@
 """What a fit makes small: differences of law and data, weighted.
 
-relative   (P - data) / max(|data|, floor): the same share of every reading. Seals work at moderate
-           stretches, where stresses are small beside those at the end of a tensile test.
-absolute   (P - data) / largest |data| of all: the same error in kPa everywhere.
+- relative: (P - data) / max(|data|, floor), the same share of every reading. Seals work at moderate
+  stretches, where stresses are small beside those at the end of a tensile test.
+- absolute: (P - data) / largest |data| of all, the same error in kPa everywhere.
 
 The floor, a share of the mode's largest stress, keeps readings near zero, which are nothing but noise,
 from ruling the fit. Differences are divided by the square root of the number of readings in their mode:
