@@ -90,7 +90,7 @@ def notes(found: Fit, arguments) -> list[str]:
     """What stands above the constants in the seal file."""
     parts = [f"{name} {data.range[0]:.3g} to {data.range[1]:.3g}" for name, data in
              found.tests.modes.items()]  # fmt: skip
-    lines = [f"fitted to {Path(arguments.csv).name}, stretches {', '.join(parts)}; kPa"]
+    lines = [f"kPa; fitted to {Path(arguments.csv).name}", f"stretches: {', '.join(parts)}"]
     if found.law.bulk_modulus:
         lines.append("bulk_modulus is not from these tests")
     if not found.stable:

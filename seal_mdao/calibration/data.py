@@ -191,7 +191,9 @@ def _row(path, number: int, line: str, columns: list[str]) -> tuple:
         if column == "mode":
             continue
         try:
-            numbers.append(float(by_name[column]))
+            numbers.append(
+                float(by_name[column].replace("_", "?"))
+            )  # 1_0 is a number to Python alone
         except ValueError:
             raise MaterialDataError(
                 f"{where}, column {column}: {by_name[column][:40]!r} is not a number"
@@ -240,6 +242,8 @@ def _collected(rows, source: str) -> MaterialTests:
         own = np.array(sorted(row[1:] for row in rows if row[0] == name and row[1] != 1.0))
         if own.size:
             modes[name] = ModeData(*own.T)
+            if not np.any(modes[name].stress):
+                raise MaterialDataError(f"{source}: every stress of the mode {name} is zero")
     if not modes:
         raise MaterialDataError(f"{source}: no reading has another stretch than 1")
     return MaterialTests(modes, source)

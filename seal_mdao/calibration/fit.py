@@ -130,6 +130,8 @@ def fit(
     """
     if not (np.isfinite(margin) and margin >= 0.0):
         raise ValueError(f"margin must not be negative, got {margin}")
+    if seed < 0:
+        raise ValueError(f"seed must not be negative, got {seed}")
     kind = family(law, tests, terms, nu, bulk_modulus)
     lateral = law == "hyperfoam" and nu is None
     differences = residuals(tests, weighting, lateral)
@@ -265,8 +267,9 @@ def _uncertainty(differences, end: _End):
     names = end.unknowns
     value, slope = differences(end.law, names)
     free = max(value.size - len(names), 1)
-    size = np.array([max(abs(end.law.constants[name]), 1e-12) for name in names])
-    scaled = slope * size
+    length = np.linalg.norm(slope, axis=0)
+    size = 1.0 / np.where(length > 0.0, length, 1.0)
+    scaled = slope * size  # columns of length one: what is told does not depend on units
     _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
     told = singular > 1e-10 * singular[0]
     inverse = (directions[told].T / singular[told] ** 2) @ directions[told]

@@ -162,6 +162,7 @@ def test_unstable_constants_are_refused_with_the_stretch():
         ("yeoh", {"weighting": "squares"}, "weighting must be one of relative, absolute"),
         ("yeoh", {"bulk_modulus": -1.0}, "bulk_modulus of Yeoh must be positive"),
         ("yeoh", {"margin": float("nan")}, "margin must not be negative"),
+        ("yeoh", {"seed": -1}, "seed must not be negative"),
     ],
 )
 def test_wrong_arguments(law, options, words):

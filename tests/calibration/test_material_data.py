@@ -31,6 +31,8 @@ BAD = {
     "NaN stretch": (HEAD + "uniaxial,nan,230\n", "column stretch: nan"),
     "NaN stress": (HEAD + "uniaxial,1.2,NaN\n", "column stress_kPa: nan"),
     "infinite": (HEAD + "uniaxial,1.2,inf\n", "column stress_kPa: inf"),
+    "underscore": (HEAD + "uniaxial,1_0,230\n", "column stretch: '1_0' is not a number"),
+    "no stress": (HEAD + "uniaxial,1.2,0\nuniaxial,1.3,0\n", "every stress of the mode uniaxial"),
     "unknown mode": (HEAD + "biaxial,1.2,230\n", "column mode: unknown mode 'biaxial'"),
     "lateral": (
         "mode,stretch,stress_kPa,lateral_stretch\nuniaxial,1.2,230,-0.9\n",

@@ -48,3 +48,24 @@ def test_noise_must_be_positive(run_script, tmp_path, capsys):
         run_script("calibrate_door_seal", tmp_path, "--noise", 0)
     assert ended.value.code == 2
     assert "--noise: 0.0 is not a positive number" in capsys.readouterr().err
+
+
+def test_gradient_of_the_force(calibrated):
+    """Totals of every reading against central differences, closing and opening."""
+    import calibrate_door_seal as script  # the fixture has put its folder on the path
+
+    bench = script.Bench(6.0, 12)
+    measured = np.zeros(bench.travel.size)
+    prob = script.problem(bench, measured, 1.0)
+    prob.run_model()
+    names = (*script.UNKNOWNS, "c01")
+    totals = prob.compute_totals(of=["force"], wrt=list(names))
+    for name in names:
+        value = prob.get_val(name)[0]
+        step = 1e-4 * value
+        ends = [bench.readings({**script.START, name: value + way * step}) for way in (1, -1)]
+        quotient = (ends[0] - ends[1]) / (2 * step)
+        exact = totals["force", name].ravel()
+        # the square of the step, and rounding of forces of some 40 N/m over it
+        rounding = 1e-12 * 40.0 / step
+        assert np.abs(quotient - exact).max() <= 1e-5 * np.abs(exact).max() + rounding
