@@ -12,7 +12,6 @@ from seal_mdao.calibration.families import Family, family
 from seal_mdao.calibration.residuals import Residuals, residuals
 from seal_mdao.calibration.stability import (
     MARGIN,
-    UnstableMaterialError,
     check_stability,
     require_stable,
 )
@@ -124,7 +123,7 @@ def fit(
     MaterialDataError
         When there are fewer readings than constants.
     UnstableMaterialError
-        When no end is stable.
+        When no end is stable, with file, mode and stretch.
     ValueError
         For arguments that are not admissible.
     """
@@ -139,7 +138,7 @@ def fit(
     _require_readings(tests, len(kind.draw(np.random.default_rng(seed))[0]), law, lateral)
     ends = _ends(kind, differences, rng, progress)
     ranges = {name: data.range for name, data in tests.modes.items()}
-    chosen, stability = _first_stable(ends, ranges, margin, allow_unstable, law)
+    chosen, stability = _first_stable(ends, ranges, margin, allow_unstable, law, tests.source)
     deviations, correlation = _uncertainty(differences, chosen)
     agreeing = sum(end.cost <= chosen.cost * (1.0 + SAME) + 1e-20 for end in ends)
     return Fit(
@@ -156,16 +155,15 @@ def _require_readings(tests, count, law, lateral):
         )
 
 
-def _first_stable(ends, ranges, margin, allow_unstable, law):
-    """The best end that is stable, or the best one where that is allowed."""
+def _first_stable(ends, ranges, margin, allow_unstable, law, source):
+    """The best end that is stable, or the best one where that is allowed; else an error."""
     refused = None
     for end in ends:
         stability = check_stability(end.law, ranges, margin)
         if allow_unstable or all(found.stable for found in stability.values()):
             return end, stability
         refused = refused or stability
-    require_stable(refused, f"{law} with the constants that fit best")
-    raise UnstableMaterialError(law)
+    require_stable(refused, f"{source}: {law} with the constants that fit best")
 
 
 # ---- starts ----
