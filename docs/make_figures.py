@@ -29,6 +29,7 @@ GROUPS = {
     "exact": "figures.exact",
     "contact": "figures.contact_benchmarks",
     "optimisation": "figures.optimisation",
+    "materials": "figures.materials",
     "seal": "figures.seal",
     "theory": "figures.theory",
     "drivers": "figures.drivers",

@@ -8,8 +8,8 @@ import seal_mdao
 
 PACKAGE = Path(seal_mdao.__file__).parent
 NUMERICS = (
-    "analysis", "contact", "dsa", "geometry", "loads", "materials", "measures", "rkpm", "seals",
-    "structure", "terms", "errors",
+    "analysis", "calibration", "contact", "dsa", "geometry", "loads", "materials", "measures", "rkpm",
+    "seals", "structure", "terms", "errors",
 )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ TITLES = {
     "geometry": "Geometry",
     "rkpm": "Reproducing kernel particle method",
     "materials": "Material",
+    "calibration": "Constants from tests",
     "contact": "Contact",
     "analysis": "Analysis",
     "measures": "Measures",

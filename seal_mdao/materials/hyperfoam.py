@@ -116,6 +116,39 @@ class Hyperfoam(StretchPowers):
             by_nu.append(m.mu * factor * fall * m.alpha * b_rate)
         return np.array([*by_mu, *by_alpha, *by_nu]) / j
 
+    @np.errstate(**NO_VALUE)
+    def principal_stress(self, stretches):
+        """Kirchhoff stresses sum 2 mu/alpha (lambda_i^alpha - J^(-alpha b)), shape (3, ...)."""
+        log = np.log(np.asarray(stretches))
+        return sum(
+            2.0 * m.mu / m.alpha * (np.exp(m.alpha * log) - np.exp(-m.r * log.sum(axis=0)))
+            for m in self.terms
+        )
+
+    @np.errstate(**NO_VALUE)
+    def principal_tangent(self, stretches):
+        """sum 2 mu (lambda_i^alpha delta_ij + b J^(-alpha b)), shape (3, 3, ...)."""
+        log = np.log(np.asarray(stretches))
+        own = sum(2.0 * m.mu * np.exp(m.alpha * log) for m in self.terms)
+        volume = sum(
+            2.0 * m.mu * b * np.exp(-m.r * log.sum(axis=0))
+            for m, b in zip(self.terms, self._b, strict=True)
+        )
+        return np.einsum("ij,j...->ij...", np.eye(3), own) + volume
+
+    @np.errstate(**NO_VALUE)
+    def principal_constants(self, stretches):
+        """d (Kirchhoff stress) / d constant: all mu, all alpha, all nu."""
+        log = np.log(np.asarray(stretches))
+        log_j, by_mu, by_alpha, by_nu = log.sum(axis=0), [], [], []
+        for m, b, b_rate in zip(self.terms, self._b, self._b_rates, strict=True):
+            power, volume, factor = np.exp(m.alpha * log), np.exp(-m.r * log_j), 2.0 / m.alpha
+            by_mu.append(factor * (power - volume))
+            slope = log * power + b * log_j * volume
+            by_alpha.append(m.mu * factor * (slope - (power - volume) / m.alpha))
+            by_nu.append(np.broadcast_to(2.0 * m.mu * b_rate * log_j * volume, log.shape))
+        return np.array([*by_mu, *by_alpha, *by_nu])
+
     @property
     def _b(self):
         return tuple(nu / (1.0 - 2.0 * nu) for nu in self.nu)

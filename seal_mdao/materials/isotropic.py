@@ -111,6 +111,46 @@ class Isotropic(ABC):
         rates = self.constant_derivatives(t, j)
         return -2.0 * (rates[:, 0] * t / j + rates[:, 1])
 
+    # ---- three principal stretches, lambda_3 not held at 1 ----
+
+    def principal_stress(self, stretches) -> np.ndarray:
+        """Principal Kirchhoff stresses lambda_i dW/dlambda_i, shape (3, ...).
+
+        An isochoric energy depends on ratios of stretches alone, W = W(T, J) at (lambda_1/lambda_3,
+        lambda_2/lambda_3, 1), so that plane strain knows every state of it. A compressible law
+        overrides the three ``principal_`` methods, as it does ``across``.
+
+        Parameters
+        ----------
+        stretches : ndarray, shape (3, ...)
+        """
+        first, second, t, j = _in_plane(stretches)
+        w_t, w_j, *_ = self.derivatives(t, j)
+        return _trace_free(2.0 * w_t * first + w_j * j, 2.0 * w_t * second + w_j * j)
+
+    def principal_tangent(self, stretches) -> np.ndarray:
+        """d (Kirchhoff stress)_i / d ln lambda_j, symmetric, shape (3, 3, ...)."""
+        first, second, t, j = _in_plane(stretches)
+        w_t, w_j, w_tt, w_tj, w_jj = self.derivatives(t, j)
+        volume = w_jj * j * j + w_j * j
+
+        def entry(a, b):
+            return 4.0 * w_tt * a * b + 2.0 * w_tj * j * (a + b) + volume
+
+        rows = [
+            _trace_free(entry(first, first) + 4.0 * w_t * first, entry(first, second)),
+            _trace_free(entry(first, second), entry(second, second) + 4.0 * w_t * second),
+        ]
+        return np.array([*rows, -rows[0] - rows[1]])
+
+    def principal_constants(self, stretches) -> np.ndarray:
+        """d (Kirchhoff stress)_i / d constant, shape (n_constants, 3, ...)."""
+        first, second, t, j = _in_plane(stretches)
+        rates = self.constant_derivatives(t, j)
+        by_t, by_j = 2.0 * rates[:, 0], rates[:, 1] * j
+        pair = _trace_free(by_t * first + by_j, by_t * second + by_j)
+        return np.moveaxis(pair, 0, 1)
+
     # ---- what follows from the energy ----
 
     @property
@@ -213,6 +253,18 @@ def _mean_stress(t, j, w):
             w_tj * ratio - w_t * ratio / j + w_jj,
         ]
     )
+
+
+def _in_plane(stretches):
+    """Squares of lambda_1 / lambda_3 and lambda_2 / lambda_3, their sum T, and J."""
+    stretches = np.asarray(stretches)
+    first, second = stretches[0] / stretches[2], stretches[1] / stretches[2]
+    return first * first, second * second, first * first + second * second, first * second
+
+
+def _trace_free(first, second):
+    """Three entries of a sum of zero from the first two."""
+    return np.array([first, second, -first - second])
 
 
 def _dyad(A, B):

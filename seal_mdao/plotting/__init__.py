@@ -16,6 +16,8 @@ _LAZY = {
     "design_comparison": "seal_mdao.plotting.comparison",
     "sensitivity_errors": "seal_mdao.plotting.sensitivity",
     "step_study": "seal_mdao.plotting.sensitivity",
+    "material_fit": "seal_mdao.plotting.fitted_material",
+    "calibration_figure": "seal_mdao.plotting.calibration",
     "RecordedOptimization": "seal_mdao.plotting.recorded",
     "read_optimization": "seal_mdao.plotting.recorded",
 }

@@ -46,6 +46,13 @@ def test_analysis_without_openmdao(run_page, capsys):
     assert by_friction == names["rates"].gap_square_sum[-1] < 0.0
 
 
+def test_fit_of_a_rubber(run_page, capsys):
+    (names,) = run_page("material_tests.md")
+    found, printed = names["found"], capsys.readouterr().out
+    assert f"{found.errors['uniaxial'].rms_kPa}" in printed
+    assert printed.count("stable from") == 3
+
+
 def test_extensions(run_page, docs, capsys):
     """The page shows the tested files; alone and in OpenMDAO they give the same derivatives."""
     text = (docs / "extend.md").read_text(encoding="utf-8")

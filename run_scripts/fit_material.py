@@ -1,0 +1,150 @@
+"""Fit the constants of a rubber to tests: summary.json, a picture, a table for a seal file."""
+
+import sys
+import time
+from pathlib import Path
+
+from _common import WrongArgumentError, checked_arguments, parser, run, write_summary
+from tqdm import tqdm
+
+from seal_mdao import plotting
+from seal_mdao.calibration.data import MaterialDataError, read_tests
+from seal_mdao.calibration.families import LAWS, MAX_TERMS, OF_TERMS
+from seal_mdao.calibration.fit import Fit, fit
+from seal_mdao.calibration.residuals import WEIGHTINGS
+from seal_mdao.calibration.seal_file import material_table
+from seal_mdao.calibration.stability import MARGIN, UnstableMaterialError
+
+
+def main(arguments) -> int:
+    begun = time.perf_counter()
+    try:
+        found = fitted(arguments)
+        with checked_arguments():
+            table = material_table(found.law, found.name, arguments.name, notes(found, arguments))
+    except (MaterialDataError, UnstableMaterialError) as error:
+        print(f"fit_material.py: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    summary = summarize(found, arguments, time.perf_counter() - begun)
+    write_summary(arguments.out, summary)
+    plotting.save(plotting.material_fit(found), arguments.out / "fit.png")
+    (arguments.out / "material.toml").write_text(table, encoding="utf-8")
+    report(found, table, arguments.out)
+    return 0
+
+
+def fitted(arguments) -> Fit:
+    """The fit that the options describe, with a bar on a terminal."""
+    tests = read_tests(arguments.csv)
+    if arguments.stretches is not None:
+        tests = tests.between(*arguments.stretches)
+    if arguments.terms is not None and arguments.law not in OF_TERMS:
+        raise WrongArgumentError(f"--terms is for {' and '.join(OF_TERMS)}, not {arguments.law}")
+    with tqdm(unit="start", disable=None, leave=False, desc=arguments.law) as bar:
+
+        def progress(done, of):
+            bar.total = of
+            bar.update(done - bar.n)
+
+        try:
+            return fit(
+                arguments.law, tests, terms=arguments.terms or 1, nu=arguments.nu,
+                bulk_modulus=arguments.bulk_modulus, weighting=arguments.weighting,
+                margin=arguments.margin, seed=arguments.seed,
+                allow_unstable=arguments.allow_unstable, progress=progress,
+            )  # fmt: skip
+        except (MaterialDataError, UnstableMaterialError):
+            raise
+        except ValueError as error:
+            raise WrongArgumentError(str(error)) from error
+
+
+def summarize(found: Fit, arguments, wall: float) -> dict:
+    """summary.json."""
+    return {
+        "data": str(arguments.csv),
+        "readings": {name: data.stretch.size for name, data in found.tests.modes.items()},
+        "law": found.name,
+        "constants": found.law.constants,
+        "standard_errors": found.standard_errors,
+        "correlation": dict(zip(found.unknowns, found.correlation.tolist(), strict=True)),
+        "initial_shear_modulus_kPa": found.law.shear_modulus,
+        "weighting": found.weighting,
+        "errors": {name: error.as_dict() for name, error in found.errors.items()},
+        "stable": found.stable,
+        "stability_margin": found.margin,
+        "stability": {
+            name: {
+                "from": s.lower, "to": s.upper, "stable": s.stable,
+                "begins_below": s.begins_below, "begins_above": s.begins_above,
+            }
+            for name, s in found.stability.items()
+        },
+        "starts": found.starts,
+        "agreeing_starts": found.agreeing,
+        "wall_s": wall,
+    }  # fmt: skip
+
+
+def notes(found: Fit, arguments) -> list[str]:
+    """What stands above the constants in the seal file."""
+    parts = [f"{name} {data.range[0]:.3g} to {data.range[1]:.3g}" for name, data in
+             found.tests.modes.items()]  # fmt: skip
+    lines = [f"kPa; fitted to {Path(arguments.csv).name}", f"stretches: {', '.join(parts)}"]
+    if found.law.bulk_modulus:
+        lines.append("bulk_modulus is not from these tests")
+    if not found.stable:
+        lines.append("NOT STABLE over the tested stretches")
+    return lines
+
+
+def report(found: Fit, table: str, out: Path) -> None:
+    for name, value in found.law.constants.items():
+        error = found.standard_errors.get(name)
+        print(f"{name:14s} {value:12.6g}" + ("" if error is None else f"  +- {error:.2g}"))
+    print("mode           RMS kPa  max kPa  at stretch  RMS %      R2")
+    for name, error in found.errors.items():
+        print(
+            f"{name:12s} {error.rms_kPa:9.3g} {error.max_kPa:8.3g} {error.max_at_stretch:11.3g} "
+            f"{100 * error.rms_relative:6.2f}  {error.r2:.4f}"
+        )
+    for stability in found.stability.values():
+        print(stability.text)
+    print(f"{found.agreeing} of {found.starts} starts agree; files in {out}\n\n{table}", end="")
+
+
+def arguments_parser():
+    made = parser(__doc__, "out/material", "CSV --law LAW")
+    made.add_argument(
+        "csv", type=Path, metavar="CSV",
+        help="columns mode (uniaxial, planar, equibiaxial), stretch, stress_kPa (nominal), and "
+        "lateral_stretch for hyperfoam if measured",
+    )  # fmt: skip
+    add = made.add_argument
+    add("--law", required=True, choices=LAWS, help="law to fit")
+    terms = tuple(range(1, MAX_TERMS + 1))
+    add(
+        "--terms", type=int, choices=terms, help=f"terms of {' and '.join(OF_TERMS)}; 1 if left out"
+    )
+    add("--nu", type=float, metavar="NU", help="Poisson's ratio of hyperfoam, if not measured")
+    add("--weighting", choices=WEIGHTINGS, default="relative", help="what is made small")
+    add(
+        "--stretches", type=float, nargs=2, metavar=("FROM", "TO"),
+        help="take only readings between these stretches",
+    )  # fmt: skip
+    add(
+        "--bulk-modulus", type=float, default=80_000.0, metavar="KPA",
+        help="of the law; these tests do not tell it",
+    )  # fmt: skip
+    add(
+        "--margin", type=float, default=MARGIN, metavar="SHARE",
+        help="widen the tested ranges by this share of ln(stretch) for the check of stability",
+    )  # fmt: skip
+    add("--allow-unstable", action="store_true", help="take constants that are not stable, too")
+    add("--name", default="rubber", metavar="NAME", help="of the material in the seal file")
+    add("--seed", type=int, default=0, metavar="N", help="of the starts")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(run(arguments_parser(), main))

@@ -1,0 +1,1 @@
+"""Constants of rubbers from tests: data, modes of testing, fits, stability."""

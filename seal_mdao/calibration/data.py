@@ -1,0 +1,249 @@
+"""Data of material tests and their CSV file.
+
+    # comments begin with a hash
+    mode,stretch,stress_kPa
+    uniaxial,1.24,230
+    planar,1.21,240
+    equibiaxial,1.12,240
+
+``mode`` is uniaxial, planar or equibiaxial; ``stretch`` is length over undeformed length, below 1 in
+compression; ``stress_kPa`` is the nominal stress, force over undeformed area, negative in
+compression. A fourth column ``lateral_stretch`` holds the stretch of the free directions, for
+compressible laws. Columns may stand in any order.
+"""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from seal_mdao.calibration.modes import MODES
+
+COLUMNS = ("mode", "stretch", "stress_kPa")
+LATERAL = "lateral_stretch"
+STRETCH_RANGE = (0.01, 100.0)
+"""Stretches that a file may hold; others are mistakes of units."""
+LARGEST_STRESS = 1e9
+"""kPa."""
+NEAR_ONE = 0.02
+"""Distance from a stretch of 1 within which a reading may have any sign."""
+
+
+class MaterialDataError(ValueError):
+    """A file of test data that cannot be used: what is wrong, in which file, line and column."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModeData:
+    """Readings of one mode, in the order of the stretch.
+
+    Attributes
+    ----------
+    stretch, stress : ndarray, shape (m,)
+        Stress in kPa.
+    lateral : ndarray, shape (m,), or None
+    """
+
+    stretch: np.ndarray
+    stress: np.ndarray
+    lateral: np.ndarray | None = None
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and largest stretch, the undeformed state included."""
+        return min(1.0, *self.stretch), max(1.0, *self.stretch)
+
+    def between(self, lower: float, upper: float) -> "ModeData":
+        """Only the readings with a stretch from ``lower`` to ``upper``."""
+        keep = (self.stretch >= lower) & (self.stretch <= upper)
+        lateral = None if self.lateral is None else self.lateral[keep]
+        return ModeData(self.stretch[keep], self.stress[keep], lateral)
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialTests:
+    """Readings by mode, and where they come from.
+
+    Attributes
+    ----------
+    modes : dict of str to ModeData
+        In the order of ``MODES``; only modes that were tested. Readings at a stretch of 1 are left
+        out: there is no stress there by definition.
+    source : str
+        Name of the file, for messages.
+    """
+
+    modes: dict
+    source: str = "data"
+
+    @property
+    def count(self) -> int:
+        """Number of readings."""
+        return sum(data.stretch.size for data in self.modes.values())
+
+    @property
+    def has_lateral(self) -> bool:
+        """Whether free stretches were measured in every mode."""
+        return all(data.lateral is not None for data in self.modes.values())
+
+    def between(self, lower: float, upper: float) -> "MaterialTests":
+        """Only the readings with a stretch from ``lower`` to ``upper``.
+
+        Raises
+        ------
+        MaterialDataError
+            When none is left.
+        """
+        cut = {name: data.between(lower, upper) for name, data in self.modes.items()}
+        cut = {name: data for name, data in cut.items() if data.stretch.size}
+        if not cut:
+            raise MaterialDataError(
+                f"{self.source}: no reading has a stretch between {lower:g} and {upper:g}"
+            )
+        return MaterialTests(cut, self.source)
+
+
+def material_tests(readings: dict, source: str = "data") -> MaterialTests:
+    """Data from arrays: ``{"uniaxial": (stretch, stress), "planar": (stretch, stress, lateral)}``.
+
+    Raises
+    ------
+    MaterialDataError
+        For an unknown mode, arrays that do not fit each other, values that cannot be readings.
+    """
+    rows = []
+    for mode, columns in readings.items():
+        arrays = [np.ravel(np.asarray(column, float)) for column in columns]
+        if len(arrays) not in (2, 3) or len({array.size for array in arrays}) > 1:
+            raise MaterialDataError(
+                f"{source}: {mode} needs stretch, stress and perhaps lateral stretch of one length"
+            )
+        for i, numbers in enumerate(zip(*arrays, strict=True)):
+            _check(f"{source}, {mode}, reading {i + 1}", mode, *numbers)
+            rows.append((mode, *numbers))
+    return _collected(rows, source)
+
+
+def read_tests(path) -> MaterialTests:
+    """Read a CSV file as described at the top of this module.
+
+    Raises
+    ------
+    MaterialDataError
+        In one line: file, line, column, what is wrong and what is allowed.
+    """
+    path = Path(path)
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise MaterialDataError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise MaterialDataError(f"{path}: is not a text file in UTF-8") from None
+    kept = [
+        (number, line)
+        for number, line in enumerate(lines, 1)
+        if line.strip().strip(",") and not line.lstrip().startswith("#")
+    ]
+    if not kept:
+        raise MaterialDataError(f"{path}: the file is empty; it needs the line {','.join(COLUMNS)}")
+    columns = _header(path, *kept[0])
+    rows = [_row(path, number, line, columns) for number, line in kept[1:]]
+    if not rows:
+        raise MaterialDataError(f"{path}: there is no reading below the line of column names")
+    return _collected(rows, str(path))
+
+
+def _cells(line: str) -> list[str]:
+    return [cell.strip() for cell in next(csv.reader([line]))]
+
+
+def _header(path, number: int, line: str) -> list[str]:
+    columns, allowed = _cells(line), (*COLUMNS, LATERAL)
+    where = f"{path}, line {number}"
+    unknown = [column for column in columns if column not in allowed]
+    if unknown:
+        raise MaterialDataError(
+            f"{where}: unknown column {unknown[0][:40]!r}; allowed are {', '.join(allowed)}, "
+            "separated by commas"
+        )
+    missing = [column for column in COLUMNS if column not in columns]
+    if missing:
+        raise MaterialDataError(f"{where}: there is no column {missing[0]!r}")
+    twice = [column for column in columns if columns.count(column) > 1]
+    if twice:
+        raise MaterialDataError(f"{where}: the column {twice[0]!r} is there twice")
+    return columns
+
+
+def _row(path, number: int, line: str, columns: list[str]) -> tuple:
+    """Mode and numbers of one line, checked."""
+    cells = _cells(line)
+    where = f"{path}, line {number}"
+    if len(cells) != len(columns):
+        raise MaterialDataError(
+            f"{where}: {len(cells)} values for {len(columns)} columns ({', '.join(columns)}); "
+            "decimals need a point"
+        )
+    by_name = dict(zip(columns, cells, strict=True))
+    numbers = []
+    for column in columns:
+        if column == "mode":
+            continue
+        try:
+            numbers.append(
+                float(by_name[column].replace("_", "?"))
+            )  # 1_0 is a number to Python alone
+        except ValueError:
+            raise MaterialDataError(
+                f"{where}, column {column}: {by_name[column][:40]!r} is not a number"
+            ) from None
+    order = [column for column in columns if column != "mode"]
+    named = dict(zip(order, numbers, strict=True))
+    values = [named[column] for column in (*COLUMNS[1:], LATERAL) if column in named]
+    _check(where, by_name["mode"], *values)
+    return (by_name["mode"], *values)
+
+
+def _check(where: str, mode: str, stretch: float, stress: float, lateral: float = 1.0) -> None:
+    """Refuse what cannot be a reading."""
+    if mode not in MODES:
+        raise MaterialDataError(
+            f"{where}, column mode: unknown mode {mode[:40]!r}; allowed are {', '.join(MODES)}"
+        )
+    low, high = STRETCH_RANGE
+    for column, value in (("stretch", stretch), (LATERAL, lateral)):
+        if not np.isfinite(value):
+            raise MaterialDataError(f"{where}, column {column}: {value} is not a finite number")
+        if value <= 0.0:
+            raise MaterialDataError(
+                f"{where}, column {column}: {value:g} is not positive; a stretch is length over "
+                "undeformed length"
+            )
+        if not low <= value <= high:
+            raise MaterialDataError(
+                f"{where}, column {column}: {value:g} is not between {low:g} and {high:g}; a "
+                "stretch is length over undeformed length"
+            )
+    if not abs(stress) <= LARGEST_STRESS:
+        raise MaterialDataError(
+            f"{where}, column stress_kPa: {stress:g} is not a number within {LARGEST_STRESS:g} kPa"
+        )
+    if (stretch - 1.0) * stress < 0.0 and abs(stretch - 1.0) > NEAR_ONE:
+        raise MaterialDataError(
+            f"{where}, column stretch: {stretch:g} has a stress of {stress:g} kPa with the wrong "
+            "sign; compression is a stretch below 1 with a negative stress (is this a strain?)"
+        )
+
+
+def _collected(rows, source: str) -> MaterialTests:
+    modes = {}
+    for name in MODES:
+        own = np.array(sorted(row[1:] for row in rows if row[0] == name and row[1] != 1.0))
+        if own.size:
+            modes[name] = ModeData(*own.T)
+            if not np.any(modes[name].stress):
+                raise MaterialDataError(f"{source}: every stress of the mode {name} is zero")
+    if not modes:
+        raise MaterialDataError(f"{source}: no reading has another stretch than 1")
+    return MaterialTests(modes, source)

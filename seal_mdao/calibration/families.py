@@ -1,0 +1,209 @@
+"""The laws that can be fitted: which constants are found, within which bounds, from which starts.
+
+The stress is linear in all moduli; only exponents, limits and Poisson's ratios make a fit nonlinear.
+A start therefore draws those alone, and the moduli that suit them best follow from a linear problem.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.calibration.data import MaterialTests
+from seal_mdao.calibration.modes import MODES
+from seal_mdao.materials.gent import Gent
+from seal_mdao.materials.hyperfoam import Hyperfoam
+from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.materials.neo_hookean import NeoHookean
+from seal_mdao.materials.ogden import Ogden
+from seal_mdao.materials.yeoh import Yeoh
+
+EXPONENTS = (0.1, 25.0)
+"""Least and largest size of exponents alpha."""
+POISSON = (0.0, 0.49)
+"""Of a foam; with b >= 0 every term of its energy is convex."""
+LARGEST_LIMIT = 1e5
+"""Of Gent's x; there the law is the neo-Hookean one."""
+MAX_TERMS = 3
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A constant that is found.
+
+    Attributes
+    ----------
+    name : str
+    lower, upper : float
+        Bounds; moduli in units of the data's scale.
+    modulus : bool
+        Whether the stress is linear in it.
+    """
+
+    name: str
+    lower: float
+    upper: float
+    modulus: bool = True
+
+
+@dataclass(frozen=True)
+class Family:
+    """A law with some of its constants unknown.
+
+    Attributes
+    ----------
+    law : str
+        Name in seal files and on the command line.
+    template : Isotropic
+        Gives the constants that are not unknown.
+    draw : callable
+        ``draw(rng)`` gives the unknowns of one start, and values for those that are no moduli.
+    convex : bool
+        Every start gives the same: all unknowns are moduli.
+    """
+
+    law: str
+    template: Isotropic
+    draw: Callable
+    convex: bool
+
+
+def _plain(law, template, **bounds) -> Family:
+    unknowns = [Unknown(name, *box) for name, box in bounds.items()]
+    return Family(law, template, lambda rng: (unknowns, {}), True)
+
+
+def _neo_hookean(tests, terms, nu, bulk):
+    return _plain("neo_hookean", NeoHookean(1.0, bulk), c10=(0.0, np.inf))
+
+
+def _mooney_rivlin(tests, terms, nu, bulk):
+    box = (0.0, np.inf)
+    return _plain("mooney_rivlin", MooneyRivlin(1.0, 1.0, bulk), c10=box, c01=box)
+
+
+def _yeoh(tests, terms, nu, bulk):
+    free = (-np.inf, np.inf)
+    return _plain("yeoh", Yeoh(1.0, 0.0, 0.0, bulk), c10=(0.0, np.inf), c20=free, c30=free)
+
+
+def _gent(tests, terms, nu, bulk):
+    least = 1.0001 * largest_distortion(tests)
+    unknowns = [
+        Unknown("shear_modulus", 0.0, np.inf),
+        Unknown("limit", least, max(LARGEST_LIMIT, 2.0 * least), modulus=False),
+    ]
+
+    def draw(rng):
+        return unknowns, {"limit": least * 10.0 ** rng.uniform(0.005, 2.0)}
+
+    return Family("gent", Gent(1.0, 2.0 * least, bulk), draw, False)
+
+
+def _signed_box(name: str, sign: float, lower: float, upper: float, modulus: bool) -> Unknown:
+    ends = sorted((sign * lower, sign * upper))
+    return Unknown(name, *ends, modulus)
+
+
+def _exponents(rng, terms: int):
+    """Signs and exponents of one start, spread over 0.5 to 10."""
+    signs = rng.choice([1.0, -1.0], terms, p=[0.6, 0.4])
+    return signs, signs * 0.5 * 20.0 ** rng.uniform(0.0, 1.0, terms)
+
+
+def _ogden(tests, terms, nu, bulk):
+    def draw(rng):
+        signs, alpha = _exponents(rng, terms)
+        pairs = list(enumerate(signs, 1))
+        # mu alpha > 0: then every term, and so the law, is stable at every stretch
+        moduli = [_signed_box(f"mu_{i}", s, 0.0, np.inf, True) for i, s in pairs]
+        powers = [_signed_box(f"alpha_{i}", s, *EXPONENTS, False) for i, s in pairs]
+        return [*moduli, *powers], {f"alpha_{i}": a for i, a in enumerate(alpha, 1)}
+
+    ones = (1.0,) * terms
+    return Family("ogden", Ogden(ones, (2.0,) * terms, bulk), draw, False)
+
+
+def _hyperfoam(tests, terms, nu, bulk):
+    if nu is None and not tests.has_lateral:
+        raise ValueError(
+            f"hyperfoam needs the column lateral_stretch for every mode, or a given Poisson's ratio; "
+            f"{tests.source} has none"
+        )
+
+    def draw(rng):
+        signs, alpha = _exponents(rng, terms)
+        pairs = list(enumerate(signs, 1))
+        unknowns = [Unknown(f"mu_{i}", 0.0, np.inf) for i, _ in pairs]
+        unknowns += [_signed_box(f"alpha_{i}", s, *EXPONENTS, False) for i, s in pairs]
+        values = {f"alpha_{i}": a for i, a in enumerate(alpha, 1)}
+        if nu is None:
+            unknowns += [Unknown(f"nu_{i}", *POISSON, modulus=False) for i, _ in pairs]
+            values |= {f"nu_{i}": rng.uniform(0.02, 0.45) for i, _ in pairs}
+        return unknowns, values
+
+    ones = (1.0,) * terms
+    ratios = (0.2 if nu is None else nu,) * terms
+    return Family("hyperfoam", Hyperfoam(ones, (2.0,) * terms, ratios), draw, False)
+
+
+FAMILIES = {
+    "neo_hookean": _neo_hookean,
+    "mooney_rivlin": _mooney_rivlin,
+    "yeoh": _yeoh,
+    "gent": _gent,
+    "ogden": _ogden,
+    "hyperfoam": _hyperfoam,
+}
+"""What makes the family of a law, by its name."""
+LAWS = tuple(FAMILIES)
+OF_TERMS = ("ogden", "hyperfoam")
+"""Laws that are sums of 1 to ``MAX_TERMS`` terms."""
+
+
+def family(
+    law: str, tests: MaterialTests, terms: int = 1, nu: float | None = None, bulk: float = 80_000.0
+) -> Family:
+    """The family of a law for some data.
+
+    Parameters
+    ----------
+    law : str
+        One of ``LAWS``.
+    tests : MaterialTests
+        Gent's limit lies beyond them; a foam needs their free stretches unless ``nu`` is given.
+    terms : int
+        Of ``ogden`` and ``hyperfoam``, 1 to 3; 1 for the others.
+    nu : float, optional
+        Poisson's ratio of all terms of a foam, if it is not to be found.
+    bulk : float
+        Bulk modulus of nearly incompressible laws, which these tests do not tell, kPa.
+
+    Raises
+    ------
+    ValueError
+        With what is allowed.
+    """
+    if law not in FAMILIES:
+        raise ValueError(f"unknown law {law!r}; known are {', '.join(LAWS)}")
+    most = MAX_TERMS if law in OF_TERMS else 1
+    if not 1 <= terms <= most:
+        raise ValueError(
+            f"{law} has 1 to {most} terms, got {terms}; {' and '.join(OF_TERMS)} have more than one"
+        )
+    if nu is not None and law != "hyperfoam":
+        raise ValueError(f"{law} is nearly incompressible; only hyperfoam takes Poisson's ratio nu")
+    if nu is not None and not POISSON[0] <= nu <= POISSON[1]:
+        raise ValueError(f"nu must lie between {POISSON[0]} and {POISSON[1]}, got {nu}")
+    return FAMILIES[law](tests, terms, nu, bulk)
+
+
+def largest_distortion(tests: MaterialTests) -> float:
+    """Largest I1 - 3 of the data at J = 1."""
+    found = 0.0
+    for name, data in tests.modes.items():
+        mode = MODES[name]
+        state = mode.stretches(data.stretch, data.stretch**mode.incompressible_rate)
+        found = max(found, float(np.max(np.sum(state**2, axis=0) - 3.0)))
+    return found

@@ -1,0 +1,146 @@
+"""Uniaxial, planar and equibiaxial tests of a material law: nominal stress against stretch.
+
+The logarithms of the principal stretches are e = pulled ln(lambda) + free ln(x), with lambda the
+stretch that is imposed and x that of the free directions:
+
+    uniaxial      (lambda, x, x)
+    planar        (lambda, 1, x)      a wide strip between clamps, "pure shear"
+    equibiaxial   (lambda, lambda, x)
+
+A compressible law finds x from tau . free = 0, with the Kirchhoff stresses tau. A nearly
+incompressible rubber is taken in the limit of incompressibility: x from J = 1, and a pressure, which
+does no work, makes the free directions free. In both cases n P lambda = tau . (pulled + r free)
+with n pulled directions and r = d ln x / d ln lambda at J = 1, for what r multiplies is zero or cancels
+the pressure. (R. W. Ogden, Non-linear Elastic Deformations, 7.2.)
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.materials.isotropic import Isotropic
+
+NEWTON_STEPS = 60
+"""Most iterations for the free stretch; a few do from the start that is taken."""
+LONGEST_STEP = 0.5
+"""Of ln x in one iteration."""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A kind of test.
+
+    Attributes
+    ----------
+    name : str
+    pulled, free : tuple of int
+        1 for each of the three directions that has the imposed or the free stretch.
+    """
+
+    name: str
+    pulled: tuple
+    free: tuple
+
+    @property
+    def incompressible_rate(self) -> float:
+        """r = d ln x / d ln lambda at J = 1."""
+        return -sum(self.pulled) / sum(self.free)
+
+    def stretches(self, stretch, lateral) -> np.ndarray:
+        """The three principal stretches, shape (3, m)."""
+        log, across = np.log(stretch), np.log(lateral)
+        return np.exp(np.multiply.outer(self.pulled, log) + np.multiply.outer(self.free, across))
+
+
+UNIAXIAL = Mode("uniaxial", (1, 0, 0), (0, 1, 1))
+PLANAR = Mode("planar", (1, 0, 0), (0, 0, 1))
+EQUIBIAXIAL = Mode("equibiaxial", (1, 1, 0), (0, 0, 1))
+MODES = {mode.name: mode for mode in (UNIAXIAL, PLANAR, EQUIBIAXIAL)}
+
+
+def is_compressible(law: Isotropic) -> bool:
+    """Whether a law says how its volume changes; else J = 1 is taken."""
+    return law.bulk_modulus == 0.0
+
+
+def lateral_stretch(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
+    """Stretch x of the free directions, shape of ``stretch``; NaN where none is found."""
+    log = np.log(np.asarray(stretch, float))
+    if not is_compressible(law):
+        return np.exp(mode.incompressible_rate * log)
+    free = np.array(mode.free, float)
+    across, rest = _small_strain_rate(law, mode) * log, np.inf
+    with np.errstate(all="ignore"):
+        for _ in range(NEWTON_STEPS):
+            state = mode.stretches(np.exp(log), np.exp(across))
+            force = free @ law.principal_stress(state)
+            slope = np.einsum("i,ij...,j->...", free, law.principal_tangent(state), free)
+            step = np.clip(-force / slope, -LONGEST_STEP, LONGEST_STEP)
+            across, rest = across + step, np.abs(step)
+            if not np.any(rest > 1e-9):  # then the next one would be below rounding
+                break
+    return np.where(rest <= 1e-9, np.exp(across), np.nan)
+
+
+def _small_strain_rate(law, mode) -> float:
+    """d ln x / d ln lambda in the undeformed state: exact for a foam whose nu are all the same."""
+    tangent = law.principal_tangent(np.ones(3))
+    free, pulled = np.array(mode.free), np.array(mode.pulled)
+    return float(-(free @ tangent @ pulled) / (free @ tangent @ free))
+
+
+def nominal_stress(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
+    """Force per undeformed area in a pulled direction, in the unit of the constants.
+
+    Parameters
+    ----------
+    law : Isotropic
+    mode : Mode
+    stretch : array_like
+        Positive; below 1 in compression.
+    """
+    stretch = np.asarray(stretch, float)
+    state = mode.stretches(stretch, lateral_stretch(law, mode, stretch))
+    return _along(mode) @ law.principal_stress(state) / stretch
+
+
+@dataclass(frozen=True, eq=False)
+class ModeResponse:
+    """What a law says to one test.
+
+    Attributes
+    ----------
+    stress, lateral : ndarray, shape (m,)
+        Nominal stress and free stretch.
+    stress_rates, lateral_rates : ndarray, shape (n_constants, m)
+        Their derivatives in the constants.
+    """
+
+    stress: np.ndarray
+    lateral: np.ndarray
+    stress_rates: np.ndarray
+    lateral_rates: np.ndarray
+
+
+def response(law: Isotropic, mode: Mode, stretch) -> ModeResponse:
+    """Stress, free stretch and their exact derivatives in the constants of the law."""
+    stretch = np.asarray(stretch, float)
+    lateral = lateral_stretch(law, mode, stretch)
+    state, along = mode.stretches(stretch, lateral), _along(mode)
+    stress = along @ law.principal_stress(state) / stretch
+    rates = law.principal_constants(state)
+    by_constant = np.einsum("i,ki...->k...", along, rates)
+    if not is_compressible(law):
+        return ModeResponse(stress, lateral, by_constant / stretch, np.zeros_like(by_constant))
+    # tau . free = 0 at every value of the constants
+    free, tangent = np.array(mode.free, float), law.principal_tangent(state)
+    pull = np.einsum("i,ij...->j...", free, tangent)
+    moved = -np.einsum("i,ki...->k...", free, rates) / np.einsum("i,i...->...", free, pull)
+    total = by_constant + np.einsum("i,i...->...", along, pull) * moved
+    return ModeResponse(stress, lateral, total / stretch, lateral * moved)
+
+
+def _along(mode: Mode) -> np.ndarray:
+    """(pulled + r free) / n."""
+    free = mode.incompressible_rate * np.array(mode.free)
+    return (np.array(mode.pulled) + free) / sum(mode.pulled)

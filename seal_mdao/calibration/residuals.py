@@ -1,0 +1,107 @@
+"""What a fit makes small: differences of law and data, weighted.
+
+- relative: (P - data) / max(|data|, floor), the same share of every reading. Seals work at moderate
+  stretches, where stresses are small beside those at the end of a tensile test.
+- absolute: (P - data) / largest |data| of all, the same error in kPa everywhere.
+
+The floor, a share of the mode's largest stress, keeps readings near zero, which are nothing but noise,
+from ruling the fit. Differences are divided by the square root of the number of readings in their mode:
+a tensile test of a thousand readings counts as much as a biaxial one of ten.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.calibration.data import MaterialTests
+from seal_mdao.calibration.modes import MODES, response
+
+WEIGHTINGS = ("relative", "absolute")
+FLOOR = 0.02
+"""Of the relative weighting, as a share of the largest stress of a mode."""
+LATERAL_FLOOR = 0.01
+"""Least lateral strain to which differences of lateral stretch are related."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Readings of one mode with what their differences are divided by.
+
+    Attributes
+    ----------
+    mode : Mode
+    data : ModeData
+    stress_scale, lateral_scale : ndarray, shape (m,)
+        The second is None where the free stretch is not fitted.
+    """
+
+    mode: object
+    data: object
+    stress_scale: np.ndarray
+    lateral_scale: np.ndarray | None
+
+    def evaluate(self, law, names):
+        """Weighted differences and their derivatives in the constants ``names``."""
+        found = response(law, self.mode, self.data.stretch)
+        rows = [law.names.index(name) for name in names]
+        values = [(found.stress - self.data.stress) / self.stress_scale]
+        slopes = [found.stress_rates[rows] / self.stress_scale]
+        if self.lateral_scale is not None:
+            values.append((found.lateral - self.data.lateral) / self.lateral_scale)
+            slopes.append(found.lateral_rates[rows] / self.lateral_scale)
+        return np.concatenate(values), np.concatenate(slopes, axis=1).T
+
+
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """Weighted differences of all modes as functions of a law.
+
+    Attributes
+    ----------
+    parts : tuple of Part
+    """
+
+    parts: tuple
+
+    def __call__(self, law, names) -> tuple[np.ndarray, np.ndarray]:
+        """Differences (m,) and derivatives (m, k) in the constants ``names``."""
+        found = [part.evaluate(law, names) for part in self.parts]
+        return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
+
+
+def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool = False):
+    """The ``Residuals`` of some data.
+
+    Parameters
+    ----------
+    tests : MaterialTests
+    weighting : {"relative", "absolute"}
+    lateral : bool
+        Whether measured free stretches are fitted as well.
+    """
+    if weighting not in WEIGHTINGS:
+        raise ValueError(f"weighting must be one of {', '.join(WEIGHTINGS)}, got {weighting!r}")
+    whole = max(np.abs(data.stress).max() for data in tests.modes.values())
+    parts = []
+    for name, data in tests.modes.items():
+        root = np.sqrt(data.stretch.size)
+        scale = _scale(data.stress, whole, weighting) * root
+        across = None
+        if lateral:
+            strain = data.lateral - 1.0
+            largest = max(np.abs(strain).max(), LATERAL_FLOOR)
+            across = np.maximum(_scale(strain, largest, weighting), LATERAL_FLOOR) * root
+        parts.append(Part(MODES[name], data, scale, across))
+    return Residuals(tuple(parts))
+
+
+def _scale(values, whole, weighting):
+    if weighting == "absolute":
+        return np.full(values.shape, whole)
+    return np.maximum(share_of(values), 1e-6 * whole)
+
+
+def share_of(readings: np.ndarray) -> np.ndarray:
+    """What a difference is a share of: the reading itself, but at least the floor."""
+    size = np.abs(readings)
+    return np.maximum(size, FLOOR * size.max())
