@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.outline.segments import Circle, Segment, pair
+from seal_mdao.seals.outline.arcs import Circle
+from seal_mdao.seals.outline.segments import Segment, pair
 
 SHORTEST = 10.0
 """Least length of a segment, over the distance within which ends are joined."""

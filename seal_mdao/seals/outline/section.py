@@ -6,17 +6,18 @@ from functools import cached_property
 import numpy as np
 
 from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.arcs import Arc, Circle
 from seal_mdao.seals.outline.chain import checked_chain
 from seal_mdao.seals.outline.crossings import check_apart, check_nested
 from seal_mdao.seals.outline.sampling import Boundary, sampled
-from seal_mdao.seals.outline.segments import Arc, Circle, Line, Segment
+from seal_mdao.seals.outline.segments import Line, Segment
 from seal_mdao.seals.outline.spline import Spline
 
 __all__ = [
     "Arc", "Boundary", "Circle", "Contour", "Line", "Outline", "Segment", "Spline", "sampled",
 ]  # fmt: skip
 
-JOIN = 1e-4
+JOIN = 1e-3
 """Largest distance of the ends of two segments that are joined, mm."""
 
 SAGITTA = 1e-5

@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.spline_profile import chord_length
-from seal_mdao.seals.outline.segments import Segment, pair, point
+from seal_mdao.seals.outline.segments import Segment, pair, point, require
 
 PANELS = 8
 """Parts of the way from one point to the next, over each of which the length is a Gauss sum."""
@@ -54,13 +54,13 @@ class Spline(Segment):
             point(value, f"point {i} of a spline") for i, value in enumerate(self.through, 1)
         )
         least = 4 if count > 1 and points[0] == points[-1] and self.slopes is None else 2
-        _require(
+        require(
             count >= least,
             f"a spline needs at least {least} points" + " when it is closed" * (least == 4)
             + f", got {count}",
         )  # fmt: skip
         for i in range(1, count):
-            _require(
+            require(
                 points[i] != points[i - 1],
                 f"points {i} and {i + 1} of a spline coincide at {pair(points[i])}",
             )
@@ -76,13 +76,13 @@ class Spline(Segment):
         u = self._inside(self._panels[:-1], self._panels[1:]).ravel()
         t = self.curve(u, 1)
         back = np.flatnonzero((t[1:] * t[:-1]).sum(axis=1) <= 0.0)
-        _require(back.size == 0, f"a spline has a cusp near {pair(self.curve(u[back[:1].sum()]))}")
+        require(back.size == 0, f"a spline has a cusp near {pair(self.curve(u[back[:1].sum()]))}")
 
     def _checked_parameter(self) -> tuple:
         if not len(self.parameter):
             return tuple(chord_length(self.through))
         parameter = tuple(float(value) for value in self.parameter)
-        _require(
+        require(
             len(parameter) == len(self.through) and bool(np.all(np.diff(parameter) > 0.0)),
             f"the parameter of a spline must be {len(self.through)} increasing numbers",
         )
@@ -190,8 +190,3 @@ class Spline(Segment):
         total = self.parameter[0] + self.parameter[-1]
         parameter = tuple(total - u for u in reversed(self.parameter))
         return replace(self, through=self.through[::-1], parameter=parameter, slopes=slopes)
-
-
-def _require(condition, message) -> None:
-    if not condition:
-        raise GeometryError(message)
