@@ -82,3 +82,22 @@ def check_nested(contours) -> None:
 
 def _which(number: int) -> str:
     return f"hole {number}" if number else "the outer contour"
+
+
+def check_simple(points, closed: bool) -> None:
+    """Refuse a polygon's corners (k, 2), the first one repeated if it is closed, that cross.
+
+    Raises
+    ------
+    GeometryError
+        With the place.
+    """
+    points = np.vstack([points[:-1], points[:1]]) if closed else points
+    line = shapely.linestrings(points)
+    if not shapely.is_simple(line):
+        # noded at all crossings, its parts meet there
+        parts = shapely.get_parts(shapely.node(line))
+        ends = shapely.get_coordinates([shapely.boundary(part) for part in parts])
+        places, counts = np.unique(ends, axis=0, return_counts=True)
+        at = places[counts > 1][0] if (counts > 1).any() else points[0]
+        raise GeometryError(f"it crosses or touches itself at {pair(at)}")

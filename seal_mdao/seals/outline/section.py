@@ -119,16 +119,16 @@ class Outline:
         for contour in (self.outer, *holes):
             if not isinstance(contour, Contour):
                 raise GeometryError(f"a section is made of contours, got {contour!r}")
-        if self.outer.area < 0.0:
-            raise GeometryError(
-                f"the outer contour (edges {', '.join(self.outer.edge_names)}) is walked clockwise; "
-                "walk it counter-clockwise, the material on the left"
-            )
         holes = tuple(hole.reversed() if hole.area > 0.0 else hole for hole in holes)
         object.__setattr__(self, "outer", self.outer.from_edge())
         object.__setattr__(self, "holes", tuple(hole.from_edge() for hole in holes))
         self._check_names()
         check_apart(self.labelled(SAGITTA * self.size), APART * self.size)
+        if self.outer.area < 0.0:
+            raise GeometryError(
+                f"the outer contour (edges {', '.join(self.outer.edge_names)}) is walked clockwise; "
+                "walk it counter-clockwise, the material on the left"
+            )
         check_nested(self.labelled(SAGITTA * self.size))
 
     @property
