@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from drawn import bulb, circle, lines
+from sample_sections import bulb, circle, lines
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.section import Arc, Circle, Contour, Line, Outline, Spline

@@ -5,7 +5,7 @@ import builtins
 import numpy as np
 import pytest
 from drawings import Drawing
-from drawn import bulb, circle, mixed
+from sample_sections import bulb, circle, mixed
 from scipy.interpolate import BSpline as Basis
 
 from seal_mdao.seals.outline.dxf import add_segment, read_dxf, write_dxf

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn import bulb, circle, lines, mixed
+from sample_sections import bulb, circle, lines, mixed
 from scipy.special import ellipe
 
 from seal_mdao.errors import GeometryError

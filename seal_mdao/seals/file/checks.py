@@ -116,6 +116,9 @@ NAMES = many(TEXT, 'a list of names, such as ["base"]')
 POINTS = many(POINT, "a list of at least two points [[x, y], [x, y], ...]", 2)
 NUMBERS = many(number(), "a list of numbers")
 
+LIST = Check("a list of tables", lambda value: value)
+"""Looked at by ``tables``."""
+
 
 def table(where: str, given, keys: dict[str, Key]) -> dict:
     """The values of a table, checked and with defaults.

@@ -1,13 +1,12 @@
 """``[optimize]``: what is made small, and what has to hold."""
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.checks import TEXT, Check, Key, number, table, tables
+from seal_mdao.seals.file.checks import LIST, TEXT, Key, number, table, tables
 from seal_mdao.seals.file.measures import KINDS, implied_measure
 from seal_mdao.seals.file.tables import Constraint, OptimizeTable
 
-_ANYTHING = Check("a list of tables", lambda value: value)
-_OPTIMIZE = {"minimize": Key(TEXT), "constraint": Key(_ANYTHING, None)}
-_CONSTRAINT = {"measure": Key(TEXT), "lower": Key(number(), None), "upper": Key(number(), None)}
+OPTIMIZE_KEYS = {"minimize": Key(TEXT), "constraint": Key(LIST, None)}
+CONSTRAINT_KEYS = {"measure": Key(TEXT), "lower": Key(number(), None), "upper": Key(number(), None)}
 
 
 def read_optimize(given, measures: tuple, profiles: tuple) -> tuple[OptimizeTable, tuple]:
@@ -18,7 +17,7 @@ def read_optimize(given, measures: tuple, profiles: tuple) -> tuple[OptimizeTabl
     SealFileError
     """
     where = "[optimize]"
-    values, measures = table(where, given, _OPTIMIZE), list(measures)
+    values, measures = table(where, given, OPTIMIZE_KEYS), list(measures)
     aim = _measure(where, "minimize", values["minimize"], measures, profiles)
     if not KINDS[aim.type].one:
         raise SealFileError(
@@ -40,7 +39,7 @@ def _measure(where, key, name, measures, profiles):
 
 
 def _constraint(where, given, measures, profiles) -> Constraint:
-    values = table(where, given, _CONSTRAINT)
+    values = table(where, given, CONSTRAINT_KEYS)
     lower, upper = values["lower"], values["upper"]
     if lower is None and upper is None:
         raise SealFileError(f"{where}: needs lower, upper or both; it has neither")

@@ -7,10 +7,10 @@ from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
 from seal_mdao.geometry.profile import RigidProfile, rigid_profile
 from seal_mdao.seals.file.checks import (
+    LIST,
     NAME,
     NAMES,
     POINT,
-    Check,
     Key,
     number,
     table,
@@ -27,21 +27,20 @@ MOST_STEPS = 100_000
 NORMAL_PENALTY, TANGENT_PENALTY = 1e4, 1e2
 """kPa/mm, of the door seal: about 3e-3 mm of penetration for rubber of 100 kPa."""
 
-_ANYTHING = Check("a list of tables", lambda value: value)
-_PROFILE = {
+PROFILE_KEYS = {
     "name": Key(NAME),
     "friction": Key(number(least=0.0)),
     "contact": Key(NAMES),
     **KEYS,
-    "segment": Key(_ANYTHING, None),
+    "segment": Key(LIST, None),
     "start": Key(POINT, (0.0, 0.0)),
     "angle": Key(number(), 0.0),
     "pivot": Key(POINT, (0.0, 0.0)),
     "normal_penalty": Key(number(above=0.0), NORMAL_PENALTY),
     "tangent_penalty": Key(number(above=0.0), TANGENT_PENALTY),
-    "stage": Key(_ANYTHING, None),
+    "stage": Key(LIST, None),
 }
-_STAGE = {
+STAGE_KEYS = {
     "translate": Key(POINT, (0.0, 0.0)),
     "rotate": Key(number(), 0.0),
     "steps": Key(whole(1, MOST_STEPS)),
@@ -57,7 +56,7 @@ def read_profile(position: int, given: dict) -> ProfileTable:
     """
     name = given.get("name")
     where = f"[[profile]] {position}" + (f" ({name!r})" if isinstance(name, str) else "")
-    values = table(where, given, _PROFILE)
+    values = table(where, given, PROFILE_KEYS)
     segments = _segments(where, values)
     closed = bool(np.hypot(*(segments[-1].end - segments[0].start)) <= JOIN)
     try:
@@ -97,7 +96,7 @@ def _stages(where, given) -> tuple:
         return ()
     stages = []
     for i, one in enumerate(tables("profile.stage", given), 1):
-        values = table(f"{where}: [[profile.stage]] {i}", one, _STAGE)
+        values = table(f"{where}: [[profile.stage]] {i}", one, STAGE_KEYS)
         stages.append(Stage(values["steps"], values["translate"], values["rotate"]))
     return tuple(stages)
 

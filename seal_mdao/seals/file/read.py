@@ -17,8 +17,8 @@ TABLES = ("material", "section", "fixed", "profile", "design", "measure", "optim
 NEEDED = TABLES[:4]
 MOST_PARAMETERS = 1000
 
-_FIXED = {"edges": Key(NAMES)}
-_DESIGN = {
+FIXED_KEYS = {"edges": Key(NAMES)}
+DESIGN_KEYS = {
     "edges": Key(NAMES),
     "parameters": Key(whole(1, MOST_PARAMETERS)),
     "bound": Key(number(above=0.0)),
@@ -92,10 +92,10 @@ def _read(given, path) -> SealFile:
         path,
         _materials(given["material"]),
         read_section(given["section"], path.parent),
-        FixedTable(**table("[fixed]", given["fixed"], _FIXED)),
+        FixedTable(**table("[fixed]", given["fixed"], FIXED_KEYS)),
         profiles,
         tuple(
-            DesignTable(**table(f"[[design]] {i}", one, _DESIGN))
+            DesignTable(**table(f"[[design]] {i}", one, DESIGN_KEYS))
             for i, one in enumerate(_optional(given, "design"), 1)
         ),
         measures,

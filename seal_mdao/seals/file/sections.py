@@ -4,24 +4,23 @@ from collections import defaultdict
 from pathlib import Path
 
 from seal_mdao.errors import GeometryError, SealFileError
-from seal_mdao.seals.file.checks import TEXT, Check, Key, number, one_of, table, tables, whole
+from seal_mdao.seals.file.checks import LIST, TEXT, Key, number, one_of, table, tables, whole
 from seal_mdao.seals.file.shapes import KEYS, segments_of
 from seal_mdao.seals.file.tables import SectionTable
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
 from seal_mdao.seals.outline.section import Contour, Outline
 
-_ANYTHING = Check("a list of tables", lambda value: value)
-_SECTION = {
+SECTION_KEYS = {
     "material": Key(TEXT),
     "spacing": Key(number(above=0.0)),
-    "outer": Key(_ANYTHING, None),
-    "hole": Key(_ANYTHING, None),
+    "outer": Key(LIST, None),
+    "hole": Key(LIST, None),
     "dxf": Key(TEXT, None),
     "units": Key(one_of(*MODEL_UNITS), None),
 }
-_OUTER = {"edge": Key(TEXT), **KEYS}
-_HOLE = {"edge": Key(TEXT), "hole": Key(whole(1, 1000), 1), **KEYS}
+OUTER_KEYS = {"edge": Key(TEXT), **KEYS}
+HOLE_KEYS = {"edge": Key(TEXT), "hole": Key(whole(1, 1000), 1), **KEYS}
 
 
 def read_section(given, folder: Path) -> SectionTable:
@@ -32,7 +31,7 @@ def read_section(given, folder: Path) -> SectionTable:
     SealFileError
     """
     where = "[section]"
-    values = table(where, given, _SECTION)
+    values = table(where, given, SECTION_KEYS)
     drawn = values["dxf"] is not None
     if drawn == (values["outer"] is not None):
         raise SealFileError(
@@ -56,11 +55,11 @@ def _drawing(where, values, folder) -> Outline:
 def _segments(where, values) -> Outline:
     outer, holes = [], defaultdict(list)
     for number_, given in enumerate(tables("section.outer", values["outer"]), 1):
-        place, row = _row("section.outer", number_, given, _OUTER)
+        place, row = _row("section.outer", number_, given, OUTER_KEYS)
         outer += segments_of(place, row, row["edge"])
     rows = [] if values["hole"] is None else tables("section.hole", values["hole"])
     for number_, given in enumerate(rows, 1):
-        place, row = _row("section.hole", number_, given, _HOLE)
+        place, row = _row("section.hole", number_, given, HOLE_KEYS)
         holes[row["hole"]] += segments_of(place, row, row["edge"])
     contours = [_contour("[[section.outer]]", outer)]
     contours += [_contour(f"[[section.hole]] of hole {n}", holes[n]) for n in sorted(holes)]

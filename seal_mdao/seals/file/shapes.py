@@ -6,14 +6,16 @@ from seal_mdao.errors import GeometryError, SealFileError
 from seal_mdao.seals.file.checks import POINT, POINTS, Check, Key, number, table
 from seal_mdao.seals.outline.section import Arc, Circle, Line, Spline
 
-_ARC = {"start": Key(POINT), "through": Key(POINT), "end": Key(POINT)}
-_CIRCLE = {"centre": Key(POINT), "radius": Key(number(above=0.0))}
+ARC_KEYS = {"start": Key(POINT), "through": Key(POINT), "end": Key(POINT)}
+CIRCLE_KEYS = {"centre": Key(POINT), "radius": Key(number(above=0.0))}
 
 KEYS = {
     "line": Key(POINTS, None),
-    "arc": Key(Check("a table { start, through, end }", lambda v: table("arc", v, _ARC)), None),
+    "arc": Key(Check("a table { start, through, end }", lambda v: table("arc", v, ARC_KEYS)), None),
     "spline": Key(POINTS, None),
-    "circle": Key(Check("a table { centre, radius }", lambda v: table("circle", v, _CIRCLE)), None),
+    "circle": Key(
+        Check("a table { centre, radius }", lambda v: table("circle", v, CIRCLE_KEYS)), None
+    ),
 }
 """Keys of a table that holds a segment."""
 
