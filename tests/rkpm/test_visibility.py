@@ -9,9 +9,9 @@ from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.terms.points import boundary_particles
-from seal_mdao.verification.bodies import Grid
-from seal_mdao.verification.solving import solve
+from seal_mdao.terms.points import boundary_particles, edge_points
+from seal_mdao.verification.bodies import Grid, fixed_components
+from seal_mdao.verification.solving import solve, tight
 
 RUBBER = sm.MooneyRivlin(80.0, 20.0, 4000.0)
 BAR = Grid(12, 2)
@@ -138,3 +138,59 @@ def flooded(cells, particles, particle, within):
         if not more:
             return {int(corner) for number in joined for corner in cells[number]}
         joined |= more
+
+
+def c_ring(a, b, first, last, moment):
+    """A C-ring whose ends carry the tractions of pure bending, held at its back.
+
+    Returns the body, particles, loads, and the exact turn of one end against the other. Stress
+    function A ln r + B r^2 ln r + C r^2 (S. P. Timoshenko, J. N. Goodier, Theory of Elasticity,
+    Arts. 29 and 31): sigma_theta = -A / r^2 + B (3 + 2 ln r) + 2 C, u_theta = 4 B r theta / E.
+    """
+    grid = Grid(120, 4)
+    share = grid.reference
+    angle, r = first + (last - first) * share[:, 0], b - (b - a) * share[:, 1]
+    particles = r[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    n = (b**2 - a**2) ** 2 - 4.0 * (a * b * np.log(b / a)) ** 2
+    A = -4.0 * moment / n * (a * b) ** 2 * np.log(b / a)
+    B = -2.0 * moment / n * (b**2 - a**2)
+    C = moment / n * (b**2 - a**2 + 2.0 * (b**2 * np.log(b) - a**2 * np.log(a)))
+    loads = []
+    for name, row, end, sign in (
+        ("lower", grid.left[::-1], first, -1),
+        ("upper", grid.right, last, 1),
+    ):
+        where = edge_points(np.column_stack([row[:-1], row[1:]]))
+        radius = np.hypot(*where.points.at(particles).T)
+        stress = -A / radius**2 + B * (3.0 + 2.0 * np.log(radius)) + 2.0 * C
+        along = np.array([-np.sin(end), np.cos(end)])
+        loads.append(DeadLoad(name, where, sign * stress[:, None] * along, np.array([0.0, 1.0])))
+    back = grid.particle(60, np.array([2, 0]))
+    fixed = fixed_components(len(particles), x=back[:1], y=back)
+    shear, bulk = RUBBER.shear_modulus, RUBBER.bulk_modulus
+    young, poisson = (
+        9 * bulk * shear / (3 * bulk + shear),
+        (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear),
+    )
+    turn = 4.0 * B * (last - first) * (1.0 - poisson**2) / young
+    return grid, particles, fixed, loads, turn
+
+
+@pytest.mark.parametrize("hides", [True, False])
+def test_c_ring_springs_open(hides):
+    """A slit of 0.1 beneath supports of 0.5: the exact turn of a curved bar, or hardly any."""
+    half = 0.05 / 3.5
+    grid, particles, fixed, loads, turn = c_ring(3.0, 4.0, half, 2 * np.pi - half, 0.02)
+    radius = support_radii(grid.cells, particles, 2.0)
+    assert radius.min() > 0.3
+    hidden = hidden_pairs(grid.cells, particles, radius)
+    options = {"hidden": hidden} if hides else {}
+    body = Body(grid.cells, radius, fixed, **options)
+    path = solve(body, particles, (elastic_body(RUBBER), *loads), 1, options=tight(RUBBER))
+    moved = path.displacement()
+    opening = moved[grid.right, 1] - moved[grid.left, 1]
+    exact = turn * np.hypot(*particles[grid.left].T)
+    if hides:
+        np.testing.assert_allclose(opening, exact, rtol=0.02)
+    else:
+        assert np.abs(opening).max() < 0.5 * np.abs(exact).min()
