@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from drawn import circle, paper_ring, polygon
+from boundaries import circle, paper_ring, polygon
 
 from seal_mdao.measures.shape import cells_area, polygon_area
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
-from seal_mdao.seals.outline.cloud import cloud, wall_spacing, wall_thickness
+from seal_mdao.seals.outline.cloud import cloud, graded, longest_side, wall_spacing, wall_thickness
 from seal_mdao.seals.outline.extension import harmonic_extension
 from seal_mdao.seals.outline.quadrilaterals import corner_angles, paired
 
@@ -87,6 +87,23 @@ def test_spacing_grows_away_from_a_thin_wall():
     assert at([[0.0, 2.5]])[0] == 0.9
     along = np.column_stack([np.linspace(0.0, 12.0, 200), np.full(200, 2.5)])
     assert np.abs(np.diff(at(along))).max() <= 0.25 * 12.0 / 199 * 1.001
+
+
+@pytest.mark.parametrize("thickness", [0.5, 2.0, 2.5, 3.2])
+def test_spacing_is_the_largest_distance(thickness):
+    """Walls that two cells fill only if they are long get more of them."""
+
+    def sample(at):
+        out, inner = (circle("rim", (0.0, 0.0), r, 0.1).points for r in (8.0, 8.0 - thickness))
+        return [
+            circle("out", (0.0, 0.0), 8.0, float(at(out).min())),
+            circle("in", (0.0, 0.0), 8.0 - thickness, float(at(inner).min()), hole=True),
+        ]
+
+    boundaries, spacing = graded(sample, 0.9)
+    filled = cloud(loops(boundaries), spacing)
+    assert longest_side(filled.cells, filled.particles) <= 1.25 * 0.9
+    assert spacing >= 0.6 * 0.9
 
 
 def test_thickness_of_a_ring():

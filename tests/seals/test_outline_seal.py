@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn import paper_ring
+from boundaries import paper_ring
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import ContactLaw

@@ -10,7 +10,10 @@ def doubled(outline, boundaries) -> list:
     ----------
     outline : Outline
     boundaries : sequence of Boundary
-        As ``sampled(outline, 2 * spacing)`` gives them.
+        As ``sampled(outline, 2 * spacing)`` gives them; for ``cloud.graded``
+
+            def sample(at):
+                return doubled(outline, sampled(outline, lambda x: 2.0 * at(x)))
     """
     return [
         _doubled(contour.segments, boundary)

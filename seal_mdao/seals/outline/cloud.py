@@ -17,6 +17,15 @@ SLOPE = 0.25
 FINEST = 1.0 / 6.0
 """Least spacing over the largest one."""
 
+LONGEST = 1.25
+"""Longest side of a cell over the spacing that is content."""
+
+SHARES = (1.0, 0.85, 0.7, 0.6)
+"""Of the spacing, tried one after the other until sides are short enough."""
+
+DENSE = 0.125
+"""Distance of the points by which walls are measured, over the spacing."""
+
 
 class OutlineCloud(NamedTuple):
     """A cloud of particles for a section.
@@ -84,6 +93,40 @@ def cloud(loops, spacing: float) -> OutlineCloud:
     ends = np.cumsum([0, *(len(loop) for loop in loops)])
     around = tuple(np.arange(a, b) for a, b in pairwise(ends))
     return OutlineCloud(particles, cells, around)
+
+
+def graded(sample, spacing: float) -> tuple[list, float]:
+    """Boundaries graded by wall thickness, and the spacing for ``cloud``.
+
+    Two cells lie across every wall, so that no fewer than three particles do. Where walls are such that
+    two are long and more do not fit, the spacing is taken smaller.
+
+    Parameters
+    ----------
+    sample : callable
+        Boundaries for a function that gives the largest distance of points at places (k, 2); they
+        have the attribute ``points`` and an even number of sides between corners.
+    spacing : float
+        Largest distance of particles, mm; sides of cells inside are up to a quarter longer.
+
+    Raises
+    ------
+    GeometryError
+        For a section that cannot be filled.
+    """
+    dense = [b.points for b in sample(lambda x: np.full(len(x), DENSE * spacing))]
+    for share in SHARES:
+        boundaries = sample(wall_spacing(dense, share * spacing))
+        filled = cloud([boundary.points for boundary in boundaries], share * spacing)
+        if longest_side(filled.cells, filled.particles) <= LONGEST * spacing:
+            break
+    return boundaries, share * spacing
+
+
+def longest_side(cells: np.ndarray, particles: np.ndarray) -> float:
+    """Longest side of all cells, mm."""
+    sides = np.roll(particles[cells], -1, axis=1) - particles[cells]
+    return float(np.hypot(sides[..., 0], sides[..., 1]).max())
 
 
 def wall_thickness(loops) -> list[np.ndarray]:
