@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from clouds import rate_rows, rows
 
 import seal_mdao as sm
 from seal_mdao.analysis.body import Body
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.integration import integration_points
+from seal_mdao.rkpm.tables import build_table, raw_rates
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import boundary_particles, edge_points
@@ -194,3 +197,23 @@ def test_c_ring_springs_open(hides):
         np.testing.assert_allclose(opening, exact, rtol=0.02)
     else:
         assert np.abs(opening).max() < 0.5 * np.abs(exact).min()
+
+
+def test_rates_are_exact_beside_a_slit(rng):
+    """What is hidden stays so when the particles move: differences of smooth shape functions."""
+    cells, particles, _ = slit(3.0)
+    radius = support_radii(cells, particles, 2.0)
+    hidden = hidden_pairs(cells, particles, radius)
+    body = Body(cells, radius, np.zeros(particles.shape, bool), hidden=hidden)
+    points = integration_points(body.cell_map, body.edge_rule)
+    table, n = build_table(body.cloud(particles), points), len(particles)
+    velocity, step = rng.uniform(-1.0, 1.0, (1, n, 2)), 1e-5
+    rates = raw_rates(body.cloud(particles), table, velocity)
+    exact = rate_rows(table.raw, rates, n, 1)[0][..., 0]
+    sides = [
+        rows(build_table(body.cloud(particles + s * step * velocity[0]), points).raw, n)[0]
+        for s in (1, -1)
+    ]
+    # truncation: third derivatives of the kernel, some 1e2 over a support of 1, times step^2
+    np.testing.assert_allclose((sides[0] - sides[1]) / (2 * step), exact, rtol=0.0, atol=1e-7)
+    assert np.abs(exact).max() > 1.0
