@@ -31,6 +31,7 @@ _LAZY = {
     "SealFileError": "seal_mdao.errors",
     "SealFile": "seal_mdao.seals.file.tables",
     "read_seal_file": "seal_mdao.seals.file.read",
+    "build_seal": "seal_mdao.seals.file.build",
     "Outline": "seal_mdao.seals.outline.section",
     "read_dxf": "seal_mdao.seals.outline.dxf",
     "write_dxf": "seal_mdao.seals.outline.dxf",
