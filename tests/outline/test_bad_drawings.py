@@ -66,6 +66,17 @@ def old(folder):
     return drawing.saved()
 
 
+def garbled(folder):
+    """A word of the file's that ezdxf meets with an error of its own kind."""
+    path = Drawing(folder).box().saved()
+    words = path.read_text().split("\n")
+    at = words.index("LWPOLYLINE", words.index("ENTITIES"))
+    number = words.index(" 90", at)
+    words[number + 1] = "1e400"
+    path.write_text("\n".join(words))
+    return path
+
+
 def empty_layer(folder):
     drawing = Drawing(folder).box()
     drawing.document.layers.add("seal").off()
@@ -101,6 +112,7 @@ BAD = {
     "empty": (text(""), "not a drawing that can be read"),
     "no drawing": (text("name,stress\n1,2\n"), "is not a DXF file"),
     "cut off": (cut, "not a drawing that can be read"),
+    "garbled": (garbled, "not a drawing that can be read (cannot convert float infinity"),
     "no units": (lambda folder: Drawing(folder, None).box().saved(), "the drawing has no units"),
     "units 0": (lambda folder: Drawing(folder, 0).box().saved(), "($INSUNITS in its header is"),
     "old": (old, "the drawing has no units"),
@@ -131,6 +143,10 @@ BAD = {
         lambda folder: _upright(folder), "it does not lie in the plane of the drawing (normal"
     ),
     "knots decrease": (spline(ARCH, [0, 0, 0, 0, 1, 1, 0.5, 1]), "the knots of a spline decrease"),
+    "broken": (
+        spline([*ARCH, *ARCH], [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]),
+        "not a curve: The spline has internal repeated knots",
+    ),
     "knots of no length": (spline(ARCH, [1.0] * 8), "the knots of a spline leave it no length"),
     "negative weight": (spline(ARCH, CLAMPED, weights=[1, -1, 1, 1]), "weights of a spline must be"),
     "fit points": (add("add_spline", [(1, 1), (2, 2), (2, 2)]), "fit points 2 and 3 coincide"),

@@ -26,6 +26,7 @@ BAD = {
     "number": (lambda: Line(3.0, (1, 1)), "first must be a point [x, y], got 3.0"),
     "NaN": (lambda: Line((1, np.nan), (1, 1)), "first = (1, nan) is not finite"),
     "infinite": (lambda: Arc.through((0, 0), (1, np.inf), (2, 0)), "through = (1, inf) is not"),
+    "too large": (lambda: Line((1, 1e300), (1, 1)), "first = (1, 1e+300) is beyond 1e+09 mm"),
     "collinear": (lambda: Arc.through((0, 0), (1, 1), (2, 2)), "(2, 2) of an arc lie on one line"),
     "nearly collinear": (lambda: Arc.through((0, 0), (1, 1e-7), (2, 0)), "lie on one line; use a"),
     "arc twice a point": (lambda: Arc.through((0, 0), (0, 0), (2, 0)), "start and through of an"),

@@ -87,6 +87,8 @@ BAD = {
     "spacing zero": ("spacing = 0.9", "spacing = 0.0", "spacing = 0.0, but it must be a number above 0"),
     "spacing a text": ("spacing = 0.9", 'spacing = "fine"', "[section]: spacing = 'fine', but it must"),
     "spacing too large": ("spacing = 0.9", "spacing = 9.0", "[section]: spacing = 9, but the section"),
+    "spacing too small": ("spacing = 0.9", "spacing = 1e-3", "[section]: spacing = 0.001, which needs"),
+    "coordinate too large": ("[4.0, 0.0]]", "[4e99, 0.0]]", "line: last = (4e+99, 0) is beyond 1e+09"),
     "spacing misspelt": ("spacing =", "spaceing =", "unknown key 'spaceing' (did you mean 'spacing'?)"),
     "outline and drawing": ("spacing = 0.9", 'spacing = 0.9\ndxf = "a.dxf"', "it has both"),
     "no outline": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\n', "it has neither"),

@@ -13,6 +13,9 @@ from seal_mdao.seals.outline.segments import pair
 ROUNDING = 1e-9
 """Penetration at the start that is none, over the size of the section."""
 
+MOST_PARTICLES = 200_000
+"""That a section may need; more is a slip of the spacing."""
+
 _LOOK = 1e-4
 """Sagitta of the chords whose ends are looked at, over the size of the section."""
 
@@ -51,6 +54,12 @@ def _check_section(file):
         raise SealFileError(
             f"[section]: spacing = {section.spacing:g}, but the section is only {small:.4g} mm wide; it "
             "must be less than half of that"
+        )
+    least = np.sqrt(outline.area / MOST_PARTICLES)
+    if section.spacing < least:
+        raise SealFileError(
+            f"[section]: spacing = {section.spacing:g}, which needs more than {MOST_PARTICLES} "
+            f"particles; it must be at least {least:.3g}"
         )
 
 

@@ -50,7 +50,12 @@ def segments_of(degree: int, knots, control, weights, edge: str) -> list:
         raise GeometryError("the knots of a spline decrease")
     if not knots[-degree - 1] > knots[degree]:
         raise GeometryError("the knots of a spline leave it no length")
-    curve = _Curve(degree, knots, control, weights)
+    try:
+        curve = _Curve(degree, knots, control, weights)
+    except GeometryError:
+        raise
+    except ValueError as error:  # knots repeated until the curve falls apart
+        raise GeometryError(f"not a curve: {error}") from None
     parts = []
     for stretch in curve.stretches():
         if degree == 1:

@@ -118,8 +118,10 @@ def _document(path):
     if not path.is_file():
         raise GeometryError(f"{path}: there is no such drawing")
     try:
-        return ezdxf.readfile(path)
-    except (OSError, ezdxf.DXFError, UnicodeDecodeError, ValueError) as error:
+        document = ezdxf.readfile(path)
+        document.modelspace()
+        return document
+    except Exception as error:  # ezdxf raises errors of many kinds at damaged files
         reason = " ".join(str(error).split()) or type(error).__name__
         raise GeometryError(f"{path}: not a drawing that can be read ({reason})") from None
 

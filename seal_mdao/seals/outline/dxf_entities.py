@@ -23,14 +23,17 @@ def pieces_of(document, scale: float) -> list[tuple]:
     GeometryError
         For an entity that is not one of the kinds that are read, with its handle and layer.
     """
+    from ezdxf import DXFError
+
     pieces = []
     for entity in document.modelspace():
-        if not _shown(document, entity.dxf.layer):
+        layer = entity.dxf.layer if entity.dxf.is_supported("layer") else "0"
+        if not _shown(document, layer):
             continue
-        name = f"{entity.dxftype()} #{entity.dxf.handle} on layer {entity.dxf.layer!r}"
+        name = f"{entity.dxftype()} #{entity.dxf.handle} on layer {layer!r}"
         try:
             pieces += [(segment, name) for segment in _segments(entity, scale)]
-        except GeometryError as error:
+        except (GeometryError, DXFError) as error:
             raise GeometryError(f"{name}: {error}") from None
     return pieces
 
@@ -46,8 +49,8 @@ def _segments(entity, scale) -> list:
     kind = entity.dxftype()
     if kind == "INSERT":
         raise GeometryError(
-            f"a reference to the block {entity.dxf.name!r}; explode block references before the "
-            "drawing is saved"
+            f"a reference to the block {entity.dxf.get('name', '')!r}; explode block references before "
+            "the drawing is saved"
         )
     if kind not in _READERS:
         raise GeometryError(

@@ -16,6 +16,10 @@ MOST_CHORDS = 20_000
 """Of one segment; the curvature of a spline may be without bound."""
 
 
+LARGEST = 1e9
+"""Of coordinates and radii, mm: their fourth powers are still numbers."""
+
+
 class Segment:
     """Base class of segments; a subclass is a frozen dataclass.
 
@@ -140,7 +144,8 @@ def point(value, what: str) -> tuple[float, float]:
         x, y = (float(v) for v in value)
     except (TypeError, ValueError):
         raise GeometryError(f"{what} must be a point [x, y], got {value!r}") from None
-    require(np.isfinite(x) and np.isfinite(y), f"{what} = {pair((x, y))} is not finite")
+    _check_size(x, f"{what} = {pair((x, y))}")
+    _check_size(y, f"{what} = {pair((x, y))}")
     return x, y
 
 
@@ -148,6 +153,11 @@ def pair(p) -> str:
     """A point for a message."""
     x, y = (round(float(v), 9) + 0.0 for v in p)  # no -0, no rests of rounding
     return f"({x:.6g}, {y:.6g})"
+
+
+def _check_size(number: float, where: str) -> None:
+    require(np.isfinite(number), f"{where} is not finite")
+    require(abs(number) <= LARGEST, f"{where} is beyond {LARGEST:g} mm")
 
 
 def set_points(segment, *names) -> None:
@@ -164,7 +174,7 @@ def set_numbers(segment, *names) -> None:
             number = float(value)
         except (TypeError, ValueError):
             raise GeometryError(f"{name} must be a number, got {value!r}") from None
-        require(np.isfinite(number), f"{name} = {number} is not finite")
+        _check_size(number, f"{name} = {number:g}")
         object.__setattr__(segment, name, number)
 
 
