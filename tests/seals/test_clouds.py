@@ -1,5 +1,7 @@
 """Clouds: cells that tile the section, walls with three particles across, the same bits again."""
 
+import sys
+
 import numpy as np
 import pytest
 from boundaries import circle, paper_ring, polygon
@@ -153,3 +155,9 @@ def test_extension_converges_to_the_harmonic_field():
         found = harmonic_extension(filled.cells, filled.particles, boundary, exact[None, boundary])
         errors.append(np.sqrt(np.mean((found[0] - exact) ** 2)))
     assert np.log2(errors[0] / errors[1]) > 1.6
+
+
+def test_a_missing_mesher_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "netgen.geom2d", None)
+    with pytest.raises(ImportError, match=r"pip install seal_mdao\[mesh\]"):
+        cloud(loops(sections(0.9)["solid"]), 0.9)
