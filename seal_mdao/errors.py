@@ -9,6 +9,11 @@ class SingularMomentMatrixError(GeometryError):
     """The moment matrix M(x) of Eq. (8) cannot be inverted: the supports do not cover a point."""
 
 
+class SealFileError(ValueError):
+    """A seal file says what cannot be done: one line with the table, the key, the value, and what is
+    allowed."""
+
+
 class LoadPathError(RuntimeError):
     """The load path could not be completed.
 

@@ -12,7 +12,7 @@ from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
-from seal_mdao.rkpm.shape_functions import Cloud
+from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_table
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
 
@@ -54,7 +54,7 @@ class Body:
     Attributes
     ----------
     cells : ndarray of int, shape (n_cells, 4)
-        Background cells by their corner particles, counter-clockwise.
+        Background cells by their corner particles, counter-clockwise; a triangle repeats one.
     support_radius : ndarray, shape (n,)
         Kernel support of every particle.
     fixed : ndarray of bool, shape (n, 2)
@@ -67,9 +67,12 @@ class Body:
     basis_order : int
         1 linear, 2 quadratic.
     n_gauss : int
-        Gauss points per direction of a cell.
+        Gauss points per direction of a cell; a triangle has as many points as a quadrilateral.
     solver : str
         "auto", "banded", "superlu" or "pardiso".
+    hidden : ndarray of int, shape (m, 2)
+        Particles, and those that their supports must not reach across a void, as
+        ``rkpm.visibility.hidden_pairs`` of the drawn body finds them.
     """
 
     cells: np.ndarray
@@ -80,6 +83,7 @@ class Body:
     basis_order: int = 1
     n_gauss: int = 2
     solver: str = "auto"
+    hidden: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
 
     @property
     def n_particles(self) -> int:
@@ -134,6 +138,7 @@ class Body:
             self.support_radius,
             float(self.support_radius.max()),
             BASIS_SIZE[self.basis_order],
+            self.hidden,
         )
 
 

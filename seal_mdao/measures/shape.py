@@ -71,7 +71,7 @@ class SectionArea(Measure):
 
 
 def cells_area(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.ndarray]:
-    """Area of quadrilateral cells (m, 4), and its gradient with respect to the particles (n, 2)."""
+    """Area of cells (m, 4), triangles repeating a corner, and its gradient by particles (n, 2)."""
     value, gradient = 0.0, np.zeros_like(particles)
     for corners in (cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]):
         a, b, c = (particles[corners[:, i]] for i in range(3))

@@ -1,7 +1,8 @@
 """Background cells with Gauss quadrature, for the domain integrals of Eq. (43).
 
-Four-node cells that follow the particles: the quadrature points move with the design, and their
-weights are the reference weights times the Jacobian of the cell map.
+Cells of four corners and of three that follow the particles: the quadrature points move with the
+design, and their weights are the reference weights times the Jacobian of the cell map. A cell of three
+is stored as one of four that repeats a corner; both kinds have the same number of points.
 """
 
 from typing import NamedTuple
@@ -13,24 +14,60 @@ from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import PointSet
 
 
+class ReferenceRule(NamedTuple):
+    """Corner functions and weights at the quadrature points of a reference cell.
+
+    Attributes
+    ----------
+    values : ndarray, shape (q, 4)
+        Corner functions N_a.
+    slopes : ndarray, shape (2, q, 4)
+        dN_a / d(xi, eta).
+    weights : ndarray, shape (q,)
+    """
+
+    values: np.ndarray
+    slopes: np.ndarray
+    weights: np.ndarray
+
+
 class CellMap(NamedTuple):
-    """Bilinear map of every cell at its Gauss points (the same for all cells).
+    """Maps of all cells from their reference cell, at the quadrature points.
 
     Attributes
     ----------
     cells : ndarray of int, shape (n_cells, 4)
-        Corner particles, counter-clockwise.
-    values : ndarray, shape (q, 4)
-        Corner functions N_a at the Gauss points.
-    slopes : ndarray, shape (2, q, 4)
-        dN_a / d(xi, eta).
-    reference_weights : ndarray, shape (q,)
+        Corner particles, counter-clockwise; the last two are the same in a triangle.
+    rule : ReferenceRule
+        Of quadrilaterals.
+    triangles : ndarray of int
+        Places of the triangles among the cells.
+    triangle_rule : ReferenceRule
     """
 
     cells: np.ndarray
-    values: np.ndarray
-    slopes: np.ndarray
-    reference_weights: np.ndarray
+    rule: ReferenceRule
+    triangles: np.ndarray
+    triangle_rule: ReferenceRule
+
+    @property
+    def n_points(self) -> int:
+        """Quadrature points of every cell."""
+        return len(self.rule.weights)
+
+    @property
+    def values(self) -> np.ndarray:
+        """Corner functions of every cell, shape (n_cells, q, 4)."""
+        values = np.tile(self.rule.values, (len(self.cells), 1, 1))
+        values[self.triangles] = self.triangle_rule.values
+        return values
+
+    @property
+    def reference_weights(self) -> np.ndarray:
+        """Shape (n_cells, q)."""
+        weights = np.tile(self.rule.weights, (len(self.cells), 1))
+        weights[self.triangles] = self.triangle_rule.weights
+        return weights
 
 
 def support_radii(cells: np.ndarray, particles: np.ndarray, support: float) -> np.ndarray:
@@ -43,26 +80,68 @@ def support_radii(cells: np.ndarray, particles: np.ndarray, support: float) -> n
     return support * longest
 
 
-def cell_map(cells: np.ndarray, n_gauss: int = 2) -> CellMap:
-    """The map of ``cells`` with ``n_gauss`` x ``n_gauss`` Gauss points."""
+def quadrilateral_rule(n_gauss: int) -> ReferenceRule:
+    """``n_gauss`` x ``n_gauss`` Gauss points under the bilinear map of [-1, 1]^2."""
     g, w = np.polynomial.legendre.leggauss(n_gauss)
     xi, eta = (a.ravel() for a in np.meshgrid(g, g, indexing="ij"))
     weights = np.outer(w, w).ravel()
     corner = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     fx, fy = 1 + np.outer(xi, corner[:, 0]), 1 + np.outer(eta, corner[:, 1])
     slopes = np.stack([0.25 * corner[:, 0] * fy, 0.25 * corner[:, 1] * fx])
-    return CellMap(np.ascontiguousarray(cells), 0.25 * fx * fy, slopes, weights)
+    return ReferenceRule(0.25 * fx * fy, slopes, weights)
+
+
+def triangle_rule(n_gauss: int) -> ReferenceRule:
+    """As many points in a triangle as ``quadrilateral_rule`` has, and exact to 2 n - 2 as that.
+
+    Up to four points the same from every corner: the centroid, and three points 1 / sqrt(3) of the way
+    from there to the corners, of equal weights. Else Gauss points of the square whose side
+    between the last two corners is drawn together to a point.
+    """
+    if n_gauss <= 2:
+        way = np.array([0.0, *[3.0**-0.5] * 3])[: n_gauss**2, None]
+        share = (1.0 - way) / 3.0 + way * np.vstack([np.zeros(3), np.eye(3)])[: n_gauss**2]
+        weights = np.full(n_gauss**2, 0.5 / n_gauss**2)
+    else:
+        square = quadrilateral_rule(n_gauss)
+        share = square.values @ [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 1]]
+        weights = square.weights * (1.0 - share[:, 2]) / 4.0
+    values = np.column_stack([share, np.zeros(n_gauss**2)])
+    slopes = np.array([[-1.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0]])
+    return ReferenceRule(values, np.repeat(slopes[:, None], n_gauss**2, axis=1), weights)
+
+
+def is_triangle(cells: np.ndarray) -> np.ndarray:
+    """Which cells repeat a corner, shape (n_cells,)."""
+    return (cells == np.roll(cells, -1, axis=1)).any(axis=1)
+
+
+def cell_map(cells: np.ndarray, n_gauss: int = 2) -> CellMap:
+    """The map of ``cells`` with ``n_gauss`` ** 2 quadrature points in each."""
+    cells = np.array(cells)
+    triangles = np.flatnonzero(is_triangle(cells))
+    for cell in triangles:
+        first = int(np.flatnonzero(cells[cell] == np.roll(cells[cell], -1))[0])
+        cells[cell] = np.roll(cells[cell], 2 - first)
+    return CellMap(cells, quadrilateral_rule(n_gauss), triangles, triangle_rule(n_gauss))
 
 
 def quadrature_points(mapping: CellMap) -> PointSet:
-    """Gauss points of all cells, one group a cell."""
-    n_cells, q = len(mapping.cells), len(mapping.reference_weights)
-    return PointSet(np.repeat(mapping.cells, q, axis=0), np.tile(mapping.values, (n_cells, 1)), q)
+    """Quadrature points of all cells, one group a cell."""
+    q = mapping.n_points
+    return PointSet(np.repeat(mapping.cells, q, axis=0), mapping.values.reshape(-1, 4), q)
 
 
 def tangents(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
     """dx/d(xi, eta), shape (2, ..., n_cells, q, 2), of particles or velocities (..., n, 2)."""
-    return np.einsum("dqa,...cai->d...cqi", mapping.slopes, particles[..., mapping.cells, :])
+    corners = particles[..., mapping.cells, :]
+    out = np.einsum("dqa,...cai->d...cqi", mapping.rule.slopes, corners)
+    if mapping.triangles.size:
+        of_triangles = corners[..., mapping.triangles, :, :]
+        out[..., mapping.triangles, :, :] = np.einsum(
+            "dqa,...cai->d...cqi", mapping.triangle_rule.slopes, of_triangles
+        )
+    return out
 
 
 def _cross(a, b):
@@ -75,7 +154,7 @@ def quadrature_weights(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
     Raises
     ------
     GeometryError
-        For a folded cell (negative area at a Gauss point).
+        For a folded cell (negative area at a quadrature point).
     """
     t = tangents(mapping, particles)
     weights = _cross(t[0], t[1]) * mapping.reference_weights
@@ -98,7 +177,14 @@ def weight_rates(mapping: CellMap, particles: np.ndarray, velocity: np.ndarray) 
 def add_weight_seeds(mapping, particles, weight_bar, x_bar) -> None:
     """Transpose of ``weight_rates``: seeds (n_cells, q, M) on the weights to ``x_bar`` (n, 2, M)."""
     t = tangents(mapping, particles)
-    scaled = weight_bar * mapping.reference_weights[:, None]
+    scaled = weight_bar * mapping.reference_weights[..., None]
     turned = np.stack([t[1][..., ::-1] * [1, -1], -t[0][..., ::-1] * [1, -1]])
-    corner = np.einsum("cqm,dqa,dcqi->caim", scaled, mapping.slopes, turned, optimize=True)
+    corner = _corner_seeds(scaled, mapping.rule.slopes, turned)
+    if mapping.triangles.size:
+        at = mapping.triangles
+        corner[at] = _corner_seeds(scaled[at], mapping.triangle_rule.slopes, turned[:, at])
     scatter_add(x_bar, mapping.cells, corner)
+
+
+def _corner_seeds(scaled, slopes, turned):
+    return np.einsum("cqm,dqa,dcqi->caim", scaled, slopes, turned, optimize=True)

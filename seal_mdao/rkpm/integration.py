@@ -87,7 +87,7 @@ def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) 
 
 def integration_points(mapping: CellMap, rule: EdgeRule) -> PointSet:
     """Gauss points followed by edge points of every cell, one group a cell."""
-    n_cells, q = len(mapping.cells), len(mapping.reference_weights)
+    n_cells, q = len(mapping.cells), mapping.n_points
     anchors = np.empty((n_cells, q + EDGE_POINTS, 4), int)
     weights = np.zeros((n_cells, q + EDGE_POINTS, 4))
     anchors[:, :q], weights[:, :q] = mapping.cells[:, None], mapping.values

@@ -21,6 +21,8 @@ from seal_mdao.rkpm.moment import (
     neighbour_terms,
 )
 
+NOTHING_HIDDEN = np.empty((0, 2), int)
+
 
 class Cloud(NamedTuple):
     """Particles of one design with their kernels.
@@ -35,12 +37,15 @@ class Cloud(NamedTuple):
         Length that makes the monomials dimensionless.
     n_basis : int
         3 for the linear, 6 for the quadratic basis.
+    hidden : ndarray of int, shape (m, 2)
+        Particles, and those near enough for their supports that they do not see, see ``visibility``.
     """
 
     particles: np.ndarray
     radius: np.ndarray
     scale: float
     n_basis: int
+    hidden: np.ndarray = NOTHING_HIDDEN
 
 
 class PointSet(NamedTuple):

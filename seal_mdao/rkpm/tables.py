@@ -45,8 +45,12 @@ class PointTable:
     table: ShapeTable
 
 
-def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, group_size: int):
-    """Particles whose support covers any point of a group, as (start, neighbours), sorted."""
+def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, points: PointSet):
+    """Particles whose support covers any point of a group, as (start, neighbours), sorted.
+
+    A particle that does not see one of the anchors of a group does not see the group.
+    """
+    group_size = points.group_size
     tree = cKDTree(coordinates)
     hits = tree.query_ball_point(cloud.particles, cloud.radius, return_sorted=False)
     counts = np.fromiter((len(h) for h in hits), int, len(hits))
@@ -55,9 +59,24 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, group_size: int):
     n_groups = len(coordinates) // group_size
     n = len(cloud.particles)
     key = np.unique((point // group_size) * n + particle)
+    if cloud.hidden.size:
+        key = np.setdiff1d(key, _unseen(cloud.hidden, points, n), assume_unique=True)
     group, neighbours = np.divmod(key, n)
     start = np.searchsorted(group, np.arange(n_groups + 1))
     return start, neighbours
+
+
+def _unseen(hidden: np.ndarray, points: PointSet, n: int) -> np.ndarray:
+    """Groups and particles that do not see one of their anchors, as group n + particle, sorted."""
+    anchors = points.anchors.reshape(-1, points.group_size * points.anchors.shape[1])
+    at = csr_array(
+        (np.ones(anchors.size, np.int32),
+         (np.repeat(np.arange(len(anchors)), anchors.shape[1]), anchors.ravel())),
+        shape=(len(anchors), n),
+    )  # fmt: skip
+    blind = csr_array((np.ones(len(hidden), np.int32), hidden.T[::-1]), shape=(n, n))
+    group, particle = (at @ blind).nonzero()
+    return np.sort(group.astype(np.int64) * n + particle)
 
 
 def raw_table(cloud: Cloud, points: PointSet) -> tuple[np.ndarray, ShapeTable]:
@@ -69,7 +88,7 @@ def raw_table(cloud: Cloud, points: PointSet) -> tuple[np.ndarray, ShapeTable]:
         Where the supports of the particles do not cover a point well enough.
     """
     coordinates = points.at(cloud.particles)
-    start, neighbours = neighbour_lists(cloud, coordinates, points.group_size)
+    start, neighbours = neighbour_lists(cloud, coordinates, points)
     size = neighbours.size * points.group_size
     phi, grad = np.empty(size), np.empty(2 * size)
     bad = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad)

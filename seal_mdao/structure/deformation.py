@@ -178,7 +178,10 @@ def particle_gradients(table, cells, d, out):
         n = table.start[cell + 1] - s0
         grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
         cell_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, q_count, f)
-        for particle in cells[cell]:
+        for a in range(cells.shape[1]):
+            particle = cells[cell, a]
+            if particle == cells[cell, a - 1]:  # the repeated corner of a triangle
+                continue
             count[particle] += q_count
             for q in range(q_count):
                 for i in range(2):

@@ -23,11 +23,11 @@ def _points(body: Body, n_edge: int) -> tuple[PointSet, np.ndarray, np.ndarray]:
     """Gauss points followed by edge points of every cell, edge ends and reference weights."""
     g, w = np.polynomial.legendre.leggauss(n_edge)
     mapping, m = body.cell_map, len(body.cells)
-    q = len(mapping.reference_weights)
+    q = mapping.n_points
     ends = np.stack([body.cells, np.roll(body.cells, -1, axis=1)], axis=2).repeat(n_edge, axis=1)
     size = q + ends.shape[1]
     anchors, weights = np.empty((m, size, 4), int), np.zeros((m, size, 4))
-    anchors[:, :q], weights[:, :q] = body.cells[:, None], mapping.values
+    anchors[:, :q], weights[:, :q] = mapping.cells[:, None], mapping.values
     anchors[:, q:] = np.tile(ends, (1, 1, 2))
     weights[:, q:, :2] = np.tile(0.5 * np.column_stack([1 - g, 1 + g]), (4, 1))
     return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), size), ends, np.tile(w, 4)

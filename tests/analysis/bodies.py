@@ -8,6 +8,7 @@ from seal_mdao.analysis.body import Body, discretize
 from seal_mdao.analysis.linear_solver import BandedStorage
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.shape_functions import PointSet
+from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.structure.elastic_body import elastic_body
 
 CONSTANTS = (80.0, 20.0, 3000.0)
@@ -35,6 +36,40 @@ def square(rng, n=6, order=1, solver="auto", fixed="rim"):
     radius = np.full(n * n, (2.3 if order == 1 else 3.1) / (n - 1))
     body = Body(cells=cells, support_radius=radius, fixed=held, basis_order=order, solver=solver)
     return discretize(body, particles)
+
+
+def pieces(rng, kind, void, n=9):
+    """A square of triangles, or of triangles and quadrilaterals, with a hole or a notch.
+
+    The rim of the square is fixed. Returns the discretisation and the sides (m, 2) of the void, the
+    body on the left.
+    """
+    whole = square(rng, n)
+    particles, cells = whole.particles, whole.body.cells
+    i, j = np.divmod(np.arange(len(cells)), n - 1)
+    if void == "hole":
+        cells = cells[~((abs(i - 3.5) < 1) & (abs(j - 3.5) < 1))]
+    elif void == "notch":
+        cells = cells[~((i == 4) & (j >= 2))]
+    cut = np.arange(len(cells)) % 3 > 0 if kind == "mixed" else np.ones(len(cells), bool)
+    a, b, c, d = cells[cut].T
+    other = rng.random(a.size) < 0.5
+    one = np.where(other, [a, b, c, c], [b, c, d, d]).T
+    two = np.where(other, [a, c, d, d], [b, d, a, a]).T
+    cells = np.vstack([cells[~cut], one, two])
+    used, flat = np.unique(cells, return_inverse=True)
+    cells, particles = flat.reshape(-1, 4), particles[used]
+    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
+    ends = ends[ends[:, 0] != ends[:, 1]]
+    known = set(map(tuple, ends.tolist()))
+    outer = np.array([end for end in ends.tolist() if (end[1], end[0]) not in known])
+    held = whole.body.fixed[used]
+    on_square = np.isin(particles, (0.0, 1.0))[outer]
+    sides = outer[~(on_square[:, 0] & on_square[:, 1]).any(axis=1)]
+    radius = np.full(len(used), 2.3 / (n - 1))
+    hidden = hidden_pairs(cells, particles, radius)
+    body = Body(cells=cells, support_radius=radius, fixed=held, hidden=hidden)
+    return discretize(body, particles), sides
 
 
 def structure(disc, constants=CONSTANTS):

@@ -18,6 +18,9 @@ from seal_mdao.rkpm.cells import (
 # two irregular cells that share an edge
 PARTICLES = np.array([[0.0, 0.0], [1.3, -0.2], [1.1, 0.9], [-0.2, 1.2], [2.4, 0.3], [2.0, 1.5]])
 CELLS = np.array([[0, 1, 2, 3], [1, 4, 5, 2]])
+# the second one cut in two triangles, whose repeated corners stand at different places
+MIXED = np.array([[0, 1, 2, 3], [1, 4, 5, 5], [1, 1, 5, 2]])
+BOTH = pytest.mark.parametrize("cells", [CELLS, MIXED], ids=["quadrilaterals", "mixed"])
 
 
 def polygon_moment(corners, a, b):
@@ -30,17 +33,31 @@ def polygon_moment(corners, a, b):
     return total
 
 
-@pytest.mark.parametrize(("n_gauss", "degree"), [(1, 0), (2, 2), (3, 4)])
-def test_quadrature_is_exact_on_bilinear_cells(n_gauss, degree):
+@BOTH
+@pytest.mark.parametrize(("n_gauss", "degree"), [(1, 0), (2, 2), (3, 4), (4, 6)])
+def test_quadrature_is_exact_on_cells(cells, n_gauss, degree):
     """x^a y^b det J is of degree a + b + 1 in each coordinate; n points are exact to 2 n - 1."""
-    mapping = cell_map(CELLS, n_gauss)
+    mapping = cell_map(cells, n_gauss)
     weights = quadrature_weights(mapping, PARTICLES)
     points = quadrature_points(mapping).at(PARTICLES).reshape(*weights.shape, 2)
     for a in range(degree + 1):
         for b in range(degree + 1 - a):
             values = np.sum(weights * points[..., 0] ** a * points[..., 1] ** b, axis=1)
-            exact = [polygon_moment(PARTICLES[cell], a, b) for cell in CELLS]
+            exact = [polygon_moment(PARTICLES[cell], a, b) for cell in cells]
             np.testing.assert_allclose(values, exact, rtol=1e-13)
+
+
+@pytest.mark.parametrize("n_gauss", [1, 2])
+def test_no_corner_of_a_triangle_is_special(n_gauss):
+    """Whichever corner comes first, and whichever is the repeated one: the same points."""
+    stored = np.array([[1, 4, 5, 5], [4, 5, 5, 1], [5, 1, 1, 4], [4, 5, 1, 1], [5, 1, 4, 4]])
+    mapping = cell_map(stored, n_gauss)
+    weights = quadrature_weights(mapping, PARTICLES)
+    points = quadrature_points(mapping).at(PARTICLES).reshape(*weights.shape, 2)
+    for places, share in zip(points, weights, strict=True):
+        np.testing.assert_allclose(share, weights[0], rtol=1e-14)
+        order, first = np.lexsort(places.round(12).T), np.lexsort(points[0].round(12).T)
+        np.testing.assert_allclose(places[order], points[0][first], atol=1e-15)
 
 
 def test_one_degree_more_is_not_exact():
@@ -64,9 +81,10 @@ def test_weights_sum_to_the_area_between_the_boundary_polygons(offset, rng):
     assert weights.sum() == pytest.approx(area, rel=1e-13)
 
 
-def test_weight_rates_are_exact(rng):
+@BOTH
+def test_weight_rates_are_exact(rng, cells):
     """Weights are quadratic in the coordinates: central differences have no truncation error."""
-    mapping = cell_map(CELLS, 2)
+    mapping = cell_map(cells, 2)
     velocity = rng.standard_normal((3, 6, 2))
     rates = weight_rates(mapping, PARTICLES, velocity)
     for p, v in enumerate(velocity):
@@ -74,9 +92,10 @@ def test_weight_rates_are_exact(rng):
         np.testing.assert_allclose(rates[p], (plus - minus) / 0.2, rtol=0.0, atol=1e-14)
 
 
-def test_weight_seeds_are_the_transpose_of_weight_rates(rng):
-    mapping = cell_map(CELLS, 2)
-    velocity, seed = rng.standard_normal((3, 6, 2)), rng.standard_normal((2, 4, 2))
+@BOTH
+def test_weight_seeds_are_the_transpose_of_weight_rates(rng, cells):
+    mapping = cell_map(cells, 2)
+    velocity, seed = rng.standard_normal((3, 6, 2)), rng.standard_normal((len(cells), 4, 2))
     x_bar = np.zeros((6, 2, 2))
     add_weight_seeds(mapping, PARTICLES, seed, x_bar)
     forward = np.einsum("cqm,pcq->mp", seed, weight_rates(mapping, PARTICLES, velocity))

@@ -1,0 +1,93 @@
+"""Supports that do not reach across a void.
+
+A particle belongs to the neighbours of a point only if the two are joined through cells inside its
+support: a notch, a slit or the gap between a lip and its body is no way. Decided once, for the drawn
+body, and then frozen, so that shape functions stay smooth in the design.
+
+The part of a cell inside a disc is convex. Two cells that share a side are therefore joined inside
+the disc where the side comes into it, and the least radius at which a particle and a cell are joined
+is that of the best chain of sides between them.
+"""
+
+import heapq
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+# Pairs this far apart, over the support, are judged too: designs bring some closer.
+MARGIN = 1.5
+
+
+def side_distances(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Distances of points (..., 2) from straight sides between (..., 2) and (..., 2)."""
+    along, to = end - start, points - start
+    square = (along**2).sum(axis=-1)
+    share = np.clip((along * to).sum(axis=-1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+    return np.hypot(*np.moveaxis(to - share[..., None] * along, -1, 0))
+
+
+def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Pairs (m, 2): a particle, and one near enough for its support that it does not see.
+
+    Parameters
+    ----------
+    cells : ndarray of int, shape (n_cells, 4)
+        Triangles repeat a corner.
+    particles : ndarray, shape (n, 2)
+        Of the drawn body.
+    radius : ndarray, shape (n,)
+        Support radii.
+    """
+    sides = _sides(cells)
+    around = _cells_at_particles(cells, len(particles))
+    tree = cKDTree(particles)
+    near = tree.query_ball_point(particles, MARGIN * radius, return_sorted=True)
+    found = []
+    for particle, candidates in enumerate(near):
+        nearby = np.unique(np.concatenate([around[other] for other in candidates]))
+        own = around[particle]
+        if nearby.size == own.size:
+            continue
+        ends = cells[nearby], np.roll(cells[nearby], -1, axis=1)
+        reach = side_distances(particles[particle], *(particles[end] for end in ends))
+        joined = _joined_within(sides, own, dict(zip(nearby, reach, strict=True)))
+        for other in candidates:
+            least = min((joined.get(cell, np.inf) for cell in around[other]), default=0.0)
+            apart = np.hypot(*(particles[other] - particles[particle]))
+            if least > max(apart, radius[particle]):
+                found.append((particle, other))
+    return np.array(found, int).reshape(-1, 2)
+
+
+def _sides(cells: np.ndarray) -> np.ndarray:
+    """The cell beyond every side, -1 for none, shape (n_cells, 4)."""
+    ends = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    order = np.lexsort(ends.T)
+    same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1)
+    same &= ends[order[1:], 0] != ends[order[1:], 1]
+    first, second = order[:-1][same], order[1:][same]
+    beyond = np.full(ends.shape[0], -1)
+    beyond[first], beyond[second] = second // 4, first // 4
+    return beyond.reshape(-1, 4)
+
+
+def _cells_at_particles(cells: np.ndarray, n: int) -> list:
+    found = [[] for _ in range(n)]
+    for cell, corners in enumerate(cells):
+        for corner in dict.fromkeys(corners.tolist()):
+            found[corner].append(cell)
+    return [np.array(at, int) for at in found]
+
+
+def _joined_within(beyond: np.ndarray, own: np.ndarray, reach: dict) -> dict:
+    """Least radius at which each cell of ``reach`` is joined to ``own``, sides at distances."""
+    least, heap = {}, [(0.0, int(cell)) for cell in own]
+    while heap:
+        radius, cell = heapq.heappop(heap)
+        if cell in least:
+            continue
+        least[cell] = radius
+        for distance, other in zip(reach[cell], beyond[cell], strict=True):
+            if other >= 0 and other in reach and other not in least:
+                heapq.heappush(heap, (max(radius, float(distance)), int(other)))
+    return least

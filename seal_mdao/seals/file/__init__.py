@@ -1,0 +1,1 @@
+"""The seal file: a section, its material, what moves against it, and what is asked, as TOML."""

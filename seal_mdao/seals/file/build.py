@@ -1,0 +1,66 @@
+"""From the decisions of a seal file to a seal that can be analysed."""
+
+from dataclasses import replace
+
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.errors import SealFileError
+from seal_mdao.geometry.shape import GivenShape
+from seal_mdao.seals.file.cross_checks import contact_order
+from seal_mdao.seals.file.measures import measure_of
+from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
+from seal_mdao.seals.file.tables import ProfileTable, SealFile
+from seal_mdao.seals.outline.boundary import doubled
+from seal_mdao.seals.outline.cloud import graded
+from seal_mdao.seals.outline.design import EdgeDesign
+from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
+from seal_mdao.seals.outline.section import Outline, sampled
+
+
+def build_seal(file: SealFile) -> OutlineSeal:
+    """The seal of a file: its cloud, terms, design and measures.
+
+    Parameters of a profile have its name before theirs: ``door_friction``.
+
+    Raises
+    ------
+    SealFileError
+        For a section that cannot be filled at this spacing, or a design with too few parameters.
+    """
+    section = file.section
+    try:
+        seal = outline_seal(
+            *boundaries_of(section.outline, section.spacing),
+            file.materials[section.material],
+            n_steps=file.n_steps,
+            fixed=file.fixed.edges,
+            contacts=[_contact(profile, file) for profile in file.profiles],
+            designs=[EdgeDesign(design.edges, design.parameters) for design in file.designs],
+        )
+    except ValueError as error:
+        raise SealFileError(f"{file.path}: {error}") from error
+    particles = seal.drawn_particles
+    return replace(seal, standard=tuple(measure_of(entry, particles) for entry in file.measures))
+
+
+def boundaries_of(outline: Outline, spacing: float) -> tuple[list, float]:
+    """Boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
+
+    Raises
+    ------
+    GeometryError
+        For a section that cannot be filled.
+    """
+
+    def sample(at):
+        return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
+
+    return graded(sample, spacing)
+
+
+def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:
+    edges, _ = contact_order(profile.contact, file.section.outline)
+    law = ContactLaw(profile.normal_penalty, profile.tangent_penalty, profile.friction, True)
+    return EdgeContact(
+        profile.name, edges, GivenShape(rigid_profile_of(profile)),
+        motion_of(profile, file.n_steps), law, f"{profile.name}_",
+    )  # fmt: skip

@@ -1,0 +1,165 @@
+"""Whether the tables of a seal file fit each other, before anything is computed."""
+
+import numpy as np
+
+from seal_mdao.contact.kinematics import closest_point
+from seal_mdao.errors import SealFileError
+from seal_mdao.geometry.pose import in_frame
+from seal_mdao.seals.file.checks import known
+from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
+from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.outline.segments import pair
+
+ROUNDING = 1e-9
+"""Penetration at the start that is none, over the size of the section."""
+
+MOST_PARTICLES = 200_000
+"""That a section may need; more is a slip of the spacing."""
+
+_LOOK = 1e-4
+"""Sagitta of the chords whose ends are looked at, over the size of the section."""
+
+
+def check(file: SealFile) -> None:
+    """Refuse a file whose tables contradict each other.
+
+    Raises
+    ------
+    SealFileError
+        With the first contradiction.
+    """
+    _check_section(file)
+    _check_edges("[fixed]", "edges", file.fixed.edges, file.section.outline)
+    _check_designs(file)
+    _check_measures(file)
+    _check_steps(file)
+    for number, profile in enumerate(file.profiles, 1):
+        where = f"[[profile]] {number} ({profile.name!r})"
+        _check_contact(where, profile, file)
+        _check_start(where, profile, file)
+
+
+def _check_edges(where, key, names, outline):
+    for i, name in enumerate(names):
+        known(where, key, name, outline.edge_names, "edge")
+        if name in names[:i]:
+            raise SealFileError(f"{where}: {key} has {name!r} twice")
+
+
+def _check_section(file):
+    section, outline = file.section, file.section.outline
+    known("[section]", "material", section.material, tuple(file.materials), "material")
+    small = float(np.ptp(outline.box, axis=0).min())
+    if section.spacing >= 0.5 * small:
+        raise SealFileError(
+            f"[section]: spacing = {section.spacing:g}, but the section is only {small:.4g} mm wide; it "
+            "must be less than half of that"
+        )
+    least = np.sqrt(outline.area / MOST_PARTICLES)
+    if section.spacing < least:
+        raise SealFileError(
+            f"[section]: spacing = {section.spacing:g}, which needs more than {MOST_PARTICLES} "
+            f"particles; it must be at least {least:.3g}"
+        )
+
+
+def _check_designs(file):
+    outline, seen = file.section.outline, {}
+    for number, design in enumerate(file.designs, 1):
+        where = f"[[design]] {number}"
+        _check_edges(where, "edges", design.edges, outline)
+        for name in design.edges:
+            if name in file.fixed.edges:
+                raise SealFileError(f"{where}: edges has {name!r}, which [fixed] holds")
+            if name in seen:
+                raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
+            seen[name] = where
+
+
+def _check_measures(file):
+    outline = file.section.outline
+    holes = {hole.edge_names[0]: hole for hole in outline.holes if len(hole.edge_names) == 1}
+    names = [measure.name for measure in file.measures]
+    for number, measure in enumerate(file.measures, 1):
+        where = f"[[measure]] {number}"
+        if measure.name in names[: number - 1]:
+            raise SealFileError(
+                f"{where}: name = {measure.name!r}, but an earlier measure has it; give every measure "
+                "a name of its own"
+            )
+        if measure.type == "cavity_area":
+            edge = measure.arguments["edge"]
+            known(where, "edge", edge, outline.edge_names, "edge")
+            if edge not in holes:
+                raise SealFileError(
+                    f"{where}: edge = {edge!r} does not go all round a hole; there "
+                    f"{'are' if len(holes) != 1 else 'is'} {', '.join(holes) or 'none'}"
+                )
+
+
+def _check_steps(file):
+    moving = [profile for profile in file.profiles if profile.stages]
+    if not moving:
+        raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
+    for profile in moving[1:]:
+        if profile.n_steps != moving[0].n_steps:
+            raise SealFileError(
+                f"[[profile]]: the stages of {moving[0].name!r} have {moving[0].n_steps} steps in all "
+                f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage that "
+                "only has steps stands still)"
+            )
+
+
+def _check_contact(where, profile, file):
+    _check_edges(where, "contact", profile.contact, file.section.outline)
+    for name in profile.contact:
+        if name in file.fixed.edges:
+            raise SealFileError(f"{where}: contact = {name!r}, but [fixed] holds this edge")
+    contour = _contour_of(profile.contact, file.section.outline)
+    if contour is None:
+        raise SealFileError(
+            f"{where}: contact = {', '.join(profile.contact)} is not one stretch of the boundary; give "
+            "the others a profile of their own with the same motion"
+        )
+
+
+def _contour_of(names, outline):
+    """The contour along which the edges follow one another, or None."""
+    for contour in outline.contours:
+        own = [name for name in contour.edge_names if name in names]
+        if len(own) == len(names):
+            every = contour.edge_names
+            first = [
+                name for i, name in enumerate(every) if name in own and every[i - 1] not in own
+            ]
+            return contour if len(first) <= 1 else None
+    return None
+
+
+def contact_order(names, outline) -> tuple[tuple, bool]:
+    """Edges of a stretch as they are walked, and whether they go all round."""
+    every = _contour_of(names, outline).edge_names
+    starts = [i for i, name in enumerate(every) if name in names and every[i - 1] not in names]
+    first = starts[0] if starts else 0
+    return tuple(n for n in every[first:] + every[:first] if n in names), not starts
+
+
+def _check_start(where, profile, file):
+    outline = file.section.outline
+    segments = [segment for name in profile.contact for segment in outline.edge(name)]
+    points = np.concatenate([s.points(s.chords(_LOOK * outline.size)) for s in segments])
+    curve, pose = rigid_profile_of(profile), motion_of(profile, 1).pose(0.0)
+    gaps = np.array([closest_point(curve, *in_frame(pose, x, y))[2] for x, y in points])
+    worst = int(gaps.argmin())
+    if gaps[worst] < -ROUNDING * outline.size:
+        edge = next(
+            s.edge
+            for s in segments
+            if (s.points(s.chords(_LOOK * outline.size)) == points[worst]).any()
+        )
+        turned = "; is it walked the wrong way?" if (gaps < 0.0).all() else ""
+        raise SealFileError(
+            f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-gaps[worst]:.3g} mm "
+            f"inside the rigid body at {pair(points[worst])}; start it farther away (the rigid body "
+            f"lies on the left when walked{turned})"
+        )

@@ -1,0 +1,134 @@
+"""Reading a seal file: TOML, every table checked, then all of them against each other."""
+
+import tomllib
+from pathlib import Path
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.checks import NAMES, Key, number, shown, suggestion, table, tables, whole
+from seal_mdao.seals.file.cross_checks import check
+from seal_mdao.seals.file.laws import read_law
+from seal_mdao.seals.file.measures import read_measure
+from seal_mdao.seals.file.optimization import read_optimize
+from seal_mdao.seals.file.profiles import read_profile
+from seal_mdao.seals.file.sections import read_section
+from seal_mdao.seals.file.tables import DesignTable, FixedTable, SealFile
+
+TABLES = ("material", "section", "fixed", "profile", "design", "measure", "optimize")
+NEEDED = TABLES[:4]
+MOST_PARAMETERS = 1000
+
+FIXED_KEYS = {"edges": Key(NAMES)}
+DESIGN_KEYS = {
+    "edges": Key(NAMES),
+    "parameters": Key(whole(1, MOST_PARAMETERS)),
+    "bound": Key(number(above=0.0)),
+}
+
+
+def read_seal_file(path) -> SealFile:
+    """The decisions of a seal file; nothing is analysed.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Raises
+    ------
+    SealFileError
+        One line that says what is wrong, in which table and key, and what is allowed.
+    """
+    path = Path(path)
+    try:
+        return _read(_parsed(path), path)
+    except SealFileError as error:
+        raise SealFileError(f"{path}: {error}") from None
+
+
+def _parsed(path) -> dict:
+    try:
+        content = path.read_bytes().decode("utf-8")
+    except FileNotFoundError:
+        raise SealFileError("there is no such file") from None
+    except OSError as error:
+        raise SealFileError(f"cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError as error:
+        raise SealFileError(f"is not text in UTF-8 (byte {error.start})") from None
+    try:
+        found = tomllib.loads(content)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise SealFileError(f"is not valid TOML: {' '.join(str(error).split())}") from None
+    if not found:
+        raise SealFileError(f"is empty; it needs {_written(NEEDED)}")
+    return found
+
+
+def _written(names) -> str:
+    forms = {"material": "[material.NAME]", "profile": "[[profile]]"}
+    return ", ".join(forms.get(name, f"[{name}]") for name in names)
+
+
+def _read(given, path) -> SealFile:
+    for name in given:
+        if name not in TABLES:
+            raise SealFileError(
+                f"unknown table or key {name!r}{suggestion(name, TABLES)}; known are "
+                + ", ".join(TABLES)
+            )
+    missing = [name for name in NEEDED if name not in given]
+    if missing:
+        raise SealFileError(f"{_written(missing[:1])} is missing")
+    profiles = tuple(
+        read_profile(i, one) for i, one in enumerate(tables("profile", given["profile"]), 1)
+    )
+    _check_profile_names(profiles)
+    measures = tuple(
+        read_measure(f"[[measure]] {i}", one, profiles)
+        for i, one in enumerate(_optional(given, "measure"), 1)
+    )
+    optimize = None
+    if "optimize" in given:
+        optimize, measures = read_optimize(given["optimize"], measures, profiles)
+    file = SealFile(
+        path,
+        _materials(given["material"]),
+        read_section(given["section"], path.parent),
+        FixedTable(**table("[fixed]", given["fixed"], FIXED_KEYS)),
+        profiles,
+        tuple(
+            DesignTable(**table(f"[[design]] {i}", one, DESIGN_KEYS))
+            for i, one in enumerate(_optional(given, "design"), 1)
+        ),
+        measures,
+        optimize,
+    )
+    check(file)
+    return file
+
+
+def _optional(given, name) -> list:
+    return tables(name, given[name]) if name in given else []
+
+
+def _materials(given) -> dict:
+    if not isinstance(given, dict) or not given:
+        raise SealFileError(
+            f"[material.NAME] must be a table for every material, got {shown(given)}"
+        )
+    for name, value in given.items():
+        if not isinstance(value, dict):
+            raise SealFileError(
+                f"[material]: {name} = {shown(value)}, but a material needs a name: write "
+                "[material.rubber]"
+            )
+    return {name: read_law(f"[material.{name}]", value) for name, value in given.items()}
+
+
+def _check_profile_names(profiles) -> None:
+    names = [profile.name for profile in profiles]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            raise SealFileError(f"[[profile]] {i + 1}: name = {name!r}, but an earlier one has it")
+        if name == "structure":
+            raise SealFileError(
+                f"[[profile]] {i + 1}: name = 'structure', but that is the name of the body itself"
+            )

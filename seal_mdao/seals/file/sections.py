@@ -1,0 +1,82 @@
+"""``[section]``: the outline, from its segments or from a drawing."""
+
+from collections import defaultdict
+from pathlib import Path
+
+from seal_mdao.errors import GeometryError, SealFileError
+from seal_mdao.seals.file.checks import LIST, TEXT, Key, number, one_of, table, tables, whole
+from seal_mdao.seals.file.shapes import KEYS, segments_of
+from seal_mdao.seals.file.tables import SectionTable
+from seal_mdao.seals.outline.dxf import read_dxf
+from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
+from seal_mdao.seals.outline.section import Contour, Outline
+
+SECTION_KEYS = {
+    "material": Key(TEXT),
+    "spacing": Key(number(above=0.0)),
+    "outer": Key(LIST, None),
+    "hole": Key(LIST, None),
+    "dxf": Key(TEXT, None),
+    "units": Key(one_of(*MODEL_UNITS), None),
+}
+OUTER_KEYS = {"edge": Key(TEXT), **KEYS}
+HOLE_KEYS = {"edge": Key(TEXT), "hole": Key(whole(1, 1000), 1), **KEYS}
+
+
+def read_section(given, folder: Path) -> SectionTable:
+    """The section of a file in ``folder``, which its drawing is relative to.
+
+    Raises
+    ------
+    SealFileError
+    """
+    where = "[section]"
+    values = table(where, given, SECTION_KEYS)
+    drawn = values["dxf"] is not None
+    if drawn == (values["outer"] is not None):
+        raise SealFileError(
+            f"{where}: needs either [[section.outer]] or dxf; it has {'both' if drawn else 'neither'}"
+        )
+    if drawn and values["hole"] is not None:
+        raise SealFileError(f"{where}: [[section.hole]] beside dxf; the drawing has the holes")
+    if not drawn and values["units"] is not None:
+        raise SealFileError(f"{where}: units belongs to dxf; all numbers of this file are in mm")
+    outline = _drawing(where, values, folder) if drawn else _segments(where, values)
+    return SectionTable(outline, values["material"], values["spacing"])
+
+
+def _drawing(where, values, folder) -> Outline:
+    try:
+        return read_dxf(folder / values["dxf"], values["units"])
+    except (GeometryError, ImportError) as error:
+        raise SealFileError(f"{where}: dxf: {error}") from None
+
+
+def _segments(where, values) -> Outline:
+    outer, holes = [], defaultdict(list)
+    for number_, given in enumerate(tables("section.outer", values["outer"]), 1):
+        place, row = _row("section.outer", number_, given, OUTER_KEYS)
+        outer += segments_of(place, row, row["edge"])
+    rows = [] if values["hole"] is None else tables("section.hole", values["hole"])
+    for number_, given in enumerate(rows, 1):
+        place, row = _row("section.hole", number_, given, HOLE_KEYS)
+        holes[row["hole"]] += segments_of(place, row, row["edge"])
+    contours = [_contour("[[section.outer]]", outer)]
+    contours += [_contour(f"[[section.hole]] of hole {n}", holes[n]) for n in sorted(holes)]
+    try:
+        return Outline(contours[0], tuple(contours[1:]))
+    except GeometryError as error:
+        raise SealFileError(f"{where}: {error}") from None
+
+
+def _row(name, number_, given, keys):
+    edge = given.get("edge")
+    place = f"[[{name}]] {number_}" + (f" (edge {edge!r})" if isinstance(edge, str) else "")
+    return place, table(place, given, keys)
+
+
+def _contour(where, segments) -> Contour:
+    try:
+        return Contour(tuple(segments))
+    except GeometryError as error:
+        raise SealFileError(f"{where}: {error}") from None

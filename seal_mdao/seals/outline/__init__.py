@@ -1,0 +1,1 @@
+"""Sections made of lines, arcs, circles and splines: geometry, checks, drawings."""

@@ -1,0 +1,171 @@
+"""Arcs and circles as segments of a section."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from seal_mdao.seals.outline.segments import (
+    Segment,
+    pair,
+    point,
+    require,
+    set_numbers,
+    set_points,
+)
+
+COLLINEAR = 1e-6
+"""Height of a triangle over its longest side below which its corners lie on one line."""
+
+
+class _Round(Segment):
+    """What arcs and circles share: ``centre``, ``radius``, ``angle`` of the start, ``sweep``."""
+
+    @property
+    def length(self) -> float:
+        return self.radius * abs(self.sweep)
+
+    @property
+    def turning(self) -> float:
+        return abs(self.sweep)
+
+    def _directions(self, s):
+        phi = self.angle + self.sweep * np.asarray(s, float)
+        return np.column_stack([np.cos(phi), np.sin(phi)])
+
+    def points(self, s):
+        return np.array(self.centre) + self.radius * self._directions(s)
+
+    def tangents(self, s):
+        u = self._directions(s)
+        return np.copysign(1.0, self.sweep) * np.column_stack([-u[:, 1], u[:, 0]])
+
+    def curvature(self, s):
+        return np.full(np.size(s), np.copysign(1.0 / self.radius, self.sweep))
+
+    @property
+    def area(self):
+        (x0, y0), (x1, y1) = self.points([0.0, 1.0]) - self.centre
+        x, y = self.centre
+        return 0.5 * (self.radius**2 * self.sweep + x * (y1 - y0) - y * (x1 - x0))
+
+
+@dataclass(frozen=True)
+class Arc(_Round):
+    """Part of a circle.
+
+    Attributes
+    ----------
+    centre : pair of float
+        mm.
+    radius : float
+        mm.
+    angle : float
+        Polar angle of its start about the centre, radians.
+    sweep : float
+        Angle from start to end, positive counter-clockwise, less than a whole turn, radians.
+
+    Raises
+    ------
+    GeometryError
+        For what is no number, a radius that is not positive, no sweep or a whole turn.
+    """
+
+    centre: tuple[float, float]
+    radius: float
+    angle: float
+    sweep: float
+    edge: str = ""
+
+    def __post_init__(self):
+        set_points(self, "centre")
+        set_numbers(self, "radius", "angle", "sweep")
+        require(self.radius > 0.0, f"the radius of an arc must be positive, got {self.radius:g}")
+        require(
+            0.0 < abs(self.sweep) < 2.0 * np.pi,
+            f"an arc must sweep more than nothing and less than a whole turn, got "
+            f"{np.degrees(self.sweep):g} degrees; use a circle for a whole turn",
+        )
+
+    @classmethod
+    def through(cls, start, through, end, edge: str = "") -> "Arc":
+        """The arc from ``start`` to ``end`` by way of a third point.
+
+        Raises
+        ------
+        GeometryError
+            For points that are no numbers, coincide, or lie on one line.
+        """
+        a, b, c = (
+            np.array(point(value, name))
+            for value, name in ((start, "start"), (through, "through"), (end, "end"))
+        )
+        for p, q, names in ((a, b, "start and through"), (b, c, "through and end"),
+                            (a, c, "start and end")):  # fmt: skip
+            require((p != q).any(), f"{names} of an arc coincide at {pair(p)}")
+        u, v = b - a, c - a
+        cross = u[0] * v[1] - u[1] * v[0]
+        longest = max(u @ u, v @ v, (c - b) @ (c - b))
+        require(
+            abs(cross) > COLLINEAR * longest,
+            f"start {pair(a)}, through {pair(b)} and end {pair(c)} of an arc lie on one line; use a "
+            "line",
+        )
+        to_centre = np.array([v[1] * (u @ u) - u[1] * (v @ v), u[0] * (v @ v) - v[0] * (u @ u)])
+        to_centre /= 2.0 * cross
+        centre = a + to_centre
+        first, last = (np.arctan2(*(p - centre)[::-1]) for p in (a, c))
+        sweep = (last - first) % (2.0 * np.pi) - (2.0 * np.pi if cross < 0.0 else 0.0)
+        return cls(tuple(centre), float(np.hypot(*to_centre)), float(first), float(sweep), edge)
+
+    @classmethod
+    def bulged(cls, start, end, bulge: float, edge: str = "") -> "Arc":
+        """The arc with ``bulge`` = tan(sweep / 4), as polylines of drawings have it."""
+        a, c = np.array(point(start, "start")), np.array(point(end, "end"))
+        require((a != c).any(), f"start and end of an arc coincide at {pair(a)}")
+        chord = c - a
+        middle = 0.5 * (a + c)
+        # the centre lies on the left of the chord by (1 - b^2) / (4 b) of it
+        away = (1.0 - bulge * bulge) / (4.0 * bulge)
+        centre = middle + away * np.array([-chord[1], chord[0]])
+        first = np.arctan2(*(a - centre)[::-1])
+        radius = np.hypot(*chord) * (1.0 + bulge * bulge) / (4.0 * abs(bulge))
+        return cls(tuple(centre), float(radius), float(first), float(4.0 * np.arctan(bulge)), edge)
+
+    def reversed(self):
+        return replace(self, angle=self.angle + self.sweep, sweep=-self.sweep)
+
+
+@dataclass(frozen=True)
+class Circle(_Round):
+    """A whole circle, walked from its rightmost point; mm.
+
+    Raises
+    ------
+    GeometryError
+        For what is no number, or a radius that is not positive.
+    """
+
+    centre: tuple[float, float]
+    radius: float
+    edge: str = ""
+    clockwise: bool = False
+
+    angle = 0.0
+
+    def __post_init__(self):
+        set_points(self, "centre")
+        set_numbers(self, "radius")
+        require(self.radius > 0.0, f"the radius of a circle must be positive, got {self.radius:g}")
+
+    @property
+    def sweep(self) -> float:
+        return -2.0 * np.pi if self.clockwise else 2.0 * np.pi
+
+    def points(self, s):
+        s = np.asarray(s, float)
+        return super().points(
+            np.where(s == 1.0, 0.0, s)
+        )  # it ends where it begins, to the last bit
+
+    def reversed(self):
+        return replace(self, clockwise=not self.clockwise)

@@ -1,0 +1,103 @@
+"""Boundaries that touch or cross, and holes that do not lie inside."""
+
+import numpy as np
+import shapely
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.segments import pair
+
+
+def check_apart(contours, distance: float) -> None:
+    """Refuse contours with sides closer than ``distance`` (mm) that are not neighbours.
+
+    Parameters
+    ----------
+    contours : list of (points, segment, names)
+        As ``Outline.labelled`` gives them.
+
+    Raises
+    ------
+    GeometryError
+        With the edges and the place.
+    """
+    starts, ends, contour, names, before = [], [], [], [], []
+    for number, (points, segment, edges) in enumerate(contours):
+        first = sum(map(len, starts))
+        starts.append(points)
+        ends.append(np.roll(points, -1, axis=0))
+        contour += [number] * len(points)
+        names += [edges[i] for i in segment]
+        before.append(first + np.roll(np.arange(len(points)), 1))
+    before = np.concatenate(before)
+    sides = shapely.linestrings(np.stack([np.concatenate(starts), np.concatenate(ends)], axis=1))
+    one, other = shapely.STRtree(sides).query(sides, predicate="dwithin", distance=distance)
+    close = (one < other) & (before[other] != one) & (before[one] != other)
+    close = np.flatnonzero(close & ~_only_around_a_corner(sides, one, other, before, distance))
+    if close.size == 0:
+        return
+    crosses = shapely.crosses(sides[one[close]], sides[other[close]])
+    worst = close[np.argmax(crosses)]
+    a, b = one[worst], other[worst]
+    way = "crosses" if crosses.any() else "touches"
+    line = shapely.shortest_line(sides[a], sides[b])
+    at = shapely.get_coordinates(line)[0]
+    raise GeometryError(
+        f"{_which(contour[a])}, edge {names[a]!r}, {way} "
+        + (
+            f"itself (edge {names[b]!r})"
+            if contour[a] == contour[b]
+            else f"{_which(contour[b])}, edge {names[b]!r},"
+        )
+        + f" at {pair(at)}"
+    )
+
+
+def _only_around_a_corner(sides, one, other, before, distance):
+    """Whether two sides are close only because a short side lies between them."""
+    length = shapely.length(sides)
+    between = np.where(before[before[other]] == one, before[other], before[one])
+    next_but_one = (before[before[other]] == one) | (before[before[one]] == other)
+    apart = shapely.distance(sides[one], sides[other])
+    return next_but_one & (apart > 0.0) & (length[between] < 4.0 * distance)
+
+
+def check_nested(contours) -> None:
+    """Refuse holes outside of the outer contour or inside of another hole; none cross.
+
+    Raises
+    ------
+    GeometryError
+        With the edges and a point of the hole.
+    """
+    rings = [shapely.polygons(points) for points, _, _ in contours]
+    for i in range(1, len(rings)):
+        first = contours[i][0][0]
+        where = f"{_which(i)} (edge {contours[i][2][0]!r}, at {pair(first)})"
+        if not shapely.contains(rings[0], rings[i]):
+            raise GeometryError(f"{where} lies outside of the outer contour")
+        for j in range(1, len(rings)):
+            if i != j and shapely.contains(rings[j], rings[i]):
+                raise GeometryError(f"{where} lies inside of {_which(j)}")
+
+
+def _which(number: int) -> str:
+    return f"hole {number}" if number else "the outer contour"
+
+
+def check_simple(points, closed: bool) -> None:
+    """Refuse a polygon's corners (k, 2), the first one repeated if it is closed, that cross.
+
+    Raises
+    ------
+    GeometryError
+        With the place.
+    """
+    points = np.vstack([points[:-1], points[:1]]) if closed else points
+    line = shapely.linestrings(points)
+    if not shapely.is_simple(line):
+        # noded at all crossings, its parts meet there
+        parts = shapely.get_parts(shapely.node(line))
+        ends = shapely.get_coordinates([shapely.boundary(part) for part in parts])
+        places, counts = np.unique(ends, axis=0, return_counts=True)
+        at = places[counts > 1][0] if (counts > 1).any() else points[0]
+        raise GeometryError(f"it crosses or touches itself at {pair(at)}")

@@ -1,0 +1,147 @@
+"""Sections from drawings and back (DXF), with the library ezdxf (extra ``dxf``)."""
+
+from importlib import import_module
+from math import degrees
+from pathlib import Path
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.b_splines import b_spline_of
+from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, pieces_of
+from seal_mdao.seals.outline.loops import loops
+from seal_mdao.seals.outline.section import JOIN, Arc, Circle, Contour, Line, Outline
+
+MILLIMETRES = 4
+UNITS = {1: "inch", 2: "foot", 4: "mm", 5: "cm", 6: "m", 14: "dm"}
+"""Values of the header variable $INSUNITS that are known."""
+
+
+def read_dxf(path, units: str | None = None) -> Outline:
+    """The section in the model space of a drawing, in mm.
+
+    Lines, arcs, circles, lightweight polylines and splines in any order and direction; ends closer
+    than 1e-3 mm are joined. Layers are the names of edges; layers that are off or frozen are passed
+    over. The contour with the largest area is the outer one. Splines of lines, parabolas and cubics are
+    taken over exactly, others followed to 1e-6 mm.
+
+    Parameters
+    ----------
+    path : str or Path
+    units : {"mm", "cm", "dm", "m", "inch", "foot"}, optional
+        For drawings whose header has no $INSUNITS; must not contradict it.
+
+    Raises
+    ------
+    ImportError
+        Without ezdxf.
+    GeometryError
+        For a file that is no drawing, no units, an entity of another kind (with handle and layer),
+        contours that are open or cross.
+    """
+    document = _document(path)
+    try:
+        scale = MODEL_UNITS[_units(document, units)]
+        pieces = pieces_of(document, scale)
+        if not pieces:
+            raise GeometryError("nothing is drawn in the model space on a layer that is on")
+        segments, names = zip(*pieces, strict=True)
+        contours = [Contour(chain) for chain in loops(segments, names, JOIN)]
+        contours.sort(key=lambda contour: -abs(contour.area))
+        outer = contours[0]
+        return Outline(outer.reversed() if outer.area < 0.0 else outer, tuple(contours[1:]))
+    except GeometryError as error:
+        raise GeometryError(f"{path}: {error}") from None
+
+
+def write_dxf(outline: Outline, path) -> Path:
+    """Write a section as a drawing in mm, every edge on a layer of its name.
+
+    Lines, arcs, circles and splines stay what they are.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ImportError
+        Without ezdxf.
+    """
+    ezdxf = _library()
+    document = ezdxf.new("R2010", units=MILLIMETRES)
+    for number, name in enumerate(outline.edge_names):
+        if name not in document.layers:
+            document.layers.add(name, color=1 + number % 6)
+    model = document.modelspace()
+    for contour in outline.contours:
+        for segment in contour.segments:
+            add_segment(model, segment)
+    path = Path(path)
+    document.saveas(path)
+    return path
+
+
+def add_segment(model, segment) -> None:
+    """Add a segment to the model space of an ezdxf drawing, on the layer of its edge."""
+    on = {"layer": segment.edge}
+    if isinstance(segment, Line):
+        model.add_line(segment.first, segment.last, on)
+    elif isinstance(segment, Circle):
+        model.add_circle(segment.centre, segment.radius, on)
+    elif isinstance(segment, Arc):
+        from_to = _degrees(segment.angle), _degrees(segment.angle + segment.sweep)
+        model.add_arc(
+            segment.centre, segment.radius, *from_to, is_counter_clockwise=segment.sweep > 0.0,
+            dxfattribs=on,
+        )  # fmt: skip
+    else:
+        knots, control = b_spline_of(segment)
+        entity = model.add_spline(degree=3, dxfattribs=on)
+        entity.control_points, entity.knots = control.tolist(), knots.tolist()
+
+
+def _degrees(angle: float) -> float:
+    return degrees(angle) % 360.0
+
+
+def _library():
+    try:
+        return import_module("ezdxf")
+    except ImportError as error:
+        raise ImportError(
+            "drawings need ezdxf, which is not installed: pip install seal_mdao[dxf]"
+        ) from error
+
+
+def _document(path):
+    ezdxf = _library()
+    path = Path(path)
+    if not path.is_file():
+        raise GeometryError(f"{path}: there is no such drawing")
+    try:
+        document = ezdxf.readfile(path)
+        document.modelspace()
+        return document
+    except Exception as error:  # ezdxf raises errors of many kinds at damaged files
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise GeometryError(f"{path}: not a drawing that can be read ({reason})") from None
+
+
+def _units(document, wanted) -> str:
+    if wanted is not None and wanted not in MODEL_UNITS:
+        raise GeometryError(f"units = {wanted!r}, but it must be one of {', '.join(MODEL_UNITS)}")
+    code = document.header.get("$INSUNITS", 0)
+    if code == 0 and wanted is None:
+        raise GeometryError(
+            "the drawing has no units ($INSUNITS in its header is missing or 0); set them in the "
+            f"drawing, or say units = one of {', '.join(MODEL_UNITS)}"
+        )
+    if code == 0:
+        return wanted
+    if code not in UNITS:
+        raise GeometryError(
+            f"the drawing's units ($INSUNITS = {code}) are not known here; use one of "
+            + ", ".join(f"{number} ({name})" for number, name in UNITS.items())
+        )
+    if wanted not in (None, UNITS[code]):
+        raise GeometryError(f"units = {wanted!r}, but the drawing's header says {UNITS[code]}")
+    return UNITS[code]

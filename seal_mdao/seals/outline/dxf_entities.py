@@ -1,0 +1,152 @@
+"""Entities of a drawing as segments of a section."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.arcs import Arc, Circle
+from seal_mdao.seals.outline.b_splines import segments_of
+from seal_mdao.seals.outline.segments import Line, pair
+
+MODEL_UNITS = {"mm": 1.0, "cm": 10.0, "dm": 100.0, "m": 1000.0, "inch": 25.4, "foot": 304.8}
+"""Millimetres."""
+
+_LEVEL = 1e-9
+
+
+def pieces_of(document, scale: float) -> list[tuple]:
+    """Segments (mm) of all entities of the model space on layers that are shown, with their names.
+
+    Raises
+    ------
+    GeometryError
+        For an entity that is not one of the kinds that are read, with its handle and layer.
+    """
+    from ezdxf import DXFError
+
+    pieces = []
+    for entity in document.modelspace():
+        layer = entity.dxf.layer if entity.dxf.is_supported("layer") else "0"
+        if not _shown(document, layer):
+            continue
+        name = f"{entity.dxftype()} #{entity.dxf.handle} on layer {layer!r}"
+        try:
+            pieces += [(segment, name) for segment in _segments(entity, scale)]
+        except (GeometryError, DXFError) as error:
+            raise GeometryError(f"{name}: {error}") from None
+    return pieces
+
+
+def _shown(document, name: str) -> bool:
+    if name not in document.layers:
+        return True
+    layer = document.layers.get(name)
+    return layer.is_on() and not layer.is_frozen()
+
+
+def _segments(entity, scale) -> list:
+    kind = entity.dxftype()
+    if kind == "INSERT":
+        raise GeometryError(
+            f"a reference to the block {entity.dxf.get('name', '')!r}; explode block references before "
+            "the drawing is saved"
+        )
+    if kind not in _READERS:
+        raise GeometryError(
+            f"entities of this kind are not read, only {', '.join(_READERS)}; explode it, or put it "
+            "on a layer that is off"
+        )
+    if kind in ("ARC", "CIRCLE", "LWPOLYLINE"):
+        _make_upright(entity)
+    return _READERS[kind](entity, scale, entity.dxf.layer)
+
+
+def _make_upright(entity) -> None:
+    """Give an entity that is drawn mirrored, seen from below, the usual coordinates."""
+    from ezdxf.upright import upright
+
+    normal = np.array(entity.dxf.extrusion)
+    if np.abs(np.abs(normal) - [0.0, 0.0, 1.0]).max() > _LEVEL:
+        raise GeometryError(f"it does not lie in the plane of the drawing (normal {tuple(normal)})")
+    upright(entity)
+
+
+def _planar(points, scale) -> np.ndarray:
+    """Points (n, 3) as (n, 2), mm."""
+    points = np.array([tuple(point) for point in points], float)
+    if np.ptp(points[:, 2]) > _LEVEL * (1.0 + np.abs(points).max()):
+        raise GeometryError("it does not lie in the plane of the drawing: its z changes")
+    return scale * points[:, :2]
+
+
+def _line(entity, scale, edge):
+    a, b = _planar([entity.dxf.start, entity.dxf.end], scale)
+    return [Line(tuple(a), tuple(b), edge)]
+
+
+def _circle(entity, scale, edge):
+    centre = _planar([entity.dxf.center], scale)[0]
+    return [Circle(tuple(centre), scale * entity.dxf.radius, edge)]
+
+
+def _arc(entity, scale, edge):
+    first, last = entity.dxf.start_angle, entity.dxf.end_angle
+    sweep = (last - first) % 360.0
+    if sweep == 0.0:
+        return _circle(entity, scale, edge)
+    centre = _planar([entity.dxf.center], scale)[0]
+    return [
+        Arc(tuple(centre), scale * entity.dxf.radius, np.radians(first), np.radians(sweep), edge)
+    ]
+
+
+def _polyline(entity, scale, edge):
+    vertices = np.array(entity.get_points("xyb"), float)
+    if len(vertices) < 2:
+        raise GeometryError("a polyline needs at least two vertices")
+    if entity.closed:
+        vertices = np.vstack([vertices, vertices[:1]])
+    found = []
+    for i, (one, other) in enumerate(pairwise(vertices), 1):
+        a, b = scale * one[:2], scale * other[:2]
+        if (a == b).all():
+            following = 1 if entity.closed and i == len(vertices) - 1 else i + 1
+            raise GeometryError(f"vertices {i} and {following} coincide at {pair(a)}")
+        bulge = float(one[2])
+        if bulge == 0.0:
+            found.append(Line(tuple(a), tuple(b), edge))
+        else:
+            found.append(Arc.bulged(tuple(a), tuple(b), bulge, edge))
+    return found
+
+
+def _spline(entity, scale, edge):
+    if not len(entity.control_points):
+        return _through_fit_points(entity, scale, edge)
+    control = _planar(entity.control_points, scale)
+    return segments_of(entity.dxf.degree, entity.knots, control, entity.weights, edge)
+
+
+def _through_fit_points(entity, scale, edge):
+    """A spline that the drawing gives by points alone, interpolated as ezdxf does."""
+    if len(entity.fit_points) < 2:
+        raise GeometryError("a spline needs control points or at least two fit points")
+    fit = _planar(entity.fit_points, scale)
+    same = np.flatnonzero(~np.diff(fit, axis=0).any(axis=1))
+    if same.size:
+        raise GeometryError(
+            f"fit points {same[0] + 1} and {same[0] + 2} coincide at {pair(fit[same[0]])}"
+        )
+    tool = entity.construction_tool()
+    control = _planar(tool.control_points, scale)
+    return segments_of(tool.degree, tool.knots(), control, tool.weights(), edge)
+
+
+_READERS = {
+    "LINE": _line,
+    "ARC": _arc,
+    "CIRCLE": _circle,
+    "LWPOLYLINE": _polyline,
+    "SPLINE": _spline,
+}

@@ -1,0 +1,82 @@
+"""Closed loops from loose pieces in any order and direction."""
+
+from collections import defaultdict
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.segments import pair
+
+
+def loops(segments, names, join: float) -> list[tuple]:
+    """Chains of segments, each closed, head to tail.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+    names : sequence of str
+        What to call each one in a message.
+    join : float
+        Ends closer than this are the same, mm.
+
+    Raises
+    ------
+    GeometryError
+        For an end that meets no other one, or several.
+    """
+    ends = np.array([end for segment in segments for end in (segment.start, segment.end)])
+    node = _nodes(ends, join)
+    at = defaultdict(list)
+    for number, place in enumerate(node):
+        at[place].append(number)
+    _check_nodes(ends, at, names)
+    found, left = [], set(range(len(segments)))
+    while left:
+        here = min(left)  # the order of the file
+        first, forward, chain = node[2 * here], True, []
+        while here in left:
+            left.remove(here)
+            chain.append(segments[here] if forward else segments[here].reversed())
+            last = 2 * here + int(forward)
+            if node[last] == first:
+                break
+            following = next(end for end in at[node[last]] if end != last)
+            here, forward = following // 2, following % 2 == 0
+        found.append(tuple(chain))
+    return found
+
+
+def _nodes(ends, join):
+    """A number for each end (2 n, 2), equal for those that are joined."""
+    pairs = cKDTree(ends).query_pairs(join, output_type="ndarray")
+    ones = np.ones(len(pairs))
+    graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(ends), len(ends)))
+    return connected_components(graph, directed=False)[1]
+
+
+def _check_nodes(ends, at, names) -> None:
+    for numbers in at.values():
+        if len(numbers) > 2:
+            which = " and ".join(dict.fromkeys(names[number // 2] for number in numbers))
+            raise GeometryError(
+                f"{len(numbers)} ends meet at {pair(ends[numbers[0]])}: {which}; a contour has two "
+                "(is a piece drawn twice?)"
+            )
+    loose = [numbers[0] for numbers in at.values() if len(numbers) == 1]
+    if loose:
+        first = loose[0]
+        nearest, others = "", [number for number in loose if number != first]
+        if others:
+            away = np.hypot(*(ends[others] - ends[first]).T)
+            other = others[int(away.argmin())]
+            nearest = (
+                f"; the nearest open end is that of {names[other // 2]} at {pair(ends[other])}, "
+                f"{away.min():.3g} mm away"
+            )
+        raise GeometryError(
+            f"the contour is open: {names[first // 2]} ends at {pair(ends[first])} and nothing goes "
+            f"on from there{nearest}"
+        )

@@ -1,0 +1,91 @@
+"""The section of a design: what has moved is drawn anew as splines."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from seal_mdao.seals.outline.sampling import Boundary
+from seal_mdao.seals.outline.section import Contour, Outline
+from seal_mdao.seals.outline.spline import Spline
+
+SMOOTH = 1e-6
+"""Largest turn of the tangent, radians, over which one spline goes on to the next segment."""
+
+
+def moved_outline(outline: Outline, boundaries: list[Boundary], points) -> Outline:
+    """The section whose boundary passes through moved points.
+
+    Segments none of whose points have moved stay what they are. The others become cubic splines
+    through their points, with the drawn arc length as parameter: one spline over segments of an edge
+    that were drawn smooth, a corner where there was one.
+
+    Parameters
+    ----------
+    outline : Outline
+        As drawn.
+    boundaries : list of Boundary
+        Its sampled points.
+    points : sequence of ndarray, shape (k, 2)
+        Where they are in the design, contour by contour, mm.
+
+    Raises
+    ------
+    GeometryError
+        For a boundary that crosses itself.
+    """
+    contours = [
+        _moved(contour, boundary, np.asarray(own, float))
+        for contour, boundary, own in zip(outline.contours, boundaries, points, strict=True)
+    ]
+    return Outline(contours[0], tuple(contours[1:]))
+
+
+def _moved(contour, boundary, points) -> Contour:
+    segments, corners = contour.segments, np.flatnonzero(boundary.corner)
+    has_moved = (points != boundary.points).any(axis=1)
+    ends = np.append(corners[1:], len(points))
+    # the first point of the next segment is the last one of this
+    changed = [
+        bool(has_moved[a:b].any() or has_moved[b % len(points)])
+        for a, b in zip(corners, ends, strict=True)
+    ]
+    if not any(changed):
+        return contour
+    arc = np.append(boundary.arc_length, boundary.length)
+    closed = np.vstack([points, points[:1]])
+    found = []
+    for first, last in _runs(segments, changed):
+        if not changed[first]:
+            found.append(segments[first])
+            continue
+        here = slice(corners[first], ends[last] + 1)
+        through, parameter = tuple(map(tuple, closed[here].tolist())), tuple(arc[here].tolist())
+        kinked = through[0] == through[-1] and _turn(segments[last], segments[first]) >= SMOOTH
+        slopes = _end_slopes(through, parameter) if kinked else None
+        found.append(Spline(through, segments[first].edge, parameter, slopes))
+    return Contour(tuple(found))
+
+
+def _runs(segments, changed) -> list[tuple[int, int]]:
+    """First and last segment of every piece of the new contour."""
+    runs = []
+    for i, segment in enumerate(segments):
+        goes_on = (
+            i > 0 and changed[i] and changed[i - 1] and segments[i - 1].edge == segment.edge
+            and _turn(segments[i - 1], segment) < SMOOTH
+        )  # fmt: skip
+        if goes_on:
+            runs[-1] = (runs[-1][0], i)
+        else:
+            runs.append((i, i))
+    return runs
+
+
+def _turn(one, other) -> float:
+    a, b = one.tangents([1.0])[0], other.tangents([0.0])[0]
+    return float(np.hypot(*(a - b)))
+
+
+def _end_slopes(through, parameter) -> tuple:
+    """Tangents of the spline whose ends are not joined smoothly though they are one point."""
+    curve = CubicSpline(parameter, np.array(through))
+    return tuple(map(tuple, curve([parameter[0], parameter[-1]], 1).tolist()))

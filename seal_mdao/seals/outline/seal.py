@@ -1,0 +1,171 @@
+"""A seal from the boundary of any section."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.analysis.body import Body, Edge
+from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.geometry.motion import Motion
+from seal_mdao.geometry.shape import Shape
+from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.visibility import hidden_pairs
+from seal_mdao.seals.assembled import AssembledSeal
+from seal_mdao.seals.outline.cloud import OutlineCloud, cloud
+from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
+from seal_mdao.seals.outline.extension import harmonic_extension
+from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.terms.points import MaterialPoints, boundary_particles
+
+SUPPORT = 2.2
+"""Support radius over the longest side of a cell at a particle."""
+
+
+class EdgeContact(NamedTuple):
+    """A rigid profile and the edges that may touch it.
+
+    Attributes
+    ----------
+    label : str
+    edges : tuple of str
+    shape : Shape
+    motion : Motion
+    law : ContactLaw
+    prefix : str
+        Put before the names of its parameters.
+    """
+
+    label: str
+    edges: tuple
+    shape: Shape
+    motion: Motion
+    law: ContactLaw
+    prefix: str = ""
+
+    def on(self, body: Body) -> RigidContact:
+        """The contact term."""
+        where = points_on(body, self.edges)
+        return RigidContact(self.label, where, self.shape, self.motion, self.law, self.prefix)
+
+
+@dataclass(frozen=True, eq=False)
+class OutlineSeal(AssembledSeal):
+    """A seal whose cloud was made from its boundary.
+
+    Attributes
+    ----------
+    loops : tuple of ndarray of int
+        Boundary particles of every loop, which come first.
+    spacing, support : float
+        Of its cloud: mm, and over the longest side of a cell.
+    """
+
+    loops: tuple = ()
+    spacing: float = 1.0
+    support: float = SUPPORT
+
+
+def outline_seal(
+    boundaries, spacing: float, material, *, n_steps: int, fixed=(), contacts=(), designs=(),
+    support: float = SUPPORT, standard=(), inputs=(), newton: NewtonOptions | None = None,
+) -> OutlineSeal:  # fmt: skip
+    """A seal of one material from the boundary of its section.
+
+    Parameters
+    ----------
+    boundaries : sequence of Boundary
+        Outside first, as ``boundary.doubled`` gives them: points with edge names, arc length, tangents.
+    spacing : float
+        Wanted distance of particles, mm.
+    material : Isotropic
+    n_steps : int
+        Nominal load steps, those of the motions.
+    fixed : sequence of str
+        Edges that are held.
+    contacts : sequence of EdgeContact
+    designs : sequence of EdgeDesign
+        Their parameters are the ``boundary_offsets``, mm along the drawn normals.
+    support : float
+        Support radius over the longest side of a cell at a particle.
+    standard, inputs, newton
+        As of ``AssembledSeal``.
+
+    Raises
+    ------
+    ValueError
+        For names that no edge has.
+    GeometryError
+        For a boundary that cannot be filled.
+    """
+    known = stretches(boundaries)
+    checked_names(fixed, known, "fixed")
+    for contact in contacts:
+        checked_names(contact.edges, known, f"profile {contact.label!r}")
+    filled = cloud([boundary.points for boundary in boundaries], spacing)
+    edges = {
+        name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
+        for name, stretch in known.items()
+    }
+    held = np.zeros(filled.particles.shape, bool)
+    for name in fixed:
+        held[edges[name].particles] = True
+    body = _body(filled, support, held, edges)
+    velocity = _inside(filled, boundary_velocity(boundaries, designs, fixed))
+    terms = (elastic_body(material), *(contact.on(body) for contact in contacts))
+    return OutlineSeal(
+        filled.particles, velocity, body, terms, n_steps, tuple(standard), tuple(inputs),
+        newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,
+    )  # fmt: skip
+
+
+def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
+    """The seal with a new cloud for its present boundary.
+
+    Parameters and their values mean what they did: with the same offsets the boundary is the same,
+    point by point, and the inside is new. Terms may refer to boundary particles alone.
+
+    Raises
+    ------
+    GeometryError
+        For a boundary that cannot be filled.
+    """
+    offsets = seal.check_offsets(offsets)
+    present = seal.particles(offsets)
+    filled = cloud([present[loop] for loop in seal.loops], seal.spacing)
+    n = filled.n_boundary
+    held = np.zeros(filled.particles.shape, bool)
+    held[:n] = seal.body.fixed[:n]
+    velocity = _inside(filled, seal.design_velocity[:, :n])
+    return replace(
+        seal,
+        drawn_particles=filled.particles - np.tensordot(offsets, velocity, 1),
+        design_velocity=velocity,
+        body=_body(filled, seal.support, held, seal.body.edges),
+    )
+
+
+def points_on(body: Body, names) -> MaterialPoints:
+    """The movable particles of several edges, with half the length of the sides at each."""
+    sides = np.concatenate([body.edge(name).sides for name in names])
+    which = np.array(list(dict.fromkeys(sides.ravel().tolist())), int)
+    neighbours = np.column_stack([np.arange(body.n_particles)] * 2)
+    neighbours[sides[:, 1], 0] = sides[:, 0]
+    neighbours[sides[:, 0], 1] = sides[:, 1]
+    movable = which[~body.fixed[which].all(axis=1)]
+    return boundary_particles(movable, neighbours[movable])
+
+
+def _body(filled: OutlineCloud, support, held, edges) -> Body:
+    particles, cells = filled.particles, filled.cells
+    radius = support_radii(cells, particles, support)
+    hidden = hidden_pairs(cells, particles, radius)
+    return Body(cells, radius, held, edges, drawn=particles, hidden=hidden)
+
+
+def _inside(filled: OutlineCloud, velocity: np.ndarray) -> np.ndarray:
+    """Velocity (P, n, 2) of all particles from that (P, k, 2) of the boundary."""
+    boundary = np.arange(filled.n_boundary)
+    return harmonic_extension(filled.cells, filled.particles, boundary, velocity)

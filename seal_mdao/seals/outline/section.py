@@ -1,0 +1,203 @@
+"""The section: closed contours of segments, one outside and any number of holes, with named edges."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.arcs import Arc, Circle
+from seal_mdao.seals.outline.chain import checked_chain
+from seal_mdao.seals.outline.crossings import check_apart, check_nested
+from seal_mdao.seals.outline.sampling import Boundary, sampled
+from seal_mdao.seals.outline.segments import Line, Segment
+from seal_mdao.seals.outline.spline import Spline
+
+__all__ = [
+    "Arc", "Boundary", "Circle", "Contour", "Line", "Outline", "Segment", "Spline", "sampled",
+]  # fmt: skip
+
+JOIN = 1e-3
+"""Largest distance of the ends of two segments that are joined, mm."""
+
+SAGITTA = 1e-5
+"""Chords that crossings are looked for on are nowhere farther from the curve, over its size."""
+
+APART = 4.0 * SAGITTA
+"""Least distance between parts of the boundary that are not neighbours, over the size."""
+
+
+@dataclass(frozen=True)
+class Contour:
+    """A closed chain of segments, head to tail.
+
+    Attributes
+    ----------
+    segments : tuple of Segment
+        At least one; one alone has to close in itself.
+
+    Raises
+    ------
+    GeometryError
+        For segments that are not joined, too short, or fold back on each other.
+    """
+
+    segments: tuple
+
+    def __post_init__(self):
+        object.__setattr__(self, "segments", checked_chain(self.segments, JOIN, closed=True))
+
+    @cached_property
+    def area(self) -> float:
+        """Signed area, positive counter-clockwise, mm^2."""
+        return float(sum(segment.area for segment in self.segments))
+
+    @property
+    def length(self) -> float:
+        """mm."""
+        return float(sum(segment.length for segment in self.segments))
+
+    @property
+    def edge_names(self) -> tuple[str, ...]:
+        """Names of the edges as they are walked."""
+        return tuple(dict.fromkeys(segment.edge for segment in self.segments))
+
+    def reversed(self) -> "Contour":
+        """The contour walked the other way."""
+        return Contour(tuple(segment.reversed() for segment in self.segments[::-1]))
+
+    def from_edge(self) -> "Contour":
+        """The contour from where the edge of its first segment begins."""
+        names = [segment.edge for segment in self.segments]
+        others = [i for i, name in enumerate(names) if name != names[0]]
+        if not others or others[-1] == len(names) - 1:
+            return self
+        first = others[-1] + 1
+        return Contour(self.segments[first:] + self.segments[:first])
+
+    def polyline(self, sagitta: float) -> tuple[np.ndarray, np.ndarray]:
+        """Corners of straight sides nowhere farther than ``sagitta`` from the contour.
+
+        Returns
+        -------
+        points : ndarray, shape (k, 2)
+            The first is not repeated.
+        segment : ndarray of int, shape (k,)
+            The segment that the side from each point to the next belongs to.
+        """
+        shares = [segment.chords(sagitta)[:-1] for segment in self.segments]
+        points = [part.points(s) for part, s in zip(self.segments, shares, strict=True)]
+        return np.concatenate(points), np.repeat(np.arange(len(shares)), [s.size for s in shares])
+
+
+@dataclass(frozen=True)
+class Outline:
+    """A section: the material lies on the left of every contour when it is walked.
+
+    Holes that are walked counter-clockwise are turned round. Every contour begins where one of its
+    edges does.
+
+    Attributes
+    ----------
+    outer : Contour
+        Counter-clockwise.
+    holes : tuple of Contour
+        Inside of it and apart from each other.
+
+    Raises
+    ------
+    GeometryError
+        For an outer contour walked clockwise, an edge in two places, a contour that touches or crosses
+        itself or another one, a hole outside or within another hole.
+    """
+
+    outer: Contour
+    holes: tuple = ()
+
+    def __post_init__(self):
+        holes = self.holes if isinstance(self.holes, tuple | list) else (self.holes,)
+        for contour in (self.outer, *holes):
+            if not isinstance(contour, Contour):
+                raise GeometryError(f"a section is made of contours, got {contour!r}")
+        holes = tuple(hole.reversed() if hole.area > 0.0 else hole for hole in holes)
+        object.__setattr__(self, "outer", self.outer.from_edge())
+        object.__setattr__(self, "holes", tuple(hole.from_edge() for hole in holes))
+        self._check_names()
+        check_apart(self.labelled(SAGITTA * self.size), APART * self.size)
+        if self.outer.area < 0.0:
+            raise GeometryError(
+                f"the outer contour (edges {', '.join(self.outer.edge_names)}) is walked clockwise; "
+                "walk it counter-clockwise, the material on the left"
+            )
+        check_nested(self.labelled(SAGITTA * self.size))
+
+    @property
+    def contours(self) -> tuple:
+        """Outer contour and holes."""
+        return (self.outer, *self.holes)
+
+    @cached_property
+    def area(self) -> float:
+        """Of the material, mm^2."""
+        return float(sum(contour.area for contour in self.contours))
+
+    @cached_property
+    def box(self) -> np.ndarray:
+        """Least and largest coordinates, shape (2, 2), mm."""
+        points = np.concatenate([
+            segment.points(np.linspace(0.0, 1.0, 8 * segment.sides + 1))
+            for segment in self.outer.segments
+        ])  # fmt: skip
+        return np.array([points.min(axis=0), points.max(axis=0)])
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the box, mm."""
+        return float(np.hypot(*(self.box[1] - self.box[0])))
+
+    @property
+    def edge_names(self) -> tuple[str, ...]:
+        """Names of all edges, outside first, as they are walked."""
+        return tuple(name for contour in self.contours for name in contour.edge_names)
+
+    def edge(self, name: str) -> tuple:
+        """Segments of an edge in order.
+
+        Raises
+        ------
+        GeometryError
+            For a name that no edge has.
+        """
+        found = tuple(s for contour in self.contours for s in contour.segments if s.edge == name)
+        if not found:
+            raise GeometryError(
+                f"the section has no edge {name!r}; its edges are {', '.join(self.edge_names)}"
+            )
+        return found
+
+    def polyline(self, sagitta: float | None = None) -> list[np.ndarray]:
+        """Corners (k, 2) of every contour's straight sides, nowhere farther than ``sagitta`` (mm) from
+        it; 1e-5 of the size unless given."""
+        sagitta = SAGITTA * self.size if sagitta is None else sagitta
+        return [contour.polyline(sagitta)[0] for contour in self.contours]
+
+    def labelled(self, sagitta: float) -> list:
+        """Points, segment of every side and names of the segments' edges, of every contour."""
+        return [
+            (*contour.polyline(sagitta), [segment.edge for segment in contour.segments])
+            for contour in self.contours
+        ]
+
+    def _check_names(self):
+        seen = {}
+        for number, contour in enumerate(self.contours):
+            where = f"hole {number}" if number else "the outer contour"
+            names = [segment.edge for segment in contour.segments]
+            starts = [name for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
+            for name in starts:
+                if name in seen:
+                    raise GeometryError(
+                        f"the edge {name!r} is on {seen[name]} and again on {where}; an edge is one "
+                        "unbroken stretch: give the second one a name of its own"
+                    )
+                seen[name] = where

@@ -1,0 +1,192 @@
+"""Cubic splines as segments of a section."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.geometry.spline_profile import chord_length
+from seal_mdao.seals.outline.segments import Segment, pair, point, require
+
+PANELS = 8
+"""Parts of the way from one point to the next, over each of which the length is a Gauss sum."""
+
+_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_INVERSIONS = 6  # Newton's method on a function almost linear in a panel: two or three suffice
+
+
+@dataclass(frozen=True)
+class Spline(Segment):
+    """The C2 cubic spline through points, mm.
+
+    Ends are not-a-knot, or have the tangents ``slopes``; where the last point is the first one and no
+    slopes are given, the spline is periodic: smooth there too.
+
+    Attributes
+    ----------
+    through : tuple of pair of float
+    edge : str
+    parameter : tuple of float
+        Increasing, one a point: knots of the spline. Chord lengths where they are left out.
+    slopes : pair of pair of float, or None
+        Derivatives with respect to the parameter at the first and the last point.
+
+    Raises
+    ------
+    GeometryError
+        For fewer than two points (three when closed), points that are no numbers or coincide with
+        their neighbour, a parameter that does not increase, a cusp.
+    """
+
+    through: tuple
+    edge: str = ""
+    parameter: tuple = ()
+    slopes: tuple | None = None
+
+    def __post_init__(self):
+        try:
+            count = len(self.through)
+        except TypeError:
+            raise GeometryError(f"a spline needs a list of points, got {self.through!r}") from None
+        points = tuple(
+            point(value, f"point {i} of a spline") for i, value in enumerate(self.through, 1)
+        )
+        least = 4 if count > 1 and points[0] == points[-1] and self.slopes is None else 2
+        require(
+            count >= least,
+            f"a spline needs at least {least} points" + " when it is closed" * (least == 4)
+            + f", got {count}",
+        )  # fmt: skip
+        for i in range(1, count):
+            require(
+                points[i] != points[i - 1],
+                f"points {i} and {i + 1} of a spline coincide at {pair(points[i])}",
+            )
+        object.__setattr__(self, "through", points)
+        object.__setattr__(self, "parameter", self._checked_parameter())
+        if self.slopes is not None:
+            ends = tuple(point(slope, "a slope of a spline") for slope in self.slopes)
+            object.__setattr__(self, "slopes", ends)
+        self._check_cusps()
+
+    def _check_cusps(self):
+        """No turn by more than a right angle between neighbouring Gauss points."""
+        u = self._inside(self._panels[:-1], self._panels[1:]).ravel()
+        t = self.curve(u, 1)
+        back = np.flatnonzero((t[1:] * t[:-1]).sum(axis=1) <= 0.0)
+        require(back.size == 0, f"a spline has a cusp near {pair(self.curve(u[back[:1].sum()]))}")
+
+    def _checked_parameter(self) -> tuple:
+        if not len(self.parameter):
+            return tuple(chord_length(self.through))
+        parameter = tuple(float(value) for value in self.parameter)
+        require(
+            len(parameter) == len(self.through) and bool(np.all(np.diff(parameter) > 0.0)),
+            f"the parameter of a spline must be {len(self.through)} increasing numbers",
+        )
+        return parameter
+
+    @cached_property
+    def curve(self) -> CubicSpline:
+        """The spline as a function of its parameter, with its end conditions."""
+        points = np.array(self.through)
+        if self.slopes is not None:
+            ends = tuple((1, np.array(slope)) for slope in self.slopes)
+        else:
+            ends = "periodic" if self.through[0] == self.through[-1] else "not-a-knot"
+        return CubicSpline(self.parameter, points, bc_type=ends)
+
+    @property
+    def end_slopes(self) -> tuple:
+        """Derivatives with respect to the parameter at both ends, given or not."""
+        if self.slopes is not None:
+            return self.slopes
+        return tuple(map(tuple, self.curve([self.parameter[0], self.parameter[-1]], 1).tolist()))
+
+    # ---- arc length ----
+
+    @cached_property
+    def _panels(self) -> np.ndarray:
+        """Ends of the panels in terms of the parameter, shape (m + 1,)."""
+        knots = np.array(self.parameter)
+        share = np.arange(PANELS) / PANELS
+        inner = knots[:-1, None] + np.diff(knots)[:, None] * share
+        return np.append(inner.ravel(), knots[-1])
+
+    @cached_property
+    def _speeds(self) -> np.ndarray:
+        """|t| at the Gauss points of all panels, shape (m, g)."""
+        return self._speed(self._inside(self._panels[:-1], self._panels[1:]))
+
+    def _inside(self, a, b):
+        return 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * _GAUSS
+
+    def _speed(self, u):
+        return np.linalg.norm(self.curve(u, 1), axis=-1)
+
+    @cached_property
+    def _lengths(self) -> np.ndarray:
+        """Arc length at the ends of the panels, shape (m + 1,)."""
+        parts = 0.5 * np.diff(self._panels) * (self._speeds @ _WEIGHTS)
+        return np.concatenate([[0.0], np.cumsum(parts)])
+
+    @cached_property
+    def length(self) -> float:
+        return float(self._lengths[-1])
+
+    def parameters(self, s) -> np.ndarray:
+        """Parameters at shares ``s`` (k,) of the arc length."""
+        wanted = np.asarray(s, float) * self.length
+        panel = np.searchsorted(self._lengths, wanted, side="right") - 1
+        panel = np.clip(panel, 0, len(self._panels) - 2)
+        a, b = self._panels[panel], self._panels[panel + 1]
+        rest = wanted - self._lengths[panel]
+        u = a + (b - a) * rest / (self._lengths[panel + 1] - self._lengths[panel])
+        for _ in range(_INVERSIONS):
+            done = 0.5 * (u - a) * (self._speed(self._inside(a, u)) @ _WEIGHTS)
+            u = np.clip(u - (done - rest) / self._speed(u), a, b)
+        ends = (self.parameter[0], self.parameter[-1])
+        return np.where(wanted <= 0.0, ends[0], np.where(wanted >= self.length, ends[1], u))
+
+    # ---- the contract ----
+
+    def points(self, s):
+        s = np.asarray(s, float)
+        out = self.curve(self.parameters(s))
+        # ends as given, to the last bit
+        out[s == 0.0], out[s == 1.0] = self.through[0], self.through[-1]
+        return out
+
+    def tangents(self, s):
+        t = self.curve(self.parameters(s), 1)
+        return t / np.linalg.norm(t, axis=1, keepdims=True)
+
+    def curvature(self, s):
+        u = self.parameters(s)
+        t, bend = self.curve(u, 1), self.curve(u, 2)
+        return (t[:, 0] * bend[:, 1] - t[:, 1] * bend[:, 0]) / np.linalg.norm(t, axis=1) ** 3
+
+    @cached_property
+    def turning(self) -> float:
+        u = self._inside(self._panels[:-1], self._panels[1:])
+        t, bend = self.curve(u, 1), self.curve(u, 2)
+        rate = np.abs(t[..., 0] * bend[..., 1] - t[..., 1] * bend[..., 0]) / (t * t).sum(axis=-1)
+        return float(0.5 * np.diff(self._panels) @ (rate @ _WEIGHTS))
+
+    @property
+    def area(self):
+        # x y' - y x' has degree 5 on every piece, so the Gauss sum is exact
+        u = self._inside(self._panels[:-1], self._panels[1:])
+        x, t = self.curve(u), self.curve(u, 1)
+        rate = x[..., 0] * t[..., 1] - x[..., 1] * t[..., 0]
+        return float(0.25 * np.diff(self._panels) @ (rate @ _WEIGHTS))
+
+    def reversed(self):
+        slopes = self.slopes
+        if slopes is not None:
+            slopes = tuple((-x, -y) for x, y in reversed(slopes))
+        total = self.parameter[0] + self.parameter[-1]
+        parameter = tuple(total - u for u in reversed(self.parameter))
+        return replace(self, through=self.through[::-1], parameter=parameter, slopes=slopes)

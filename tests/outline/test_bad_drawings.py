@@ -1,0 +1,216 @@
+"""Drawings that are refused: one line that says what and where."""
+
+import re
+
+import numpy as np
+import pytest
+from drawings import Drawing
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.dxf import read_dxf
+
+ON = {"layer": "seal"}
+
+
+def add(method, *arguments, units=4, box=True, **further):
+    """A drawing of a square and one more entity."""
+
+    def make(folder):
+        drawing = Drawing(folder, units)
+        if box:
+            drawing.box()
+        getattr(drawing.model, method)(*arguments, dxfattribs={"layer": "extra"}, **further)
+        return drawing.saved()
+
+    return make
+
+
+def lines(*ends):
+    """A drawing of single lines."""
+
+    def make(folder):
+        drawing = Drawing(folder)
+        for a, b in ends:
+            drawing.model.add_line(a, b, ON)
+        return drawing.saved()
+
+    return make
+
+
+def text(content):
+    def make(folder):
+        path = folder / "drawing.dxf"
+        path.write_text(content)
+        return path
+
+    return make
+
+
+def block(folder):
+    drawing = Drawing(folder)
+    drawing.document.blocks.new("BULB").add_line((0, 0), (1, 0))
+    drawing.model.add_blockref("BULB", (0, 0), dxfattribs=ON)
+    return drawing.saved()
+
+
+def cut(folder):
+    path = Drawing(folder).box().saved()
+    path.write_text(path.read_text()[:-400])
+    return path
+
+
+def old(folder):
+    """R12 knows no units."""
+    drawing = Drawing(folder, 4, "R12")
+    drawing.model.add_circle((0, 0), 5.0, ON)
+    return drawing.saved()
+
+
+def garbled(folder):
+    """A word of the file's that ezdxf meets with an error of its own kind."""
+    path = Drawing(folder).box().saved()
+    words = path.read_text().split("\n")
+    at = words.index("LWPOLYLINE", words.index("ENTITIES"))
+    number = words.index(" 90", at)
+    words[number + 1] = "1e400"
+    path.write_text("\n".join(words))
+    return path
+
+
+def empty_layer(folder):
+    drawing = Drawing(folder).box()
+    drawing.document.layers.add("seal").off()
+    return drawing.saved()
+
+
+def spline(control, knots, degree=3, weights=()):
+    def make(folder):
+        drawing = Drawing(folder)
+        entity = drawing.model.add_spline(degree=degree, dxfattribs=ON)
+        entity.control_points = control
+        entity.knots, entity.weights = knots, weights
+        return drawing.saved()
+
+    return make
+
+
+def boxes(*squares, layers=("seal", "hole", "other")):
+    def make(folder):
+        drawing = Drawing(folder)
+        for (size, at), layer in zip(squares, layers, strict=False):
+            drawing.box(size, layer, at)
+        return drawing.saved()
+
+    return make
+
+
+ARCH = [(0, 0), (1, 4), (3, 4), (4, 0)]
+CLAMPED = [0, 0, 0, 0, 1, 1, 1, 1]
+BAD = {
+    "no file": (lambda folder: folder / "drawing.dxf", "there is no such drawing"),
+    "a folder": (lambda folder: folder, "there is no such drawing"),
+    "empty": (text(""), "not a drawing that can be read"),
+    "no drawing": (text("name,stress\n1,2\n"), "is not a DXF file"),
+    "cut off": (cut, "not a drawing that can be read"),
+    "garbled": (garbled, "not a drawing that can be read (cannot convert float infinity"),
+    "no units": (lambda folder: Drawing(folder, None).box().saved(), "the drawing has no units"),
+    "units 0": (lambda folder: Drawing(folder, 0).box().saved(), "($INSUNITS in its header is"),
+    "old": (old, "the drawing has no units"),
+    "miles": (lambda folder: Drawing(folder, 3).box().saved(), "($INSUNITS = 3) are not known here"),
+    "nothing": (lambda folder: Drawing(folder).saved(), "nothing is drawn in the model space"),
+    "all off": (empty_layer, "nothing is drawn in the model space on a layer that is on"),
+    "block": (block, "on layer 'seal': a reference to the block 'BULB'; explode block references"),
+    "text": (add("add_text", "R 4"), "on layer 'extra': entities of this kind are not read, only"),
+    "ellipse": (add("add_ellipse", (0, 0), (3, 0), 0.5), "ELLIPSE #"),
+    "point": (add("add_point", (3, 3)), "POINT #"),
+    "old polyline": (add("add_polyline2d", [(1, 1), (2, 2)]), "POLYLINE #"),
+    "hatch": (add("add_hatch"), "HATCH #"),
+    "line of no length": (add("add_line", (3, 3), (3, 3)), "a line from (3, 3) to itself has no"),
+    "NaN": (add("add_line", (3, 3), (3, np.nan)), "is not finite"),
+    "no radius": (add("add_circle", (5, 5), 0.0), "radius of a circle must be positive, got 0"),
+    "negative radius": (add("add_arc", (5, 5), -2.0, 0, 90), "radius of an arc must be positive"),
+    "twice a vertex": (
+        add("add_lwpolyline", [(1, 1), (2, 1), (2, 1), (1, 2)], close=True),
+        "LWPOLYLINE #30 on layer 'extra': vertices 2 and 3 coincide at (2, 1)",
+    ),
+    "first vertex again": (
+        add("add_lwpolyline", [(1, 1), (2, 1), (1, 2), (1, 1)], close=True),
+        "vertices 4 and 1 coincide at (1, 1)",
+    ),
+    "one vertex": (add("add_lwpolyline", [(1, 1)]), "a polyline needs at least two vertices"),
+    "slanting": (add("add_line", (0, 0, 0), (3, 0, 1)), "its z changes"),
+    "upright circle": (
+        lambda folder: _upright(folder), "it does not lie in the plane of the drawing (normal"
+    ),
+    "knots decrease": (spline(ARCH, [0, 0, 0, 0, 1, 1, 0.5, 1]), "the knots of a spline decrease"),
+    "broken": (
+        spline([*ARCH, *ARCH], [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]),
+        "not a curve: The spline has internal repeated knots",
+    ),
+    "knots of no length": (spline(ARCH, [1.0] * 8), "the knots of a spline leave it no length"),
+    "negative weight": (spline(ARCH, CLAMPED, weights=[1, -1, 1, 1]), "weights of a spline must be"),
+    "fit points": (add("add_spline", [(1, 1), (2, 2), (2, 2)]), "fit points 2 and 3 coincide"),
+    "no points": (add("add_spline"), "a spline needs control points or at least two fit points"),
+    "NaN in a spline": (spline([(0, 0), (1, np.nan), (3, 4), (4, 0)], CLAMPED), "is not a finite"),
+    "open": (
+        lines(((0, 0), (4, 0)), ((4, 0), (4, 3))),
+        "the contour is open: LINE #2F on layer 'seal' ends at (0, 0) and nothing goes on from there; "
+        "the nearest open end is that of LINE #30 on layer 'seal' at (4, 3), 5 mm away",
+    ),
+    "open spline": (spline(ARCH, CLAMPED), "the contour is open: SPLINE #2F on layer 'seal'"),
+    "a gap": (
+        lines(((0, 0), (4, 0)), ((4, 0), (4, 3)), ((4, 3), (0, 0.01))),
+        "nothing goes on from there; the nearest open end is that of LINE #31 on layer 'seal' at "
+        "(0, 0.01), 0.01 mm away",
+    ),
+    "a branch": (
+        lines(((0, 0), (4, 0)), ((4, 0), (4, 3)), ((4, 3), (0, 0)), ((0, 0), (4, 1))),
+        "3 ends meet at (0, 0): LINE #2F on layer 'seal' and LINE #31 on layer 'seal' and LINE #32",
+    ),
+    "drawn twice": (
+        lines(((0, 0), (4, 0)), ((4, 0), (4, 3)), ((4, 3), (0, 0)), ((0, 0), (4, 0))),
+        "is a piece drawn twice?",
+    ),
+    "speck": (
+        lines(((0, 0), (4, 0)), ((4, 0), (4, 0.005)), ((4, 0.005), (0, 3)), ((0, 3), (0, 0))),
+        "is only 0.005 mm long",
+    ),
+    "crossing": (
+        lines(((0, 0), (4, 0)), ((4, 0), (0, 3)), ((0, 3), (4, 3)), ((4, 3), (0, 0))),
+        "crosses itself (edge 'seal') at (2, 1.5)",
+    ),
+    "hole outside": (boxes((10, (0, 0)), (2, (20, 0))), "hole 1 (edge 'hole', at"),
+    "hole touches": (boxes((10, (0, 0)), (2, (0, 4))), "touches hole 1, edge 'hole', at (0, "),
+    "hole crosses": (boxes((10, (0, 0)), (2, (9, 4))), "crosses hole 1, edge 'hole', at (10, "),
+    "holes overlap": (boxes((10, (0, 0)), (3, (2, 2)), (3, (4, 4))), "crosses hole 2, edge 'other'"),
+    "hole in a hole": (boxes((10, (0, 0)), (5, (2, 2)), (1, (3, 3))), "lies inside of hole 1"),
+    "one layer": (
+        boxes((10, (0, 0)), (5, (2, 2)), layers=("seal", "seal")),
+        "the edge 'seal' is on the outer contour and again on hole 1; an edge is one unbroken",
+    ),
+}  # fmt: skip
+
+
+def _upright(folder):
+    drawing = Drawing(folder).box()
+    drawing.model.add_circle((5, 5), 2, {"layer": "hole", "extrusion": (1, 0, 0)})
+    return drawing.saved()
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_what_cannot_be_read_is_refused_in_one_line(tmp_path, name):
+    make, words = BAD[name]
+    path = make(tmp_path)
+    with pytest.raises(GeometryError, match=re.escape(words)) as caught:
+        read_dxf(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("units", "words"), [
+    ("inch", "units = 'inch', but the drawing's header says mm"),
+    ("miles", "units = 'miles', but it must be one of mm, cm, dm, m, inch, foot"),
+])  # fmt: skip
+def test_units_that_contradict_are_refused(tmp_path, units, words):
+    with pytest.raises(GeometryError, match=words):
+        read_dxf(Drawing(tmp_path).box().saved(), units)

@@ -1,0 +1,219 @@
+"""Supports do not reach across voids: two bars, a slit, a notch; nothing changes where there is none."""
+
+import numpy as np
+import pytest
+from clouds import rate_rows, rows
+
+import seal_mdao as sm
+from seal_mdao.analysis.body import Body
+from seal_mdao.loads.dead_load import DeadLoad
+from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.integration import integration_points
+from seal_mdao.rkpm.tables import build_table, raw_rates
+from seal_mdao.rkpm.visibility import hidden_pairs
+from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.terms.points import boundary_particles, edge_points
+from seal_mdao.verification.bodies import Grid, fixed_components
+from seal_mdao.verification.solving import solve, tight
+
+RUBBER = sm.MooneyRivlin(80.0, 20.0, 4000.0)
+BAR = Grid(12, 2)
+
+
+def bar(bottom):
+    return BAR.reference * [6.0, 1.0] + [0.0, bottom]
+
+
+def bars(*bottoms):
+    """Bars 6 x 1, each on its bottom, their left ends fixed, with supports of 1."""
+    particles = np.vstack([bar(bottom) for bottom in bottoms])
+    n = BAR.n_particles
+    cells = np.vstack([BAR.cells + k * n for k in range(len(bottoms))])
+    fixed = np.zeros((len(particles), 2), bool)
+    for k in range(len(bottoms)):
+        fixed[BAR.left + k * n] = True
+    radius = np.full(len(particles), 1.0)
+    hidden = hidden_pairs(cells, particles, radius)
+    return Body(cells, radius, fixed, solver="superlu", hidden=hidden), particles
+
+
+def bent(body, particles, *densities):
+    """Displacement under forces at the right end of every bar."""
+    loads = []
+    for k, density in enumerate(densities):
+        end = BAR.right + k * BAR.n_particles
+        where = boundary_particles(end, np.column_stack([np.roll(end, 1), np.roll(end, -1)]))
+        loads.append(DeadLoad(f"end{k}", where, np.array(density), np.linspace(0.0, 1.0, 3)))
+    path = solve(body, particles, (elastic_body(RUBBER), *loads), 2)
+    return path.discretization, path.displacement()
+
+
+def test_two_bars_do_not_feel_each_other():
+    together, both = bars(0.0, 1.1)
+    disc, moved = bent(together, both, (0.0, 1.0), (0.0, 0.0))
+    alone, lower = bars(0.0)
+    own, expected = bent(alone, lower, (0.0, 1.0))
+    n, table, single = BAR.n_particles, disc.cells.full.raw, own.cells.full.raw
+    size = single.start[-1]
+    assert np.array_equal(table.start[: len(BAR.cells) + 1], single.start)
+    assert np.array_equal(table.neighbours[:size], single.neighbours)
+    assert np.array_equal(table.phi[: single.phi.size], single.phi)
+    assert np.array_equal(table.grad[: single.grad.size], single.grad)
+    assert (table.neighbours[size:] >= n).all()
+    assert not moved[n:].any()
+    # the matrix of both is eliminated in another order: rounding times its condition
+    np.testing.assert_allclose(moved[:n], expected, rtol=0.0, atol=1e-12)
+    assert np.abs(expected).max() > 0.1
+    forces = [elastic_body(RUBBER).on(d, 0).forces(u) for d, u in ((disc, moved), (own, moved[:n]))]
+    assert np.array_equal(forces[0][:n], forces[1])
+    assert not forces[0][n:].any()
+
+
+def test_bars_that_see_each_other_are_glued():
+    """What the mask is for: without it the load on one bar bends the other."""
+    together, both = bars(0.0, 1.1)
+    glued = Body(together.cells, together.support_radius, together.fixed, solver="superlu")
+    _, moved = bent(glued, both, (0.0, 1.0), (0.0, 0.0))
+    assert np.abs(moved[BAR.n_particles :]).max() > 0.05
+
+
+def slit(length):
+    """A 4 x 4 square of 8 x 8 cells with a slit without width from the right, along y = 2."""
+    grid = Grid(8, 8)
+    particles, cells = grid.reference * 4.0, grid.cells.copy()
+    on = [i for i in range(9) if particles[grid.particle(i, 4), 0] > 4.0 - length + 1e-9]
+    above = {int(grid.particle(i, 4)): 81 + k for k, i in enumerate(on)}
+    for cell in cells:
+        if particles[cell, 1].mean() > 2.0:
+            cell[:] = [above.get(int(corner), corner) for corner in cell]
+    twins = list(above)
+    return cells, np.vstack([particles, particles[twins]]), np.array(twins)
+
+
+def test_the_two_lips_of_a_slit_are_apart_and_its_tip_is_not():
+    cells, particles, lower = slit(3.0)
+    radius = support_radii(cells, particles, 2.0)
+    pairs = set(map(tuple, hidden_pairs(cells, particles, radius).tolist()))
+    for k, particle in enumerate(lower):
+        from_tip = particles[particle, 0] - 1.0
+        assert ((particle, 81 + k) in pairs) == (from_tip > radius[particle])
+        assert ((81 + k, particle) in pairs) == (from_tip > radius[particle])
+    assert not any(first == second for first, second in pairs)
+    ends = particles[np.array(sorted(pairs))]
+    assert ((ends[:, 0, 1] - 2.0) * (ends[:, 1, 1] - 2.0) <= 0.0).all()
+
+
+def test_nothing_is_hidden_where_there_is_no_void_near():
+    seal = sm.door_seal()
+    body, particles = seal.body, seal.drawn_particles
+    assert hidden_pairs(body.cells, particles, body.support_radius).size == 0
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_pairs_are_those_of_a_search_over_all_radii(seed):
+    """Against the definition: flood the cells through sides inside the disc, pair by pair."""
+    cells, particles, _ = slit(2.5)
+    rng = np.random.default_rng(seed)
+    particles = particles + rng.uniform(-0.02, 0.02, particles.shape)
+    radius = rng.uniform(0.9, 1.3, len(particles))
+    found = hidden_pairs(cells, particles, radius)
+    pairs = set(map(tuple, found.tolist()))
+    for particle in rng.choice(len(particles), 12, replace=False):
+        apart = np.hypot(*(particles - particles[particle]).T)
+        for other in np.flatnonzero(apart <= 1.5 * radius[particle]):
+            within = max(apart[other], radius[particle])
+            seen = flooded(cells, particles, particle, within)
+            assert ((particle, other) in pairs) == (other not in seen)
+
+
+def flooded(cells, particles, particle, within):
+    """Corners of all cells joined to the particle through sides nearer than ``within``."""
+    owners = {}
+    for number, cell in enumerate(cells):
+        for a, b in zip(cell, np.roll(cell, -1), strict=True):
+            t = np.linspace(0.0, 1.0, 2001)[:, None]
+            side = (1 - t) * particles[a] + t * particles[b]
+            if np.hypot(*(side - particles[particle]).T).min() <= within:
+                owners.setdefault(frozenset((int(a), int(b))), []).append(number)
+    joined = {number for number, cell in enumerate(cells) if particle in cell}
+    while True:
+        more = {n for both in owners.values() if joined & set(both) for n in both} - joined
+        if not more:
+            return {int(corner) for number in joined for corner in cells[number]}
+        joined |= more
+
+
+def c_ring(a, b, first, last, moment):
+    """A C-ring whose ends carry the tractions of pure bending, held at its back.
+
+    Returns the body, particles, loads, and the exact turn of one end against the other. Stress
+    function A ln r + B r^2 ln r + C r^2 (S. P. Timoshenko, J. N. Goodier, Theory of Elasticity,
+    Arts. 29 and 31): sigma_theta = -A / r^2 + B (3 + 2 ln r) + 2 C, u_theta = 4 B r theta / E.
+    """
+    grid = Grid(120, 4)
+    share = grid.reference
+    angle, r = first + (last - first) * share[:, 0], b - (b - a) * share[:, 1]
+    particles = r[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    n = (b**2 - a**2) ** 2 - 4.0 * (a * b * np.log(b / a)) ** 2
+    A = -4.0 * moment / n * (a * b) ** 2 * np.log(b / a)
+    B = -2.0 * moment / n * (b**2 - a**2)
+    C = moment / n * (b**2 - a**2 + 2.0 * (b**2 * np.log(b) - a**2 * np.log(a)))
+    loads = []
+    for name, row, end, sign in (
+        ("lower", grid.left[::-1], first, -1),
+        ("upper", grid.right, last, 1),
+    ):
+        where = edge_points(np.column_stack([row[:-1], row[1:]]))
+        radius = np.hypot(*where.points.at(particles).T)
+        stress = -A / radius**2 + B * (3.0 + 2.0 * np.log(radius)) + 2.0 * C
+        along = np.array([-np.sin(end), np.cos(end)])
+        loads.append(DeadLoad(name, where, sign * stress[:, None] * along, np.array([0.0, 1.0])))
+    back = grid.particle(60, np.array([2, 0]))
+    fixed = fixed_components(len(particles), x=back[:1], y=back)
+    shear, bulk = RUBBER.shear_modulus, RUBBER.bulk_modulus
+    young, poisson = (
+        9 * bulk * shear / (3 * bulk + shear),
+        (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear),
+    )
+    turn = 4.0 * B * (last - first) * (1.0 - poisson**2) / young
+    return grid, particles, fixed, loads, turn
+
+
+@pytest.mark.parametrize("hides", [True, False])
+def test_c_ring_springs_open(hides):
+    """A slit of 0.1 beneath supports of 0.5: the exact turn of a curved bar, or hardly any."""
+    half = 0.05 / 3.5
+    grid, particles, fixed, loads, turn = c_ring(3.0, 4.0, half, 2 * np.pi - half, 0.02)
+    radius = support_radii(grid.cells, particles, 2.0)
+    assert radius.min() > 0.3
+    hidden = hidden_pairs(grid.cells, particles, radius)
+    options = {"hidden": hidden} if hides else {}
+    body = Body(grid.cells, radius, fixed, **options)
+    path = solve(body, particles, (elastic_body(RUBBER), *loads), 1, options=tight(RUBBER))
+    moved = path.displacement()
+    opening = moved[grid.right, 1] - moved[grid.left, 1]
+    exact = turn * np.hypot(*particles[grid.left].T)
+    if hides:
+        np.testing.assert_allclose(opening, exact, rtol=0.02)
+    else:
+        assert np.abs(opening).max() < 0.5 * np.abs(exact).min()
+
+
+def test_rates_are_exact_beside_a_slit(rng):
+    """What is hidden stays so when the particles move: differences of smooth shape functions."""
+    cells, particles, _ = slit(3.0)
+    radius = support_radii(cells, particles, 2.0)
+    hidden = hidden_pairs(cells, particles, radius)
+    body = Body(cells, radius, np.zeros(particles.shape, bool), hidden=hidden)
+    points = integration_points(body.cell_map, body.edge_rule)
+    table, n = build_table(body.cloud(particles), points), len(particles)
+    velocity, step = rng.uniform(-1.0, 1.0, (1, n, 2)), 1e-5
+    rates = raw_rates(body.cloud(particles), table, velocity)
+    exact = rate_rows(table.raw, rates, n, 1)[0][..., 0]
+    sides = [
+        rows(build_table(body.cloud(particles + s * step * velocity[0]), points).raw, n)[0]
+        for s in (1, -1)
+    ]
+    # truncation: third derivatives of the kernel, some 1e2 over a support of 1, times step^2
+    np.testing.assert_allclose((sides[0] - sides[1]) / (2 * step), exact, rtol=0.0, atol=1e-7)
+    assert np.abs(exact).max() > 1.0

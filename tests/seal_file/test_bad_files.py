@@ -1,0 +1,261 @@
+"""Seal files that are refused: one line that names table, key, value, and what is allowed."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import seal_mdao as sm
+
+BULB = (Path(__file__).parent / "bulb.toml").read_text()
+ARC = "arc = { start = [4.0, 0.0], through = [0.0, 14.0], end = [-4.0, 0.0] }"
+CIRCLE = "circle = { centre = [0.0, 7.0], radius = 4.5 }"
+DOOR = "line = [[-40.0, 0.0], [40.0, 0.0]]"
+MATERIAL = BULB[: BULB.index("[section]")]
+SECTION = BULB[BULB.index("[section]") : BULB.index("[fixed]")]
+PROFILE = BULB[BULB.index("[[profile]]") : BULB.index("[[design]]")]
+STAGES = BULB[BULB.index("[[profile.stage]]") : BULB.index("[[design]]")]
+OPTIMIZE = BULB[BULB.index("[optimize]") :]
+SECOND = PROFILE.replace('"door"', '"wall"')
+WIDTH = 'type = "contact_width"\nprofile = "door"'
+HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
+
+
+def without(text):
+    return text, ""
+
+
+# what is replaced in a sound file, by what, and words of the line
+BAD = {
+    # TOML
+    "empty": (*without(BULB), "is empty; it needs [material.NAME], [section], [fixed], [[profile]]"),
+    "a comment": (BULB, "# nothing\n", "is empty"),
+    "no TOML": (BULB, "law: rubber", "is not valid TOML: Expected '=' after a key"),
+    "no end of a list": ("[4.0, 0.0]]", "[4.0, 0.0]", "is not valid TOML:"),
+    "a key twice": ("c10 = 80.0", "c10 = 80.0\nc10 = 8.0", "is not valid TOML: Cannot overwrite"),
+    "comma": ("c10 = 80.0", "c10 = 80,0", "is not valid TOML:"),
+    # tables
+    "no material": (*without(MATERIAL), "[material.NAME] is missing"),
+    "no section": (*without(SECTION), "[section] is missing"),
+    "no fixed": (*without('[fixed]\nedges = ["base"]\n'), "[fixed] is missing"),
+    "no profile": (*without(PROFILE), "[[profile]] is missing"),
+    "unknown table": ("[fixed]", "[fixd]", "unknown table or key 'fixd' (did you mean 'fixed'?)"),
+    "unknown key on top": ("[material", "speed = 1\n[material", "unknown table or key 'speed'; known"),
+    "profile no list": (
+        PROFILE, PROFILE.replace("[[profile]]", "[profile]"),
+        "profile must be a list of tables, each written [[profile]], got {'name': 'door'",
+    ),
+    "section a list": (
+        "[section]\n", "[[section]]\n", "[section] must be one table, written [section], got [{",
+    ),
+    "fixed a number": (BULB, "fixed = 3\n" + BULB.replace('[fixed]\nedges = ["base"]\n', ""),
+                       "[fixed] must be one table, got 3"),
+    "profiles of numbers": (BULB, "profile = [1, 2]\n" + BULB.replace(PROFILE, ""),
+                            "profile must be a list of tables, each written [[profile]], got [1, 2]"),
+    "no profiles": (BULB, "profile = []\n" + BULB.replace(PROFILE, ""), "got []"),
+    "measure no list": ("[[measure]]", "[measure]", "measure must be a list of tables, each written"),
+    "design no list": ("[[design]]", "[design]", "design must be a list of tables, each written [[de"),
+    "optimize a list": ("[optimize]\n", "[[optimize]]\n", "[optimize] must be one table, written"),
+    # material
+    "no law": (*without('law = "mooney_rivlin"\n'),
+               "[material.rubber]: the key 'law' is missing; it must be one of neo_hookean, mooney"),
+    "unknown law": ('"mooney_rivlin"', '"rubber"', "[material.rubber]: law = 'rubber', but it must"),
+    "law a number": ('"mooney_rivlin"', "3", "[material.rubber]: law = 3, but it must be one of"),
+    "law a list": ('"mooney_rivlin"', '["yeoh"]', "[material.rubber]: law = ['yeoh'], but it must"),
+    "no constant": (*without("c01 = 20.0\n"), "[material.rubber]: the key 'c01' is missing; it must"),
+    "constant of another law": ("c01 =", "c20 =", "[material.rubber]: unknown key 'c20' (did you mean"),
+    "constant a text": ("c10 = 80.0", 'c10 = "80"', "c10 = '80', but it must be a number"),
+    "constant a truth": ("c10 = 80.0", "c10 = true", "c10 = True, but it must be a number"),
+    "constant NaN": ("c10 = 80.0", "c10 = nan", "c10 = nan, but it must be a number"),
+    "constant infinite": ("bulk_modulus = 80000.0", "bulk_modulus = inf", "bulk_modulus = inf, but"),
+    "negative constant": ("c10 = 80.0", "c10 = -8.0", "[material.rubber]: c10 of MooneyRivlin must"),
+    "no stiffness": ("bulk_modulus = 80000.0", "bulk_modulus = 0.0", "bulk_modulus of MooneyRivlin"),
+    "unstable": (MATERIAL, '[material.rubber]\nlaw = "ogden"\nmu = [-6.0]\nalpha = [2.0]\n'
+                 "bulk_modulus = 8e4\n", "the initial shear modulus sum(mu alpha) / 2 of Ogden must"),
+    "mu no list": (MATERIAL, '[material.rubber]\nlaw = "ogden"\nmu = 6.0\nalpha = [2.0]\n'
+                   "bulk_modulus = 8e4\n", "mu = 6.0, but it must be a list of numbers"),
+    "uneven": (MATERIAL, '[material.rubber]\nlaw = "ogden"\nmu = [6.0]\nalpha = [2.0, 3.0]\n'
+               "bulk_modulus = 8e4\n", "[material.rubber]: Ogden needs as many mu as alpha"),
+    "foam as rubber": (MATERIAL, '[material.rubber]\nlaw = "hyperfoam"\nmu = [6.0]\nalpha = [2.0]\n'
+                       "nu = [0.5]\n", "nu_1 of Hyperfoam must lie between -1 and 1/2, got 0.5"),
+    "data": ("c10 = 80.0", 'data = "tests.csv"', "data = 'tests.csv', but constants are not fitted"),
+    "no name": ("[material.rubber]", "[material]", "[material]: law = 'mooney_rivlin', but a material"),
+    "unknown material": ('material = "rubber"', 'material = "ruber"',
+                         "[section]: material = 'ruber', but there is no such material (did you mean"),
+    # section
+    "no spacing": (*without("spacing = 0.9\n"), "[section]: the key 'spacing' is missing; it must be a"),
+    "spacing zero": ("spacing = 0.9", "spacing = 0.0", "spacing = 0.0, but it must be a number above 0"),
+    "spacing a text": ("spacing = 0.9", 'spacing = "fine"', "[section]: spacing = 'fine', but it must"),
+    "spacing too large": ("spacing = 0.9", "spacing = 9.0", "[section]: spacing = 9, but the section"),
+    "spacing too small": ("spacing = 0.9", "spacing = 1e-3", "[section]: spacing = 0.001, which needs"),
+    "coordinate too large": ("[4.0, 0.0]]", "[4e99, 0.0]]", "line: last = (4e+99, 0) is beyond 1e+09"),
+    "spacing misspelt": ("spacing =", "spaceing =", "unknown key 'spaceing' (did you mean 'spacing'?)"),
+    "outline and drawing": ("spacing = 0.9", 'spacing = 0.9\ndxf = "a.dxf"', "it has both"),
+    "no outline": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\n', "it has neither"),
+    "units without drawing": ("spacing = 0.9", 'spacing = 0.9\nunits = "mm"', "units belongs to dxf"),
+    "no such drawing": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\ndxf = "no.dxf"\n',
+                        "no.dxf: there is no such drawing"),
+    "drawing and hole": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\ndxf = "no.dxf"\n'
+                         '[[section.hole]]\nedge = "cavity"\n' + CIRCLE + "\n",
+                         "[[section.hole]] beside dxf; the drawing has the holes"),
+    "unknown units": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\ndxf = "no.dxf"\n'
+                      'units = "miles"\n', "[section]: units = 'miles', but it must be one of mm"),
+    "edge without a name": (*without('edge = "base"\n'), "[[section.outer]] 1: the key 'edge' is missi"),
+    "edge a number": ('edge = "base"', "edge = 3", "[[section.outer]] 1: edge = 3, but it must be a te"),
+    "no segment": (*without("line = [[-4.0, 0.0], [4.0, 0.0]]\n"),
+                   "[[section.outer]] 1 (edge 'base'): needs exactly one of line, arc, spline, circle"),
+    "two segments": (ARC, ARC + "\nline = [[4.0, 0.0], [-4.0, 0.0]]", "it has line and arc"),
+    "unknown segment": ("line = [[-4.0", "bezier = [[-4.0", "(edge 'base'): unknown key 'bezier'"),
+    "one point": ("[[-4.0, 0.0], [4.0, 0.0]]", "[[-4.0, 0.0]]", "it must be a list of at least two"),
+    "three coordinates": ("[4.0, 0.0]]", "[4.0, 0.0, 0.0]]", "it must be a list of at least two points"),
+    "text as coordinate": ("[4.0, 0.0]]", '[4.0, "0"]]', "(edge 'base'): line = [[-4.0, 0.0], [4.0, '0"),
+    "NaN coordinate": ("[4.0, 0.0]]", "[4.0, nan]]", "line = [[-4.0, 0.0], [4.0, nan]], but it must"),
+    "duplicate points": ("[[-4.0, 0.0], [4.0, 0.0]]", "[[-4.0, 0.0], [4.0, 0.0], [4.0, 0.0]]",
+                         "(edge 'base'): line: a line from (4, 0) to itself has no length"),
+    "collinear arc": ("through = [0.0, 14.0]", "through = [0.0, 0.0]",
+                      "[[section.outer]] 2 (edge 'seal'): arc: start (4, 0), through (0, 0) and end"),
+    "arc without end": (ARC, ARC.replace(", end = [-4.0, 0.0]", ""), "arc: the key 'end' is missing; "),
+    "arc a list": (ARC, "arc = [[4.0, 0.0], [0.0, 14.0], [-4.0, 0.0]]", "arc must be one table"),
+    "arc misspelt": (ARC, ARC.replace("through", "trough"), "arc: unknown key 'trough' (did you mean"),
+    "spline point twice": (ARC, "spline = [[4.0, 0.0], [0.0, 14.0], [0.0, 14.0], [-4.0, 0.0]]",
+                           "spline: points 2 and 3 of a spline coincide at (0, 14)"),
+    "center": (CIRCLE, CIRCLE.replace("centre", "center"), "unknown key 'center' (did you mean 'centr"),
+    "no radius": (CIRCLE, CIRCLE.replace("4.5", "0"), "circle: radius = 0, but it must be a number abo"),
+    "negative radius": (CIRCLE, CIRCLE.replace("4.5", "-4.5"), "circle: radius = -4.5, but it must be"),
+    "open contour": (ARC, ARC.replace("end = [-4.0", "end = [-5.0"),
+                     "[[section.outer]]: the contour is open: segment 2 (edge 'seal') ends at (-5, 0)"),
+    "clockwise": (ARC, ARC.replace("14.0", "-14.0"), "[section]: the outer contour (edges base, seal) "
+                  "is walked clockwise"),
+    "crossing": (ARC, "spline = [[4.0, 0.0], [-5.0, 9.0], [5.0, 9.0], [-4.0, 0.0]]", "crosses itself"),
+    "hole open": (CIRCLE, "line = [[0.0, 6.0], [1.0, 7.0], [0.0, 8.0]]",
+                  "[[section.hole]] of hole 1: the contour is open: segment 2 (edge 'cavity')"),
+    "hole outside": (CIRCLE, CIRCLE.replace("[0.0, 7.0]", "[30.0, 7.0]"), "lies outside of the outer"),
+    "hole crosses": (CIRCLE, CIRCLE.replace("4.5", "7.2"), "[section]: the outer contour, edge 'base', "
+                     "crosses hole 1, edge 'cavity',"),
+    "overlapping holes": ("[fixed]", HOLE + "[4.0, 7.0], radius = 1.0 }\n[fixed]",
+                          "hole 1, edge 'cavity', crosses hole 2, edge 'second', at"),
+    "hole in a hole": ("[fixed]", HOLE + "[0.0, 7.0], radius = 1.0 }\n[fixed]", "lies inside of hole 1"),
+    "hole zero": ("[fixed]", (HOLE + "[0.0, 7.0], radius = 1.0 }\n[fixed]").replace("= 2", "= 0"),
+                  "hole = 0, but it must be a whole number from 1 to"),
+    "an edge twice": ('edge = "cavity"', 'edge = "seal"', "the edge 'seal' is on the outer contour and"),
+    "hole no list": ("[[section.hole]]", "[section.hole]", "section.hole must be a list of tables, ea"),
+    # fixed
+    "fixed nothing": ('edges = ["base"]', "edges = []", "[fixed]: edges = [], but it must be a list of"),
+    "fixed a text": ('edges = ["base"]', 'edges = "base"', "[fixed]: edges = 'base', but it must be a"),
+    "fixed unknown": ('edges = ["base"]', 'edges = ["bas"]', "[fixed]: edges = 'bas', but there is no "
+                      "such edge (did you mean 'base'?); there are base, seal, cavity"),
+    "fixed twice": ('edges = ["base"]', 'edges = ["base", "base"]', "[fixed]: edges has 'base' twice"),
+    "fixed misspelt": ('edges = ["base"]', 'edge = ["base"]', "[fixed]: unknown key 'edge' (did you me"),
+    # profile
+    "no name of a profile": (*without('name = "door"\n'), "[[profile]] 1: the key 'name' is missing"),
+    "odd name": ('name = "door"', 'name = "the door"', "name = 'the door', but it must be a name of l"),
+    "name of the body": ('name = "door"', 'name = "structure"', "that is the name of the body itself"),
+    "same names": (PROFILE, PROFILE + PROFILE, "[[profile]] 2: name = 'door', but an earlier one has"),
+    "no friction": (*without("friction = 0.25\n"), "[[profile]] 1 ('door'): the key 'friction' is miss"),
+    "negative friction": ("friction = 0.25", "friction = -0.1", "friction = -0.1, but it must be a nu"),
+    "friction a text": ("friction = 0.25", 'friction = "low"', "friction = 'low', but it must be a nu"),
+    "no contact": (*without('contact = ["seal"]\n'), "('door'): the key 'contact' is missing; it must"),
+    "unknown contact": ('contact = ["seal"]', 'contact = ["sael"]', "[[profile]] 1 ('door'): contact = "
+                        "'sael', but there is no such edge (did you mean 'seal'?)"),
+    "contact is fixed": ('contact = ["seal"]', 'contact = ["base"]', "contact = 'base', but [fixed] h"),
+    "contact apart": ('contact = ["seal"]', 'contact = ["seal", "cavity"]', "is not one stretch of the "
+                      "boundary"),
+    "no shape": (*without(DOOR + "\n"), "[[profile]] 1 ('door'): needs exactly one of line, arc, spli"),
+    "profile of one point": (DOOR, "line = [[0.0, 0.0]]", "line = [[0.0, 0.0]], but it must be a list"),
+    "profile there and back": (DOOR, "line = [[-9.0, 0.0], [9.0, 0.0], [-9.0, 0.0]]",
+                               "fold back on each other at (9, 0)"),
+    "profile crosses": (DOOR, "line = [[-9.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, -9.0]]",
+                        "[[profile]] 1 ('door'): it crosses or touches itself at (4.5, 0)"),
+    "profile has a gap": (DOOR, "[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]\n"
+                          "[[profile.segment]]\nline = [[1.0, 0.0], [9.0, 0.0]]\n[profile.x]\n",
+                          "('door'): unknown key 'x'"),
+    "profile of pieces apart": (
+        DOOR + "\nstart = [0.0, 14.5]",
+        "start = [0.0, 14.5]\n[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]\n"
+        "[[profile.segment]]\nline = [[1.0, 0.0], [9.0, 0.0]]",
+        "segment 1 (edge 'door') ends at (0, 0) but segment 2 (edge 'door') begins at (1, 0), 1 mm away",
+    ),
+    "profile twice": (
+        DOOR + "\nstart = [0.0, 14.5]",
+        DOOR + "\nstart = [0.0, 14.5]\n[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]",
+        "line beside [[profile.segment]]; use one of them",
+    ),
+    "inside": ("start = [0.0, 14.5]", "start = [0.0, 13.0]", "[[profile]] 1 ('door'): start = (0, 13) "
+               "puts the edge 'seal' 0.998 mm inside the rigid body at (0.176309, 13.9979); start it"),
+    "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "lies on the left when walked; is it "
+                  "walked the wrong way?)"),
+    "start a number": ("start = [0.0, 14.5]", "start = 14.5", "start = 14.5, but it must be a point"),
+    "no penalty": (DOOR, DOOR + "\nnormal_penalty = 0.0", "normal_penalty = 0.0, but it must be a numb"),
+    "no stage": (*without(STAGES), "[[profile]]: none has a [[profile.stage]]; at least one has to mo"),
+    "stage no list": (STAGES, "[profile.stage]\nsteps = 3\n", "profile.stage must be a list of tables"),
+    "no steps": (*without("steps = 60\n"), "[[profile]] 1 ('door'): [[profile.stage]] 1: the key 'ste"),
+    "half a step": ("steps = 60", "steps = 60.5", "[[profile.stage]] 1: steps = 60.5, but it must be a"),
+    "zero steps": ("steps = 60", "steps = 0", "steps = 0, but it must be a whole number from 1 to"),
+    "travel a number": ("translate = [2.0, 0.0]", "translate = 2.0", "[[profile.stage]] 2: translate "),
+    "rotate NaN": ("rotate = 0.0", "rotate = nan", "[[profile.stage]] 2: rotate = nan, but it must be"),
+    "stage misspelt": ("rotate =", "rotat =", "unknown key 'rotat' (did you mean 'rotate'?)"),
+    "uneven steps": (PROFILE, PROFILE + SECOND.replace("steps = 20", "steps = 30"),
+                     "the key 'profile' is missing; it must be one of door, wall"),
+    "uneven steps alone": (BULB, (BULB[: BULB.index("[[measure]]")]).replace(
+        PROFILE, PROFILE + SECOND.replace("steps = 20", "steps = 30")),
+        "the stages of 'door' have 80 steps in all and those of 'wall' 90; they must be equal"),
+    # design
+    "no bound": (*without("bound = 0.5\n"), "[[design]] 1: the key 'bound' is missing; it must be a n"),
+    "bound zero": ("bound = 0.5", "bound = 0", "[[design]] 1: bound = 0, but it must be a number above"),
+    "no parameters": ("parameters = 12", "parameters = 0", "[[design]] 1: parameters = 0, but it must"),
+    "design unknown": ('["seal", "cavity"]', '["seals"]', "[[design]] 1: edges = 'seals', but there is"),
+    "design fixed": ('["seal", "cavity"]', '["base"]', "[[design]] 1: edges has 'base', which [fixed]"),
+    "design twice": ("[[measure]]", '[[design]]\nedges = ["seal"]\nparameters = 3\nbound = 0.1\n'
+                     "[[measure]]", "[[design]] 2: edges has 'seal', which [[design]] 1 has already"),
+    # measure
+    "no type": (*without('type = "contact_width"\n'), "[[measure]] 1: the key 'type' is missing; it m"),
+    "unknown type": ('"contact_width"', '"width"', "[[measure]] 1: type = 'width', but it must be one"),
+    "type a number": ('"contact_width"', "3", "[[measure]] 1: type = 3, but it must be one of section"),
+    "unknown profile": ('profile = "door"', 'profile = "dor"', "[[measure]] 1: profile = 'dor', but "
+                        "there is no such profile (did you mean 'door'?); there is door"),
+    "argument of another type": (WIDTH, WIDTH + "\norder = 4", "[[measure]] 1: unknown key 'order'"),
+    "order one": (WIDTH, 'type = "peak_pressure"\norder = 1', "order = 1, but it must be a whole numb"),
+    "component z": (WIDTH, 'type = "reaction"\ncomponent = "z"', "component = 'z', but it must be one"),
+    "no point": (WIDTH, 'type = "displacement"', "[[measure]] 1: the key 'at' is missing; it must be a"),
+    "no cavity": (WIDTH, 'type = "cavity_area"\nedge = "seal"', "edge = 'seal' does not go all round a"),
+    "unknown cavity": (WIDTH, 'type = "cavity_area"\nedge = "hole"', "edge = 'hole', but there is no "),
+    "same measures": ("[optimize]", f"[[measure]]\n{WIDTH}\n[optimize]", "[[measure]] 2: name = 'cont"),
+    "odd measure name": (WIDTH, WIDTH + '\nname = "1st"', "name = '1st', but it must be a name of let"),
+    # optimize
+    "nothing to minimise": (*without('minimize = "section_area"\n'), "[optimize]: the key 'minimize' "),
+    "unknown aim": ('"section_area"', '"weight"', "[optimize]: minimize = 'weight', but there is no "
+                    "such measure; it must be the name of a [[measure]] (contact_width)"),
+    "aim misspelt": ('"section_area"', '"section_aera"', "(did you mean 'section_area'?)"),
+    "aim with several values": ('"section_area"', '"von_mises"', "which has several values; minimise a"),
+    "aim needs more": ('"section_area"', '"cavity_area"', "minimize = 'cavity_area', but there is no "),
+    "no bounds": (*without("lower = 40.0\nupper = 60.0\n"), "[[optimize.constraint]] 1: needs lower, "),
+    "bounds the other way": ("lower = 40.0", "lower = 70.0", "lower = 70 is above upper = 60"),
+    "bound a text": ("lower = 40.0", 'lower = "40"', "[[optimize.constraint]] 1: lower = '40', but it"),
+    "constraint unknown": ('"reaction"', '"raction"', "[[optimize.constraint]] 1: measure = 'raction'"),
+    "constraint no list": ("[[optimize.constraint]]", "[optimize.constraint]", "optimize.constraint m"),
+    "maximize": ("minimize =", "maximize =", "unknown key 'maximize' (did you mean 'minimize'?)"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_what_a_file_cannot_say_is_refused_in_one_line(tmp_path, name):
+    old, new, words = BAD[name]
+    assert old in BULB
+    path = tmp_path / "seal.toml"
+    path.write_text(BULB.replace(old, new, 1))
+    with pytest.raises(sm.SealFileError, match=re.escape(words)) as caught:
+        sm.read_seal_file(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+    assert caught.value.__cause__ is None
+
+
+def test_files_that_are_none(tmp_path):
+    with pytest.raises(sm.SealFileError, match="there is no such file"):
+        sm.read_seal_file(tmp_path / "none.toml")
+    with pytest.raises(sm.SealFileError, match=r"cannot be read \(Is a directory\)"):
+        sm.read_seal_file(tmp_path)
+    path = tmp_path / "binary.toml"
+    path.write_bytes(b"[fixed]\nedges = \xff")
+    with pytest.raises(sm.SealFileError, match=r"is not text in UTF-8 \(byte 16\)"):
+        sm.read_seal_file(path)

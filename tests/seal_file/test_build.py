@@ -1,0 +1,123 @@
+"""From a seal file to a seal that is analysed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.seals.file.build import build_seal
+
+BULB = (Path(__file__).parent / "bulb.toml").read_text()
+COARSE = BULB
+for old, new in (
+    ("spacing = 0.9", "spacing = 1.6"), ("[0.0, -6.0]", "[0.0, -1.1]"), ("steps = 60", "steps = 6"),
+    ("[2.0, 0.0]", "[0.3, 0.0]"), ("steps = 20", "steps = 2"), ("parameters = 12", "parameters = 5"),
+):  # fmt: skip
+    assert old in COARSE
+    COARSE = COARSE.replace(old, new)
+
+
+def read(folder, text):
+    path = folder / "seal.toml"
+    path.write_text(text)
+    return sm.read_seal_file(path)
+
+
+@pytest.fixture(scope="module")
+def pressed(tmp_path_factory):
+    seal = build_seal(read(tmp_path_factory.mktemp("build"), COARSE))
+    return seal, sm.analyze(seal, keep_factors=True)
+
+
+def test_everything_that_the_file_says_is_in_the_seal(pressed):
+    seal, result = pressed
+    assert result.converged
+    assert seal.n_steps == 8
+    assert seal.n_offsets == 10
+    assert [measure.name for measure in seal.standard] == [
+        "contact_width", "section_area", "reaction",
+    ]  # fmt: skip
+    scalars = {name: scalar.value for name, scalar in seal.scalars.items()}
+    assert scalars == {
+        "c10": 80.0, "c01": 20.0, "bulk_modulus": 80_000.0, "door_friction": 0.25,
+        "door_normal_penalty": 1e4, "door_tangent_penalty": 1e2,
+    }  # fmt: skip
+    assert set(seal.body.edges) == {"base", "seal", "cavity"}
+    base = seal.body.edge("base").particles
+    assert np.array_equal(np.flatnonzero(seal.body.fixed.all(axis=1)), np.sort(base))
+    assert np.abs(seal.drawn_particles[base, 1]).max() < 1e-14
+
+
+def test_the_door_presses_from_above_and_drags_to_the_right(pressed):
+    seal, result = pressed
+    horizontal, vertical = result.response("door").total
+    assert vertical > 0.0 > horizontal
+    (reaction,) = (measure for measure in seal.standard if measure.name == "reaction")
+    assert result.value(reaction) == pytest.approx([vertical])
+    # 1.1 mm of travel from 0.5 mm above the top
+    top = result.displacement()[:, 1].min()
+    assert -0.75 < top < -0.55
+
+
+def test_gradients_against_central_differences(pressed):
+    """The same points touch and slip at both ends. The step's square is 1e-8 of the value's, and
+    Newton's tolerance over the step less."""
+    seal, result = pressed
+    rates = sm.differentiate(result, ("c10",))
+    step = 1e-4 * 80.0
+    ends = [sm.analyze(seal, None, {"c10": 80.0 + way * step}) for way in (1.0, -1.0)]
+    for measure in seal.standard:
+        values = [end.value(measure) for end in ends]
+        quotient = (values[0] - values[1]) / (2.0 * step)
+        exact = getattr(rates, measure.name)[:, -1]
+        size = np.abs(getattr(rates, measure.name)).max()
+        assert np.abs(quotient - exact).max() < 1e-5 * size
+
+
+def test_a_drawing_gives_the_same_seal(tmp_path, pressed):
+    """Ends of segments differ by rounding, so particles do by little more."""
+    seal, _ = pressed
+    file = read(tmp_path, COARSE)
+    sm.write_dxf(file.section.outline, tmp_path / "bulb.dxf")
+    rows = COARSE[COARSE.index("[[section.outer]]") : COARSE.index("[fixed]")]
+    again = build_seal(read(tmp_path, COARSE.replace(rows, 'dxf = "bulb.dxf"\n')))
+    assert np.array_equal(again.body.cells, seal.body.cells)
+    assert np.abs(again.drawn_particles - seal.drawn_particles).max() < 1e-9
+
+
+def test_two_profiles_and_contact_over_several_edges(tmp_path):
+    text = COARSE[: COARSE.index("[[design]]")].replace(
+        "arc = { start = [4.0, 0.0], through = [0.0, 14.0], end = [-4.0, 0.0] }",
+        'spline = [[4.0, 0.0], [8.0, 7.0], [0.0, 14.0]]\n[[section.outer]]\nedge = "left"\n'
+        "spline = [[0.0, 14.0], [-8.0, 7.0], [-4.0, 0.0]]",
+    ).replace('contact = ["seal"]', 'contact = ["left", "seal"]')  # fmt: skip
+    wall = """[[profile]]
+name = "wall"
+friction = 0.1
+contact = ["seal"]
+line = [[9.0, 30.0], [9.0, 0.0]]
+"""
+    seal = build_seal(read(tmp_path, text + wall))
+    _, door, side = seal.terms()
+    assert (door.label, side.label) == ("door", "wall")
+    body = seal.body
+    both = {*body.edge("seal").particles, *body.edge("left").particles}
+    movable = [p for p in both if not body.fixed[p].all()]
+    assert sorted(door.where.points.anchors[:, 0]) == sorted(movable)
+    # from the right end of the base over the top to the left one
+    x = seal.drawn_particles[door.where.points.anchors[:, 0], 0]
+    assert x[0] > 4.0
+    assert x[-1] < -4.0
+    assert side.motion.n_steps == 8
+    assert not side.motion.coordinates(5.0).any()
+
+
+@pytest.mark.parametrize(("old", "new", "words"), [
+    ("parameters = 5", "parameters = 1", "needs at least"),
+    ("radius = 4.5", "radius = 6.9999", "seal.toml: "),
+])  # fmt: skip
+def test_what_only_shows_when_it_is_built(tmp_path, old, new, words):
+    with pytest.raises(sm.SealFileError, match=words) as caught:
+        build_seal(read(tmp_path, COARSE.replace(old, new)))
+    assert "\n" not in str(caught.value)

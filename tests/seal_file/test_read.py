@@ -1,0 +1,210 @@
+"""What a seal file decides, and the profiles, motions and measures that follow."""
+
+import dataclasses
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.contact.kinematics import closest_point
+from seal_mdao.geometry.motion import Stage
+from seal_mdao.geometry.profile import circle_profile, polyline_profile, trace
+from seal_mdao.measures.measure import Measure
+from seal_mdao.seals.file.laws import LAWS, read_law
+from seal_mdao.seals.file.measures import KINDS, measure_of
+from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
+from seal_mdao.seals.outline.section import Arc, Circle, Line
+
+BULB = Path(__file__).parent / "bulb.toml"
+PROFILE = "line = [[-40.0, 0.0], [40.0, 0.0]]\nstart = [0.0, 14.5]"
+
+
+def changed(tmp_path, *changes):
+    """The bulb's file with some texts replaced."""
+    text = BULB.read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    path = tmp_path / "seal.toml"
+    path.write_text(text)
+    return sm.read_seal_file(path)
+
+
+def test_the_tables_of_a_file_become_decisions():
+    file = sm.read_seal_file(BULB)
+    assert file.materials == {"rubber": sm.MooneyRivlin(80.0, 20.0, 80_000.0)}
+    assert file.section.spacing == 0.9
+    assert file.section.outline.edge_names == ("base", "seal", "cavity")
+    assert [type(s) for s in file.section.outline.outer.segments] == [Line, Arc]
+    assert isinstance(file.section.outline.holes[0].segments[0], Circle)
+    assert file.fixed.edges == ("base",)
+    (door,) = file.profiles
+    assert (door.name, door.friction, door.contact) == ("door", 0.25, ("seal",))
+    assert door.stages == (Stage(60, (0.0, -6.0)), Stage(20, (2.0, 0.0), 0.0))
+    assert file.n_steps == 80
+    (design,) = file.designs
+    assert (design.edges, design.parameters, design.bound) == (("seal", "cavity"), 12, 0.5)
+    assert [m.name for m in file.measures] == ["contact_width", "section_area", "reaction"]
+    assert file.optimize.minimize == "section_area"
+    assert file.optimize.constraints[0] == type(file.optimize.constraints[0])("reaction", 40, 60)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        file.section.spacing = 1.0
+
+
+def test_a_file_of_the_needed_tables_alone(tmp_path):
+    text = BULB.read_text()
+    path = tmp_path / "seal.toml"
+    path.write_text(text[: text.index("[[design]]")])
+    file = sm.read_seal_file(path)
+    assert (file.designs, file.measures, file.optimize) == ((), (), None)
+
+
+def test_lines_of_several_points_splines_and_several_holes(tmp_path):
+    file = changed(
+        tmp_path,
+        ("line = [[-4.0, 0.0], [4.0, 0.0]]", "line = [[-4.0, 0.0], [0.0, -1.0], [4.0, 0.0]]"),
+        ("arc = { start = [4.0, 0.0], through = [0.0, 14.0], end = [-4.0, 0.0] }",
+         "spline = [[4.0, 0.0], [7.0, 7.0], [0.0, 14.0], [-7.0, 7.0], [-4.0, 0.0]]"),
+        ("radius = 4.5 }", "radius = 1.5 }\n[[section.hole]]\nedge = 'flat'\nhole = 2\n"
+         "line = [[-2.0, 2.0], [2.0, 2.0]]\n[[section.hole]]\nedge = 'round'\nhole = 2\n"
+         "arc = { start = [2.0, 2.0], through = [0.0, 4.0], end = [-2.0, 2.0] }"),
+    )  # fmt: skip
+    outline = file.section.outline
+    assert outline.edge_names == ("base", "seal", "cavity", "round", "flat")
+    assert len(outline.edge("base")) == 2
+    assert outline.holes[1].area == pytest.approx(-2.0 * np.pi)
+
+
+def test_a_section_from_a_drawing_beside_the_file(tmp_path):
+    here = sm.read_seal_file(BULB).section.outline
+    sm.write_dxf(here, tmp_path / "bulb.dxf")
+    text = BULB.read_text()
+    rows = text[text.index("[[section.outer]]") : text.index("[fixed]")]
+    there = changed(tmp_path, (rows, 'dxf = "bulb.dxf"\n')).section.outline
+    assert there.edge_names == here.edge_names
+    assert there.area == pytest.approx(here.area, rel=1e-13)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_laws_by_the_names_of_their_constants(name):
+    few = {"ogden": 2, "hyperfoam": 1}.get(name)
+    constants = {field.name: 60.0 for field in dataclasses.fields(LAWS[name])}
+    if few:
+        ones = {"mu": [60.0, 1.0][:few], "alpha": [3.0, -2.0][:few], "nu": [0.3]}
+        constants |= {key: ones[key] for key in constants if key in ones}
+    law = read_law("[material.x]", {"law": name, **constants})
+    assert isinstance(law, LAWS[name])
+    for key, value in constants.items():
+        assert getattr(law, key) == (tuple(value) if few and key in ones else value)
+
+
+def test_a_polyline_becomes_the_profile_of_its_vertices(tmp_path):
+    corner = "line = [[-40.0, 0.0], [0.0, 0.0], [3.0, 2.0], [3.0, 40.0]]\nstart = [0.0, 14.5]"
+    (door,) = changed(tmp_path, (PROFILE, corner)).profiles
+    made = rigid_profile_of(door)
+    known = polyline_profile(np.array([(-40.0, 0.0), (0.0, 0.0), (3.0, 2.0), (3.0, 40.0)]))
+    for field in ("kind", "origin", "angle", "start", "length"):
+        assert np.abs(getattr(made, field) - getattr(known, field)).max() < 1e-14
+    assert made.period == 0.0
+
+
+def test_a_circle_is_walked_around_its_body(tmp_path):
+    circle = "circle = { centre = [0.0, 3.0], radius = 3.0 }\nstart = [0.0, 14.5]"
+    (door,) = changed(tmp_path, (PROFILE, circle)).profiles
+    made, known = rigid_profile_of(door), circle_profile((0.0, 3.0), 3.0)
+    assert made.period == pytest.approx(known.period)
+    for x, y, gap in ((0.0, -2.0, 2.0), (0.0, 1.0, -1.0), (5.0, 3.0, 2.0)):
+        assert closest_point(made, x, y)[2] == pytest.approx(gap, abs=1e-14)
+
+
+def test_lines_arcs_and_splines_in_one_chain(tmp_path):
+    chain = """start = [0.0, 14.5]
+[[profile.segment]]
+line = [[-40.0, 0.0], [0.0, 0.0]]
+[[profile.segment]]
+arc = { start = [0.0, 0.0], through = [2.8284271247461903, 1.1715728752538097], end = [4.0, 4.0] }
+[[profile.segment]]
+spline = [[4.0, 4.0], [4.2, 6.0], [4.1, 9.0], [5.0, 12.0]]"""
+    (door,) = changed(tmp_path, (PROFILE, chain)).profiles
+    made = rigid_profile_of(door)
+    assert np.array_equal(made.kind, [0, 1, 2, 2, 2])
+    fine = trace(made, 0.05, 30.0)
+    for segment in door.segments[1:]:
+        for point in segment.points(np.linspace(0.05, 0.95, 7)):
+            assert abs(closest_point(made, *point)[2]) < 1e-12
+    assert np.hypot(*np.diff(fine, axis=0).T)[2:-2].max() < 1.0
+    # the body lies on the left: above the flat
+    assert closest_point(made, -10.0, -1.0)[2] == pytest.approx(1.0)
+    assert closest_point(made, -10.0, 1.0)[2] == pytest.approx(-1.0)
+
+
+def test_a_closed_spline_is_a_closed_profile(tmp_path):
+    oval = "spline = [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [-4.0, 2.0], [0.0, 0.0]]"
+    (door,) = changed(tmp_path, (PROFILE, oval + "\nstart = [0.0, 14.5]")).profiles
+    assert door.closed
+    made = rigid_profile_of(door)
+    assert made.period == pytest.approx(made.length.sum())
+    assert closest_point(made, 0.0, 2.0)[2] < 0.0 < closest_point(made, 0.0, -3.0)[2]
+
+
+def test_stages_become_a_motion(tmp_path):
+    pivot = PROFILE + "\npivot = [1.0, 2.0]\nangle = 10.0\nnormal_penalty = 5e3"
+    file = changed(tmp_path, (PROFILE, pivot), ("rotate = 0.0", "rotate = -20.0"))
+    (door,) = file.profiles
+    motion = motion_of(door, file.n_steps)
+    assert motion.n_steps == 80
+    assert np.allclose(motion.positions, [(0.0, 14.5), (0.0, 8.5), (2.0, 8.5)], atol=1e-14)
+    assert np.allclose(np.degrees(motion.angles), [10.0, 10.0, -10.0])
+    assert np.array_equal(motion.pivot, [1.0, 2.0])
+    assert (door.normal_penalty, door.tangent_penalty) == (5e3, 1e2)
+
+
+def test_a_profile_without_stages_stands_still(tmp_path):
+    wall = """[[profile]]
+name = "wall"
+friction = 0.1
+contact = ["seal"]
+line = [[9.0, 0.0], [9.0, 30.0]]
+[[design]]"""
+    other = ('measure = "reaction"', 'measure = "contact_width"')
+    with pytest.raises(sm.SealFileError, match="inside the rigid body"):
+        changed(tmp_path, ("[[design]]", wall), other)
+    # walked upwards its body is on the side of the seal, downwards beyond the wall
+    wall = wall.replace("[[9.0, 0.0], [9.0, 30.0]]", "[[9.0, 30.0], [9.0, 0.0]]")
+    file = changed(tmp_path, ("[[design]]", wall), other)
+    motion = motion_of(file.profiles[1], file.n_steps)
+    assert motion.n_steps == 80
+    assert not motion.coordinates(77.5).any()
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_every_type_becomes_a_measure_with_its_name(tmp_path, name):
+    further = {"cavity_area": 'edge = "cavity"', "displacement": "at = [0.0, 13.9]"}.get(name, "")
+    file = changed(tmp_path, ('type = "contact_width"\nprofile = "door"',
+                              f'type = "{name}"\nname = "mine"\n{further}'))  # fmt: skip
+    particles = np.array([(0.0, 0.0), (0.0, 14.0), (1.0, 13.0)])
+    measure = measure_of(file.measures[0], particles)
+    assert isinstance(measure, Measure)
+    assert measure.name == "mine"
+    assert getattr(measure, "profile", "door") == "door"
+    assert getattr(measure, "point", 1) == 1
+    assert KINDS[name].one is False or measure.size(None) == 1
+
+
+def test_the_reaction_is_taken_along_the_first_travel(tmp_path):
+    for travel, axis in (("[0.0, -6.0]", "y"), ("[-6.0, 1.0]", "x"), ("[1.0, 1.0]", "y")):
+        file = changed(tmp_path, ("[0.0, -6.0]", travel))
+        assert file.measures[-1].arguments == {"profile": "door", "component": axis}
+    declared = 'type = "reaction"\ncomponent = "x"'
+    file = changed(tmp_path, ('type = "contact_width"\nprofile = "door"', declared))
+    assert [m.name for m in file.measures] == ["reaction", "section_area"]
+    assert measure_of(file.measures[0], np.zeros((1, 2))).components == (0,)
+
+
+def test_the_form_in_the_tests_is_toml_of_sixty_lines():
+    assert len(BULB.read_text().splitlines()) <= 60
+    assert set(tomllib.loads(BULB.read_text())) == {
+        "material", "section", "fixed", "profile", "design", "measure", "optimize",
+    }  # fmt: skip
