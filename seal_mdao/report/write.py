@@ -8,6 +8,7 @@ from tqdm import tqdm
 
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.plotting.recorded import RecordedOptimization, read_optimization
+from seal_mdao.progress import hidden
 from seal_mdao.report.page import render
 from seal_mdao.seals.door.result import DoorSealResult
 
@@ -71,7 +72,7 @@ def analyze_points(
     if not numbers:
         return []
     points = kept.analyze(history.seal.as_drawn()).points
-    bar = tqdm(numbers, desc="report", unit="analysis", disable=None, leave=False)
+    bar = tqdm(numbers, desc="report", unit="analysis", disable=hidden(), leave=False)
     return [_analyzed(kept, *history.seal_at(number)).at(points) for number in bar]
 
 
