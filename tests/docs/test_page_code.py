@@ -7,7 +7,6 @@ import pytest
 
 import seal_mdao as sm
 
-
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 RUN = {"quickstart.md", "reference/api.md", "extend.md", "guide_report.md", "openmdao.md"}
 """Pages with Python blocks, each of which a test below runs."""
@@ -81,7 +80,7 @@ def test_report_and_restart(run_page, tmp_path):
     names, _ = run_page("guide_report.md", together=True)
     first, again = names["prob"].driver, names["again"].driver
     assert first.result.iter_count == 2
-    assert again.reused_evaluations >= 3
+    assert again.reused_evaluations >= 2  # all but the start, which is analysed again
     assert again.result.iter_count == 4
     assert not (tmp_path / "cases.sql").exists()
 
