@@ -141,12 +141,11 @@ def measure_classes() -> str:
     head = ["class", "name", "units", "meaning"]
     rows = []
     for module in sorted(path.stem for path in (ROOT / "seal_mdao" / "measures").glob("*.py")):
-        found = vars(import_module(f"seal_mdao.measures.{module}")).values()
-        for cls in found:
-            if inspect.isclass(cls) and issubclass(cls, Measure) and cls.name:
-                if cls.__module__.endswith(f".{module}"):
-                    text = f"{{py:class}}`{cls.__name__} <{cls.__module__}.{cls.__name__}>`"
-                    rows.append([text, _literal(cls.name), _literal(cls.units), cls.text])
+        for cls in vars(import_module(f"seal_mdao.measures.{module}")).values():
+            own = inspect.isclass(cls) and cls.__module__ == f"seal_mdao.measures.{module}"
+            if own and issubclass(cls, Measure) and cls.name:
+                text = f"{{py:class}}`{cls.__name__} <{cls.__module__}.{cls.__name__}>`"
+                rows.append([text, _literal(cls.name), _literal(cls.units), cls.text])
     return markdown_table(head, rows)
 
 
