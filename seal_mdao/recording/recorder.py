@@ -6,8 +6,9 @@ from pathlib import Path
 
 from openmdao.core.driver import Driver
 
-from seal_mdao.openmdao_access import SqliteHooks
+from seal_mdao.openmdao_access import SqliteHooks, find_value, problem_of
 from seal_mdao.recording import run_log
+from seal_mdao.recording.seal_inputs import inputs_of_seals
 
 LEFTOVERS = ("-journal", "-wal", "-shm")
 """What SQLite leaves beside a file when a process is killed; it belongs to that very file."""
@@ -39,6 +40,7 @@ class RestartRecorder(SqliteHooks):
         self._unpublished = None
         self._driver = None
         self._log_row = None
+        self._seal_inputs = None
 
     def startup(self, recording_requester, comm=None):
         """Prepare for a new run."""
@@ -63,8 +65,9 @@ class RestartRecorder(SqliteHooks):
         self._once(super().record_metadata_solver, solver, run_number)
 
     def record_iteration_driver(self, driver, data, metadata):
-        """Record a case, unless the driver took it from this very file."""
+        """Record a case, unless the driver took it from this very file; the inputs of seals always."""
         if self._repeated(driver) is None:
+            self._add_inputs_of_seals(driver, data)
             super().record_iteration_driver(driver, data, metadata)
         else:
             self.counter -= 1
@@ -78,6 +81,18 @@ class RestartRecorder(SqliteHooks):
             counter, self.counter = self.counter, repeated
             super().record_derivatives_driver(driver, data, metadata)
             self.counter = counter
+
+    def _add_inputs_of_seals(self, driver, data) -> None:
+        """What a report needs to know the designs, whatever lies upstream of the seals."""
+        model = problem_of(driver).model
+        if self._seal_inputs is None:
+            self._seal_inputs = inputs_of_seals(model)
+        if data["input"] is not None:
+            inputs = model.get_nonlinear_vectors()[0]
+            for name in set(self._seal_inputs).difference(data["input"]):
+                value = find_value(inputs, name)
+                if value is not None:
+                    data["input"][name] = value.copy()
 
     def note_end(self) -> None:
         """Note how the run of the driver ended, before the file is closed."""
