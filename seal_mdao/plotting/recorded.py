@@ -189,13 +189,13 @@ def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
     problem, runs = recorded_problem(reader), run_log.read(path)
     cases, major = _points(reader, path, evaluated, bool(runs) and runs[-1].cut_off)
     numbers = {case.counter: number for number, case in enumerate(evaluated, start=1)}
-    objective = _stacked(reader, [case.get_objectives(scaled=False) for case in cases])
+    objective = _stacked([case.get_objectives(scaled=False) for case in cases])
     objective_name = next(iter(objective))
     return RecordedOptimization(
         objective_name=objective_name,
         objective=objective[objective_name][:, 0],
         constraints=_constraints(reader, cases),
-        design=_stacked(reader, [case.get_design_vars(scaled=False) for case in cases]),
+        design=_stacked([case.get_design_vars(scaled=False) for case in cases]),
         major=major,
         evaluations=len(names),
         seal=problem and problem.seal,
@@ -235,7 +235,9 @@ def _kind(reader: om.CaseReader) -> str:
     driver = reader.problem_metadata.get("driver") or {}
     if "DOE" in f"{driver.get('name')}{driver.get('type')}":
         return "doe"
-    return "optimisation" if driver.get("type", "optimization") == "optimization" else "runs"
+    supports = driver.get("supports") or {}
+    optimises = supports.get("optimization", {"val": True})
+    return "optimisation" if optimises["val"] else "runs"
 
 
 def _finite(case) -> bool:
@@ -285,22 +287,13 @@ def _same_design(a, b) -> bool:
     return all(np.array_equal(first[name], value) for name, value in second.items())
 
 
-def _stacked(reader: om.CaseReader, per_case: list) -> dict:
-    """Values of all cases by name, in the units in which they were declared to the driver."""
-    found = {}
-    for name in dict(per_case[0]):
-        settings = reader.problem_metadata["variables"][name]
-        shift, factor = (settings.get(f"unit_{key}") for key in ("adder", "scaler"))
-        values = np.array([values[name] for values in per_case])
-        found[name] = (values + (shift or 0.0)) * (1.0 if factor is None else factor)
-    return found
+def _stacked(per_case: list) -> dict:
+    return {name: np.array([values[name] for values in per_case]) for name in dict(per_case[0])}
 
 
 def _constraints(reader: om.CaseReader, cases: list) -> list[Constraint]:
     found = []
-    for name, values in _stacked(
-        reader, [case.get_constraints(scaled=False) for case in cases]
-    ).items():
+    for name, values in _stacked([case.get_constraints(scaled=False) for case in cases]).items():
         settings = reader.problem_metadata["variables"][name]
         size = values.shape[1]
         lower, upper = (_limit(settings, side, size) for side in ("lower", "upper"))

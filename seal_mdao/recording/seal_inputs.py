@@ -64,12 +64,21 @@ class RecordedSeal:
 
 def inputs_of_seals(model) -> list[str]:
     """Absolute names of the inputs of all seals of a model."""
+    return _of_seals(model, "input")
+
+
+def outputs_of_seals(model) -> list[str]:
+    """Absolute names of the outputs of all seals of a model."""
+    return _of_seals(model, "output")
+
+
+def _of_seals(model, kind: str) -> list[str]:
     names = []
     for group in model.system_iter(include_self=True, recurse=True, typ=om.Group):
         if SETTINGS_OPTION in group.options:
             path = f"{group.pathname}." if group.pathname else ""
             wanted = path + CONTACT, path + GEOMETRY
-            names += [n for n, _ in group.abs_meta_iter("input") if n.startswith(wanted)]
+            names += [n for n, _ in group.abs_meta_iter(kind) if n.startswith(wanted)]
     return names
 
 
