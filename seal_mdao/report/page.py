@@ -26,6 +26,13 @@ KINDS = {
 }
 
 
+WORDS = {
+    True: ("Start", "End", "Through the iterations"),
+    False: ("First point", "Last point", "Through the points"),
+}
+"""Headings, by whether the points are those of an optimiser."""
+
+
 @dataclass(frozen=True, eq=False)
 class ShownSeal:
     """A seal of the recorded model whose shapes are shown.
@@ -77,6 +84,7 @@ def render(
         HTML that needs no other file.
     """
     kind, short, long = status(history)
+    first, last, through = WORDS[history.kind == "optimisation"]
     shapes = [Pictures(*s.ends, s.designs).as_data() | {"numbers": numbers} for s in seals]
     data = {
         "history": history_data(history), "seals": [seal.name for seal in seals],
@@ -94,6 +102,9 @@ def render(
         warning="".join(f'<p class="warning">{text}</p>' for text in warnings(history, seals)),
         choice=_choice(seals) if len(seals) > 1 else "",
         shapes="" if seals else "hidden",
+        first=first,
+        last=last,
+        through=through,
         limits=tables.limits_table(history),
         analyses="".join(
             tables.analysis_table(
