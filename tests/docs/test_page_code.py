@@ -75,7 +75,7 @@ def test_extensions(run_page, docs, capsys):
     assert abs(totals["highest_point", "roll_a"][0, 0] - slopes["roll_a"]) <= 1e-9 * size
 
 
-@pytest.mark.filterwarnings("ignore:.*problem name 'door' already exists")
+@pytest.mark.filterwarnings("ignore:.*'door' (already exists|is already active)")
 def test_report_and_restart(run_page, tmp_path):
     """The page's own file is continued where its first run ended."""
     names, _ = run_page("guide_report.md", together=True)
