@@ -7,7 +7,9 @@ between the releases since 3.38 is hidden here as well.
 
 from __future__ import annotations
 
+import os
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import openmdao.api as om
@@ -308,6 +310,12 @@ def recorders(driver: Driver) -> list:
 def recorder_file(recorder: om.SqliteRecorder) -> str:
     """Path of the file of a recorder."""
     return recorder._filepath
+
+
+def recorder_path(problem: om.Problem, path) -> Path:
+    """Where OpenMDAO's recorders put a file: a bare name is in the problem's output folder."""
+    bare = not (os.path.sep in str(path) or "/" in str(path))
+    return (Path(problem.get_outputs_dir()) if bare else Path()).absolute() / path
 
 
 def find_value(vector, name: str) -> np.ndarray | None:

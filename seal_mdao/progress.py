@@ -1,16 +1,24 @@
 """Progress bar over the load steps of an analysis, fed by its callback."""
 
+import sys
+
 from tqdm import tqdm
 
 from seal_mdao.analysis.result import ConvergedStep
 from seal_mdao.seals.seal import Seal
 
 
+def hidden() -> bool | None:
+    """What tqdm takes as ``disable``: None, which shows a bar on terminals only, but in Jupyter."""
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    return False if type(shell).__name__ == "ZMQInteractiveShell" else None
+
+
 class LoadStepProgress:
     """A tqdm bar that counts load steps; hand it to ``analyze`` or ``SealGroup`` as ``callback``.
 
-    The bar starts again with every new analysis and numbers them. It writes to standard error and
-    stays silent when that is not a terminal.
+    The bar starts again with every new analysis and numbers them. It shows on a terminal and in
+    Jupyter, and stays silent elsewhere.
 
     Parameters
     ----------
@@ -30,7 +38,7 @@ class LoadStepProgress:
     def __init__(self, seal: Seal, label: str = "analysis", n_analyses: int | None = None):
         self.analyses = 0
         self._label, self._of = label, "" if n_analyses is None else f"/{n_analyses}"
-        self._bar = tqdm(total=seal.n_steps, unit="step", disable=None, leave=False)
+        self._bar = tqdm(total=seal.n_steps, unit="step", disable=hidden(), leave=False)
         self._last = None
 
     def __call__(self, step: ConvergedStep) -> None:

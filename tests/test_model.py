@@ -147,3 +147,10 @@ def test_door_forms():
     assert len(sm.door_seal(door="flat").profile.kind) == 1
     assert len(sm.door_seal().profile.kind) == 3
     assert len(sm.door_seal(segments=32).profile.kind) == 32
+
+
+def test_design_that_begins_inside_the_door_is_told_to_start_farther_away():
+    offsets = np.concatenate([np.full(14, 0.8), np.zeros(11)])
+    with pytest.raises(sm.GeometryError, match=r"starts 0\.3 inside .* \(start of the door seal\)"):
+        sm.analyze(sm.door_seal(n_steps=10), offsets)
+    assert sm.analyze(sm.door_seal(start=10.5, depth=1.0, n_steps=4), offsets).converged

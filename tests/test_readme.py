@@ -30,8 +30,17 @@ def test_script_closes_the_gap(tmp_path, monkeypatch, capsys):
 
 
 def test_ci_runs_the_readme_test_command():
-    _, command = (block.strip() for block in code_blocks("sh"))
+    _, command, _ = (block.strip() for block in code_blocks("sh"))
     assert command in (ROOT / ".ci" / "run").read_text().splitlines()
+
+
+def test_the_documentation_is_built_as_the_readme_says():
+    """By the same commands as in .ci/run, which stops at warnings as well."""
+    *_, command = (block.strip() for block in code_blocks("sh"))
+    install, build = command.split(" && ")
+    lines = (ROOT / ".ci" / "run").read_text().splitlines()
+    assert install.replace("install", "install -q", 1) in lines
+    assert build.replace("sphinx", "sphinx -W -q", 1) in lines
 
 
 def test_links_and_folders_exist():

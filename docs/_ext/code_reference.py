@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 from dataclasses import MISSING, fields
+from importlib import import_module
 from pathlib import Path
 
 import openmdao.api as om
@@ -20,7 +21,10 @@ from openmdao.core.driver import Driver
 import seal_mdao as sm
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.measures.measure import Measure
+from seal_mdao.seals.door.measures import BY_NAME, STANDARD
 from seal_mdao.seals.door.section import Section
+from seal_mdao.seals.result import frozen_measures
 
 ROOT = Path(__file__).resolve().parents[2]
 COMPONENTS = (sm.SplineGeometryComp, sm.AreaComp, sm.RkpmContactComp, sm.SealGroup)
@@ -120,6 +124,31 @@ def optional_inputs() -> str:
     return markdown_table(["name", "units", "meaning"], rows)
 
 
+def measures() -> str:
+    """The measures that the door seal knows by name, with the size that they have for it."""
+    seal = sm.door_seal()
+    head = ["name", "always there", "values", "units", "meaning"]
+    rows = []
+    for measure in frozen_measures(seal, tuple(BY_NAME)):
+        always = "yes" if BY_NAME[measure.name] in STANDARD else ""
+        size = str(measure.size(seal))
+        rows.append([_literal(measure.name), always, size, _literal(measure.units), measure.text])
+    return markdown_table(head, rows)
+
+
+def measure_classes() -> str:
+    """Every class of measures of the package."""
+    head = ["class", "name", "units", "meaning"]
+    rows = []
+    for module in sorted(path.stem for path in (ROOT / "seal_mdao" / "measures").glob("*.py")):
+        for cls in vars(import_module(f"seal_mdao.measures.{module}")).values():
+            own = inspect.isclass(cls) and cls.__module__ == f"seal_mdao.measures.{module}"
+            if own and issubclass(cls, Measure) and cls.name:
+                text = f"{{py:class}}`{cls.__name__} <{cls.__module__}.{cls.__name__}>`"
+                rows.append([text, _literal(cls.name), _literal(cls.units), cls.text])
+    return markdown_table(head, rows)
+
+
 def _paragraphs(cls) -> str:
     """The introduction of a docstring, without its sections, as MyST."""
     text = inspect.cleandoc(cls.__doc__)
@@ -192,6 +221,8 @@ def write_all(folder: Path) -> None:
         "components": "\n".join(map(component, COMPONENTS)),
         "drivers": "\n".join(map(driver, DRIVERS)),
         "optional_inputs": optional_inputs(),
+        "measures": measures(),
+        "measure_classes": measure_classes(),
         "run_scripts": run_scripts(),
     }
     texts |= {cls.__name__: dataclass_table(cls) for cls in DATACLASSES}

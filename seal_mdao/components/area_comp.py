@@ -5,9 +5,13 @@ import openmdao.api as om
 
 from seal_mdao.seals.seal import Seal
 
+CHECK_STEP = 1e-2
+"""Of ``check_partials``, mm. Complex steps of any size are exact here, and central differences as well,
+which OpenMDAO takes without ``setup(force_alloc_complex=True)``."""
+
 
 class AreaComp(om.ExplicitComponent):
-    """Exact area of a seal's section, with its exact gradient."""
+    """Exact area of a seal's section, with its exact gradient; complex step works as well."""
 
     def initialize(self):
         self.options.declare("seal", types=Seal, recordable=False, desc="The seal.")
@@ -24,10 +28,11 @@ class AreaComp(om.ExplicitComponent):
 
     def setup_partials(self):
         self.declare_partials("area", "boundary_offsets")
+        self.set_check_partial_options(wrt="*", method="cs", form="central", step=CHECK_STEP)
 
     def compute(self, inputs, outputs):
-        seal = self.options["seal"]
-        offsets = seal.check_offsets(inputs["boundary_offsets"])
+        seal, offsets = self.options["seal"], inputs["boundary_offsets"]
+        seal.check_offsets(offsets.real)
         outputs["area"] = seal.area(offsets)[0]
 
     def compute_partials(self, inputs, partials):

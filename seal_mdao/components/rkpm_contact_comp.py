@@ -1,5 +1,8 @@
 """The nonlinear RKPM contact analysis as an explicit component with exact partials."""
 
+from contextlib import contextmanager
+
+import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.options import check_parameters, declare_seal_options
@@ -8,12 +11,22 @@ from seal_mdao.errors import GeometryError, LoadPathError
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.seals.result import analyze, frozen_measures
 
+PARTICLE_STEP = 1e-5
+"""Of ``check_partials`` along a random direction of all particle coordinates, mm."""
+PARAMETER_STEP = 2e-5
+"""Of ``check_partials`` in a scalar parameter, relative."""
+
 
 class RkpmContactComp(om.ExplicitComponent):
     """Frictional contact of a seal: particles and scalar parameters in, measures of the path out.
 
     The load path always starts from the undeformed state. The last converged path is kept, or more of
     them with the option ``kept``; partials at any other point solve it again first.
+
+    A design that cannot be analysed raises ``AnalysisError`` and leaves NaN in all outputs, and in the
+    partials at that very point: a driver that goes on records no values of another design.
+    ``check_partials`` takes central differences, along one random direction of all particles. Complex
+    step is refused.
     """
 
     def initialize(self):
@@ -23,6 +36,7 @@ class RkpmContactComp(om.ExplicitComponent):
         seal = self.options["seal"]
         check_parameters(seal, self.options["parameters"])
         kept = self.options["kept"]
+        self._failed = None
         self._kept = KeptAnalyses(memory=0.0) if kept is None else kept
         analysis = analyze if kept is None else kept.analyze
         self._measures = frozen_measures(seal, self.options["measures"], analysis)
@@ -42,16 +56,38 @@ class RkpmContactComp(om.ExplicitComponent):
 
     def setup_partials(self):
         self.declare_partials("*", "*")
-        # complex step cannot pass through the closest-point search and the solver
-        self.set_check_partial_options(wrt="*", method="fd", form="central", step=1e-6)
+        # along one random direction: all particle coordinates one by one would take minutes
+        check = {"method": "fd", "form": "central"}
+        self.set_check_partial_options(
+            wrt="particles", step=PARTICLE_STEP, directional=True, **check
+        )
+        for name in self._parameters:
+            self.set_check_partial_options(
+                wrt=name, step=PARAMETER_STEP, step_calc="rel_avg", **check
+            )
 
     def compute(self, inputs, outputs):
-        result = self._analysis(inputs)
-        for measure in self._measures:
-            if measure.name in outputs:
-                outputs[measure.name] = result.value(measure)
+        self._failed = None
+        try:
+            values = self._values(inputs)
+        except Exception as error:
+            # what the last design has left would pass for values of this one in a recorder file
+            for name in outputs:
+                outputs[name] = np.nan
+            if isinstance(error, om.AnalysisError):
+                self._failed = _bytes(inputs)
+            raise
+        for name, value in values.items():
+            outputs[name] = value
 
     def compute_partials(self, inputs, partials):
+        if self._failed is not None and self._failed == _bytes(inputs):
+            for measure in self._measures:
+                for name in (
+                    ("particles", *self._parameters) if measure.size(self.options["seal"]) else ()
+                ):
+                    partials[measure.name, name] = np.nan
+            return
         gradient = particle_gradient(
             self._analysis(inputs), self._parameters, self._measures, self.options["sensitivity"]
         )
@@ -60,9 +96,22 @@ class RkpmContactComp(om.ExplicitComponent):
                 if rows.size:
                     partials[measure, name] = rows.reshape(len(rows), -1)
 
+    def _values(self, inputs) -> dict:
+        """Values of the measures by name."""
+        result = self._analysis(inputs)
+        seal = self.options["seal"]
+        with _analysis_errors():
+            return {m.name: result.value(m) for m in self._measures if m.size(seal)}
+
     def _analysis(self, inputs):
+        if self.under_complex_step:
+            raise RuntimeError(
+                f"{self.msginfo}: complex steps cannot pass through the contact analysis. Its partials "
+                "are exact: leave it outside of groups that approximate with method='cs', or "
+                "approximate with method='fd'"
+            )
         values = {name: float(inputs[name][0]) for name in self._parameters}
-        try:
+        with _analysis_errors():
             result = self._kept.analyze_particles(
                 self.options["seal"].with_parameters(values),
                 inputs["particles"],
@@ -70,6 +119,17 @@ class RkpmContactComp(om.ExplicitComponent):
                 callback=self.options["callback"],
             )
             result.require_converged()
-        except (GeometryError, LoadPathError) as error:
-            raise om.AnalysisError(str(error)) from error
         return result
+
+
+@contextmanager
+def _analysis_errors():
+    """Designs that cannot be analysed or measured, as OpenMDAO wants to hear of them."""
+    try:
+        yield
+    except (GeometryError, LoadPathError) as error:
+        raise om.AnalysisError(str(error)) from error
+
+
+def _bytes(inputs) -> bytes:
+    return b"".join(np.asarray(inputs[name]).tobytes() for name in inputs)

@@ -5,12 +5,16 @@ import openmdao.api as om
 
 from seal_mdao.seals.seal import Seal
 
+CHECK_STEP = 1e-2
+"""Of ``check_partials``, mm. Complex steps of any size are exact here, and central differences as well,
+which OpenMDAO takes without ``setup(force_alloc_complex=True)``."""
+
 
 class SplineGeometryComp(om.ExplicitComponent):
     """Particles of a seal from the offsets of its boundaries.
 
     particles = drawn particles + sum_p boundary_offsets[p] V_p, linear, with the design velocity V
-    of Eq. (48) as constant sparse partials.
+    of Eq. (48) as constant sparse partials. Complex step works as well.
     """
 
     def initialize(self):
@@ -35,6 +39,9 @@ class SplineGeometryComp(om.ExplicitComponent):
         self.declare_partials(
             "particles", "boundary_offsets", rows=rows, cols=cols, val=jacobian[rows, cols]
         )
+        self.set_check_partial_options(wrt="*", method="cs", form="central", step=CHECK_STEP)
 
     def compute(self, inputs, outputs):
-        outputs["particles"] = self.options["seal"].particles(inputs["boundary_offsets"])
+        seal, offsets = self.options["seal"], inputs["boundary_offsets"]
+        seal.check_offsets(offsets.real)
+        outputs["particles"] = seal.moved(offsets)

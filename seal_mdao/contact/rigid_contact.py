@@ -180,7 +180,7 @@ class ContactTerm(PointTerm):
         if np.any(response.branch != OPEN):
             raise GeometryError(
                 f"the undeformed body starts {-float(response.gap.min()):.3g} inside the rigid "
-                f"profile {self.label!r}; start it farther away"
+                f"profile {self.label!r}; let its motion start farther away (start of the door seal)"
             )
 
     def changes(self, step, response, target):

@@ -128,7 +128,8 @@ class OptimizerDriver(access.DriverHooks):
         declare(
             "hotstart_file", default=None, allow_none=True, types=(str, Path),
             desc="Recorder file of an earlier run: at its designs the values and derivatives in "
-            "it are taken instead of running the model. Restarts a run where it was cut off.",
+            "it are taken instead of running the model. Restarts a run where it was cut off. A bare "
+            "name is in the problem's output folder, as it is for recorders.",
         )  # fmt: skip
 
     def run(self) -> bool:
@@ -152,6 +153,8 @@ class OptimizerDriver(access.DriverHooks):
         self.exit_message = "Ended by an exception"
         access.begin_run(self)
         file = self.options["hotstart_file"]
+        if file is not None:
+            file = access.recorder_path(access.problem_of(self), file)
         recorded = None if file is None else RecordedEvaluations(file, self)
         with InterruptGuard() as guard:
             evaluator = ModelEvaluator(self, read_layout(self), guard.running, recorded)

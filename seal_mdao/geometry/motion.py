@@ -13,6 +13,9 @@ import numpy as np
 
 from seal_mdao.geometry.pose import Pose
 
+ROUNDING = 1e-12
+"""Relative difference up to which a travel counts as that of the whole path."""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -120,6 +123,48 @@ class Motion:
         share = (fraction - (ends[stage] - self.steps[stage])) / self.steps[stage]
         first = self.rates[:, stage]
         return first + share * (self.rates[:, stage + 1] - first)
+
+    @cached_property
+    def _lengths(self) -> np.ndarray:
+        """Travel of every stage, shape (n_stages,)."""
+        return np.hypot(*np.diff(self.positions, axis=0).T)
+
+    @property
+    def travel(self) -> float:
+        """How far the profile comes along its path; rotation is no travel."""
+        return float(self._lengths.sum())
+
+    def at_travel(self, travel: float) -> tuple[float, np.ndarray]:
+        """When the profile has come so far along its path, the first time.
+
+        Returns
+        -------
+        fraction : float
+            Nominal steps done.
+        rates : ndarray, shape (n_parameters,)
+            Its derivatives with respect to the parameters.
+
+        Raises
+        ------
+        ValueError
+            For a travel that is negative or longer than the path.
+        """
+        lengths, ends = self._lengths, np.cumsum(self._lengths)
+        _require(
+            0.0 <= travel <= ends[-1] * (1.0 + ROUNDING),
+            f"a motion of {ends[-1]:.6g} along its path has no place after {travel:.6g}",
+        )
+        stage = min(int(np.searchsorted(ends, travel)), len(ends) - 1)
+        before, length = ends[stage] - lengths[stage], lengths[stage]
+        if length == 0.0:  # nothing has moved yet
+            return 0.0, np.zeros(len(self.names))
+        share = min(1.0, (travel - before) / length)
+        ways, rates = np.diff(self.positions, axis=0), np.diff(self.rates[:, :, :2], axis=1)
+        units = ways / np.where(lengths == 0.0, 1.0, lengths)[:, None]
+        growth = (rates * units).sum(axis=2)
+        slopes = -(growth[:, :stage].sum(axis=1) + share * growth[:, stage]) / length
+        done, steps = int(self.steps[:stage].sum()), int(self.steps[stage])
+        return done + share * steps, steps * slopes
 
     def _step(self, fraction: float) -> int:
         """The nominal step under way; the last one at the end."""

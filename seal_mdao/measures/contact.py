@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from seal_mdao.errors import LoadPathError
+from seal_mdao.geometry.motion import ROUNDING
 from seal_mdao.measures.aggregates import MEAN_ORDER, lehmer_mean, opened_square_integral
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.selection import contact_patches, opened_points, touching_stretch
@@ -218,15 +220,21 @@ class PeakPressure(ContactPressure):
 class Reaction(Measure):
     """Force of the seal on a profile at the end of the path, or at chosen travels.
 
-    Between load steps the force is interpolated linearly.
+    Between load steps the force is interpolated linearly; the derivatives are those of the interpolated
+    value, also where a parameter of the motion changes when a travel is reached.
 
     Attributes
     ----------
     profile : str
     travels : tuple of float, or None
-        Path parameters (nominal load steps done, fractions allowed); None for the end of the path.
+        How far the profile has come along its path, mm; None for the end of the path.
     components : tuple of int
-        0 horizontal, 1 vertical.
+        0 horizontal, 1 vertical; one after the other at every travel.
+
+    Raises
+    ------
+    ValueError
+        For travels that are no numbers from zero on, or other components.
     """
 
     profile: str
@@ -236,21 +244,67 @@ class Reaction(Measure):
     units = "N/m"
     text = "Force of the seal on the profile: horizontal, vertical."
 
+    def __post_init__(self):
+        travels = () if self.travels is None else np.asarray(self.travels, float)
+        if not all(0.0 <= travel < np.inf for travel in travels):
+            raise ValueError(
+                f"travels of {self.name!r} must be numbers from 0 mm on, got {travels}"
+            )
+        if not self.components or not {*self.components} <= {0, 1}:
+            raise ValueError(
+                f"components of {self.name!r} must be 0 (horizontal) or 1 (vertical), got "
+                f"{self.components}"
+            )
+
+    def before(self, seal) -> float:
+        """Travel from the start to where ``travels`` are counted from, mm."""
+        return 0.0
+
     def size(self, seal):
         return len(self.components) * (1 if self.travels is None else len(self.travels))
 
     def evaluate(self, result, partials):
+        steps, motion = result.path.nominal_steps, result.term(self.profile).motion
+        if self.travels is None:
+            places = [(float(len(steps)), np.zeros(len(motion.names)))]
+        else:
+            self._check_reached(result, motion)
+            before = self.before(result.seal)
+            places = [motion.at_travel(before + travel) for travel in self.travels]
+        parts = [
+            self._interpolated(result, partials, row * len(self.components), *place)
+            for row, place in enumerate(places)
+        ]
+        return np.concatenate(parts)
+
+    def _check_reached(self, result, motion) -> None:
+        end = motion.travel - self.before(result.seal)
+        farthest = max(self.travels, default=0.0)
+        if farthest > end + ROUNDING * motion.travel:
+            raise LoadPathError(
+                f"measure {self.name!r} is asked for at {farthest:.6g} mm of travel, and the motion of "
+                f"{self.profile!r} ends at {end:.6g} mm; choose other travels, or a longer motion",
+                result,
+            )
+
+    def _interpolated(self, result, partials, row, fraction, rates) -> np.ndarray:
+        """Components of the force after ``fraction`` nominal steps; ``rates`` are its derivatives with
+        respect to the parameters of the motion."""
         steps, place = result.path.nominal_steps, result.path.place(self.profile)
-        at = (float(len(steps)),) if self.travels is None else self.travels
-        values, row = np.zeros(self.size(result.seal)), 0
-        for travel in at:
-            first = min(int(travel), len(steps) - 1)
-            share = travel - first
-            for component in self.components:
-                for number, weight in ((first, 1.0 - share), (first + 1, share)):
-                    if weight != 0.0 and number > 0:
-                        step = steps[number - 1]
-                        partials.force(self.profile, step)[row, :, component] += weight
-                        values[row] += weight * step.responses[place].total[component]
-                row += 1
-        return values
+        first, values, change = min(int(fraction), len(steps) - 1), 0.0, 0.0
+        rows, components = row + np.arange(len(self.components)), np.array(self.components)
+        for number, weight, sign in (
+            (first, 1.0 - (fraction - first), -1.0),
+            (first + 1, fraction - first, 1.0),
+        ):
+            if number == 0:  # nothing touches at the start
+                continue
+            step = steps[number - 1]
+            total = np.asarray(step.responses[place].total)[components]
+            values, change = values + weight * total, change + sign * total
+            if weight != 0.0:
+                partials.force(self.profile, step)[rows, :, components] += weight
+        for name, rate in zip(result.term(self.profile).motion.names, rates, strict=True):
+            if rate != 0.0:
+                partials.parameter(name)[rows] += rate * change
+        return np.broadcast_to(values, rows.shape)

@@ -71,12 +71,15 @@ class SectionArea(Measure):
 
 
 def cells_area(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.ndarray]:
-    """Area of cells (m, 4), triangles repeating a corner, and its gradient by particles (n, 2)."""
+    """Area of cells (m, 4), triangles repeating a corner, and its gradient by particles (n, 2).
+
+    Both are complex for complex particles.
+    """
     value, gradient = 0.0, np.zeros_like(particles)
     for corners in (cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]):
         a, b, c = (particles[corners[:, i]] for i in range(3))
         u, v = b - a, c - a
-        value += 0.5 * float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum())
+        value += 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum().item()
         by_b = 0.5 * np.column_stack([v[:, 1], -v[:, 0]])
         by_c = 0.5 * np.column_stack([-u[:, 1], u[:, 0]])
         for corner, pull in enumerate((-by_b - by_c, by_b, by_c)):

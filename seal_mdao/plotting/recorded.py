@@ -8,6 +8,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.recording import run_log
+from seal_mdao.recording.seal_inputs import read_seals
 from seal_mdao.recording.settings import open_cases, recorded_problem
 from seal_mdao.seals.door.door_seal import DoorSeal
 
@@ -102,8 +103,12 @@ class RecordedOptimization:
         Units of the recorded variables that have any.
     bounds : dict of str to (ndarray, ndarray)
         Lower and upper bounds of the design variables, infinite where there are none.
-    given : dict of str to ndarray
-        Recorded inputs of the seal that are no design variables, by the last part of their name.
+    seals : list of RecordedSeal
+        Every ``SealGroup`` of the model with what it used at the points.
+    kind : str
+        "optimisation", "doe" (design of experiments), or "runs" of the model by another driver.
+    failed : int
+        Recorded evaluations that failed, or gave values that are not finite.
     analyses : ndarray, shape (n,)
         Number of the evaluation, from 1, that each point is.
     """
@@ -119,7 +124,9 @@ class RecordedOptimization:
     runs: list = field(default_factory=list)
     units: dict = field(default_factory=dict)
     bounds: dict = field(default_factory=dict)
-    given: dict = field(default_factory=dict)
+    seals: list = field(default_factory=list)
+    kind: str = "optimisation"
+    failed: int = 0
     analyses: np.ndarray | None = None
 
     @property
@@ -139,36 +146,33 @@ class RecordedOptimization:
         return np.max([none, *(c.violation() for c in self.constraints)], axis=0)
 
     def design_at(self, index: int) -> tuple[np.ndarray, dict]:
-        """Boundary offsets and door radius (mm) of one point, as ``analyze`` takes them.
+        """Boundary offsets (mm) and scalar parameters of one point of the first seal, as ``analyze``
+        takes them.
 
         Raises
         ------
         ValueError
-            When the file holds no design variable of that name.
+            When the file does not hold them.
         """
-        try:
-            offsets, radius = (self.design[name] for name in ("boundary_offsets", "door_radius"))
-        except KeyError as missing:
-            raise ValueError(f"the recorded problem has no design variable {missing}") from None
-        return offsets[index], {"door_radius": float(radius[index, 0])}
-
-    def seal_at(self, index: int) -> tuple[DoorSeal, np.ndarray | None, dict]:
-        """Seal, boundary offsets (mm) and scalar parameters of one point, as ``analyze`` takes them.
-
-        What was neither designed nor recorded is that of the drawn seal.
-        """
-        values = self.given | {_last(name): rows[index] for name, rows in self.design.items()}
-        known = [name for name in self.seal.scalars if name in values]
-        parameters = {name: float(np.ravel(values[name])[0]) for name in known}
-        return self.seal, values.get("boundary_offsets"), parameters
+        offsets, parameters = self.seals[0].design(index) if self.seals else (None, {})
+        if offsets is None:
+            raise ValueError("the recorder file does not hold the boundary offsets of a seal")
+        return offsets, parameters
 
 
-def read_optimization(path) -> RecordedOptimization:
-    """Read the history of an optimisation from a ``SqliteRecorder`` file of its driver.
+def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
+    """Read the history of an optimisation, or of another driver, from its ``SqliteRecorder`` file.
 
     The points are the major iterations when the driver's derivatives were recorded: each begins
     with a gradient. The last evaluation, or the case that the problem itself recorded at the end,
-    closes the history, unless the run was cut off: then the last major iteration does.
+    closes the history, unless the run was cut off: then the last major iteration does. Values are in the
+    units in which objective, constraints and design variables were declared.
+
+    Parameters
+    ----------
+    path : str or Path
+    given : dict of str to ndarray, optional
+        Inputs of seals that are the same at all points and may not be in the file, by absolute names.
 
     Raises
     ------
@@ -177,27 +181,31 @@ def read_optimization(path) -> RecordedOptimization:
     """
     reader = open_cases(path)
     names = reader.list_cases("driver", recurse=False, out_stream=None)
-    evaluated = [case for case in map(reader.get_case, names) if case.success]
+    evaluated = [case for case in map(reader.get_case, names) if case.success and _finite(case)]
     if not evaluated:
         raise ValueError(f"{path} holds no case of a driver")
+    if not dict(evaluated[0].get_objectives(scaled=False)):
+        raise ValueError(f"{path} holds no objective, so there is nothing to follow")
     problem, runs = recorded_problem(reader), run_log.read(path)
     cases, major = _points(reader, path, evaluated, bool(runs) and runs[-1].cut_off)
     numbers = {case.counter: number for number, case in enumerate(evaluated, start=1)}
-    objective = [case.get_objectives(scaled=False) for case in cases]
-    objective_name = next(iter(objective[0].keys()))
+    objective = _stacked([case.get_objectives(scaled=False) for case in cases])
+    objective_name = next(iter(objective))
     return RecordedOptimization(
         objective_name=objective_name,
-        objective=np.array([values[objective_name][0] for values in objective]),
+        objective=objective[objective_name][:, 0],
         constraints=_constraints(reader, cases),
         design=_stacked([case.get_design_vars(scaled=False) for case in cases]),
         major=major,
         evaluations=len(names),
         seal=problem and problem.seal,
+        seals=read_seals(reader, cases, given),
+        kind=_kind(reader),
+        failed=len(names) - len(evaluated),
         settings=problem.settings if problem else {},
         runs=runs,
-        units=_units(evaluated[0]),
+        units=_units(reader, evaluated[0]),
         bounds=_bounds(reader, cases[0]),
-        given=_given(cases[0], problem),
         analyses=np.array([numbers.get(case.counter, len(names)) for case in cases]),
     )
 
@@ -223,10 +231,19 @@ def _bounds(reader: om.CaseReader, case) -> dict:
     return bounds
 
 
-def _given(case, problem) -> dict:
-    wanted = {"boundary_offsets", *problem.seal.scalars} if problem else {}
-    inputs = {_last(name): value for name, value in (case.inputs or {}).items()}
-    return {name: value for name, value in inputs.items() if name in wanted}
+def _kind(reader: om.CaseReader) -> str:
+    driver = reader.problem_metadata.get("driver") or {}
+    if "DOE" in f"{driver.get('name')}{driver.get('type')}":
+        return "doe"
+    supports = driver.get("supports") or {}
+    optimises = supports.get("optimization", {"val": True})
+    return "optimisation" if optimises["val"] else "runs"
+
+
+def _finite(case) -> bool:
+    """Whether objective and constraints have values: OpenMDAO's DOEDriver marks failures as good."""
+    values = {**case.get_objectives(scaled=False), **case.get_constraints(scaled=False)}
+    return all(np.isfinite(value).all() for value in values.values())
 
 
 def _last(name: str) -> str:
@@ -234,10 +251,15 @@ def _last(name: str) -> str:
     return name.rsplit(".", 1)[-1]
 
 
-def _units(case) -> dict[str, str]:
+def _units(reader: om.CaseReader, case) -> dict[str, str]:
+    """Units of the recorded variables; of those of the driver the units that they have there."""
     shown = {"units": True, "prom_name": True, "val": False, "out_stream": None}
     listed = [*case.list_inputs(**shown), *case.list_outputs(**shown)]
-    return {meta["prom_name"]: meta["units"] for _, meta in listed if meta["units"]}
+    units = {meta["prom_name"]: meta["units"] for _, meta in listed if meta["units"]}
+    for name, settings in reader.problem_metadata["variables"].items():
+        if isinstance(settings, dict) and settings.get("units"):
+            units[name] = settings["units"]
+    return units
 
 
 def _gradient_counters(path) -> set:

@@ -4,10 +4,12 @@ import os
 import sqlite3
 from pathlib import Path
 
+import numpy as np
 from openmdao.core.driver import Driver
 
-from seal_mdao.openmdao_access import SqliteHooks
+from seal_mdao.openmdao_access import SqliteHooks, find_value, problem_of
 from seal_mdao.recording import run_log
+from seal_mdao.recording.seal_inputs import inputs_of_seals, outputs_of_seals
 
 LEFTOVERS = ("-journal", "-wal", "-shm")
 """What SQLite leaves beside a file when a process is killed; it belongs to that very file."""
@@ -39,6 +41,7 @@ class RestartRecorder(SqliteHooks):
         self._unpublished = None
         self._driver = None
         self._log_row = None
+        self._seals = None
 
     def startup(self, recording_requester, comm=None):
         """Prepare for a new run."""
@@ -63,8 +66,9 @@ class RestartRecorder(SqliteHooks):
         self._once(super().record_metadata_solver, solver, run_number)
 
     def record_iteration_driver(self, driver, data, metadata):
-        """Record a case, unless the driver took it from this very file."""
+        """Record a case, unless the driver took it from this very file; the inputs of seals always."""
         if self._repeated(driver) is None:
+            metadata = self._look_at_seals(driver, data, metadata)
             super().record_iteration_driver(driver, data, metadata)
         else:
             self.counter -= 1
@@ -78,6 +82,24 @@ class RestartRecorder(SqliteHooks):
             counter, self.counter = self.counter, repeated
             super().record_derivatives_driver(driver, data, metadata)
             self.counter = counter
+
+    def _look_at_seals(self, driver, data, metadata) -> dict:
+        """Add the inputs of seals, which a report needs whatever lies upstream of them; metadata that
+        say so where an analysis has failed, which OpenMDAO's DOEDriver leaves out."""
+        model = problem_of(driver).model
+        if self._seals is None:
+            self._seals = inputs_of_seals(model), outputs_of_seals(model)
+        inputs, outputs = model.get_nonlinear_vectors()[:2]
+        if data["input"] is not None:
+            for name in set(self._seals[0]).difference(data["input"]):
+                value = find_value(inputs, name)
+                if value is not None:
+                    data["input"][name] = value.copy()
+        values = [find_value(outputs, name) for name in self._seals[1]]
+        failed = any(value is not None and np.isnan(value).any() for value in values)
+        if not (failed and metadata["success"]):
+            return metadata
+        return metadata | {"success": 0, "msg": "the analysis of a seal failed"}
 
     def note_end(self) -> None:
         """Note how the run of the driver ended, before the file is closed."""

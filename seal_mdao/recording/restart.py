@@ -1,7 +1,6 @@
 """Continue a recorded optimisation, of any OpenMDAO problem."""
 
-from pathlib import Path
-
+from seal_mdao import openmdao_access as access
 from seal_mdao.recording.evaluations import RecordedEvaluations
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 
@@ -18,6 +17,7 @@ def restart(problem, path) -> None:
     ----------
     problem : Problem
     path : str or Path
+        As it was given to the recorder: a bare name is in the problem's output folder.
         File of a ``RestartRecorder`` or ``SqliteRecorder``, which has recorded the derivatives
         (``recording_options["record_derivatives"]``). Without them every point is analysed again.
 
@@ -35,8 +35,8 @@ def restart(problem, path) -> None:
             f"only UnoDriver and IpoptDriver can continue a run, not {type(driver).__name__}; "
             "Problem.load_case takes any driver to a recorded point, from which it begins anew"
         )
-    path = Path(path).absolute()  # a bare name would mean a file in OpenMDAO's output folder
     problem.final_setup()
+    path = access.recorder_path(problem, path)
     RecordedEvaluations(path, driver).load_start()
     driver.options["hotstart_file"] = str(path)
     record_all(driver, RestartRecorder(path, append=True))

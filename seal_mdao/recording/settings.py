@@ -59,3 +59,20 @@ def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:
             settings = json.loads(options[PROBLEM_OPTION]) if PROBLEM_OPTION in options else {}
             return RecordedProblem(DoorSeal.from_settings(options[SETTINGS_OPTION]), settings)
     return None
+
+
+def recorded_seals(reader: om.CaseReader) -> dict[str, DoorSeal | None]:
+    """The seal of every ``SealGroup`` by the group's path, empty for the model itself; None for a seal
+    that cannot be made again from the file.
+
+    Raises
+    ------
+    ValueError
+        When the settings are those of another version of the package.
+    """
+    found = {}
+    for path, options in reader.list_model_options(out_stream=None).items():
+        if SETTINGS_OPTION in options:
+            text = options[SETTINGS_OPTION]
+            found["" if path == "root" else path] = DoorSeal.from_settings(text) if text else None
+    return found

@@ -53,7 +53,8 @@ def _design_charts(history: RecordedOptimization, name: str) -> list[dict]:
     """One chart for a design variable; two for the offsets of the two boundaries."""
     rows = history.design[name].reshape(len(history.objective), -1)
     parts = [(label(name), slice(None))]
-    if history.seal is not None and name.rsplit(".", 1)[-1] == "boundary_offsets":
+    own = name.rsplit(".", 1)[-1] == "boundary_offsets"
+    if own and history.seal is not None and rows.shape[1] == history.seal.n_offsets:
         outer = history.seal.outer_parameters
         parts = [
             ("outer boundary offsets", slice(0, outer)),

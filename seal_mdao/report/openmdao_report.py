@@ -35,9 +35,9 @@ def run(problem) -> None:
             if isinstance(recorder, RestartRecorder):
                 recorder.note_end()
             out = problem.get_reports_dir() / FILE
-            group = seal_group(problem.model)
-            given, kept = ({}, None) if group is None else (inputs_of(group), group.options["kept"])
-            write_report(recorder_file(recorder), out, given, kept)
+            write_report(
+                recorder_file(recorder), out, constant_inputs(problem), kept_analyses(problem.model)
+            )
             return
     issue_warning(
         "the report 'seal' needs a SQLite recorder on the driver, for example "
@@ -46,14 +46,21 @@ def run(problem) -> None:
     )
 
 
-def seal_group(model):
-    """The first ``SealGroup`` in a model; None when there is none."""
+def kept_analyses(model):
+    """Where a ``SealGroup`` of a model keeps its analyses; None when none does."""
     from seal_mdao.components.seal_group import SealGroup
 
-    return next(model.system_iter(include_self=True, recurse=True, typ=SealGroup), None)
+    groups = model.system_iter(include_self=True, recurse=True, typ=SealGroup)
+    return next((g.options["kept"] for g in groups if g.options["kept"] is not None), None)
 
 
-def inputs_of(group) -> dict:
-    """Values of a group's inputs by their own names, in its units."""
-    inputs = group.list_inputs(out_stream=None, return_format="dict")
-    return {name.rsplit(".", 1)[-1]: meta["val"] for name, meta in inputs.items()}
+def constant_inputs(problem) -> dict:
+    """Values of the inputs of seals that the driver does not change, by their absolute names."""
+    from seal_mdao.openmdao_access import find_value, independent_outputs, sources
+    from seal_mdao.recording.seal_inputs import inputs_of_seals
+
+    model = problem.model
+    free = independent_outputs(problem.driver).difference(sources(problem.driver).values())
+    inputs = model.get_nonlinear_vectors()[0]
+    names = [name for name in inputs_of_seals(model) if model.get_source(name) in free]
+    return {name: find_value(inputs, name).copy() for name in names}

@@ -1,13 +1,16 @@
 """The report's page: template, style, script and data in one file."""
 
 import json
+from dataclasses import dataclass
 from datetime import datetime
 from html import escape
 from importlib.resources import files
 from string import Template
+from urllib.parse import quote
 
 from seal_mdao._version import __version__
 from seal_mdao.plotting.recorded import RecordedOptimization, label
+from seal_mdao.recording.seal_inputs import RecordedSeal
 from seal_mdao.report import tables
 from seal_mdao.report.history import FEASIBLE, history_data
 from seal_mdao.report.shapes import Pictures
@@ -15,16 +18,53 @@ from seal_mdao.seals.door.result import DoorSealResult
 
 ASSETS = files("seal_mdao.report") / "assets"
 SCRIPTS = ("chart.js", "shape.js", "page.js")
-WARNING = (
-    '<p class="warning">The analyses for this report do not give the recorded cost, so the pictures are '
-    "not of the recorded designs. Perhaps inputs of the seal that are no design variables were not "
-    'recorded (<code>driver.recording_options["includes"] = ["*"]</code>), or the package has changed '
-    "since.</p>"
-)
+RECORD_ALL = '<code>driver.recording_options["includes"] = ["*"]</code>'
+KINDS = {
+    "optimisation": "Optimisation of",
+    "doe": "Design of experiments with",
+    "runs": "Runs of a model with",
+}
+
+
+WORDS = {
+    True: ("Start", "End", "Through the iterations"),
+    False: ("First point", "Last point", "Through the points"),
+}
+"""Headings, by whether the points are those of an optimiser."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShownSeal:
+    """A seal of the recorded model whose shapes are shown.
+
+    Attributes
+    ----------
+    recorded : RecordedSeal
+    designs : list of DoorSealResult
+        Designs of some points of the history, the first and the last among them.
+    """
+
+    recorded: RecordedSeal
+    designs: list
+
+    @property
+    def name(self) -> str:
+        return self.recorded.name or "seal"
+
+    @property
+    def ends(self) -> tuple[DoorSealResult, DoorSealResult]:
+        return self.designs[0], self.designs[-1]
+
+    def is_as_recorded(self) -> bool:
+        """Whether the analyses of both ends give the recorded sums of squared gaps."""
+        gaps = self.recorded.gap_square_sum
+        if gaps is None:
+            return True
+        return all(map(tables.agrees, (gaps, gaps), gaps[[0, -1]], self.ends))
 
 
 def render(
-    history: RecordedOptimization, source: str, designs: list[DoorSealResult], numbers: list[int]
+    history: RecordedOptimization, source: str, seals: list[ShownSeal], numbers: list[int]
 ) -> str:
     """The page as text.
 
@@ -33,9 +73,8 @@ def render(
     history : RecordedOptimization
     source : str
         Name of the recorder file.
-    designs : list of DoorSealResult
-        Designs of some points of the history, the first and the last among them; empty when the
-        file is not that of a seal.
+    seals : list of ShownSeal
+        None when no shapes are known.
     numbers : list of int
         Which points of the history these are.
 
@@ -45,9 +84,12 @@ def render(
         HTML that needs no other file.
     """
     kind, short, long = status(history)
-    data = {"history": history_data(history), "shapes": None}
-    if designs:
-        data["shapes"] = Pictures(designs[0], designs[-1], designs).as_data() | {"numbers": numbers}
+    first, last, through = WORDS[history.kind == "optimisation"]
+    shapes = [Pictures(*s.ends, s.designs).as_data() | {"numbers": numbers} for s in seals]
+    data = {
+        "history": history_data(history), "seals": [seal.name for seal in seals],
+        "shapes": shapes[0] if shapes else None, "others": shapes[1:],
+    }  # fmt: skip
     return Template(_asset("page.html")).substitute(
         title=escape(title(history)),
         source=escape(source),
@@ -56,14 +98,23 @@ def render(
         status_kind=kind,
         status=escape(short),
         message=escape(long),
-        figures="".join(_figure(*figure) for figure in key_figures(history, designs)),
-        warning="" if pictures_are_of_the_record(history, designs) else WARNING,
-        shapes="" if designs else "hidden",
+        figures="".join(_figure(*figure) for figure in key_figures(history, seals)),
+        warning="".join(f'<p class="warning">{text}</p>' for text in warnings(history, seals)),
+        choice=_choice(seals) if len(seals) > 1 else "",
+        shapes="" if seals else "hidden",
+        first=first,
+        last=last,
+        through=through,
         limits=tables.limits_table(history),
-        analyses=tables.analysis_table(history, designs[0], designs[-1]) if designs else "",
+        analyses="".join(
+            tables.analysis_table(
+                *seal.ends, seal.recorded.gap_square_sum, seal.name if len(seals) > 1 else ""
+            )
+            for seal in seals
+        ),
         history=tables.history_table(history),
         runs=tables.runs_table(history) if history.runs else "",
-        settings=tables.settings_table(history) if history.seal else "",
+        settings=tables.settings_table(history) if any(s.seal for s in history.seals) else "",
         options=tables.options_table(history) if history.runs else "",
         style=_asset("page.css"),
         script="\n".join(_asset(name) for name in SCRIPTS),
@@ -71,19 +122,45 @@ def render(
     )
 
 
-def pictures_are_of_the_record(
-    history: RecordedOptimization, designs: list[DoorSealResult]
-) -> bool:
-    """Whether the analyses of the first and the last design give the recorded cost."""
-    if not designs or not tables.is_gap_sum(history.objective_name):
-        return True
-    ends = zip(history.objective[[0, -1]], (designs[0], designs[-1]), strict=True)
-    return all(tables.agrees(history, recorded, design) for recorded, design in ends)
+def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]:
+    """What the reader has to know before looking at the pictures, as HTML."""
+    found = []
+    for seal in history.seals:
+        name = escape(seal.name or "the model")
+        if seal.seal is None:
+            found.append(
+                f"The shapes of {name} are not shown: the file does not describe its kind of seal."
+            )
+        elif not seal.drawable:
+            found.append(
+                f"The shapes of {name} are not shown: the file does not hold what its inputs were. "
+                f"Record with <code>sm.RestartRecorder</code>, or with {RECORD_ALL}."
+            )
+        elif seal.assumed:
+            found.append(
+                f"The file does not hold {escape(', '.join(seal.assumed))} of {name}: the pictures are "
+                f"those with the values of the drawn seal. Record with {RECORD_ALL}."
+            )
+    found += [
+        f"The analyses of {escape(seal.name)} for this report do not give the recorded sums of squared "
+        "gaps, so the pictures are not of the recorded designs. Perhaps the package has changed since, "
+        f"or inputs were not recorded ({RECORD_ALL})."
+        for seal in seals
+        if not seal.is_as_recorded()
+    ]
+    return found
+
+
+def _choice(seals: list[ShownSeal]) -> str:
+    links = (f'<a href="#{quote(seal.name)}">{escape(seal.name)}</a>' for seal in seals)
+    return f'<nav class="choice" aria-label="Seals">Shapes of {" ".join(links)}</nav>'
 
 
 def title(history: RecordedOptimization) -> str:
-    """What was optimised."""
-    return "Shape of a door seal" if history.seal else f"Optimisation of {history.objective_name}"
+    """What was done: problem (71) by its name, else what the driver did with what."""
+    if history.settings and history.kind == "optimisation":
+        return "Shape of a door seal"
+    return f"{KINDS[history.kind]} {history.objective_name}"
 
 
 def status(history: RecordedOptimization) -> tuple[str, str, str]:
@@ -95,6 +172,10 @@ def status(history: RecordedOptimization) -> tuple[str, str, str]:
         if feasible
         else f"A constraint is violated by {tables.share(worst)}."
     )
+    if history.kind != "optimisation":
+        good, failed = len(history.objective), history.failed
+        text = f"{good} {'point' if good == 1 else 'points'} with values, {failed} failed."
+        return "unknown", "No optimisation", text
     if not history.runs:
         return "unknown", "End not recorded", f"The file does not say how the run ended. {limits}"
     last = history.runs[-1]
@@ -107,8 +188,12 @@ def status(history: RecordedOptimization) -> tuple[str, str, str]:
     return "stopped", "Not converged", f"{last.message}. {limits}"
 
 
-def key_figures(history: RecordedOptimization, designs) -> list[tuple[str, str, str]]:
+def key_figures(
+    history: RecordedOptimization, seals: list[ShownSeal]
+) -> list[tuple[str, str, str]]:
     """Name, value and explanation of the figures at the top of the page."""
+    if history.kind != "optimisation":
+        return _range_figures(history)
     first, last = history.objective[[0, -1]]
     kind = "major iterations" if history.major else "evaluations"
     found = [
@@ -120,14 +205,25 @@ def key_figures(history: RecordedOptimization, designs) -> list[tuple[str, str, 
         (kind, str(len(history.objective) - 1), f"{history.evaluations} evaluations recorded"),
         ("largest violation", tables.share(history.max_violation[-1]), "of a constraint at the end"),
     ]  # fmt: skip
-    if designs:
-        start, end = ({n: v for n, _, v in tables.measures(d)} for d in (designs[0], designs[-1]))
+    for place, seal in enumerate(seals):
+        of = f", {seal.name}" if len(seals) > 1 else ""
+        start, end = ({n: v for n, _, v in tables.measures(d)} for d in seal.ends)
         gap, force = "largest gap between contacts", "vertical force on the door"
         before = f"between the contacts; start {tables.number(start[gap], 2)} mm"
-        found.insert(1, ("largest gap", f"{tables.number(end[gap], 2)} mm", before))
+        found.insert(1 + place, (f"largest gap{of}", f"{tables.number(end[gap], 2)} mm", before))
         change = f"{tables.share(end[force] / start[force])} of its start"
-        found.append(("vertical force", f"{tables.number(end[force], 3)} N/m", change))
+        found.append((f"vertical force{of}", f"{tables.number(end[force], 3)} N/m", change))
     return found
+
+
+def _range_figures(history: RecordedOptimization) -> list[tuple[str, str, str]]:
+    """Of points that no optimiser has chosen."""
+    name, values = label(history.objective_name), history.objective
+    return [
+        ("points", str(len(values)), f"{history.failed} failed"),
+        (f"lowest {name}", tables.number(values.min(), 3), f"point {values.argmin()}"),
+        (f"highest {name}", tables.number(values.max(), 3), f"point {values.argmax()}"),
+    ]
 
 
 def _figure(name: str, value: str, text: str) -> str:

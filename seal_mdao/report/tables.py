@@ -88,32 +88,33 @@ def _limits(constraint) -> str:
     return f"= {low}" if low == high else f"{low} to {high}"
 
 
-def analysis_table(
-    history: RecordedOptimization, start: DoorSealResult, end: DoorSealResult
-) -> str:
-    """Measures of both designs, from their analyses."""
+def analysis_table(start: DoorSealResult, end: DoorSealResult, recorded=None, name="") -> str:
+    """Measures of both designs, from their analyses.
+
+    Parameters
+    ----------
+    recorded : ndarray, optional
+        Sum of squared gaps of every point as recorded.
+    name : str
+        Of the seal where there are several.
+    """
     pairs = zip(measures(start), measures(end), strict=True)
     rows = [[name, number(a), number(b), unit] for (name, unit, a), (_, _, b) in pairs]
-    if is_gap_sum(history.objective_name):
-        recorded = history.objective[[0, -1]]
+    if recorded is not None:
         cells = [
-            number(value) if agrees(history, value, result) else (number(value), "bad")
-            for value, result in zip(recorded, (start, end), strict=True)
+            number(value) if agrees(recorded, value, result) else (number(value), "bad")
+            for value, result in zip(recorded[[0, -1]], (start, end), strict=True)
         ]
         rows.insert(1, ["the same, as recorded", *cells, "mm²"])
     head = ["measure under the closed door", "start", "end", "unit"]
-    return table(head, rows, "First and last design, from their analyses")
+    of = f" of {name}" if name else ""
+    return table(head, rows, f"First and last design{of}, from their analyses")
 
 
-def is_gap_sum(name: str) -> bool:
-    """Whether a recorded variable is the cost of Eq. (71)."""
-    return name.rsplit(".", 1)[-1] == "gap_square_sum"
-
-
-def agrees(history: RecordedOptimization, recorded: float, result: DoorSealResult) -> bool:
-    """Whether the analysis of a design gives the recorded cost."""
-    allowed = AGREEMENT * (abs(recorded) + abs(history.objective[0]))
-    return result.converged and abs(result.gap_square_sum - recorded) <= allowed
+def agrees(recorded: np.ndarray, value: float, result: DoorSealResult) -> bool:
+    """Whether the analysis of a design gives its recorded sum of squared gaps."""
+    allowed = AGREEMENT * (abs(value) + abs(recorded[0]))
+    return result.converged and abs(result.gap_square_sum - value) <= allowed
 
 
 def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
@@ -133,10 +134,17 @@ def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
         ("highest von Mises stress at a particle", "kPa", float(result.stress_field().max())),
         ("vertical force on the door", "N/m", float(result.reaction[-1, 1])),
         ("horizontal force on the door", "N/m", float(result.reaction[-1, 0])),
-        ("area of the section", "mm²", result.area),
+        ("area of the section", "mm²", _area(result)),
         ("corner radius of the door", "mm", result.door_radius),
         ("door travel reached", "mm", float(result.door_travel[-1])),
     ]
+
+
+def _area(result: DoorSealResult) -> float:
+    """Between the splines; that of the cells where only the particles are known."""
+    if result.boundary_offsets is None:
+        return float(result.path.discretization.weights.sum())
+    return result.area
 
 
 def patches(touching: np.ndarray) -> int:
@@ -145,8 +153,11 @@ def patches(touching: np.ndarray) -> int:
 
 
 def settings_table(history: RecordedOptimization) -> str:
-    """The attributes of the seal, and the further settings of the problem."""
-    rows = list(_attributes(history.seal))
+    """The attributes of the seals, and the further settings of the problem."""
+    known = [seal for seal in history.seals if seal.seal is not None]
+    rows = []
+    for seal in known:
+        rows += _attributes(seal.seal, f"{seal.name}: " if len(known) > 1 else "")
     rows += [[f"problem: {name}", str(value)] for name, value in history.settings.items()]
     return table(["setting", "value"], rows, "Model and problem (mm, kPa, N/m)")
 

@@ -1,14 +1,15 @@
 """Make the report of a recorder file."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.plotting.recorded import RecordedOptimization, read_optimization
-from seal_mdao.report.page import render
+from seal_mdao.plotting.recorded import read_optimization
+from seal_mdao.progress import hidden
+from seal_mdao.recording.seal_inputs import RecordedSeal
+from seal_mdao.report.page import ShownSeal, render
 from seal_mdao.seals.door.result import DoorSealResult
 
 DESIGNS = 40
@@ -31,7 +32,7 @@ def write_report(
     outfile : str or Path, optional
         ``report.html`` beside the recorder file when left out.
     given : dict of str to ndarray, optional
-        Inputs of the ``SealGroup`` that the file may not hold, by their own names.
+        Inputs of seals that are the same at all points and may not be in the file, by absolute names.
     kept : KeptAnalyses, optional
         Analyses of the run that wrote the file.
 
@@ -48,11 +49,11 @@ def write_report(
         When the report cannot be written.
     """
     cases = Path(cases)
-    history = read_optimization(cases)
-    history = replace(history, given=(given or {}) | history.given)
-    numbers = chosen_points(len(history.objective)) if history.seal else []
-    designs = analyze_points(history, numbers, KeptAnalyses() if kept is None else kept)
-    text = render(history, cases.name, designs, numbers)
+    history, kept = read_optimization(cases, given), KeptAnalyses() if kept is None else kept
+    seals = [seal for seal in history.seals if seal.drawable]
+    numbers = chosen_points(len(history.objective)) if seals else []
+    shown = [ShownSeal(seal, analyze_points(seal, numbers, kept)) for seal in seals]
+    text = render(history, cases.name, shown, numbers)
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(text, encoding="utf-8")
@@ -65,19 +66,16 @@ def chosen_points(count: int) -> list[int]:
 
 
 def analyze_points(
-    history: RecordedOptimization, numbers: list[int], kept: KeptAnalyses
+    recorded: RecordedSeal, numbers: list[int], kept: KeptAnalyses
 ) -> list[DoorSealResult]:
-    """Designs of the history, analysed; all are measured where the recorded run did."""
-    if not numbers:
-        return []
-    points = kept.analyze(history.seal.as_drawn()).points
-    bar = tqdm(numbers, desc="report", unit="analysis", disable=None, leave=False)
-    return [_analyzed(kept, *history.seal_at(number)).at(points) for number in bar]
+    """Designs of a seal, analysed; all are measured where the recorded run did."""
+    points = kept.analyze(recorded.seal.as_drawn()).points
+    bar = tqdm(numbers, desc="report", unit="analysis", disable=hidden(), leave=False)
+    return [_analyzed(kept, recorded, number).at(points) for number in bar]
 
 
-def _analyzed(kept: KeptAnalyses, seal, offsets, parameters) -> DoorSealResult:
+def _analyzed(kept: KeptAnalyses, recorded: RecordedSeal, number: int) -> DoorSealResult:
     """A design analysed, without looking for places of its measures."""
-    offsets = seal.check_offsets(offsets)
-    return kept.analyze_particles(
-        seal.with_parameters(parameters), seal.particles(offsets), offsets
-    )
+    offsets, parameters = recorded.design(number)
+    seal = recorded.seal.with_parameters(parameters)
+    return kept.analyze_particles(seal, recorded.particles(number), offsets)

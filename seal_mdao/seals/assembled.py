@@ -111,7 +111,7 @@ class AssembledSeal(Seal):
         return other
 
     def area(self, offsets):
-        value, by_particles = cells_area(self.body.cells, self.particles(offsets))
+        value, by_particles = cells_area(self.body.cells, self.moved(offsets))
         return value, np.tensordot(self.design_velocity, by_particles, 2)
 
     def measures(self, names=()) -> tuple:

@@ -62,7 +62,11 @@ class Seal:
         raise NotImplementedError
 
     def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
-        """Area of the section, mm^2, and its gradient with respect to the offsets."""
+        """Area of the section, mm^2, and its gradient with respect to the offsets.
+
+        The offsets have been checked. They are complex under OpenMDAO's complex step, and then so are
+        area and gradient.
+        """
         raise NotImplementedError
 
     def measures(self, names=()) -> tuple:
@@ -108,7 +112,10 @@ class Seal:
         ValueError
             For offsets of a wrong number, or not finite.
         """
-        offsets = self.check_offsets(offsets)
+        return self.moved(self.check_offsets(offsets))
+
+    def moved(self, offsets: np.ndarray) -> np.ndarray:
+        """Particles of offsets that have been checked, real or complex, shape (n, 2), mm."""
         return self.drawn_particles + np.tensordot(offsets, self.design_velocity, 1)
 
     def check_offsets(self, offsets) -> np.ndarray:

@@ -70,7 +70,8 @@ def test_nothing_set_is_the_drawn_seal(problem, short):
 def test_partials_of_the_geometry_are_exact(problem):
     made = problem(sm.SplineGeometryComp(seal=sm.door_seal()), boundary_offsets=OFFSETS)
     made.run_model()
-    data = made.check_partials(out_stream=None, form="central", step=1e-2)
+    with pytest.warns(om.DerivativesWarning, match="finite difference was used"):
+        data = made.check_partials(out_stream=None)
     assert_check_partials(data, atol=1e-11, rtol=1e-11)
 
 
@@ -87,7 +88,8 @@ def test_partials_of_the_geometry_are_sparse():
 def test_partials_of_the_area_are_exact(problem):
     made = problem(sm.AreaComp(seal=sm.door_seal()), boundary_offsets=OFFSETS)
     made.run_model()
-    data = made.check_partials(out_stream=None, form="central", step=1e-2)
+    with pytest.warns(om.DerivativesWarning, match="finite difference was used"):
+        data = made.check_partials(out_stream=None)
     assert_check_partials(data, atol=1e-9, rtol=1e-10)
 
 
@@ -210,8 +212,8 @@ def test_partials_after_an_analysis_that_failed(problem, short):
     made.set_val("particles", seal.particles(3.0 * OFFSETS))
     with pytest.raises(om.AnalysisError):
         made.run_model()
-    with pytest.raises(om.AnalysisError):
-        made.compute_totals(of=["reaction"], wrt=["door_radius"])
+    found = made.compute_totals(of=["reaction"], wrt=["door_radius"], return_format="array")
+    assert np.isnan(found).all()
 
 
 def test_running_twice_gives_the_same_bits_and_analyses_once(problem, short):

@@ -5,18 +5,31 @@ import re
 import numpy as np
 import pytest
 
+import seal_mdao as sm
+
+PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
+RUN = {"quickstart.md", "reference/api.md", "extend.md", "guide_report.md", "openmdao.md"}
+"""Pages with Python blocks, each of which a test below runs."""
+
+
+def test_no_page_has_code_that_is_not_run(docs, pages):
+    found = {
+        path.relative_to(docs).as_posix() for path, text in pages.items() if PYTHON.search(text)
+    }
+    assert found == RUN
+
 
 @pytest.fixture
 def run_page(docs, tmp_path, monkeypatch):
-    """Run the Python blocks of a page, each by itself; returns their names."""
+    """Run the Python blocks of a page, each by itself or one after the other; returns their names."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("OPENMDAO_REPORTS", "0")
 
-    def run(page):
+    def run(page, together=False):
         text = (docs / page).read_text(encoding="utf-8")
         found = []
-        for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
-            found.append({})
+        for code in PYTHON.findall(text):
+            found.append(found[-1] if together and found else {})
             exec(compile(code, page, "exec"), found[-1])
         return found
 
@@ -67,3 +80,50 @@ def test_extensions(run_page, docs, capsys):
     totals = openmdao["totals"]
     size = max(abs(slope) for slope in slopes.values())
     assert abs(totals["highest_point", "roll_a"][0, 0] - slopes["roll_a"]) <= 1e-9 * size
+
+
+@pytest.mark.filterwarnings("ignore:.*'door' (already exists|is already active)")
+def test_report_and_restart(run_page, tmp_path):
+    """The page's own file is continued where its first run ended."""
+    names, _ = run_page("guide_report.md", together=True)
+    first, again = names["prob"].driver, names["again"].driver
+    assert first.result.iter_count == 2
+    assert again.reused_evaluations >= 2  # all but the start, which is analysed again
+    assert again.result.iter_count == 4
+    assert not (tmp_path / "cases.sql").exists()
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("ignore:.*Inefficient choice of derivative mode")
+def test_own_openmdao_model(run_page):
+    names = run_page("openmdao.md", together=True)[-1]
+    for comp in names["checked"].values():
+        for block in comp.values():
+            worst = np.abs(block["J_fwd"] - block["J_fd"]).max()
+            assert worst <= 1e-5 * max(1e-3, np.abs(block["J_fd"]).max())
+    # what the model has is what the numerics give for the same design
+    seal, prob = names["seal"], names["prob"]
+    offsets = 1e3 * prob.get_val("waves.offsets", units="m")
+    result = sm.analyze(seal, offsets, {"door_radius": 0.16 * 25.4})
+    assert prob.get_val("seal.gap_square_sum")[0] == pytest.approx(result.gap_square_sum, rel=1e-9)
+    cost = 50 * result.area / 100 + 2 * result.reaction[-1, 1] / 1000
+    assert prob.get_val("cost")[0] == pytest.approx(cost, rel=1e-12)
+    slopes = names["by_mode"]
+    for other in ("rev", "auto"):
+        np.testing.assert_allclose(slopes[other], slopes["fwd"], rtol=1e-9)
+    exact = sm.differentiate(sm.analyze(seal, offsets)).reaction[:, : seal.n_offsets]
+    count = seal.splines.outer_parameters
+    bulge = 1e3 * exact[:, :count] @ np.sin(np.linspace(0.0, np.pi, count))
+    by_complex_step = names["by_complex_step"]["reaction", "bulge"][:, 0]
+    np.testing.assert_allclose(by_complex_step, bulge, rtol=1e-9, atol=1e-9 * np.abs(bulge).max())
+    sharp, blunt = (sm.analyze(seal, None, {"door_radius": r}) for r in (3.5, 4.5))
+    assert names["twin"].get_val("gaps")[0] == pytest.approx(
+        sharp.at(blunt.points).gap_square_sum + blunt.gap_square_sum, rel=1e-9
+    )
+    assert names["coloring"].total_solves() == 1
+    assert [case.name[-1] for case in names["good"]] == ["0", "2"]
+    assert names["fit"].get_val("c10")[0] == pytest.approx(90.0, rel=1e-5)
+    assert names["fit"].get_val("friction")[0] == pytest.approx(0.3, rel=1e-5)
+    drawn = sm.differentiate(sm.analyze(seal), ("door_radius",)).gap_square_sum[-1]
+    through = names["through"]["gap_square_sum", "door_radius"][0, 0]
+    assert through == pytest.approx(drawn, rel=1e-9)

@@ -1,6 +1,8 @@
 """The progress bar counts load steps and analyses, and is silent without a terminal."""
 
 import io
+import sys
+from types import SimpleNamespace
 
 import pytest
 import tqdm
@@ -39,3 +41,21 @@ def test_bar_reaches_the_last_step_and_starts_again(quick, monkeypatch):
         assert "analysis 1/2" in terminal.getvalue()
         sm.analyze(quick, callback=progress)
         assert "analysis 2/2" in terminal.getvalue()
+
+
+def test_bar_shows_in_jupyter(quick, monkeypatch, capsys):
+    """Where standard error is no terminal."""
+
+    class ZMQInteractiveShell:
+        """What Jupyter's kernels have."""
+
+    notebook = SimpleNamespace(get_ipython=ZMQInteractiveShell)
+    monkeypatch.setitem(sys.modules, "IPython", notebook)
+    with LoadStepProgress(quick) as progress:
+        sm.analyze(quick, callback=progress)
+        progress._bar.refresh()
+    assert "analysis 1" in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
+    with LoadStepProgress(quick) as progress:
+        sm.analyze(quick, callback=progress)
+    assert capsys.readouterr().err == ""

@@ -35,7 +35,7 @@ def history(seal_page):
 
 @pytest.fixture(scope="module")
 def ends(history):
-    return [sm.analyze(*history.seal_at(index)) for index in (0, -1)]
+    return [sm.analyze(history.seal, *history.design_at(index)) for index in (0, -1)]
 
 
 def test_history_is_that_of_the_recorder_file(seal_page, history):
@@ -133,7 +133,7 @@ def test_table_of_limits(history):
 
 
 def test_table_of_measures(history, ends):
-    rows = {row[0]: row[1:] for row in cells(tables.analysis_table(history, *ends))}
+    rows = {row[0]: row[1:] for row in cells(tables.analysis_table(*ends, history.objective))}
     start, end = ends
     assert rows["sum of squared gaps"] == rows["the same, as recorded"]
     assert rows["vertical force on the door"][1] == f"{end.reaction[-1, 1]:.4g}"

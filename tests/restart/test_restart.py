@@ -16,6 +16,7 @@ from valley import designs, kill_at, killed, record, valley_problem
 
 import seal_mdao as sm
 from seal_mdao.recording import run_log
+from seal_mdao.recording.recorder import record_all
 
 # Python 3.12 and newer warn of forks; the children here only compute and write a file
 pytestmark = pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
@@ -34,7 +35,7 @@ def cut_run(make_driver, call):
     assert killed(record(valley_problem(make_driver(), kill_at(call))).run_driver)
 
 
-def continued(make_driver, path="cases.sql", on_call=None, **options):
+def continued(make_driver, path="./cases.sql", on_call=None, **options):
     problem = valley_problem(make_driver(**options), on_call)
     sm.restart(problem, path)
     result = problem.run_driver()
@@ -131,7 +132,7 @@ def test_many_cuts_one_after_the_other(make_driver):
     cut_run(make_driver, 2)
     for _ in range(4):
         problem = valley_problem(make_driver(), kill_at(4))
-        sm.restart(problem, "cases.sql")
+        sm.restart(problem, "./cases.sql")
         assert killed(problem.run_driver)
     assert len(designs()) == 1 + 4 * 2
     problem, again = continued(make_driver)
@@ -241,7 +242,7 @@ def test_evaluation_that_an_error_cut_off_is_repeated(make_driver):
 def test_plain_recorder_gets_the_whole_run(make_driver):
     _, _, expected = whole_run(make_driver)
     cut_run(make_driver, 9)
-    problem = valley_problem(make_driver(hotstart_file="cases.sql"))
+    problem = valley_problem(make_driver(hotstart_file="./cases.sql"))
     problem.driver.add_recorder(om.SqliteRecorder("./plain.sql"))
     problem.driver.recording_options["record_derivatives"] = True
     problem.run_driver()
@@ -267,7 +268,7 @@ def test_start_comes_from_the_file(make_driver):
     problem, _ = continued(make_driver)
     assert designs()[0].tolist() == [0.3, -0.7, 0.1]
     assert problem.driver.reused_evaluations > 0
-    elsewhere = valley_problem(make_driver(hotstart_file="cases.sql"))
+    elsewhere = valley_problem(make_driver(hotstart_file="./cases.sql"))
     with pytest.raises(ValueError, match="not the start of the run"):
         elsewhere.run_driver()
 
@@ -275,7 +276,7 @@ def test_start_comes_from_the_file(make_driver):
 def test_other_model_is_noticed(make_driver):
     cut_run(make_driver, 5)
     problem = valley_problem(make_driver(), steep=20.001)
-    sm.restart(problem, "cases.sql")
+    sm.restart(problem, "./cases.sql")
     with pytest.raises(ValueError, match=r"recorded with another model: at the start valley\.f"):
         problem.run_driver()
 
@@ -287,7 +288,7 @@ def test_file_without_the_constraint_is_refused(make_driver):
     problem.run_driver()
     problem.cleanup()
     with pytest.raises(ValueError, match="holds the design variables, objective and constraints"):
-        sm.restart(valley_problem(make_driver()), "cases.sql")
+        sm.restart(valley_problem(make_driver()), "./cases.sql")
 
 
 def test_wrong_files_and_drivers(make_driver, tmp_path):
@@ -297,9 +298,9 @@ def test_wrong_files_and_drivers(make_driver, tmp_path):
     for text in ("", "some text that is no database"):
         (tmp_path / "text.sql").write_text(text)
         with pytest.raises(ValueError, match="not a file of an OpenMDAO recorder"):
-            sm.restart(problem, "text.sql")
+            sm.restart(problem, "./text.sql")
     with pytest.raises(TypeError, match="load_case"):
-        sm.restart(valley_problem(om.ScipyOptimizeDriver()), "cases.sql")
+        sm.restart(valley_problem(om.ScipyOptimizeDriver()), "./cases.sql")
 
 
 class OneSided(om.ExplicitComponent):
@@ -338,8 +339,31 @@ def test_first_jacobian_is_not_looked_at_twice(make_driver):
     first.cleanup()
     assert first.get_val("y")[0] < 0.0
     again = problem()
-    sm.restart(again, "cases.sql")
+    sm.restart(again, "./cases.sql")
     assert again.run_driver().success
     assert again.driver.reused_evaluations > 0
     assert again.driver.result.deriv_evals > 0
     again.cleanup()
+
+
+def test_a_bare_name_is_the_same_file_for_the_recorder_and_the_restart(make_driver, tmp_path):
+    """In the output folder of the problem, as OpenMDAO has it."""
+    for driver in (make_driver(maxiter=2), make_driver()):
+        problem = valley_problem(driver)
+        folder = Path(problem.get_outputs_dir(mkdir=True))
+        (folder / "kept.sql").unlink(missing_ok=True)
+        record_all(driver, sm.RestartRecorder("kept.sql"))
+        problem.run_driver()
+        problem.cleanup()
+        assert (folder / "kept.sql").is_file()
+        assert not Path("kept.sql").exists()
+        again = valley_problem(make_driver())
+        shutil.copy(folder / "kept.sql", Path(again.get_outputs_dir(mkdir=True)) / "kept.sql")
+        sm.restart(again, "kept.sql")
+        again.run_driver()
+        again.cleanup()
+        assert again.driver.reused_evaluations > 2
+        hot = valley_problem(make_driver(hotstart_file="kept.sql"))
+        shutil.copy(folder / "kept.sql", Path(hot.get_outputs_dir(mkdir=True)) / "kept.sql")
+        hot.run_driver()
+        assert hot.driver.reused_evaluations > 2

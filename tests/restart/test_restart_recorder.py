@@ -54,7 +54,7 @@ def test_file_is_complete_or_not_there(make_driver, monkeypatch, method, call):
     if Path("cases.sql").exists():
         assert len(designs()) <= 1
         continued = valley_problem(make_driver())
-        sm.restart(continued, "cases.sql")
+        sm.restart(continued, "./cases.sql")
         assert continued.run_driver().success
         continued.cleanup()
     else:
@@ -119,7 +119,7 @@ def test_append_begins_a_file_that_is_not_there(make_driver):
 def test_log_of_the_runs(make_driver):
     result = run(make_driver, maxiter=2)
     problem = valley_problem(make_driver())
-    sm.restart(problem, "cases.sql")
+    sm.restart(problem, "./cases.sql")
     again = problem.run_driver()
     problem.cleanup()
     first, second = run_log.read("cases.sql")

@@ -153,3 +153,22 @@ def test_support_is_measured_by_the_longest_edge_at_each_particle():
 def test_impossible_sections_are_refused(wrong):
     with pytest.raises(ValueError, match=r"radi|base_angle"):
         Section(**wrong)
+
+
+@pytest.mark.parametrize("columns", [2, 3, 4, 7])
+def test_fixed_particles_are_those_on_the_flat_base(columns):
+    for rays in (58, 116):
+        section = Section(base_angle=columns * 2 * np.pi / 58)
+        seal = sm.door_seal(section=section, rays=rays)
+        outer = seal.drawn_particles.reshape(rays, 3, 2)[:, -1]
+        on_base = np.abs(outer[:, 1] + 9.5) < 1e-9
+        assert on_base.sum() == 2 * columns * rays // 58 + 1
+        np.testing.assert_array_equal(
+            seal.body.fixed.reshape(rays, 3, 2)[:, -1].all(axis=1), on_base
+        )
+
+
+@pytest.mark.parametrize("angle", [0.2, 0.6, 0.05])
+def test_base_that_ends_between_two_rays_is_refused(angle):
+    with pytest.raises(ValueError, match=r"base_angle = .* whole number of the 58 rays' spacing"):
+        sm.door_seal(section=Section(base_angle=angle))

@@ -1,7 +1,12 @@
 // Puts the data into the page and lets the two sliders move it.
 
 const data = JSON.parse(document.getElementById("report-data").textContent);
-const { history, shapes } = data;
+const { history } = data;
+// the address says which of several seals is shown
+const chosen = Math.max(0, data.seals.indexOf(decodeURIComponent(location.hash.slice(1))));
+const shapes = chosen ? data.others[chosen - 1] : data.shapes;
+document.querySelectorAll("nav.choice a").forEach((link, i) => { if (i === chosen) link.setAttribute("aria-current", "true"); });
+window.addEventListener("hashchange", () => location.reload());
 const place = (id) => document.getElementById(id);
 const color = (i) => `var(--c${i % 8})`;
 const unitText = (unit) => (unit ? ` (${unit})` : "");

@@ -21,7 +21,7 @@ def section_area(splines: BoundarySplines, offsets: np.ndarray) -> tuple[float, 
     Parameters
     ----------
     offsets : ndarray, shape (splines.count,)
-        Control values, mm.
+        Control values, mm; area and gradient are complex where they are.
 
     Returns
     -------
@@ -36,4 +36,4 @@ def section_area(splines: BoundarySplines, offsets: np.ndarray) -> tuple[float, 
     outer = splines.section.outer(angle) + outer_basis @ offsets[:n]
     inner = splines.section.inner(angle) + inner_basis @ offsets[n:]
     gradient = np.concatenate([(weight * outer) @ outer_basis, -(weight * inner) @ inner_basis])
-    return float(0.5 * weight @ (outer**2 - inner**2)), gradient
+    return (0.5 * weight @ (outer**2 - inner**2)).item(), gradient

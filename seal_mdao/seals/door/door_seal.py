@@ -200,6 +200,7 @@ class DoorSeal(Seal):
         )
 
     def _check_path(self):
+        _ = self._base_columns
         top = self.section.outer_radius
         _require(
             _is_number(self.start) and self.start > top,
@@ -259,7 +260,27 @@ class DoorSeal(Seal):
 
     @cached_property
     def grid(self) -> RingGrid:
-        return RingGrid(self.rays, self.layers, 3 * self.rays // BASE_RAYS)
+        return RingGrid(self.rays, self.layers, self._base_columns)
+
+    @property
+    def _base_columns(self) -> int:
+        """Rays from straight down to the end of the flat base.
+
+        Raises
+        ------
+        ValueError
+            When the base ends between two rays: particles would be fixed that do not lie on it.
+        """
+        spacing = 2 * np.pi / self.rays
+        columns = round(self.section.base_angle / spacing)
+        below = int(self.section.base_angle / spacing)
+        _require(
+            columns > 0 and abs(self.section.base_angle - columns * spacing) <= 1e-9,
+            f"base_angle = {self.section.base_angle:.6g} of the section must be a whole number of the "
+            f"{self.rays} rays' spacing 2 pi / {self.rays}, for example "
+            f"{max(below, 1) * spacing:.6g} or {(max(below, 1) + 1) * spacing:.6g}",
+        )
+        return columns
 
     @cached_property
     def splines(self) -> BoundarySplines:

@@ -23,31 +23,43 @@ from seal_mdao.seals.result import analyze
 
 DOOR = "door"
 """Label of the contact with the door."""
-CURVE_DEPTHS = (2.0, 4.0, 6.0, 8.0, 10.0)
-"""Door travels at which the reaction is a measure, mm; those within the depth are taken."""
+CURVE_TRAVELS = (2.0, 4.0, 6.0, 8.0, 10.0)
+"""Door travels of the standard reaction curve, mm; those within the depth are taken."""
 
 
 @dataclass(frozen=True)
 class ReactionCurve(Reaction):
-    """Vertical reaction after the nominal steps nearest to ``CURVE_DEPTHS``."""
+    """Force on the door at travels from the first touch of the drawn seal.
+
+    Attributes
+    ----------
+    travels : tuple of float, or None
+        mm; None for those of ``CURVE_TRAVELS`` that the drawn seal's door reaches. A design whose door
+        does not reach them all cannot be measured.
+    components : tuple of int
+        0 horizontal, 1 vertical; one after the other at every travel.
+    """
 
     profile: str = DOOR
     components: tuple = (1,)
     name: str = "reaction_curve"
-    text = "Vertical reaction at 2, 4, 6, 8 and 10 mm of travel."
+    text = "Force of the seal on the door at door travels from the first touch of the drawn seal."
+
+    def before(self, seal):
+        return seal.start - seal.section.outer_radius
 
     @property
     def takes_places(self):
         return self.travels is None
 
     def frozen(self, drawn):
-        steps = curve_steps(drawn.door_travel)
-        if not steps.size:
+        travels = curve_travels(drawn.seal)
+        if not travels:
             raise ValueError(
                 f"measure {self.name!r} has no entries for a depth of {drawn.seal.depth} mm; leave it "
                 "out"
             )
-        return replace(self, travels=tuple((steps + 1.0).tolist()))
+        return replace(self, travels=travels)
 
 
 STANDARD = (VonMises(), Gap(DOOR), GapSquareSum(Gap(DOOR)), Reaction(DOOR))
@@ -74,15 +86,15 @@ class MeasurePoints:
         Contact points from the first to the last one in contact.
     patches : tuple of ndarray of int
         All contact points, divided in the middle of the opened stretch.
-    curve : ndarray of int
-        Nominal steps, from 0, whose reaction is a measure.
+    curve : tuple of float
+        Door travels at which the reaction is a measure, mm.
     """
 
     stress: np.ndarray
     gap: np.ndarray
     stretch: np.ndarray
     patches: tuple
-    curve: np.ndarray
+    curve: tuple
 
 
 def measure_points(seal) -> MeasurePoints:
@@ -108,14 +120,13 @@ def chosen_points(drawn) -> MeasurePoints:
     rows = [(grid.free_outer, False), (inner, True)]
     return MeasurePoints(
         boundary_peaks(rows, drawn.stress_field(), STRESS_COUNT), opened_points(state),
-        touching_stretch(state), contact_patches(state), curve_steps(drawn.door_travel),
+        touching_stretch(state), contact_patches(state), curve_travels(drawn.seal),
     )  # fmt: skip
 
 
-def curve_steps(travel: np.ndarray) -> np.ndarray:
-    """Steps, from 0, whose ``travel`` is nearest to those of ``CURVE_DEPTHS`` that are reached."""
-    reached = [depth for depth in CURVE_DEPTHS if depth <= travel[-1] + 1e-9]
-    return np.array([np.argmin(np.abs(travel - depth)) for depth in reached], int)
+def curve_travels(seal) -> tuple:
+    """Those of ``CURVE_TRAVELS`` that the door reaches."""
+    return tuple(travel for travel in CURVE_TRAVELS if travel <= seal.depth)
 
 
 def measures_at(points: MeasurePoints, measures) -> tuple:
@@ -128,9 +139,11 @@ def _at(points: MeasurePoints, measure):
         return measure
     if isinstance(measure, GapSquareSum):
         return replace(measure, base=_at(points, measure.base))
+    if isinstance(measure, ReactionCurve):
+        return replace(measure, travels=points.curve)
     places = {
         VonMises: ("points", points.stress), Gap: ("points", points.gap),
-        GapSquareIntegral: ("stretch", points.stretch), ReactionCurve: ("travels", points.curve + 1.0),
+        GapSquareIntegral: ("stretch", points.stretch),
     }  # fmt: skip
     if isinstance(measure, ContactPressure):
         return replace(measure, patches=tuple(tuple(patch.tolist()) for patch in points.patches))

@@ -17,7 +17,8 @@ class Section:
     inner_radius, outer_radius : float
         Radii of the two circles.
     base_angle : float
-        D0: the flat base spans |D| <= D0, the straight flanks D0 <= |D| <= 2 D0.
+        D0: the flat base spans |D| <= D0, the straight flanks D0 <= |D| <= 2 D0. It ends at a ray of
+        the seal: a multiple of 2 pi / rays.
     """
 
     inner_radius: float = 7.5

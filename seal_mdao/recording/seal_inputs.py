@@ -1,0 +1,147 @@
+"""What the seals of a model really used at each recorded point.
+
+The inputs of a ``SealGroup`` in its own units, wherever they come from: recorded as such (which
+``RestartRecorder`` always does), or as the output to which OpenMDAO has connected them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import openmdao.api as om
+
+from seal_mdao.recording.settings import recorded_seals
+from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.seal import SETTINGS_OPTION
+
+CONTACT, GEOMETRY = "contact.", "geometry."
+"""The components of a ``SealGroup`` whose inputs are its design."""
+ARRAYS = {"particles": "mm", "boundary_offsets": "mm"}
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedSeal:
+    """One ``SealGroup`` of a recorded model.
+
+    Attributes
+    ----------
+    name : str
+        Path of the group; empty for the model itself.
+    seal : DoorSeal or None
+        None for a seal that no recorder file describes.
+    values : list of dict
+        Inputs at every point by their own names, in the component's units.
+    assumed : tuple of str
+        Inputs that the file does not tell; those of the drawn seal stand for them.
+    gap_square_sum : ndarray or None
+        The recorded sum of squared gaps of every point, mm^2.
+    """
+
+    name: str
+    seal: DoorSeal | None
+    values: list
+    assumed: tuple
+    gap_square_sum: np.ndarray | None
+
+    @property
+    def drawable(self) -> bool:
+        """Whether the shapes of all points are known."""
+        known = all({*ARRAYS} & {*values} for values in self.values)
+        return self.seal is not None and known
+
+    def design(self, index: int) -> tuple[np.ndarray | None, dict]:
+        """Boundary offsets (mm), None where only particles are known, and scalar parameters."""
+        values = self.values[index]
+        parameters = {n: float(np.ravel(v)[0]) for n, v in values.items() if n not in ARRAYS}
+        return values.get("boundary_offsets"), parameters
+
+    def particles(self, index: int) -> np.ndarray:
+        """Undeformed particles of a point, shape (n, 2), mm."""
+        values = self.values[index]
+        if "particles" in values:
+            return np.reshape(values["particles"], self.seal.drawn_particles.shape)
+        return self.seal.particles(values["boundary_offsets"])
+
+
+def inputs_of_seals(model) -> list[str]:
+    """Absolute names of the inputs of all seals of a model."""
+    return _of_seals(model, "input")
+
+
+def outputs_of_seals(model) -> list[str]:
+    """Absolute names of the outputs of all seals of a model."""
+    return _of_seals(model, "output")
+
+
+def _of_seals(model, kind: str) -> list[str]:
+    names = []
+    for group in model.system_iter(include_self=True, recurse=True, typ=om.Group):
+        if SETTINGS_OPTION in group.options:
+            path = f"{group.pathname}." if group.pathname else ""
+            wanted = path + CONTACT, path + GEOMETRY
+            names += [n for n, _ in group.abs_meta_iter(kind) if n.startswith(wanted)]
+    return names
+
+
+def read_seals(reader: om.CaseReader, cases: list, given: dict | None = None) -> list[RecordedSeal]:
+    """All seals of a recorder file with their inputs at some cases.
+
+    Parameters
+    ----------
+    reader : CaseReader
+    cases : list of Case
+    given : dict of str to ndarray, optional
+        Inputs that are the same at all points and may not be in the file, by their absolute names.
+    """
+    links = {c["tgt"]: c["src"] for c in reader.problem_metadata["connections_list"]}
+    return [
+        _recorded_seal(name, seal, links, cases, given or {})
+        for name, seal in recorded_seals(reader).items()
+    ]
+
+
+def _recorded_seal(name, seal, links, cases, given) -> RecordedSeal:
+    path = f"{name}." if name else ""
+    shape = [path + CONTACT + "particles"]
+    if links.get(shape[0]) == f"{path}{GEOMETRY}particles":  # else the offsets are not its design
+        shape.append(f"{path}{GEOMETRY}boundary_offsets")
+    known = {} if seal is None else seal.scalars
+    scalars = [path + CONTACT + own for own in known if path + CONTACT + own in links]
+    units = ARRAYS | {own: scalar.units for own, scalar in known.items()}
+    values = []
+    for case in cases:
+        found = {t: _value(case, t, links, units, given) for t in (*shape, *scalars)}
+        values.append({_own(t): value for t, value in found.items() if value is not None})
+    assumed = tuple(_own(t) for t in scalars if any(_own(t) not in v for v in values))
+    gaps = [_recorded(case.outputs, f"{path}{CONTACT}gap_square_sum") for case in cases]
+    gaps = None if any(gap is None for gap in gaps) else np.array(gaps)[:, 0]
+    return RecordedSeal(name, seal, values, assumed, gaps)
+
+
+def _value(case, target, links, units, given) -> np.ndarray | None:
+    """An input in its own units; None when the file does not tell."""
+    value = _recorded(case.inputs, target)
+    if value is not None:
+        return value
+    source = _recorded(case.outputs, links[target]) if target in links else None
+    if source is None:
+        return given.get(target)
+    if _own(target) not in ARRAYS and source.size > 1:
+        return None  # which entry is not in the file
+    own, theirs = units[_own(target)], _units(case).get(links[target])
+    return source if None in (own, theirs) else om.convert_units(source, theirs, own)
+
+
+def _recorded(values, name: str) -> np.ndarray | None:
+    try:
+        return None if values is None else values[name]
+    except KeyError:
+        return None
+
+
+def _units(case) -> dict:
+    listed = case.list_outputs(val=False, units=True, out_stream=None)
+    return {name: meta["units"] for name, meta in listed}
+
+
+def _own(name: str) -> str:
+    return name.rsplit(".", 1)[-1]

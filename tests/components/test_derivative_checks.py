@@ -1,0 +1,90 @@
+"""OpenMDAO's own checks as users call them, and complex step where it is allowed."""
+
+import numpy as np
+import openmdao.api as om
+import pytest
+from openmdao.utils.assert_utils import assert_check_partials
+
+import seal_mdao as sm
+from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
+
+OFFSETS = np.random.default_rng(1).uniform(-0.15, 0.15, 25)
+
+
+def made(system, complex_step=True, mode="auto"):
+    problem = om.Problem(reports=None)
+    problem.model.add_subsystem("seal", system, promotes=["*"])
+    problem.setup(force_alloc_complex=complex_step, mode=mode)
+    return problem
+
+
+def test_check_partials_with_its_defaults_is_quick_and_right(short):
+    """Directional where there are hundreds of inputs: four analyses for two inputs, none marked."""
+    kept = sm.KeptAnalyses()
+    problem = made(sm.SealGroup(seal=short, kept=kept))
+    problem.set_val("boundary_offsets", OFFSETS)
+    problem.run_model()
+    before = kept.made
+    np.random.seed(1)  # OpenMDAO draws the direction from the global generator
+    data = problem.check_partials(out_stream=None)
+    assert kept.made - before <= 4
+    assert_check_partials(data)  # OpenMDAO's tolerances, 1e-6
+    assert set(data) == {"seal.geometry", "seal.section", "seal.contact"}
+
+
+def shape_model(seal):
+    """Upstream length, offsets, area and particles, all by complex step."""
+    group = om.Group()
+    group.add_subsystem(
+        "up",
+        om.ExecComp(
+            "boundary_offsets = t**2 * ones(25)", t=0.4,
+            boundary_offsets={"shape": 25, "units": "mm"},
+        ),
+        promotes=["*"],
+    )  # fmt: skip
+    group.add_subsystem("geometry", sm.SplineGeometryComp(seal=seal), promotes=["*"])
+    group.add_subsystem("section", sm.AreaComp(seal=seal), promotes=["*"])
+    return group
+
+
+def test_complex_step_passes_through_geometry_and_area(short, block_seal):
+    for seal in (short, block_seal):
+        tables = []
+        for approximate in (False, True):
+            group = shape_model(seal) if seal is short else sm.AreaComp(seal=seal)
+            problem = om.Problem(om.Group(), reports=None)
+            problem.model.add_subsystem("g", group, promotes=["*"])
+            wrt = "t" if seal is short else "boundary_offsets"
+            if approximate:
+                problem.model.approx_totals(method="cs")
+            problem.setup(force_alloc_complex=True)
+            problem.run_model()
+            of = ["area", "particles"] if seal is short else ["area"]
+            tables.append(problem.compute_totals(of, [wrt], return_format="array"))
+        assert np.abs(tables[0]).max() > 0.1
+        np.testing.assert_allclose(tables[1], tables[0], rtol=1e-12, atol=1e-13)
+
+
+@pytest.fixture
+def block_seal():
+    from pressed_block import pressed_block
+
+    return pressed_block()
+
+
+@pytest.mark.parametrize("system", [sm.SealGroup, RkpmContactComp])
+def test_contact_refuses_complex_step(system, short):
+    """It used to give zeros."""
+    problem = made(system(seal=short))
+    problem.model.approx_totals(method="cs")
+    problem.run_model()
+    with pytest.raises(RuntimeError, match="complex steps cannot pass through the contact"):
+        problem.compute_totals(["reaction"], ["door_radius"])
+
+
+def test_check_totals_by_complex_step_is_refused(short):
+    problem = made(sm.SealGroup(seal=short))
+    problem.run_model()
+    with pytest.raises(RuntimeError, match="complex steps cannot pass through the contact"):
+        problem.check_totals(["reaction"], ["door_radius"], method="cs", out_stream=None)

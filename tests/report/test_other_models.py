@@ -1,0 +1,217 @@
+"""Reports of models that users build around seals: the designs are those that the model used."""
+
+import json
+import re
+
+import numpy as np
+import openmdao.api as om
+import pytest
+from openmdao.core.driver import Driver
+
+import seal_mdao as sm
+from seal_mdao.plotting.recorded import read_optimization
+from seal_mdao.report.page import title
+from seal_mdao.report.write import write_report
+
+SEAL = sm.door_seal(depth=7.0, n_steps=21)
+
+
+def bulge_shape():
+    return np.r_[np.sin(np.linspace(0.0, np.pi, 14)), np.zeros(11)]
+
+
+class Bulge(om.ExplicitComponent):
+    """One length to all outer offsets, in metres."""
+
+    def setup(self):
+        self.add_input("bulge", 1e-4, units="m")
+        self.add_output("offsets", shape=SEAL.n_offsets, units="m")
+        self.shape = bulge_shape()
+        self.declare_partials("offsets", "bulge", val=self.shape[:, None])
+
+    def compute(self, inputs, outputs):
+        outputs["offsets"] = inputs["bulge"] * self.shape
+
+
+class MySeal(sm.SealGroup):
+    """A subclass with its own parameters inside."""
+
+    def setup(self):
+        super().setup()
+        self.add_subsystem("bulges", Bulge(), promotes_inputs=["bulge"])
+        self.set_order(["bulges", "geometry", "section", "contact"])
+        self.add_subsystem("cost", om.ExecComp("cost = 1e3 * gaps", gaps={"units": "mm**2"}))
+        self.connect("gap_square_sum", "cost.gaps")
+
+
+def upstream(group):
+    """A length in metres before the seal, an inch for the door, and a cost behind it."""
+    group.add_subsystem("bulges", Bulge(), promotes_inputs=["bulge"])
+    group.add_subsystem("rubber", sm.SealGroup(seal=SEAL, parameters=("friction",)))
+    group.connect("bulges.offsets", "rubber.boundary_offsets")
+    group.add_subsystem("price", om.ExecComp("cost = 1e3 * gaps", gaps={"units": "mm**2"}))
+    group.connect("rubber.gap_square_sum", "price.gaps")
+    group.add_design_var("bulge", lower=-0.2, upper=0.2, units="mm")
+    group.add_design_var("rubber.door_radius", lower=0.14, upper=0.18, units="inch")
+    group.add_constraint("rubber.area", upper=1.2, units="cm**2")
+    group.add_objective("price.cost")
+
+
+def ran(build, folder, recorder=sm.RestartRecorder, driver=None, values=()):
+    """Recorder file of a problem, and the problem."""
+    driver = driver or om.ScipyOptimizeDriver(maxiter=1, disp=False)
+    problem = om.Problem(driver=driver, reports=None, work_dir=folder)
+    build(problem.model)
+    driver.add_recorder(recorder(folder / "cases.sql"))
+    problem.setup()
+    for name, value in values:
+        problem.set_val(name, value)
+    problem.run_driver()
+    problem.cleanup()
+    return folder / "cases.sql", problem
+
+
+def shapes(path):
+    """The page, and the pictures in it."""
+    text = write_report(path).read_text(encoding="utf-8")
+    return text, json.loads(re.search(r'id="report-data">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def test_upstream_parameters_in_other_units(tmp_path):
+    """Not one input of the seal is a design variable under its own name and unit."""
+    path, problem = ran(upstream, tmp_path, values=[("rubber.friction", 0.3)])
+    history = read_optimization(path)
+    (seal,) = history.seals
+    assert (seal.name, seal.assumed, seal.drawable) == ("rubber", (), True)
+    last = len(history.objective) - 1
+    offsets, parameters = seal.design(last)
+    np.testing.assert_allclose(
+        offsets, problem.get_val("rubber.boundary_offsets", units="mm"), rtol=1e-12
+    )
+    assert parameters["friction"] == 0.3
+    assert parameters["door_radius"] == problem.get_val("rubber.door_radius", units="mm")[0]
+    text, data = shapes(path)
+    assert 'class="warning"' not in text
+    radius = problem.get_val("rubber.door_radius", units="mm")[0]
+    assert f"corner radius of the door</th><td>4</td><td>{radius:.4g}</td>" in text
+    charts = {part["label"]: part for part in data["history"]["design"]}
+    inch = charts["corner radius of the door"]
+    # values, bounds and unit are those of the declaration
+    assert (inch["unit"], inch["lower"], inch["upper"]) == ("inch", 0.14, 0.18)
+    assert inch["values"][0][0] == pytest.approx(4.0 / 25.4, rel=1e-12)
+    (area,) = (c for c in data["history"]["constraints"])
+    assert area["unit"] == "cm²"
+    assert area["use"][0] == pytest.approx(area["values"][0] / 1.2, rel=1e-12)
+    assert area["values"][0] == pytest.approx(SEAL.area(0.1 * bulge_shape())[0] / 100, rel=1e-9)
+
+
+def test_inputs_that_no_recorder_has_noted_are_said_to_be_unknown(tmp_path):
+    """OpenMDAO's recorder leaves out what is no design variable: better no picture than a wrong one."""
+    path, _ = ran(upstream, tmp_path, om.SqliteRecorder)
+    text, data = shapes(path)
+    assert data["shapes"] is None
+    assert "The shapes of rubber are not shown: the file does not hold what its inputs were" in text
+
+
+def test_promoted_design_variables_in_other_units_with_openmdaos_recorder(tmp_path):
+    def build(model):
+        model.add_subsystem(
+            "seal", sm.SealGroup(seal=SEAL, parameters=("friction",)), promotes=["*"]
+        )
+        model.add_design_var("boundary_offsets", lower=-5e-4, upper=5e-4, units="m")
+        model.add_design_var("door_radius", lower=0.14, upper=0.18, units="inch")
+        model.add_objective("gap_square_sum", ref=0.1)
+
+    path, problem = ran(build, tmp_path, om.SqliteRecorder)
+    (seal,) = read_optimization(path).seals
+    offsets, parameters = seal.design(len(seal.values) - 1)
+    np.testing.assert_allclose(offsets, problem.get_val("boundary_offsets", units="mm"), rtol=1e-12)
+    assert parameters == {"door_radius": problem.get_val("door_radius", units="mm")[0]}
+    text, _ = shapes(path)
+    assert "The file does not hold friction of seal" in text
+
+
+def two(model):
+    for name in ("sharp", "blunt"):
+        model.add_subsystem(name, sm.SealGroup(seal=SEAL), promotes_inputs=["boundary_offsets"])
+    model.add_subsystem("sum", om.ExecComp("f = a + b", a={"units": "mm**2"}, b={"units": "mm**2"}))
+    model.connect("sharp.gap_square_sum", "sum.a")
+    model.connect("blunt.gap_square_sum", "sum.b")
+    model.add_design_var("boundary_offsets", lower=-0.5, upper=0.5, units="mm")
+    model.add_objective("sum.f", ref=0.1)
+
+
+@pytest.fixture(scope="module")
+def two_seals(tmp_path_factory):
+    radii = [("sharp.door_radius", 3.5), ("blunt.door_radius", 4.5)]
+    return ran(two, tmp_path_factory.mktemp("two"), values=radii)[0]
+
+
+def test_every_seal_is_shown(two_seals):
+    text, data = shapes(two_seals)
+    assert data["seals"] == ["sharp", "blunt"]
+    assert len(data["others"]) == 1
+    doors = [part["paths"][0]["door"] for part in (data["shapes"], data["others"][0])]
+    assert doors[0] != doors[1]
+    for name, radius in (("sharp", "3.5"), ("blunt", "4.5")):
+        table = text.partition(f"First and last design of {name}, from")[2].partition("</table>")[0]
+        assert f"corner radius of the door</th><td>{radius}</td><td>{radius}</td>" in table
+    assert 'class="warning"' not in text
+
+
+def test_address_of_the_page_chooses_the_seal(two_seals, browser):
+    page = write_report(two_seals, two_seals.with_name("two.html"))
+    found = []
+    for name in ("sharp", "blunt"):
+        browser.get("about:blank")
+        browser.get(f"{page.as_uri()}#{name}")
+        assert browser.find_element("css selector", "nav.choice a[aria-current]").text == name
+        found.append(browser.find_element("id", "start-text").text)
+    assert found[0] != found[1]
+    browser.find_element("link text", "sharp").click()
+    assert browser.find_element("css selector", "nav.choice a[aria-current]").text == "sharp"
+    assert browser.get_log("browser") == []
+
+
+def test_doe_is_no_optimisation(tmp_path):
+    """A failed case is counted, not drawn."""
+    cases = [[("bulge", size)] for size in (0.1, 1.0, 0.05)]  # the second one reaches the door
+    driver = om.DOEDriver(om.ListGenerator(cases))
+    path, _ = ran(upstream, tmp_path, driver=driver)
+    history = read_optimization(path)
+    assert (history.kind, len(history.objective), history.failed) == ("doe", 2, 1)
+    text, _ = shapes(path)
+    assert "<h1>Design of experiments with price.cost</h1>" in text
+    assert "2 points with values, 1 failed." in text
+    assert "of its start" not in text.partition("<section")[0]
+
+
+def test_run_of_a_model_is_no_optimisation(tmp_path):
+    path, _ = ran(upstream, tmp_path, driver=Driver())
+    assert "<h1>Runs of a model with price.cost</h1>" in shapes(path)[0]
+
+
+def test_file_without_an_objective_is_refused_in_a_line(tmp_path):
+    def build(model):
+        model.add_subsystem("seal", sm.SealGroup(seal=SEAL), promotes=["*"])
+        model.add_design_var("door_radius", lower=3.5, upper=4.5)
+
+    path, _ = ran(build, tmp_path, driver=om.DOEDriver(om.ListGenerator([[("door_radius", 4.1)]])))
+    with pytest.raises(ValueError, match="holds no objective"):
+        write_report(path)
+
+
+def test_subclass_of_the_group(tmp_path):
+    def build(model):
+        model.add_subsystem("mine", MySeal(seal=SEAL))
+        model.connect("mine.bulges.offsets", "mine.boundary_offsets")
+        model.add_design_var("mine.bulge", lower=-2e-4, upper=2e-4, ref=1e-4)
+        model.add_objective("mine.cost.cost")
+
+    path, problem = ran(build, tmp_path)
+    history = read_optimization(path)
+    (seal,) = history.seals
+    offsets, _ = seal.design(len(history.objective) - 1)
+    np.testing.assert_array_equal(offsets, problem.get_val("mine.boundary_offsets", units="mm"))
+    assert title(history) == "Optimisation of mine.cost.cost"
+    assert 'class="warning"' not in shapes(path)[0]
