@@ -132,6 +132,12 @@ def _given(made: argparse.ArgumentParser, argv) -> set[str]:
     return {name for name in names if getattr(parsed, name) is not left_out}
 
 
+def print_warnings(result, label: str = "") -> None:
+    """What a result says about itself, a line each."""
+    for text in result.warnings:
+        print(f"WARNING{label}: {text}")
+
+
 def plain(value):
     """Numbers and containers of numpy as those of JSON; nan and infinity as None."""
     if isinstance(value, dict):

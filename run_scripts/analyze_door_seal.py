@@ -10,6 +10,7 @@ from _common import (
     checked_arguments,
     design_from,
     parser,
+    print_warnings,
     run,
     seal_from,
     write_summary,
@@ -56,6 +57,7 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
         "area_mm2": result.area,
         "reaction_N_per_m": travel_table(result),
         "failure": result.path.failure or None,
+        "warnings": result.warnings,
     }
     end_keys = (
         "gap_square_sum_mm2", "max_gap_mm", "max_penetration_mm", "von_mises_kPa", "n_open_points",
@@ -107,6 +109,7 @@ def report(result: DoorSealResult, summary: dict, out: Path) -> None:
             f"{summary['max_gap_mm']:.4f} mm, sum of squares {summary['gap_square_sum_mm2']:.3g} mm2"
         )
         print(f"highest of the seven stresses {max(summary['von_mises_kPa']):.1f} kPa")
+        print_warnings(result)
     else:
         print(f"NOT CONVERGED at {summary['failure']}")
     print(f"figures and summary.json in {out}")

@@ -10,6 +10,7 @@ from _common import (
     checked_arguments,
     existing_file,
     parser,
+    print_warnings,
     run,
     seal_from,
     write_summary,
@@ -82,6 +83,8 @@ def main(arguments) -> int:
             "evaluations used again"
         )
     report_end(history, numbers)
+    print_warnings(initial, " (first design)")
+    print_warnings(final, " (last design)")
     print(f"report.html, figures, summary.json and cases.sql in {arguments.out}")
     return 0 if run_numbers["success"] else 1
 

@@ -1,10 +1,10 @@
 """Newton iterations with the consistent tangent, Eq. (44)."""
 
 from dataclasses import dataclass
-from numbers import Integral
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 
@@ -16,7 +16,7 @@ class NewtonOptions:
     Attributes
     ----------
     tolerance : float
-        Residual norm over the norm of the contact and internal forces.
+        Residual norm over the norm of the contact and internal forces, at most 1e-4.
     max_iterations : int
         Newton iterations before a step is cut.
     max_cuts : int
@@ -32,12 +32,14 @@ class NewtonOptions:
     damped_iterations: int = 80
 
     def __post_init__(self):
-        if not (np.isfinite(self.tolerance) and self.tolerance > 0.0):
-            raise ValueError(f"tolerance must be a positive number, got {self.tolerance!r}")
-        for name, least in (("max_iterations", 1), ("max_cuts", 0), ("damped_iterations", 0)):
-            value = getattr(self, name)
-            if not isinstance(value, Integral) or value < least:
-                raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")
+        object.__setattr__(
+            self, "tolerance", values.real("tolerance", self.tolerance, above=0.0, high=1e-4)
+        )
+        for name, least, most in (
+            ("max_iterations", 1, 10_000), ("max_cuts", 0, 40), ("damped_iterations", 0, 10**7)
+        ):  # fmt: skip
+            value = values.integer(name, getattr(self, name), least, most)
+            object.__setattr__(self, name, value)
 
 
 def converged(problem: PathProblem, size: float, rounding: bool, options: NewtonOptions) -> bool:

@@ -69,7 +69,7 @@ class RkpmContactComp(om.ExplicitComponent):
                 factor_memory=self.options["factor_memory"],
                 callback=self.options["callback"],
             )
-            result.require_converged()
+            result.require_possible()
         except (GeometryError, LoadPathError) as error:
             raise om.AnalysisError(str(error)) from error
         return result

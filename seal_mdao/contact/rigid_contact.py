@@ -17,6 +17,7 @@ from seal_mdao.contact.friction import (
     no_history,
     uses_history,
 )
+from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
@@ -141,6 +142,12 @@ class ContactTerm(PointTerm):
 
     def no_history(self) -> ContactHistory:
         return no_history(len(self.where))
+
+    def gaps(self, x: np.ndarray, fraction: float) -> np.ndarray:
+        """Normal gaps (m,) of any places ``x`` (m, 2) after ``fraction`` nominal steps."""
+        gap = np.empty(len(x))
+        normal_gaps(self.profile, self.pose(fraction), np.ascontiguousarray(x), gap)
+        return gap
 
     def respond(self, x, fraction, history) -> ContactResponse:
         made_to_stick = contact_points(

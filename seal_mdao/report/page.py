@@ -57,7 +57,7 @@ def render(
         status=escape(short),
         message=escape(long),
         figures="".join(_figure(*figure) for figure in key_figures(history, designs)),
-        warning="" if pictures_are_of_the_record(history, designs) else WARNING,
+        warning=_warnings(history, designs),
         shapes="" if designs else "hidden",
         limits=tables.limits_table(history),
         analyses=tables.analysis_table(history, designs[0], designs[-1]) if designs else "",
@@ -67,7 +67,7 @@ def render(
         options=tables.options_table(history) if history.runs else "",
         style=_asset("page.css"),
         script="\n".join(_asset(name) for name in SCRIPTS),
-        data=json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/"),
+        data=json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
     )
 
 
@@ -128,6 +128,15 @@ def key_figures(history: RecordedOptimization, designs) -> list[tuple[str, str, 
         change = f"{tables.share(end[force] / start[force])} of its start"
         found.append(("vertical force", f"{tables.number(end[force], 3)} N/m", change))
     return found
+
+
+def _warnings(history: RecordedOptimization, designs: list[DoorSealResult]) -> str:
+    """What the reader has to know before looking at the pictures, as paragraphs."""
+    found = [] if pictures_are_of_the_record(history, designs) else [WARNING]
+    for name, ends in (("First", designs[:1]), ("Last", designs[1:][-1:])):
+        for text in (text for design in ends for text in design.warnings):
+            found.append(f'<p class="warning">{name} design: {escape(text)}.</p>')
+    return "".join(found)
 
 
 def _figure(name: str, value: str, text: str) -> str:

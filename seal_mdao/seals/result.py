@@ -12,6 +12,7 @@ from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.seals.checks import findings
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
 
@@ -65,6 +66,23 @@ class SealResult:
         """Raise ``LoadPathError`` for a path that was not completed."""
         if not self.converged:
             raise LoadPathError(self.failure, self)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is not right with the end of a completed path, a line each; ``seals.checks`` lists it.
+
+        Nothing of it for a path that was not completed.
+        """
+        return tuple(found.text for found in findings(self.path)) if self.converged else ()
+
+    def require_possible(self) -> None:
+        """Raise ``LoadPathError`` for a path that was not completed, or whose end cannot be meant."""
+        self.require_converged()
+        wrong = [found.text for found in findings(self.path) if found.impossible]
+        if wrong:
+            raise LoadPathError(
+                f"the end of the load path is not possible: {'; '.join(wrong)}", self
+            )
 
     @property
     def failure(self) -> str:

@@ -7,6 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seal_mdao import values
+
+SMALLEST, LARGEST = 0.1, 50.0
+"""Between them the outer radius lies, mm."""
+
 
 @dataclass(frozen=True)
 class Section:
@@ -25,13 +30,17 @@ class Section:
     base_angle: float = 3 * (2 * np.pi / 58)
 
     def __post_init__(self):
-        if not 0.0 < self.inner_radius < self.outer_radius:
+        for name, low, high in (
+            ("inner_radius", 0.0, None), ("outer_radius", SMALLEST, LARGEST),
+            ("base_angle", 0.0, np.pi / 4),
+        ):  # fmt: skip
+            value = values.real(name, getattr(self, name), above=low, below=high)
+            object.__setattr__(self, name, value)
+        if not self.inner_radius < self.outer_radius:
             raise ValueError(
                 f"radii must satisfy 0 < inner_radius < outer_radius, got {self.inner_radius} and "
                 f"{self.outer_radius}"
             )
-        if not 0.0 < self.base_angle < np.pi / 4:
-            raise ValueError(f"base_angle = {self.base_angle} must lie between 0 and pi/4")
 
     def inner(self, angle: np.ndarray) -> np.ndarray:
         """Radius of the drawn inner boundary."""
