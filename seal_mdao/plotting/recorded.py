@@ -8,6 +8,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.recording import run_log
+from seal_mdao.recording.plain_reading import reading
 from seal_mdao.recording.settings import open_cases, recorded_problem
 from seal_mdao.seals.door.door_seal import DoorSeal
 
@@ -173,8 +174,13 @@ def read_optimization(path) -> RecordedOptimization:
     Raises
     ------
     ValueError
-        For a file that is not there, is no recorder file, or holds no good driver case.
+        For a file that is not there, is no recorder file, is damaged, or holds no good driver case.
     """
+    with reading(path):
+        return _read(path)
+
+
+def _read(path) -> RecordedOptimization:
     reader = open_cases(path)
     names = reader.list_cases("driver", recurse=False, out_stream=None)
     evaluated = [case for case in map(reader.get_case, names) if case.success]
@@ -184,6 +190,8 @@ def read_optimization(path) -> RecordedOptimization:
     cases, major = _points(reader, path, evaluated, bool(runs) and runs[-1].cut_off)
     numbers = {case.counter: number for number, case in enumerate(evaluated, start=1)}
     objective = [case.get_objectives(scaled=False) for case in cases]
+    if not objective[0]:
+        raise ValueError(f"{path} holds no objective")
     objective_name = next(iter(objective[0].keys()))
     return RecordedOptimization(
         objective_name=objective_name,
