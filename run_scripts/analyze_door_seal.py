@@ -13,6 +13,7 @@ from _common import (
     print_warnings,
     run,
     seal_from,
+    travel,
     write_summary,
 )
 
@@ -124,7 +125,7 @@ def arguments_parser():
         help="analyse the design in the summary.json of optimize_door_seal.py",
     )  # fmt: skip
     made.add_argument(
-        "--depths", type=float, nargs="+", metavar="MM",
+        "--depths", type=travel, nargs="+", metavar="MM",
         help="door travel at which deformed shapes are drawn; four equal parts when left out",
     )  # fmt: skip
     return made

@@ -16,12 +16,13 @@ from _common import (
     write_summary,
 )
 from _history_figures import draw_history, end_numbers, report_end
-from _restart import continued_file, recorded_run
+from _restart import continued_file, recorded_run, recorder_file
 
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, major_iterations, seal_problem
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.recording.claim import RecorderBusyError
 from seal_mdao.recording.evaluations import RestartError
 from seal_mdao.recording.restart import restart
 from seal_mdao.report.write import write_report
@@ -46,7 +47,7 @@ def main(arguments) -> int:
         seal, settings = recorded.seal, recorded.settings
         cases = continued_file(arguments)
     else:
-        seal, cases = seal_from(arguments), arguments.out / "cases.sql"
+        seal, cases = seal_from(arguments), recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
@@ -97,7 +98,7 @@ def optimize(problem: om.Problem) -> dict:
         message = str(problem.driver.result.exit_status)
     except om.AnalysisError as error:
         success, message = False, str(error)
-    except RestartError as error:
+    except (RestartError, RecorderBusyError) as error:
         raise WrongArgumentError(str(error)) from error
     iterations = major_iterations(problem)
     problem.cleanup()
@@ -128,6 +129,9 @@ def arguments_parser():
         help="continue the run recorded in this file, with its seal, problem and optimiser; without "
         "--out in its folder",
     )  # fmt: skip
+    made.add_argument(
+        "--overwrite", action="store_true", help="replace the recorder file of an earlier run"
+    )
     return made
 
 

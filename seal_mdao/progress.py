@@ -39,8 +39,15 @@ class LoadStepProgress:
             self.analyses += 1
             self._bar.reset()
             self._bar.set_description(f"{self._label} {self.analyses}{self._of}", refresh=False)
+        if self._bar.postfix:
+            self._bar.set_postfix_str("", refresh=False)
         self._last = step.nominal
         self._bar.update(step.nominal + 1 - self._bar.n)
+
+    def damped(self, iteration: int, residual: float) -> None:
+        """Note an iteration of damped motion, which may take thousands of them within a step."""
+        if iteration % 50 == 0:
+            self._bar.set_postfix_str(f"damped motion {iteration}, residual {residual:.1e}")
 
     def close(self) -> None:
         """Remove the bar."""

@@ -120,10 +120,11 @@ class RecordedEvaluations:
         self._sources = _independent(driver, cases[0][1].outputs if cases else {})
         needed = {*access.sources(driver).values(), *self._sources}
         self._by_design = {}
-        for _, case in cases:
-            if case.outputs.keys() >= needed and not case.failure.startswith(UNFINISHED):
+        finished = [case for _, case in cases if not case.failure.startswith(UNFINISHED)]
+        for case in finished:
+            if case.outputs.keys() >= needed:
                 self._add(case)
-        if cases and not self._by_design:
+        if finished and not self._by_design:
             raise RestartError(
                 f"no case in {path} holds the design variables, objective and constraints of this "
                 "problem"

@@ -8,6 +8,7 @@ from openmdao.core.driver import Driver
 
 from seal_mdao.openmdao_access import SqliteHooks
 from seal_mdao.recording import run_log
+from seal_mdao.recording.claim import claim, require_free
 
 LEFTOVERS = ("-journal", "-wal", "-shm")
 """What SQLite leaves beside a file when a process is killed; it belongs to that very file."""
@@ -22,6 +23,8 @@ class RestartRecorder(SqliteHooks):
     the cases of an existing file are kept and new ones follow them; evaluations that the driver
     takes from the file (``hotstart_file``) are not recorded twice. The file also tells how every run
     ended; see ``seal_mdao.recording.run_log``.
+
+    One run writes a file at a time; beside it a lock, ``.<name>.lock``, is held until the end.
 
     Parameters
     ----------
@@ -39,6 +42,7 @@ class RestartRecorder(SqliteHooks):
         self._unpublished = None
         self._driver = None
         self._log_row = None
+        self._lock = None
 
     def startup(self, recording_requester, comm=None):
         """Prepare for a new run."""
@@ -54,8 +58,8 @@ class RestartRecorder(SqliteHooks):
         """Record the options of a system once per run number; the root's make the file complete."""
         self._once(super().record_metadata_system, system, run_number)
         if not system.pathname and self.connection:
-            if self._log_row is None and self._driver is not None:
-                self._log_row = run_log.begin(self.connection, self._driver)
+            if not self._append:
+                self._note_begin()
             self._publish()
 
     def record_metadata_solver(self, solver, run_number=None):
@@ -65,6 +69,7 @@ class RestartRecorder(SqliteHooks):
     def record_iteration_driver(self, driver, data, metadata):
         """Record a case, unless the driver took it from this very file."""
         if self._repeated(driver) is None:
+            self._note_begin()
             super().record_iteration_driver(driver, data, metadata)
         else:
             self.counter -= 1
@@ -79,8 +84,15 @@ class RestartRecorder(SqliteHooks):
             super().record_derivatives_driver(driver, data, metadata)
             self.counter = counter
 
+    def _note_begin(self) -> None:
+        """Note that a run writes; one that goes on is silent until then, for it may be refused."""
+        if self.connection and self._log_row is None and self._driver is not None:
+            self._log_row = run_log.begin(self.connection, self._driver)
+
     def note_end(self) -> None:
         """Note how the run of the driver ended, before the file is closed."""
+        if self._driver is not None and self._driver.result.exit_status != run_log.BY_EXCEPTION:
+            self._note_begin()
         if self.connection and self._log_row is not None:
             run_log.end(self.connection, self._log_row, self._driver.result)
 
@@ -92,6 +104,8 @@ class RestartRecorder(SqliteHooks):
             self._publish()
         super().shutdown()
         self.connection = self.metadata_connection = None
+        if self._lock is not None:
+            self._lock.release()
 
     def open_database(self, comm):
         """Open the file to continue, or begin a new one under another name."""
@@ -100,6 +114,7 @@ class RestartRecorder(SqliteHooks):
                 raise RuntimeError("RestartRecorder appends to a file on one process only")
             self.make_database(comm)
             return
+        self._lock = claim(self.path)
         path = Path(self.path)
         if self._append and path.is_file():
             self.use_database(sqlite3.connect(path))
@@ -166,9 +181,10 @@ def copy_record(source, target) -> None:
     Raises
     ------
     ValueError
-        When the source is not a SQLite file.
+        When the source is not a SQLite file, or another run writes the target.
     """
     target = Path(target)
+    require_free(target)
     if target.exists() and target.samefile(source):
         return
     fresh = target.with_name(target.name + ".new")

@@ -16,6 +16,8 @@ from importlib import metadata
 from seal_mdao.recording.plain_reading import reading
 
 TABLE = "run_log"
+BY_EXCEPTION = "Ended by an exception"
+"""How a run ended that raised."""
 PACKAGES = ("seal_mdao", "openmdao", "numpy", "scipy", "numba", "unopy", "ipyopt")
 
 

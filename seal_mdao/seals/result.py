@@ -89,10 +89,10 @@ class SealResult:
         """Where a path ended, in what state, and what can be done; empty for a complete one."""
         if self.converged:
             return ""
-        done = len(self.path.nominal_steps)
+        done, damped = len(self.path.nominal_steps), self.path.damped
         return (
             f"the load path could not be completed at {self.path.failure}; {done} of "
-            f"{self.seal.n_steps} load steps converged. {self.advice}"
+            f"{self.seal.n_steps} load steps converged. {damped + '. ' if damped else ''}{self.advice}"
         )
 
     advice = (
