@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
+from seal_mdao.analysis.cost import require_room
 
 SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "support",
@@ -178,6 +179,28 @@ def _given(made: argparse.ArgumentParser, argv) -> set[str]:
     names = {action.dest for action in made._actions}
     parsed = made.parse_args(argv, argparse.Namespace(**dict.fromkeys(names, left_out)))
     return {name for name in names if getattr(parsed, name) is not left_out}
+
+
+LONG = 10.0
+"""Seconds of an analysis from which on the user is told before it begins."""
+
+
+def announce(seal: sm.DoorSeal) -> None:
+    """Say what an analysis will take, where that is long; refuse one that does not fit.
+
+    Raises
+    ------
+    WrongArgumentError
+        When it needs more memory than there is.
+    """
+    with checked_arguments():
+        cost = sm.estimate(seal)
+        require_room(cost, seal.body, seal.n_steps)
+    if cost.seconds > LONG:
+        print(
+            f"an analysis will take about {cost.seconds:.0f} s and {cost.memory:.2g} GiB",
+            file=sys.stderr, flush=True,
+        )  # fmt: skip
 
 
 def print_warnings(result, label: str = "") -> None:

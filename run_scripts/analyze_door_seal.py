@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from _common import (
     add_seal_arguments,
+    announce,
     checked_arguments,
     design_from,
     parser,
@@ -35,6 +36,7 @@ def main(arguments) -> int:
         if arguments.door_radius is not None:
             with checked_arguments():
                 parameters["door_radius"] = seal.check_door_radius(arguments.door_radius)
+    announce(seal)
     begun = time.perf_counter()
     with LoadStepProgress(seal) as progress:
         result = KeptAnalyses().analyze(seal, offsets, parameters, callback=progress)

@@ -7,6 +7,7 @@ import openmdao.api as om
 from _common import (
     WrongArgumentError,
     add_seal_arguments,
+    announce,
     checked_arguments,
     existing_file,
     parser,
@@ -51,6 +52,7 @@ def main(arguments) -> int:
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
+    announce(seal)
     kept = KeptAnalyses()
     with LoadStepProgress(seal) as progress:
         with checked_arguments():

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from seal_mdao.analysis.body import discretize
+from seal_mdao.analysis.cost import Cost, analysis_cost, require_room
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
@@ -205,7 +206,7 @@ def analyze(
     ------
     ValueError
         Wrong sizes, unknown parameters, values that are not finite, a folded section, too small a
-        support.
+        support, an analysis that does not fit into the machine's memory (``TooLargeError``).
     """
     return seal.completed(
         analyzed_with(analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback)
@@ -223,6 +224,11 @@ def analyzed_with(
     )  # fmt: skip
 
 
+def estimate(seal: Seal) -> Cost:
+    """Time and memory that one analysis of a seal takes, roughly (``analysis.cost``)."""
+    return analysis_cost(seal.body, seal.drawn_particles, seal.n_steps)
+
+
 def analyze_particles(
     seal: Seal, particles, boundary_offsets=None, *, factor_memory=0.0, callback=None
 ) -> SealResult:
@@ -230,6 +236,7 @@ def analyze_particles(
 
     Factors of converged tangents are kept as far as ``factor_memory`` (GiB) goes.
     """
+    require_room(estimate(seal), seal.body, seal.n_steps)
     terms = seal.terms()
     problem = PathProblem(discretize(seal.body, particles, terms), terms, seal.imposed())
     path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback)
