@@ -16,14 +16,15 @@ NUMBERS = (np.nan, np.inf, -1.0, 1e300, 1e-300, HUGE, TEXT, None, 1j)
 COUNTS = (0, -3, 2.5, 10**8, HUGE, TEXT, None, True)
 
 SEAL = {
-    "rays": (*COUNTS, 60, 58 * 41), "layers": (*COUNTS, 2, 40), "n_gauss": (*COUNTS, 1, 100, 1000),
+    "rays": (*COUNTS, 60, 58 * 41), "layers": (*COUNTS, 2, 41), "n_gauss": (*COUNTS, 1, 100, 1000),
     "n_steps": (0, 2.5, 10**8, HUGE, TEXT, None, True), "basis_order": (0, 3, LIST, "1", True),
     "segments": (3, 10**8, 32.0, TEXT), "outer_parameters": (1, 10**7, HUGE, TEXT),
     "inner_parameters": (3, 10**7, 4.5), "support": (0.0, 0.5, 1e300, np.nan, TEXT),
     "friction": (*NUMBERS, Fraction(1, 4), 11.0), "corner_x": (np.nan, 1e300, -51.0, -20.0, HUGE, TEXT),
     "normal_penalty": (*NUMBERS, 0.0, 20.0, 100.0, 1e12), "tangent_penalty": (0.0, 1e-300, 1e30, TEXT),
     "drawn_door_radius": (0.0, 1e-300, 0.1, 0.5, 1.0, 120.0, TEXT), "door_radius": (0.0, np.nan, TEXT),
-    "start": (9.5, -1.0, 1e300, np.nan, TEXT), "depth": (*NUMBERS, 0.0, 1e-12, 1e-9, 14.6, 16.0, 18.0, 19.0),
+    "start": (9.5, -1.0, 1e300, np.nan, TEXT),
+    "depth": (*NUMBERS, 0.0, 1e-12, 1e-9, 14.6, 16.0, 18.0, 19.0),
     "symmetric": ("no", 1, LIST, None), "door": ("round", np.array("corner"), None, 1),
     "friction_history": ("none", 1), "solver": ("lu", None), "material": (TEXT, None),
     "section": (TEXT, None), "newton": (TEXT, None),
@@ -42,7 +43,7 @@ NEWTON = {
     "max_cuts": (-1, 1000, TEXT), "damped_iterations": (-1, HUGE, TEXT),
 }  # fmt: skip
 OFFSETS = {
-    "24 of them": np.zeros(24), "text": TEXT, "ragged": [[0.0], [0.0, 1.0]], "complex": np.zeros(25, complex),
+    "24 of them": np.zeros(24), "text": TEXT, "ragged": [[0.0], [0.0, 1.0]], "complex": [1j] * 25,
     "nan": np.full(25, np.nan), "3 mm": np.full(25, 3.0), "1.2 mm": np.full(25, 1.2),
     "folded": 1.9 * (-1.0) ** np.arange(25), "dictionary": {"a": 1},
 }  # fmt: skip

@@ -30,7 +30,7 @@ class NewtonOptions:
     tolerance: float = 1e-10
     max_iterations: int = 15
     max_cuts: int = 8
-    damped_iterations: int = 10_000
+    damped_iterations: int = 5_000
 
     def __post_init__(self):
         object.__setattr__(

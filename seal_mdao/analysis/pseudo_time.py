@@ -26,7 +26,7 @@ FALL, RISE = 0.3, 2.0
 LARGE, GROWTH = 0.5, 3.0
 STRONGER = 4.0
 # A body that has moved that many times its own size moves off for ever.
-FAR = 2.0
+FAR = 1.5
 
 
 def relax(

@@ -109,3 +109,21 @@ def test_damaged_recorder_file_is_named(tmp_path, run_script, capsys, content):
     cases.write_bytes(content)
     error = refused(run_script, capsys, "plot_history", tmp_path / "out", cases)
     assert str(cases) in error
+
+
+@pytest.mark.long
+def test_sweep_of_wrong_inputs_has_no_surprise(tmp_path, run_script, capsys):
+    """Each ends in a clear error, a failed path or a result that was checked, in time and memory."""
+    code, s = run_script("sweep_wrong_inputs", tmp_path)
+    assert sum(s["counts"].values()) >= 200
+    assert set(s["counts"]) <= {"clear error", "checked result", "failed path"}
+    assert code == 0
+
+
+def test_wrong_inputs_of_the_sweep_are_two_hundred(tmp_path, run_script):
+    """And no two have one name."""
+    from _wrong_inputs import cases
+
+    names = [name for name, _ in cases(tmp_path)]
+    assert len(names) >= 200
+    assert len(set(names)) == len(names)

@@ -73,11 +73,6 @@ def _require(condition: bool, message: str) -> None:
         raise ValueError(message)
 
 
-def _short_integer(number: int) -> str:
-    """An integer in a message, whatever its size."""
-    return str(number) if number < 10**9 else f"{number:.1e}"
-
-
 @dataclass(frozen=True)
 class DoorSeal(Seal):
     """A rubber seal on a fixed base, pressed by a rigid door with friction (mm, kPa, N/m).
@@ -188,8 +183,8 @@ class DoorSeal(Seal):
         ):  # fmt: skip
             _require(
                 count <= self.rays,
-                f"{name} = {_short_integer(getattr(self, name))} gives a boundary of {self.rays} "
-                f"particles {_short_integer(count)} control values; at most {self.rays} can be told "
+                f"{name} = {getattr(self, name)} gives a boundary of {self.rays} "
+                f"particles {count} control values; at most {self.rays} can be told "
                 "apart",
             )
 

@@ -11,6 +11,8 @@ from seal_mdao import values
 
 SMALLEST, LARGEST = 0.1, 50.0
 """Between them the outer radius lies, mm."""
+HOLE = (0.4, 0.98)
+"""Between them lies the inner radius over the outer one: a wall of a ring."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Section:
     Attributes
     ----------
     inner_radius, outer_radius : float
-        Radii of the two circles.
+        Radii of the two circles; the outer one from 0.1 to 50, the inner one 0.4 to 0.98 of it.
     base_angle : float
         D0: the flat base spans |D| <= D0, the straight flanks D0 <= |D| <= 2 D0.
     """
@@ -36,10 +38,11 @@ class Section:
         ):  # fmt: skip
             value = values.real(name, getattr(self, name), above=low, below=high)
             object.__setattr__(self, name, value)
-        if not self.inner_radius < self.outer_radius:
+        thick, thin = (share * self.outer_radius for share in HOLE)
+        if not thick <= self.inner_radius <= thin:
             raise ValueError(
-                f"radii must satisfy 0 < inner_radius < outer_radius, got {self.inner_radius} and "
-                f"{self.outer_radius}"
+                f"inner_radius must lie between {thick:.4g} and {thin:.4g}, {HOLE[0]} and {HOLE[1]} of "
+                f"outer_radius, got {self.inner_radius}"
             )
 
     def inner(self, angle: np.ndarray) -> np.ndarray:

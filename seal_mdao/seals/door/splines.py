@@ -16,6 +16,8 @@ from seal_mdao import values
 from seal_mdao.seals.door.section import RingGrid, Section
 
 DEGREE = 3
+MOST_CONTROLS = 10_000
+"""Free control values of a boundary."""
 
 
 def clamped_basis(angle: np.ndarray, count: int, first: float, last: float) -> np.ndarray:
@@ -60,7 +62,9 @@ class BoundarySplines:
     def __post_init__(self):
         outer, inner = (1, 3) if self.symmetric else (2, 4)
         for name, least in (("outer_parameters", outer), ("inner_parameters", inner)):
-            object.__setattr__(self, name, values.integer(name, getattr(self, name), least))
+            object.__setattr__(
+                self, name, values.integer(name, getattr(self, name), least, MOST_CONTROLS)
+            )
 
     @property
     def count(self) -> int:
