@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.contact.friction import (
     CARRIED,
     OPEN,
@@ -50,6 +51,11 @@ class RigidContact(TermDefinition):
     law : ContactLaw
     prefix : str
         Put before the names of all parameters but those of the motion.
+
+    Raises
+    ------
+    ValueError
+        For a penalty that is not positive, a negative friction coefficient, or one that is no number.
     """
 
     label: str
@@ -58,6 +64,11 @@ class RigidContact(TermDefinition):
     motion: Motion
     law: ContactLaw
     prefix: str = ""
+
+    def __post_init__(self):
+        values.real(f"normal_penalty of {self.label!r}", self.law.normal_penalty, above=0.0)
+        values.real(f"tangent_penalty of {self.label!r}", self.law.tangent_penalty, above=0.0)
+        values.real(f"friction of {self.label!r}", self.law.friction, 0.0)
 
     @property
     def scalars(self) -> dict:
