@@ -3,7 +3,9 @@
 import argparse
 import json
 import math
+import sqlite3
 import sys
+import tempfile
 from collections.abc import Callable
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,11 +13,16 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
+from seal_mdao.analysis.cost import require_room
 
 SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "support",
     "n_steps", "depth", "normal_penalty", "tangent_penalty",
 )  # fmt: skip
+
+
+CASES = "cases.sql"
+"""Recorder file in the output folder."""
 
 
 class WrongArgumentError(Exception):
@@ -27,7 +34,7 @@ def checked_arguments():
     """What the package says about wrong values is said about the arguments."""
     try:
         yield
-    except (ValueError, ImportError) as error:
+    except (ValueError, TypeError, ImportError) as error:
         raise WrongArgumentError(" ".join(str(error).split())) from error
 
 
@@ -84,6 +91,17 @@ def positive_integer(text: str) -> int:
     return int(text)
 
 
+def travel(text: str) -> float:
+    """A travel of the door for argparse, mm."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a travel of the door, 0 mm or more")
+    return value
+
+
 def existing_file(text: str) -> Path:
     """A path for argparse; an error in one line when there is no such file."""
     if not Path(text).is_file():
@@ -104,24 +122,55 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     Returns
     -------
     int
-        What ``main`` returns, or 1 when an analysis could not be completed. Wrong arguments exit
-        with 2.
+        What ``main`` returns, 1 when an analysis could not be completed or a file not be written, 130
+        after Ctrl-C. Wrong arguments exit with 2.
     """
     arguments = made.parse_args(argv)
     arguments.given = _given(made, argv)
     if "out" not in arguments.given and getattr(arguments, "restart", None):
         arguments.out = arguments.restart.parent
-    try:
-        arguments.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        made.error(f"argument --out: cannot make the folder {arguments.out}: {error.strerror}")
+    _require_folder(made, arguments.out)
     try:
         return main(arguments)
     except (WrongArgumentError, sm.GeometryError) as error:
         made.error(str(error))
     except sm.LoadPathError as error:
-        print(f"{made.prog}: {error}", file=sys.stderr)
-        return 1
+        return _ended(made, str(error), 1)
+    except (OSError, sqlite3.OperationalError) as error:
+        return _ended(made, f"{_cause(error, arguments.out)}; {_saved(arguments.out)}", 1)
+    except KeyboardInterrupt:
+        return _ended(made, f"interrupted; {_saved(arguments.out)}", 130)
+
+
+def _require_folder(made: argparse.ArgumentParser, out: Path) -> None:
+    """Make the output folder and try to write to it."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        made.error(f"argument --out: cannot make the folder {out}: {error.strerror}")
+    try:
+        with tempfile.TemporaryFile(dir=out) as probe:
+            probe.write(b"?")
+    except OSError as error:
+        made.error(f"argument --out: cannot write to {out}: {error.strerror}")
+
+
+def _ended(made: argparse.ArgumentParser, text: str, code: int) -> int:
+    print(f"{made.prog}: {text}", file=sys.stderr)
+    return code
+
+
+def _cause(error: Exception, out: Path) -> str:
+    """What could not be written, and why."""
+    if isinstance(error, OSError):
+        return f"{error.filename or out}: {error.strerror or error}"
+    return f"{out / CASES}: {error}"
+
+
+def _saved(out: Path) -> str:
+    """What a run that ends early leaves behind."""
+    names = [name for name in (CASES, "summary.json") if (out / name).is_file()]
+    return f"{' and '.join(names)} in {out} is as written last" if names else f"nothing is in {out}"
 
 
 def _given(made: argparse.ArgumentParser, argv) -> set[str]:
@@ -130,6 +179,34 @@ def _given(made: argparse.ArgumentParser, argv) -> set[str]:
     names = {action.dest for action in made._actions}
     parsed = made.parse_args(argv, argparse.Namespace(**dict.fromkeys(names, left_out)))
     return {name for name in names if getattr(parsed, name) is not left_out}
+
+
+LONG = 10.0
+"""Seconds of an analysis from which on the user is told before it begins."""
+
+
+def announce(seal: sm.DoorSeal) -> None:
+    """Say what an analysis will take, where that is long; refuse one that does not fit.
+
+    Raises
+    ------
+    WrongArgumentError
+        When it needs more memory than there is.
+    """
+    with checked_arguments():
+        cost = sm.estimate(seal)
+        require_room(cost, seal.body, seal.n_steps)
+    if cost.seconds > LONG:
+        print(
+            f"an analysis will take about {cost.seconds:.0f} s and {cost.memory:.2g} GiB",
+            file=sys.stderr, flush=True,
+        )  # fmt: skip
+
+
+def print_warnings(result, label: str = "") -> None:
+    """What a result says about itself, a line each."""
+    for text in result.warnings:
+        print(f"WARNING{label}: {text}")
 
 
 def plain(value):

@@ -39,6 +39,7 @@ def end_numbers(
         "area_mm2": final.area,
         "von_mises_kPa": final.von_mises,
         "reaction_ratio": final.reaction[-1, 1] / initial.reaction[-1, 1],
+        "warnings": final.warnings,
         "boundary_offsets": offsets,
         **parameters,
         "history": history_rows(history),

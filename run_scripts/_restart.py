@@ -3,10 +3,11 @@
 import argparse
 from pathlib import Path
 
-from _common import SEAL_OPTIONS, WrongArgumentError, checked_arguments
+from _common import CASES, SEAL_OPTIONS, WrongArgumentError, checked_arguments
 
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.recording import run_log
+from seal_mdao.recording.claim import require_free
 from seal_mdao.recording.recorder import copy_record
 from seal_mdao.recording.settings import RecordedProblem, open_cases, recorded_problem
 
@@ -43,9 +44,30 @@ def recorded_optimizer(path: Path) -> str | None:
     return None
 
 
+def recorder_file(arguments: argparse.Namespace) -> Path:
+    """The recorder file in the output folder, which this run may write.
+
+    Raises
+    ------
+    WrongArgumentError
+        When another run writes it, or it holds the results of another one and ``--overwrite`` is not
+        given.
+    """
+    cases, source = arguments.out / CASES, arguments.restart
+    with checked_arguments():
+        require_free(cases)
+    continues = source is not None and cases.exists() and cases.samefile(source)
+    if cases.exists() and not continues and not arguments.overwrite:
+        raise WrongArgumentError(
+            f"{cases} holds another run; take another folder (--out), go on with that run "
+            f"(--restart {cases}), or replace it (--overwrite)"
+        )
+    return cases
+
+
 def continued_file(arguments: argparse.Namespace) -> Path:
     """The recorder file in the output folder, with what has been recorded so far."""
-    cases = arguments.out / "cases.sql"
+    cases = recorder_file(arguments)
     with checked_arguments():
         copy_record(arguments.restart, cases)
     return cases

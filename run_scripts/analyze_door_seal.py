@@ -7,11 +7,14 @@ from pathlib import Path
 import numpy as np
 from _common import (
     add_seal_arguments,
+    announce,
     checked_arguments,
     design_from,
     parser,
+    print_warnings,
     run,
     seal_from,
+    travel,
     write_summary,
 )
 
@@ -33,6 +36,7 @@ def main(arguments) -> int:
         if arguments.door_radius is not None:
             with checked_arguments():
                 parameters["door_radius"] = seal.check_door_radius(arguments.door_radius)
+    announce(seal)
     begun = time.perf_counter()
     with LoadStepProgress(seal) as progress:
         result = KeptAnalyses().analyze(seal, offsets, parameters, callback=progress)
@@ -56,6 +60,7 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
         "area_mm2": result.area,
         "reaction_N_per_m": travel_table(result),
         "failure": result.path.failure or None,
+        "warnings": result.warnings,
     }
     end_keys = (
         "gap_square_sum_mm2", "max_gap_mm", "max_penetration_mm", "von_mises_kPa", "n_open_points",
@@ -107,6 +112,7 @@ def report(result: DoorSealResult, summary: dict, out: Path) -> None:
             f"{summary['max_gap_mm']:.4f} mm, sum of squares {summary['gap_square_sum_mm2']:.3g} mm2"
         )
         print(f"highest of the seven stresses {max(summary['von_mises_kPa']):.1f} kPa")
+        print_warnings(result)
     else:
         print(f"NOT CONVERGED at {summary['failure']}")
     print(f"figures and summary.json in {out}")
@@ -121,7 +127,7 @@ def arguments_parser():
         help="analyse the design in the summary.json of optimize_door_seal.py",
     )  # fmt: skip
     made.add_argument(
-        "--depths", type=float, nargs="+", metavar="MM",
+        "--depths", type=travel, nargs="+", metavar="MM",
         help="door travel at which deformed shapes are drawn; four equal parts when left out",
     )  # fmt: skip
     return made

@@ -7,20 +7,23 @@ import openmdao.api as om
 from _common import (
     WrongArgumentError,
     add_seal_arguments,
+    announce,
     checked_arguments,
     existing_file,
     parser,
+    print_warnings,
     run,
     seal_from,
     write_summary,
 )
 from _history_figures import draw_history, end_numbers, report_end
-from _restart import continued_file, recorded_run
+from _restart import continued_file, recorded_run, recorder_file
 
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, major_iterations, seal_problem
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.recording.claim import RecorderBusyError
 from seal_mdao.recording.evaluations import RestartError
 from seal_mdao.recording.restart import restart
 from seal_mdao.report.write import write_report
@@ -45,10 +48,11 @@ def main(arguments) -> int:
         seal, settings = recorded.seal, recorded.settings
         cases = continued_file(arguments)
     else:
-        seal, cases = seal_from(arguments), arguments.out / "cases.sql"
+        seal, cases = seal_from(arguments), recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
+    announce(seal)
     kept = KeptAnalyses()
     with LoadStepProgress(seal) as progress:
         with checked_arguments():
@@ -82,6 +86,8 @@ def main(arguments) -> int:
             "evaluations used again"
         )
     report_end(history, numbers)
+    print_warnings(initial, " (first design)")
+    print_warnings(final, " (last design)")
     print(f"report.html, figures, summary.json and cases.sql in {arguments.out}")
     return 0 if run_numbers["success"] else 1
 
@@ -94,7 +100,7 @@ def optimize(problem: om.Problem) -> dict:
         message = str(problem.driver.result.exit_status)
     except om.AnalysisError as error:
         success, message = False, str(error)
-    except RestartError as error:
+    except (RestartError, RecorderBusyError) as error:
         raise WrongArgumentError(str(error)) from error
     iterations = major_iterations(problem)
     problem.cleanup()
@@ -125,6 +131,9 @@ def arguments_parser():
         help="continue the run recorded in this file, with its seal, problem and optimiser; without "
         "--out in its folder",
     )  # fmt: skip
+    made.add_argument(
+        "--overwrite", action="store_true", help="replace the recorder file of an earlier run"
+    )
     return made
 
 

@@ -3,7 +3,15 @@
 import sys
 from pathlib import Path
 
-from _common import add_seal_arguments, checked_arguments, parser, run, seal_from, write_summary
+from _common import (
+    add_seal_arguments,
+    checked_arguments,
+    parser,
+    print_warnings,
+    run,
+    seal_from,
+    write_summary,
+)
 from _history_figures import draw_history, end_numbers, report_end
 
 from seal_mdao.kept_analyses import KeptAnalyses
@@ -20,6 +28,8 @@ def main(arguments) -> int:
     write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
     draw_history(history, initial, final, arguments.out)
     report_end(history, numbers)
+    print_warnings(initial, " (first design)")
+    print_warnings(final, " (last design)")
     print(f"figures and summary.json in {arguments.out}")
     return 0
 

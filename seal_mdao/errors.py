@@ -14,6 +14,10 @@ class SealFileError(ValueError):
     allowed."""
 
 
+class TooLargeError(ValueError):
+    """An analysis that does not fit into the memory of the machine."""
+
+
 class LoadPathError(RuntimeError):
     """The load path could not be completed.
 

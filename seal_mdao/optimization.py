@@ -29,6 +29,8 @@ FORCE_BAND = 0.1
 PRESSURE_SHARE = 0.5
 """Share of the drawn seal's contact pressure that ``pressure_floor`` asks of each patch."""
 
+NEGLIGIBLE_GAP = 1e-3
+"""Gaps of the drawn seal, mm, below which there is nothing to optimise: a penalty leaves as much."""
 OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
 TOLERANCE = 1e-6
@@ -100,10 +102,12 @@ def problem_limits(drawn: DoorSealResult, measures=()) -> Limits:
         When no gap opens under the drawn seal: there is nothing to minimise.
     """
     cost = drawn.gap_square_sum
-    if not cost > 0.0:
+    largest = float(np.abs(drawn.gap).max(initial=0.0))
+    if not largest > NEGLIGIBLE_GAP:
         raise ValueError(
-            "no contact point of the drawn seal stands open between others in contact, so the gap "
-            "to minimise is zero; choose a larger depth"
+            "no contact point of the drawn seal stands open between others in contact by more than "
+            f"{NEGLIGIBLE_GAP} mm (largest gap {largest:.1g} mm), so no gap to minimise; choose a "
+            "larger depth or another door"
         )
     radius = drawn.seal.drawn_door_radius
     return Limits(

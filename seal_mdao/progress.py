@@ -39,7 +39,7 @@ class LoadStepProgress:
         self.analyses = 0
         self._label, self._of = label, "" if n_analyses is None else f"/{n_analyses}"
         self._bar = tqdm(total=seal.n_steps, unit="step", disable=hidden(), leave=False)
-        self._last = None
+        self._last, self._damped = None, False
 
     def __call__(self, step: ConvergedStep) -> None:
         """Note one completed load step."""
@@ -47,8 +47,17 @@ class LoadStepProgress:
             self.analyses += 1
             self._bar.reset()
             self._bar.set_description(f"{self._label} {self.analyses}{self._of}", refresh=False)
+        if self._damped:
+            self._damped = False
+            self._bar.set_postfix_str("", refresh=False)
         self._last = step.nominal
         self._bar.update(step.nominal + 1 - self._bar.n)
+
+    def damped(self, iteration: int, residual: float) -> None:
+        """Note an iteration of damped motion, which may take thousands of them within a step."""
+        if iteration % 50 == 0:
+            self._damped = True
+            self._bar.set_postfix_str(f"damped motion {iteration}, residual {residual:.1e}")
 
     def close(self) -> None:
         """Remove the bar."""

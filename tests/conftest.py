@@ -65,8 +65,9 @@ def frictionless():
 
 @pytest.fixture(scope="session")
 def buckled():
-    """Drawn seal without friction pressed 10 mm: it buckles sideways and the path fails."""
-    return sm.analyze(sm.door_seal(friction=0.0))
+    """Drawn seal without friction pressed 10 mm: it buckles sideways, and too little damped motion is
+    allowed for the path to be completed."""
+    return sm.analyze(sm.door_seal(friction=0.0, newton=sm.NewtonOptions(damped_iterations=80)))
 
 
 @pytest.fixture(scope="session")

@@ -82,3 +82,9 @@ def test_optimum_of_all_flags_keeps_what_they_ask(tmp_path, start):
 def test_restart_settings_hold_every_flag(tmp_path):
     problem = seal_problem(SEAL, work_dir=tmp_path, clamp_load=True)
     assert '"clamp_load": true' in problem.model.options["problem_settings"]
+
+
+def test_gap_that_is_rounding_is_refused(tmp_path):
+    """Under the flat door the points that open do so by less than a penalty leaves."""
+    with pytest.raises(ValueError, match="no gap to minimise"):
+        seal_problem(sm.door_seal(door="flat"), work_dir=tmp_path)

@@ -87,7 +87,8 @@ def test_newest_stays_without_any_memory():
 
 
 def test_path_that_failed_is_tried_again():
-    kept, seal = KeptAnalyses(), SEAL.with_(friction=0.0)
+    newton = sm.NewtonOptions(damped_iterations=10)
+    kept, seal = KeptAnalyses(), SEAL.with_(friction=0.0, newton=newton)
     for made in (1, 2):
         assert not kept.analyze(seal).converged
         assert kept.made == made

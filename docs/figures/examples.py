@@ -1,6 +1,7 @@
 """The run scripts as a user runs them: their pictures and what they print."""
 
 import os
+import shutil
 import subprocess
 import sys
 import textwrap
@@ -28,6 +29,7 @@ REDUCED = {
 def make(out: Path, reduced: bool) -> dict:
     """Run the scripts in ``out/examples`` and keep what they print as MyST fragments."""
     folder, fragments = out / "examples", out / "fragments"
+    shutil.rmtree(folder, ignore_errors=True)  # scripts do not replace the results of another run
     folder.mkdir(parents=True, exist_ok=True)
     fragments.mkdir(parents=True, exist_ok=True)
     for name, command in COMMANDS.items():

@@ -15,7 +15,7 @@ import numpy as np
 
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.pseudo_time import relax
+from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import quasi_newton
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
@@ -88,7 +88,8 @@ def solve_path(
         GiB for the factors of converged tangents, which the sensitivities use again. The first that
         fit are kept; the sweeps make the others again.
     callback : callable, optional
-        Called with every ``ConvergedStep`` that completes a nominal step.
+        Called with every ``ConvergedStep`` that completes a nominal step. Its method ``damped``, where
+        it has one, is called with the number of every iteration of damped motion and the residual.
 
     Returns
     -------
@@ -123,11 +124,13 @@ def solve_path(
                 pending, target = [], nominal + 1.0
                 euler = problem.predict(last, problem.factorize_at(last), target)
                 guess = problem.closest(euler, target, last.after)
-                relaxed, d, residuals = relax(problem, guess, target, last.after, options)
+                note = getattr(callback, "damped", None)
+                relaxed, d, residuals = relax(problem, guess, target, last.after, options, note)
                 if relaxed is not Status.CONVERGED:
                     # nothing is differentiated; an exception that holds the path stays small
                     steps = [replace(step, factor=None) for step in steps]
-                    return PathResult(problem, start, steps, status, cuts, failure)
+                    damped = ending(relaxed, options)
+                    return PathResult(problem, start, steps, status, cuts, failure, damped)
             before = last
             memory -= problem.factor.nbytes
             kept = problem.factor.kept() if memory >= 0.0 else None

@@ -1,10 +1,10 @@
 """Newton iterations with the consistent tangent, Eq. (44)."""
 
 from dataclasses import dataclass
-from numbers import Integral
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 
@@ -16,28 +16,31 @@ class NewtonOptions:
     Attributes
     ----------
     tolerance : float
-        Residual norm over the norm of the contact and internal forces.
+        Residual norm over the norm of the contact and internal forces, at most 1e-4.
     max_iterations : int
         Newton iterations before a step is cut.
     max_cuts : int
         How often a step may be halved.
     damped_iterations : int
-        Iterations of damped motion where the smallest step fails (``pseudo_time``); 0 for none. Most
-        need 10 to 40; a seal that slides off altogether needs any number of them.
+        Most iterations of damped motion where the smallest step fails (``pseudo_time``); 0 for none.
+        Where points slide on a little 10 to 40 are needed, where the seal sways to another state
+        some thousands. They end early where the seal moves off altogether.
     """
 
     tolerance: float = 1e-10
     max_iterations: int = 15
     max_cuts: int = 8
-    damped_iterations: int = 80
+    damped_iterations: int = 5_000
 
     def __post_init__(self):
-        if not (np.isfinite(self.tolerance) and self.tolerance > 0.0):
-            raise ValueError(f"tolerance must be a positive number, got {self.tolerance!r}")
-        for name, least in (("max_iterations", 1), ("max_cuts", 0), ("damped_iterations", 0)):
-            value = getattr(self, name)
-            if not isinstance(value, Integral) or value < least:
-                raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")
+        object.__setattr__(
+            self, "tolerance", values.real("tolerance", self.tolerance, above=0.0, high=1e-4)
+        )
+        for name, least, most in (
+            ("max_iterations", 1, 10_000), ("max_cuts", 0, 40), ("damped_iterations", 0, 10**7)
+        ):  # fmt: skip
+            value = values.integer(name, getattr(self, name), least, most)
+            object.__setattr__(self, name, value)
 
 
 def converged(problem: PathProblem, size: float, rounding: bool, options: NewtonOptions) -> bool:

@@ -10,6 +10,8 @@ C. T. Kelley and D. E. Keyes, Convergence analysis of pseudo-transient continuat
 Anal. 35, 1998.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from seal_mdao.analysis.newton import NewtonOptions, converged
@@ -23,28 +25,57 @@ FALL, RISE = 0.3, 2.0
 # An iteration whose residual is that large, and that many times the last one, is made again.
 LARGE, GROWTH = 0.5, 3.0
 STRONGER = 4.0
+# A body that has moved that many times its own size moves off for ever.
+FAR = 1.5
 
 
-def relax(problem: PathProblem, d, target: float, history, options: NewtonOptions):
+def relax(
+    problem: PathProblem,
+    d,
+    target: float,
+    history,
+    options: NewtonOptions,
+    note: Callable[[int, float], None] | None = None,
+):
     """Equilibrium at a fixed loading by damped motion.
+
+    Parameters
+    ----------
+    note : callable, optional
+        Called with the number of every iteration and the relative residual.
 
     Returns
     -------
     status, d, residuals
-        As of ``newton``.
+        As of ``newton``; MOVED_OFF where the body leaves for ever.
     """
     try:
-        return _follow(problem, d, target, history, options)
+        return _follow(problem, d, target, history, options, note)
     except np.linalg.LinAlgError:
         return Status.SINGULAR, d, ()
 
 
-def _follow(problem, d, target, history, options):
+def ending(status: Status, options: NewtonOptions) -> str:
+    """How damped motion ended that did not find equilibrium, and what can be done; a sentence."""
+    if options.damped_iterations == 0:
+        return ""
+    if status is Status.MOVED_OFF:
+        return "Damped motion carries the body off: there is nothing that would hold it"
+    if status is Status.NOT_CONVERGED:
+        return (
+            f"Damped motion did not come to rest within {options.damped_iterations} iterations; allow "
+            "more of them (damped_iterations of NewtonOptions)"
+        )
+    return f"Damped motion did not help: {status.value}"
+
+
+def _follow(problem, d, target, history, options, note):
     layout = problem.discretization.layout
     diagonal = layout.storage.diagonal()
     residuals, damping, before = [], None, d
+    far = FAR * np.ptp(problem.discretization.particles, axis=0).max()
     problem.begin()
-    for _ in range(options.damped_iterations):
+    for number in range(options.damped_iterations):
         upright = problem.assemble(d, target, history)
         if damping is None:
             if not upright:
@@ -61,6 +92,10 @@ def _follow(problem, d, target, history, options):
                 damping *= np.clip(size / residuals[-1], FALL, RISE)
             residuals.append(size)
             before = d
+            if np.abs(d).max() > far:
+                return Status.MOVED_OFF, d, tuple(residuals)
+            if note is not None:
+                note(number, size)
             if converged(problem, size, rounding, options):
                 problem.factorize()
                 return Status.CONVERGED, d, tuple(residuals)

@@ -17,6 +17,7 @@ class Status(Enum):
     DIVERGED = "the residual is not a finite number"
     INVERTED = "a quadrature point is turned inside out (det F <= 0)"
     SINGULAR = "the tangent is singular"
+    MOVED_OFF = "the body moves off for ever"
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +84,8 @@ class PathResult:
         How often a step was halved.
     failure : str
         Empty, or where the path ended and in what state.
+    damped : str
+        Empty, or how damped motion ended there; a sentence without its full stop.
     """
 
     problem: object = field(repr=False)
@@ -91,6 +94,7 @@ class PathResult:
     status: Status
     step_cuts: int
     failure: str = ""
+    damped: str = ""
 
     @property
     def discretization(self):

@@ -118,7 +118,7 @@ class RkpmContactComp(om.ExplicitComponent):
                 factor_memory=self.options["factor_memory"],
                 callback=self.options["callback"],
             )
-            result.require_converged()
+            result.require_possible()
         return result
 
 

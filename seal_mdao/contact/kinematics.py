@@ -11,6 +11,7 @@ import numpy as np
 from seal_mdao.contact.cubic_projection import nearest_on_cubic
 from seal_mdao.geometry.bounds import PIECES_A_RUN
 from seal_mdao.geometry.curve import CUBIC, END_SLACK, LINE, cubic_point, curve_point
+from seal_mdao.geometry.pose import in_frame
 
 
 @nb.njit(cache=True, error_model="numpy")
@@ -128,6 +129,14 @@ def closest_point(profile, x, y):
                 best, best_gap, best_s, best_piece, best_over = square, gap, s, piece, over
                 farthest = min(farthest, (1.0 + 1e-9) * square**0.5)
     return best_piece, profile.start[best_piece] + best_s, best_gap
+
+
+@nb.njit(cache=True, error_model="numpy")
+def normal_gaps(profile, pose, x, gap):
+    """Normal gaps (n,) of the points ``x`` (n, 2), Eq. (17)."""
+    for i in range(len(x)):
+        own = in_frame(pose, x[i, 0], x[i, 1])
+        gap[i] = closest_point(profile, own[0], own[1])[2]
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.contact.friction import (
     CARRIED,
     OPEN,
@@ -17,6 +18,7 @@ from seal_mdao.contact.friction import (
     no_history,
     uses_history,
 )
+from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
@@ -49,6 +51,11 @@ class RigidContact(TermDefinition):
     law : ContactLaw
     prefix : str
         Put before the names of all parameters but those of the motion.
+
+    Raises
+    ------
+    ValueError
+        For a penalty that is not positive, a negative friction coefficient, or one that is no number.
     """
 
     label: str
@@ -57,6 +64,11 @@ class RigidContact(TermDefinition):
     motion: Motion
     law: ContactLaw
     prefix: str = ""
+
+    def __post_init__(self):
+        values.real(f"normal_penalty of {self.label!r}", self.law.normal_penalty, above=0.0)
+        values.real(f"tangent_penalty of {self.label!r}", self.law.tangent_penalty, above=0.0)
+        values.real(f"friction of {self.label!r}", self.law.friction, 0.0)
 
     @property
     def scalars(self) -> dict:
@@ -141,6 +153,12 @@ class ContactTerm(PointTerm):
 
     def no_history(self) -> ContactHistory:
         return no_history(len(self.where))
+
+    def gaps(self, x: np.ndarray, fraction: float) -> np.ndarray:
+        """Normal gaps (m,) of any places ``x`` (m, 2) after ``fraction`` nominal steps."""
+        gap = np.empty(len(x))
+        normal_gaps(self.profile, self.pose(fraction), np.ascontiguousarray(x), gap)
+        return gap
 
     def respond(self, x, fraction, history) -> ContactResponse:
         made_to_stick = contact_points(

@@ -16,6 +16,7 @@ from seal_mdao.drivers.evaluation import ModelEvaluator
 from seal_mdao.drivers.interrupt import InterruptGuard
 from seal_mdao.drivers.layout import flat, read_layout
 from seal_mdao.drivers.optimality import Optimality
+from seal_mdao.recording import run_log
 from seal_mdao.recording.evaluations import RecordedEvaluations
 
 if TYPE_CHECKING:
@@ -150,7 +151,7 @@ class OptimizerDriver(access.DriverHooks):
             If the analysis or its derivatives fail at the start.
         """
         self._forget_run()
-        self.exit_message = "Ended by an exception"
+        self.exit_message = run_log.BY_EXCEPTION
         access.begin_run(self)
         file = self.options["hotstart_file"]
         if file is not None:

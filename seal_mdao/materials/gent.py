@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.materials.first_invariant import FirstInvariant
-from seal_mdao.materials.isotropic import checked
+from seal_mdao.materials.isotropic import check_bulk, checked
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,7 @@ class Gent(FirstInvariant):
 
     def __post_init__(self):
         checked(self, positive=("shear_modulus", "limit", "bulk_modulus"))
+        check_bulk(self)
 
     def invariant_energy(self, x):
         """-(G Jm / 2) ln(1 - x / Jm)."""

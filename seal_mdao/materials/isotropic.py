@@ -15,11 +15,15 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from seal_mdao import values
+
 NO_VALUE = {"invalid": "ignore", "divide": "ignore", "over": "ignore"}
 """For ``numpy.errstate``, where a law has no value and says so with NaN."""
 
 STEP = 1e-30
 """Of complex steps."""
+MOST_BULK = 1e7
+"""Bulk over shear modulus: rounding leaves 1e-16 of the bulk modulus times a strain."""
 
 
 class Isotropic(ABC):
@@ -286,12 +290,26 @@ def checked(material, positive=(), nonnegative=(), real=()) -> None:
         With the name of the constant.
     """
     for name in (*positive, *nonnegative, *real):
-        value = float(getattr(material, name))
         where = f"{name} of {type(material).__name__}"
-        if not np.isfinite(value):
-            raise ValueError(f"{where} must be a finite number, got {value}")
+        value = values.real(where, getattr(material, name))
         if name in positive and value <= 0.0:
             raise ValueError(f"{where} must be positive, got {value}")
         if name in nonnegative and value < 0.0:
             raise ValueError(f"{where} must not be negative, got {value}")
         object.__setattr__(material, name, value)
+
+
+def check_bulk(material) -> None:
+    """Refuse a bulk modulus beside which the shear modulus is lost in rounding.
+
+    Raises
+    ------
+    ValueError
+        With both moduli.
+    """
+    shear, bulk = material.shear_modulus, material.bulk_modulus
+    if not bulk <= MOST_BULK * shear:
+        raise ValueError(
+            f"bulk_modulus of {type(material).__name__} must be at most {MOST_BULK:g} times the shear "
+            f"modulus {shear:g}, got {bulk:g}"
+        )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numba as nb
 import numpy as np
 
-from seal_mdao.materials.isotropic import NO_VALUE, Isotropic, checked
+from seal_mdao.materials.isotropic import NO_VALUE, Isotropic, check_bulk, checked
 
 
 @nb.njit(cache=True, error_model="numpy", inline="always")
@@ -82,6 +82,11 @@ class MooneyRivlin(Isotropic):
         checked(self, positive=("bulk_modulus",), nonnegative=("c10", "c01"))
         if self.c10 + self.c01 <= 0.0:
             raise ValueError("c10 and c01 of MooneyRivlin must not both be zero")
+        check_bulk(self)
+
+    @property
+    def shear_modulus(self) -> float:
+        return 2.0 * (self.c10 + self.c01)
 
     @np.errstate(**NO_VALUE)
     def energy(self, t, j):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from seal_mdao.materials.first_invariant import FirstInvariant
-from seal_mdao.materials.isotropic import checked
+from seal_mdao.materials.isotropic import check_bulk, checked
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ class NeoHookean(FirstInvariant):
 
     def __post_init__(self):
         checked(self, positive=("c10", "bulk_modulus"))
+        check_bulk(self)
 
     def invariant_energy(self, x):
         """C10 x."""

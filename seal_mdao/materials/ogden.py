@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.materials.isotropic import checked
+from seal_mdao.materials.isotropic import check_bulk, checked
 from seal_mdao.materials.stretch_powers import PowerTerm, StretchPowers, checked_terms
 
 
@@ -38,6 +38,7 @@ class Ogden(StretchPowers):
                 f"the initial shear modulus sum(mu alpha) / 2 of Ogden must be positive: "
                 f"mu = {self.mu}, alpha = {self.alpha}"
             )
+        check_bulk(self)
 
     @property
     def terms(self):

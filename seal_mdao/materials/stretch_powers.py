@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.materials.chebyshev import stretch_power
 from seal_mdao.materials.isotropic import NO_VALUE, STEP, Isotropic
 
@@ -167,9 +168,10 @@ def checked_terms(material, names: tuple[str, ...]) -> None:
     """
     kind = type(material).__name__
     for name in names:
-        values = tuple(float(value) for value in np.ravel(getattr(material, name)))
-        object.__setattr__(material, name, values)
-        for i, value in enumerate(values, 1):
+        given = values.numbers(f"{name} of {kind}", getattr(material, name))
+        constants = tuple(given.ravel().tolist())
+        object.__setattr__(material, name, constants)
+        for i, value in enumerate(constants, 1):
             if not np.isfinite(value):
                 raise ValueError(f"{name}_{i} of {kind} must be a finite number, got {value}")
             if name == "alpha" and value == 0.0:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from seal_mdao.materials.first_invariant import FirstInvariant
-from seal_mdao.materials.isotropic import checked
+from seal_mdao.materials.isotropic import check_bulk, checked
 
 
 @dataclass(frozen=True)
@@ -28,6 +28,7 @@ class Yeoh(FirstInvariant):
 
     def __post_init__(self):
         checked(self, positive=("c10", "bulk_modulus"), real=("c20", "c30"))
+        check_bulk(self)
 
     def invariant_energy(self, x):
         """The cubic."""

@@ -8,6 +8,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.recording import run_log
+from seal_mdao.recording.plain_reading import reading
 from seal_mdao.recording.seal_inputs import read_seals
 from seal_mdao.recording.settings import open_cases, recorded_problem
 from seal_mdao.seals.door.door_seal import DoorSeal
@@ -177,8 +178,13 @@ def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
     Raises
     ------
     ValueError
-        For a file that is not there, is no recorder file, or holds no good driver case.
+        For a file that is not there, is no recorder file, is damaged, or holds no good driver case.
     """
+    with reading(path):
+        return _read(path, given)
+
+
+def _read(path, given) -> RecordedOptimization:
     reader = open_cases(path)
     names = reader.list_cases("driver", recurse=False, out_stream=None)
     evaluated = [case for case in map(reader.get_case, names) if case.success and _finite(case)]

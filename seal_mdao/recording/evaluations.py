@@ -11,6 +11,7 @@ import io
 import itertools
 import json
 import sqlite3
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,6 +19,7 @@ import numpy as np
 from openmdao.core.analysis_error import AnalysisError
 
 from seal_mdao import openmdao_access as access
+from seal_mdao.recording.plain_reading import reading
 
 UNFINISHED = "unfinished"
 """How the message of a case begins that Ctrl-C or an error cut off: it tells nothing of the design."""
@@ -118,10 +120,11 @@ class RecordedEvaluations:
         self._sources = _independent(driver, cases[0][1].outputs if cases else {})
         needed = {*access.sources(driver).values(), *self._sources}
         self._by_design = {}
-        for _, case in cases:
-            if case.outputs.keys() >= needed and not case.failure.startswith(UNFINISHED):
+        finished = [case for _, case in cases if not case.failure.startswith(UNFINISHED)]
+        for case in finished:
+            if case.outputs.keys() >= needed:
                 self._add(case)
-        if cases and not self._by_design:
+        if finished and not self._by_design:
             raise RestartError(
                 f"no case in {path} holds the design variables, objective and constraints of this "
                 "problem"
@@ -190,23 +193,27 @@ def read_cases(path) -> list[tuple[int, RecordedCase]]:
     Raises
     ------
     RestartError
-        For a file that is not there or is no recorder file.
+        For a file that is not there, is no recorder file, or is damaged.
     """
     if not Path(path).is_file():
         raise RestartError(f"{path} is not a file")
-    connection = sqlite3.connect(path)
     try:
-        rows = connection.execute(
-            "SELECT iteration_coordinate, counter, success, msg, inputs, outputs "
-            "FROM driver_iterations ORDER BY id"
-        ).fetchall()
-        derivatives = connection.execute(
-            "SELECT counter, derivatives FROM driver_derivatives ORDER BY id"
-        ).fetchall()
-    except sqlite3.DatabaseError as error:
-        raise RestartError(f"{path} is not a file of an OpenMDAO recorder ({error})") from error
-    finally:
-        connection.close()
+        with reading(path), closing(sqlite3.connect(path)) as connection:
+            return _cases(connection)
+    except RestartError:
+        raise
+    except ValueError as error:
+        raise RestartError(str(error)) from error
+
+
+def _cases(connection: sqlite3.Connection) -> list[tuple[int, RecordedCase]]:
+    rows = connection.execute(
+        "SELECT iteration_coordinate, counter, success, msg, inputs, outputs "
+        "FROM driver_iterations ORDER BY id"
+    ).fetchall()
+    derivatives = connection.execute(
+        "SELECT counter, derivatives FROM driver_derivatives ORDER BY id"
+    ).fetchall()
     totals = {}
     for counter, blob in derivatives:
         totals.setdefault(counter, {}).update(_fields(blob))
@@ -227,5 +234,5 @@ def _arrays(text: str | None) -> dict:
 
 
 def _fields(blob: bytes) -> dict:
-    table = np.load(io.BytesIO(blob))
+    table = np.load(io.BytesIO(blob), allow_pickle=False)
     return {name: table[name][0] for name in table.dtype.names or ()}

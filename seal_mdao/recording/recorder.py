@@ -9,6 +9,7 @@ from openmdao.core.driver import Driver
 
 from seal_mdao.openmdao_access import SqliteHooks, find_value, problem_of
 from seal_mdao.recording import run_log
+from seal_mdao.recording.claim import claim, require_free
 from seal_mdao.recording.seal_inputs import inputs_of_seals, outputs_of_seals
 
 LEFTOVERS = ("-journal", "-wal", "-shm")
@@ -24,6 +25,8 @@ class RestartRecorder(SqliteHooks):
     the cases of an existing file are kept and new ones follow them; evaluations that the driver
     takes from the file (``hotstart_file``) are not recorded twice. The file also tells how every run
     ended; see ``seal_mdao.recording.run_log``.
+
+    One run writes a file at a time; beside it a lock, ``.<name>.lock``, is held until the end.
 
     Parameters
     ----------
@@ -42,6 +45,7 @@ class RestartRecorder(SqliteHooks):
         self._driver = None
         self._log_row = None
         self._seals = None
+        self._lock = None
 
     def startup(self, recording_requester, comm=None):
         """Prepare for a new run."""
@@ -57,8 +61,8 @@ class RestartRecorder(SqliteHooks):
         """Record the options of a system once per run number; the root's make the file complete."""
         self._once(super().record_metadata_system, system, run_number)
         if not system.pathname and self.connection:
-            if self._log_row is None and self._driver is not None:
-                self._log_row = run_log.begin(self.connection, self._driver)
+            if not self._append:
+                self._note_begin()
             self._publish()
 
     def record_metadata_solver(self, solver, run_number=None):
@@ -69,6 +73,7 @@ class RestartRecorder(SqliteHooks):
         """Record a case, unless the driver took it from this very file; the inputs of seals always."""
         if self._repeated(driver) is None:
             metadata = self._look_at_seals(driver, data, metadata)
+            self._note_begin()
             super().record_iteration_driver(driver, data, metadata)
         else:
             self.counter -= 1
@@ -101,8 +106,15 @@ class RestartRecorder(SqliteHooks):
             return metadata
         return metadata | {"success": 0, "msg": "the analysis of a seal failed"}
 
+    def _note_begin(self) -> None:
+        """Note that a run writes; one that goes on is silent until then, for it may be refused."""
+        if self.connection and self._log_row is None and self._driver is not None:
+            self._log_row = run_log.begin(self.connection, self._driver)
+
     def note_end(self) -> None:
         """Note how the run of the driver ended, before the file is closed."""
+        if self._driver is not None and self._driver.result.exit_status != run_log.BY_EXCEPTION:
+            self._note_begin()
         if self.connection and self._log_row is not None:
             run_log.end(self.connection, self._log_row, self._driver.result)
 
@@ -114,6 +126,8 @@ class RestartRecorder(SqliteHooks):
             self._publish()
         super().shutdown()
         self.connection = self.metadata_connection = None
+        if self._lock is not None:
+            self._lock.release()
 
     def open_database(self, comm):
         """Open the file to continue, or begin a new one under another name."""
@@ -122,6 +136,7 @@ class RestartRecorder(SqliteHooks):
                 raise RuntimeError("RestartRecorder appends to a file on one process only")
             self.make_database(comm)
             return
+        self._lock = claim(self.path)
         path = Path(self.path)
         if self._append and path.is_file():
             self.use_database(sqlite3.connect(path))
@@ -188,9 +203,10 @@ def copy_record(source, target) -> None:
     Raises
     ------
     ValueError
-        When the source is not a SQLite file.
+        When the source is not a SQLite file, or another run writes the target.
     """
     target = Path(target)
+    require_free(target)
     if target.exists() and target.samefile(source):
         return
     fresh = target.with_name(target.name + ".new")

@@ -8,11 +8,16 @@ open. OpenMDAO's own readers do not see the table.
 import json
 import platform
 import sqlite3
+from contextlib import closing
 from dataclasses import dataclass
 from datetime import datetime
 from importlib import metadata
 
+from seal_mdao.recording.plain_reading import reading
+
 TABLE = "run_log"
+BY_EXCEPTION = "Ended by an exception"
+"""How a run ended that raised."""
 PACKAGES = ("seal_mdao", "openmdao", "numpy", "scipy", "numba", "unopy", "ipyopt")
 
 
@@ -91,21 +96,25 @@ def end(connection: sqlite3.Connection, row: int, result) -> None:
 
 
 def read(path) -> list[LoggedRun]:
-    """Runs of a recorder file in order; none for a file that another recorder wrote."""
-    connection = sqlite3.connect(path)
-    try:
+    """Runs of a recorder file in order; none for a file that another recorder wrote.
+
+    Raises
+    ------
+    ValueError
+        For a file that is no recorder file, or damaged.
+    """
+    with reading(path), closing(sqlite3.connect(path)) as connection:
+        query = "SELECT 1 FROM sqlite_master WHERE type='table' AND name=?"
+        if connection.execute(query, (TABLE,)).fetchone() is None:
+            return []
         rows = connection.execute(
             "SELECT begun, ended, driver, options, versions, success, message, iterations, "
             f"analyses, seconds FROM {TABLE} ORDER BY id"
         ).fetchall()
-    except sqlite3.OperationalError:
-        return []
-    finally:
-        connection.close()
-    return [
-        LoggedRun(*row[:3], json.loads(row[3]), json.loads(row[4]), bool(row[5]), *row[6:])
-        for row in rows
-    ]
+        return [
+            LoggedRun(*row[:3], json.loads(row[3]), json.loads(row[4]), bool(row[5]), *row[6:])
+            for row in rows
+        ]
 
 
 def versions() -> dict[str, str]:

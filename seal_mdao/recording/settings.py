@@ -2,11 +2,14 @@
 
 import json
 import sqlite3
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
 import openmdao.api as om
 
+from seal_mdao.openmdao_access import CaseReaderHooks
+from seal_mdao.recording.plain_reading import reading, refuse_objects, text_options
 from seal_mdao.seals.door.door_seal import DoorSeal
 from seal_mdao.seals.seal import SETTINGS_OPTION
 
@@ -30,8 +33,15 @@ class RecordedProblem:
     settings: dict
 
 
+class PlainCaseReader(CaseReaderHooks):
+    """``CaseReader`` that loads no pickles; of the options of systems those are known that are text."""
+
+    def read_options(self, blob):
+        return text_options(blob)
+
+
 def open_cases(path) -> om.CaseReader:
-    """Reader of a recorder file.
+    """Reader of a recorder file, which runs nothing that is in it.
 
     Raises
     ------
@@ -40,10 +50,9 @@ def open_cases(path) -> om.CaseReader:
     """
     if not Path(path).is_file():
         raise ValueError(f"{path} is not a file")
-    try:
-        return om.CaseReader(str(path))
-    except (OSError, sqlite3.DatabaseError, KeyError, TypeError) as error:
-        raise ValueError(f"{path} is not a file of an OpenMDAO recorder ({error})") from error
+    with reading(path), closing(sqlite3.connect(path)) as connection:
+        refuse_objects(connection)
+        return PlainCaseReader(str(path))
 
 
 def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:

@@ -118,7 +118,7 @@ def render(
         options=tables.options_table(history) if history.runs else "",
         style=_asset("page.css"),
         script="\n".join(_asset(name) for name in SCRIPTS),
-        data=json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/"),
+        data=json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
     )
 
 
@@ -148,6 +148,9 @@ def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]
         for seal in seals
         if not seal.is_as_recorded()
     ]
+    for seal in seals:
+        for name, design in zip(("First", "Last"), seal.ends, strict=True):
+            found += [f"{name} design of {escape(seal.name)}: {escape(t)}." for t in design.warnings]
     return found
 
 

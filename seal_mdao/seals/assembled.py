@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.analysis.body import Body
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.measures.shape import cells_area
@@ -54,6 +55,15 @@ class AssembledSeal(Seal):
     changed: dict = field(default_factory=dict)
 
     def __post_init__(self):
+        values.integer("n_steps", self.n_steps, 1)
+        for name, kind in (("body", Body), ("newton", NewtonOptions)):
+            if not isinstance(getattr(self, name), kind):
+                raise ValueError(
+                    f"{name} must be of class {kind.__name__}, got {type(getattr(self, name)).__name__}"
+                )
+        for name in ("drawn_particles", "design_velocity"):
+            if not np.isfinite(values.numbers(name, getattr(self, name))).all():
+                raise ValueError(f"{name} must be finite numbers")
         shape = (self.body.n_particles, 2)
         if np.shape(self.drawn_particles) != shape:
             raise ValueError(

@@ -6,12 +6,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from seal_mdao.analysis.body import discretize
+from seal_mdao.analysis.cost import Cost, analysis_cost, require_room
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.seals.checks import findings
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
 
@@ -67,14 +69,31 @@ class SealResult:
             raise LoadPathError(self.failure, self)
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is not right with the end of a completed path, a line each; ``seals.checks`` lists it.
+
+        Nothing of it for a path that was not completed.
+        """
+        return tuple(found.text for found in findings(self.path)) if self.converged else ()
+
+    def require_possible(self) -> None:
+        """Raise ``LoadPathError`` for a path that was not completed, or whose end cannot be meant."""
+        self.require_converged()
+        wrong = [found.text for found in findings(self.path) if found.impossible]
+        if wrong:
+            raise LoadPathError(
+                f"the end of the load path is not possible: {'; '.join(wrong)}", self
+            )
+
+    @property
     def failure(self) -> str:
         """Where a path ended, in what state, and what can be done; empty for a complete one."""
         if self.converged:
             return ""
-        done = len(self.path.nominal_steps)
+        done, damped = len(self.path.nominal_steps), self.path.damped
         return (
             f"the load path could not be completed at {self.path.failure}; {done} of "
-            f"{self.seal.n_steps} load steps converged. {self.advice}"
+            f"{self.seal.n_steps} load steps converged. {damped + '. ' if damped else ''}{self.advice}"
         )
 
     advice = (
@@ -187,7 +206,7 @@ def analyze(
     ------
     ValueError
         Wrong sizes, unknown parameters, values that are not finite, a folded section, too small a
-        support.
+        support, an analysis that does not fit into the machine's memory (``TooLargeError``).
     """
     return seal.completed(
         analyzed_with(analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback)
@@ -205,6 +224,11 @@ def analyzed_with(
     )  # fmt: skip
 
 
+def estimate(seal: Seal) -> Cost:
+    """Time and memory that one analysis of a seal takes, roughly (``analysis.cost``)."""
+    return analysis_cost(seal.body, seal.drawn_particles, seal.n_steps)
+
+
 def analyze_particles(
     seal: Seal, particles, boundary_offsets=None, *, factor_memory=0.0, callback=None
 ) -> SealResult:
@@ -212,6 +236,7 @@ def analyze_particles(
 
     Factors of converged tangents are kept as far as ``factor_memory`` (GiB) goes.
     """
+    require_room(estimate(seal), seal.body, seal.n_steps)
     terms = seal.terms()
     problem = PathProblem(discretize(seal.body, particles, terms), terms, seal.imposed())
     path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback)

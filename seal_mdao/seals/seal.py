@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.analysis.body import Body
 from seal_mdao.analysis.newton import NewtonOptions
 
@@ -122,7 +123,7 @@ class Seal:
         """Offsets as an array of the right shape; zeros for None."""
         if offsets is None:
             return np.zeros(self.n_offsets)
-        offsets = np.asarray(offsets, float)
+        offsets = values.numbers("boundary_offsets", offsets)
         if offsets.shape != (self.n_offsets,):
             raise ValueError(
                 f"boundary_offsets must have shape ({self.n_offsets},), got {offsets.shape}"

@@ -8,6 +8,7 @@ from lines import check, slopes
 
 import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, STICK
 from seal_mdao.verification.differences import beside
@@ -86,3 +87,44 @@ def test_too_few_iterations_leave_the_failure_of_newton(model, stuck):
     result = sm.analyze(few, OFFSETS, RADIUS)
     assert not result.converged
     assert result.path.failure == stuck.path.failure
+
+
+@pytest.mark.parametrize("corner_x", [2.0, pytest.param(0.0, marks=pytest.mark.long), 4.0])
+def test_seal_without_friction_sways_and_completes_its_path(corner_x):
+    """With the options as they are, for which 80 iterations were too few."""
+    result = sm.analyze(sm.door_seal(friction=0.0, corner_x=corner_x))
+    assert result.converged
+    assert result.warnings == ()
+    assert 39.0 < result.reaction[-1, 1] < 42.0
+
+
+def test_failure_names_the_option_that_helps(buckled):
+    assert "within 80 iterations" in buckled.failure
+    assert "damped_iterations of NewtonOptions" in buckled.failure
+    assert buckled.failure.index("damped_iterations") < buckled.failure.index("n_steps")
+
+
+def test_damped_motion_tells_how_far_it_is(model):
+    class Watch:
+        def __init__(self):
+            self.seen = []
+
+        def __call__(self, step):
+            pass
+
+        def damped(self, iteration, residual):
+            self.seen.append((iteration, residual))
+
+    watch = Watch()
+    assert sm.analyze(model, OFFSETS, RADIUS, callback=watch).converged
+    assert len(watch.seen) > 3
+    assert watch.seen[-1][1] < 1e-8
+
+
+def test_body_that_nothing_holds_moves_off(drawn):
+    """From a place farther away than any seal goes."""
+    problem = PathProblem(drawn.path.discretization, drawn.seal.terms())
+    away = np.full_like(drawn.particles, 1000.0)
+    status, *_ = relax(problem, away, 1.0, problem.no_history(), drawn.seal.newton)
+    assert status is Status.MOVED_OFF
+    assert "carries the body off" in ending(status, drawn.seal.newton)

@@ -102,7 +102,12 @@ def test_openmdao_checks_the_partials(seal, problem):
     for name in ("particles", *INPUTS):
         size = abs(seal.scalars[name].value) if name in seal.scalars else 0.0
         contact.set_check_partial_options(
-            wrt=name, method="fd", form="central", step=1e-5 * (size or 1.0), directional=True
+            wrt=name,
+            method="fd",
+            form="central",
+            step_calc="abs",
+            step=1e-5 * (size or 1.0),
+            directional=True,
         )
     data = problem.check_partials(out_stream=None, includes=["seal.contact"])
     for (of, wrt), pair in data["seal.contact"].items():

@@ -144,7 +144,7 @@ def test_many_cuts_one_after_the_other(make_driver):
 
 def test_completed_run_is_completed_at_once(make_driver):
     _, result, expected = whole_run(make_driver)
-    problem, again = continued(make_driver, "whole.sql")
+    problem, again = continued(make_driver, "./whole.sql")
     assert problem.model.valley.calls <= 2  # the start as a check, and the end for its state
     assert again.success
     assert again.exit_status == result.exit_status
@@ -196,7 +196,7 @@ def test_failed_analyses_are_not_repeated(make_driver):
     def must_not_fail(component, x):
         assert not fails_at(x)
 
-    problem, again = continued(make_driver, "whole.sql", on_call=must_not_fail)
+    problem, again = continued(make_driver, "./whole.sql", on_call=must_not_fail)
     assert problem.driver.failed_analyses == whole.driver.failed_analyses
     assert again.exit_status == result.exit_status
     assert np.array_equal(designs("whole.sql"), expected)

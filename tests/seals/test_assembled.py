@@ -1,5 +1,7 @@
 """Parameters of assembled seals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pressed_block import pressed_block
@@ -45,3 +47,21 @@ def test_what_no_seal_can_be_is_refused(seal):
         seal.with_parameters({"modulus": -1.0})
     with pytest.raises(ValueError, match="unknown parameter 'breadth'"):
         seal.with_parameters({"breadth": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("n_steps", 0), ("n_steps", "many"), ("newton", "fast"), ("body", None),
+     ("drawn_particles", "drawn"), ("drawn_particles", None), ("design_velocity", [[1.0], [1.0, 2.0]])],
+)  # fmt: skip
+def test_wrong_part_is_named(seal, name, value):
+    with pytest.raises(ValueError, match=name):
+        replace(seal, **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("normal_penalty", 0.0), ("tangent_penalty", np.nan), ("friction", "dry")]
+)
+def test_wrong_number_of_a_contact_law_is_named(seal, name, value):
+    with pytest.raises(ValueError, match=f"{name} of 'roll'"):
+        seal.with_parameters({f"roll_{name}": value}).terms()

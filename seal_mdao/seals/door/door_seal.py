@@ -4,10 +4,10 @@ import json
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from numbers import Integral, Real
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.analysis.body import Body, Edge
 from seal_mdao.analysis.linear_solver import SOLVERS
 from seal_mdao.analysis.newton import NewtonOptions
@@ -50,17 +50,27 @@ SCALARS = {
 """Units and description of the scalar parameters."""
 
 
+INTEGERS = {
+    "rays": (BASE_RAYS, 40 * BASE_RAYS), "layers": (3, 40), "basis_order": (1, 2), "n_gauss": (2, 10),
+    "n_steps": (1, 10**9),
+}  # fmt: skip
+"""Smallest and largest value. Two layers or one Gauss point leave the wall far too soft."""
+PENALTIES = {"normal_penalty": (0.1, 1e8), "tangent_penalty": (1e-3, 1e8)}
+"""Smallest and largest value over the shear modulus of the rubber, 1/mm."""
+MOST_SUPPORT = 10.0
+"""Cell edges."""
+MOST_FRICTION = 10.0
+MOST_SEGMENTS = 10_000
+LEAST_RADIUS = 0.01
+FARTHEST_CORNER = 50.0
+FARTHEST_START = 100.0
+LEAST_DEPTH = 0.001
+"""mm."""
+
+
 def _require(condition: bool, message: str) -> None:
     if not condition:
         raise ValueError(message)
-
-
-def _is_integer(value, least: int) -> bool:
-    return isinstance(value, Integral) and not isinstance(value, bool) and value >= least
-
-
-def _is_number(value) -> bool:
-    return isinstance(value, Real) and bool(np.isfinite(value))
 
 
 @dataclass(frozen=True)
@@ -70,41 +80,41 @@ class DoorSeal(Seal):
     Attributes
     ----------
     rays, layers : int
-        Particles around and across the wall; ``rays`` a multiple of 58 so that the base keeps its
-        width.
+        Particles around and across the wall, 58 to 2320 and 3 to 40; ``rays`` a multiple of 58 so that
+        the base keeps its width.
     support : float
-        Kernel support radius over the longest cell edge at a particle.
+        Kernel support radius over the longest cell edge at a particle, at most 10.
     basis_order : int
         Monomial basis of the shape functions: 1 linear, 2 quadratic.
     n_gauss : int
-        Gauss points per direction of a background cell.
+        Gauss points per direction of a background cell, 2 to 10.
     section : Section
         Drawn section.
     outer_parameters, inner_parameters : int
-        Free spline control values of the two boundaries.
+        Free spline control values of the two boundaries, no more than rays.
     symmetric : bool
         The control values are those of one half of the section, the other is its mirror image.
     material : MooneyRivlin
     door : {"corner", "flat"}
         Rounded corner with a vertical side, or wholly flat.
     corner_x : float
-        Where the flat of the corner door ends for the drawn radius, mm.
+        Where the flat of the corner door ends for the drawn radius, -50 to 50 mm.
     drawn_door_radius : float
-        Corner radius of the drawn door, mm.
+        Corner radius of the drawn door, from 0.01 to below 100 mm.
     door_radius : float or None
         Corner radius of this design; None for the drawn one.
     segments : int or None
-        None: exact line-arc-line door; else the number of straight segments.
+        None: exact line-arc-line door; else the number of straight segments, 4 to 10 000.
     friction : float
-        Coulomb coefficient.
+        Coulomb coefficient, 0 to 10.
     friction_history : {"accumulated", "incremental"}
         Elastic slip carried and return-mapped, or measured from the previous step only, Eq. (19).
     normal_penalty, tangent_penalty : float
-        w_n, w_t, kPa/mm.
+        w_n, w_t, kPa/mm; w_n from 0.1 and w_t from 0.001 to 1e8 times the shear modulus a mm.
     start : float
-        Height of the door's flat at the start, mm.
+        Height of the door's flat at the start, up to 100 mm above the top of the drawn seal.
     depth : float
-        Final depth of the door below the top of the drawn seal, mm.
+        Final depth of the door below the top of the drawn seal, from 0.001 mm to its outer diameter.
     n_steps : int
         Equal load steps from start to depth.
     newton : NewtonOptions
@@ -153,63 +163,53 @@ class DoorSeal(Seal):
             if not isinstance(value, kind):
                 raise TypeError(f"{name} must be a {kind.__name__}, got {value!r}")
 
+    def _set(self, name: str, check, *bounds, **more) -> None:
+        """Put the checked value in the place of the one given."""
+        object.__setattr__(self, name, check(name, getattr(self, name), *bounds, **more))
+
     def _check_discretization(self):
-        for name, least in (("rays", BASE_RAYS), ("layers", 2), ("n_gauss", 1), ("n_steps", 1)):
-            value = getattr(self, name)
-            _require(
-                _is_integer(value, least),
-                f"{name} must be an integer of at least {least}, got {value!r}",
-            )
+        for name, bounds in INTEGERS.items():
+            self._set(name, values.integer, *bounds)
         _require(
             self.rays % BASE_RAYS == 0,
             f"rays = {self.rays} must be a multiple of {BASE_RAYS}, else the base changes its width",
         )
-        _require(
-            self.basis_order in (1, 2), f"basis_order must be 1 or 2, got {self.basis_order!r}"
-        )
-        self._check_positive("support")
-        _require(self.solver in SOLVERS, f"solver must be one of {SOLVERS}, got {self.solver!r}")
-        _ = self.splines
-
-    def _check_positive(self, *names):
-        for name in names:
-            value = getattr(self, name)
+        self._set("support", values.real, above=0.0, high=MOST_SUPPORT)
+        self._set("solver", values.one_of, SOLVERS)
+        self._set("symmetric", values.flag)
+        splines = self.splines
+        for name, count in (
+            ("outer_parameters", splines.outer_controls), ("inner_parameters", splines.inner_controls)
+        ):  # fmt: skip
             _require(
-                _is_number(value) and value > 0, f"{name} must be a positive number, got {value!r}"
+                count <= self.rays,
+                f"{name} = {getattr(self, name)} gives a boundary of {self.rays} "
+                f"particles {count} control values; at most {self.rays} can be told "
+                "apart",
             )
 
     def _check_contact(self):
-        _require(self.door in DOORS, f"door must be one of {DOORS}, got {self.door!r}")
-        _require(
-            self.friction_history in FRICTION_HISTORIES,
-            f"friction_history must be one of {FRICTION_HISTORIES}, got {self.friction_history!r}",
-        )
-        _require(
-            _is_number(self.friction) and self.friction >= 0.0,
-            f"friction must be a number that is not negative, got {self.friction!r}",
-        )
-        self._check_positive("normal_penalty", "tangent_penalty", "drawn_door_radius")
+        self._set("door", values.one_of, DOORS)
+        self._set("friction_history", values.one_of, FRICTION_HISTORIES)
+        self._set("friction", values.real, 0.0, MOST_FRICTION)
+        for name, (least, most) in PENALTIES.items():
+            shear = self.material.shear_modulus
+            self._set(name, values.real, least * shear, most * shear)
+        object.__setattr__(
+            self, "drawn_door_radius",
+            self.check_door_radius(self.drawn_door_radius, "drawn_door_radius"),
+        )  # fmt: skip
         if self.door_radius is not None:
-            self.check_door_radius(self.door_radius)
-        _require(
-            _is_number(self.corner_x), f"corner_x must be a finite number, got {self.corner_x!r}"
-        )
-        _require(
-            self.segments is None or _is_integer(self.segments, 4),
-            f"segments must be None or an integer of at least 4, got {self.segments!r}",
-        )
+            object.__setattr__(self, "door_radius", self.check_door_radius(self.door_radius))
+        self._set("corner_x", values.real, -FARTHEST_CORNER, FARTHEST_CORNER)
+        if self.segments is not None:
+            self._set("segments", values.integer, 4, MOST_SEGMENTS)
 
     def _check_path(self):
         _ = self._base_columns
         top = self.section.outer_radius
-        _require(
-            _is_number(self.start) and self.start > top,
-            f"start must be a number above the top of the seal at {top}, got {self.start!r}",
-        )
-        _require(
-            _is_number(self.depth) and 0.0 < self.depth < 2 * top,
-            f"depth must be a number between 0 and {2 * top}, got {self.depth!r}",
-        )
+        self._set("start", values.real, above=top, high=top + FARTHEST_START)
+        self._set("depth", values.real, LEAST_DEPTH, below=2 * top)
 
     def with_(self, **changes) -> "DoorSeal":
         """A copy with some attributes changed."""
@@ -414,17 +414,12 @@ class DoorSeal(Seal):
         return offsets
 
     @staticmethod
-    def check_door_radius(door_radius) -> float:
+    def check_door_radius(door_radius, name: str = "door_radius") -> float:
         """Corner radius as a float."""
-        values = np.asarray(door_radius, float).reshape(-1)
-        _require(values.size == 1, f"door_radius must be one number, got {values.size}")
-        radius = float(values[0])
-        _require(
-            np.isfinite(radius) and 0.0 < radius < PROFILE_EXTENT,
-            f"door_radius = {radius} must be positive and below {PROFILE_EXTENT}, where the drawn "
-            "flat of the door begins",
-        )
-        return radius
+        found = values.numbers(name, door_radius).reshape(-1)
+        _require(found.size == 1, f"{name} must be one number, got {found.size}")
+        # from PROFILE_EXTENT on the drawn flat of the door would not begin before its corner
+        return values.real(name, float(found[0]), LEAST_RADIUS, below=PROFILE_EXTENT)
 
 
 def door_seal(**changes) -> DoorSeal:

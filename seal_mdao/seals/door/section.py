@@ -7,6 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seal_mdao import values
+
+SMALLEST, LARGEST = 0.1, 50.0
+"""Between them the outer radius lies, mm."""
+HOLE = (0.4, 0.98)
+"""Between them lies the inner radius over the outer one: a wall of a ring."""
+
 
 @dataclass(frozen=True)
 class Section:
@@ -15,7 +22,7 @@ class Section:
     Attributes
     ----------
     inner_radius, outer_radius : float
-        Radii of the two circles.
+        Radii of the two circles; the outer one from 0.1 to 50, the inner one 0.4 to 0.98 of it.
     base_angle : float
         D0: the flat base spans |D| <= D0, the straight flanks D0 <= |D| <= 2 D0. It ends at a ray of
         the seal: a multiple of 2 pi / rays.
@@ -26,13 +33,18 @@ class Section:
     base_angle: float = 3 * (2 * np.pi / 58)
 
     def __post_init__(self):
-        if not 0.0 < self.inner_radius < self.outer_radius:
+        for name, low, high in (
+            ("inner_radius", 0.0, None), ("outer_radius", SMALLEST, LARGEST),
+            ("base_angle", 0.0, np.pi / 4),
+        ):  # fmt: skip
+            value = values.real(name, getattr(self, name), above=low, below=high)
+            object.__setattr__(self, name, value)
+        thick, thin = (share * self.outer_radius for share in HOLE)
+        if not thick <= self.inner_radius <= thin:
             raise ValueError(
-                f"radii must satisfy 0 < inner_radius < outer_radius, got {self.inner_radius} and "
-                f"{self.outer_radius}"
+                f"inner_radius must lie between {thick:.4g} and {thin:.4g}, {HOLE[0]} and {HOLE[1]} of "
+                f"outer_radius, got {self.inner_radius}"
             )
-        if not 0.0 < self.base_angle < np.pi / 4:
-            raise ValueError(f"base_angle = {self.base_angle} must lie between 0 and pi/4")
 
     def inner(self, angle: np.ndarray) -> np.ndarray:
         """Radius of the drawn inner boundary."""

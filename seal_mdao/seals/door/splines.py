@@ -8,14 +8,16 @@ particles are linear in the parameters and the design velocity V of Eq. (48) is 
 
 from dataclasses import dataclass
 from functools import cached_property
-from numbers import Integral
 
 import numpy as np
 from scipy.interpolate import BSpline
 
+from seal_mdao import values
 from seal_mdao.seals.door.section import RingGrid, Section
 
 DEGREE = 3
+MOST_CONTROLS = 10_000
+"""Free control values of a boundary."""
 
 
 def clamped_basis(angle: np.ndarray, count: int, first: float, last: float) -> np.ndarray:
@@ -60,9 +62,9 @@ class BoundarySplines:
     def __post_init__(self):
         outer, inner = (1, 3) if self.symmetric else (2, 4)
         for name, least in (("outer_parameters", outer), ("inner_parameters", inner)):
-            value = getattr(self, name)
-            if not isinstance(value, Integral) or value < least:
-                raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")
+            object.__setattr__(
+                self, name, values.integer(name, getattr(self, name), least, MOST_CONTROLS)
+            )
 
     @property
     def count(self) -> int:

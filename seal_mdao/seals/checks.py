@@ -1,0 +1,200 @@
+"""What a completed path says about itself: equilibrium does not make a state a possible one.
+
+The model has no contact of the seal with itself, and none with a rigid profile but at its contact
+points; volume changes are projected on background cells. Where a state at the end of a path shows that
+one of these mattered, that is told. A state that cannot be meant (``Finding.impossible``) is no result
+for an optimisation.
+"""
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from seal_mdao.analysis.result import PathResult
+from seal_mdao.contact.rigid_contact import ContactTerm
+from seal_mdao.seals.samples import Samples
+
+SLIGHT, DEEP = 0.01, 0.1
+"""Shares of the wall's thickness beyond which an overlap is told, and is impossible."""
+CROSSED = 0.005
+"""Share of the wall's thickness beyond which a boundary that crosses itself is impossible."""
+SHALLOW_VOLUME, NO_VOLUME = 0.5, 0.1
+"""det F of nearly incompressible material below which it is told, and is impossible."""
+OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
+"""What is left of the residual, over the largest forces of the path, likewise."""
+KEEPS_VOLUME = 10.0
+"""Bulk modulus, over the shear modulus, from which on volume is all but kept."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that is not right with the end of a path.
+
+    Attributes
+    ----------
+    text : str
+        One line: what, where, how much, and what can be done.
+    impossible : bool
+        The state cannot be meant, so its measures are no result.
+    """
+
+    text: str
+    impossible: bool
+
+
+_KNOWN = WeakKeyDictionary()
+
+
+def findings(path: PathResult) -> tuple[Finding, ...]:
+    """What is not right with the end of a completed path; looked for once a path."""
+    if path not in _KNOWN:
+        samples = Samples(path)
+        checks = (_balance, _volume, _crossing, _inside_profiles, _below_base)
+        _KNOWN[path] = tuple(found for check in checks for found in check(samples))
+    return _KNOWN[path]
+
+
+def _at(point) -> str:
+    return f"x = {point[0]:.3g}, y = {point[1]:.3g}"
+
+
+def _forces(step) -> float:
+    """Norm of the forces of all points, 0 where there are none."""
+    return max(
+        (float(np.linalg.norm(r.force)) for r in step.responses if hasattr(r, "force")), default=0.0
+    )
+
+
+def _balance(samples: Samples):
+    """Steps at which rounding ended the iterations far from equilibrium."""
+    path = samples.path
+    forces = np.array([_forces(step) for step in path.steps])
+    left = np.array([step.residuals[-1] for step in path.steps])
+    if forces.max(initial=0.0) > 0.0:
+        left = left * forces / forces.max()
+    worst = int(left.argmax())
+    if not left[worst] <= OPEN_BALANCE:
+        yield Finding(
+            f"equilibrium is met to {left[worst]:.1g} of the forces only at path parameter "
+            f"{path.steps[worst].fraction:.4g}: rounding, or a tolerance that is too large, ended the "
+            "iterations; use moduli nearer to each other and the default tolerance",
+            not left[worst] <= NO_BALANCE,
+        )
+
+
+def _volume(samples: Samples):
+    """Material that is turned inside out, or squeezed away although it keeps its volume."""
+    change, regions = (
+        samples.volume_change,
+        samples.path.problem.term("structure").definition.regions,
+    )
+    stiff = all(r.material.bulk_modulus > KEEPS_VOLUME * r.material.shear_modulus for r in regions)
+    slight, none = (SHALLOW_VOLUME, NO_VOLUME) if stiff else (0.0, 0.0)
+    worst = int(np.argmin(np.where(np.isnan(change), -np.inf, change)))
+    if not change[worst] > slight:
+        how = "turned inside out" if not change[worst] > 0.0 else "squeezed"
+        yield Finding(
+            f"material is {how} between the quadrature points: det F = {change[worst]:.2g} where "
+            f"{_at(samples.undeformed[worst])} undeformed, so the stress there means nothing; use more "
+            "particles (rays, layers) or a smaller depth",
+            not change[worst] > none,
+        )
+
+
+def _crossing(samples: Samples):
+    """Boundaries that cross themselves or each other: there is no contact between them."""
+    chains, x = samples.chains, samples.places
+    segments = np.stack([chains[:, :-1], chains[:, 1:]], axis=2).reshape(-1, 2)
+    pairs, depth = crossings(x, segments)
+    if len(pairs):
+        place = x[segments[pairs[int(depth.argmax())]]].mean(axis=(0, 1))
+        yield Finding(
+            f"the boundary crosses itself near {_at(place)}: the model has no contact of the seal with "
+            "itself; use a smaller depth",
+            bool(depth.max() > CROSSED * samples.wall),
+        )
+
+
+def crossings(x: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of segments that cross, without those that share an end.
+
+    Parameters
+    ----------
+    x : ndarray, shape (N, 2)
+    segments : ndarray of int, shape (s, 2)
+
+    Returns
+    -------
+    pairs : ndarray of int, shape (c, 2)
+    depth : ndarray, shape (c,)
+        How far the ends lie beyond the line of the other segment, for the end with the least: less
+        than the overlap.
+    """
+    a, b = x[segments[:, 0]], x[segments[:, 1]]
+    longest = float(np.linalg.norm(b - a, axis=1).max())
+    if not np.isfinite(longest):
+        return np.empty((0, 2), int), np.empty(0)
+    pairs = cKDTree(0.5 * (a + b)).query_pairs(longest, output_type="ndarray")
+    apart = (segments[pairs[:, 0]][:, :, None] != segments[pairs[:, 1]][:, None, :]).all(
+        axis=(1, 2)
+    )
+    pairs = pairs[apart]
+    i, k = pairs.T
+    side = np.array([
+        _side(a[i], b[i], a[k]), _side(a[i], b[i], b[k]),
+        _side(a[k], b[k], a[i]), _side(a[k], b[k], b[i]),
+    ])  # fmt: skip
+    cross = (side[0] * side[1] < 0.0) & (side[2] * side[3] < 0.0)
+    return pairs[cross], np.abs(side[:, cross]).min(axis=0, initial=np.inf)
+
+
+def _side(a, b, c):
+    """Distance of c from the line through a and b, positive on its left."""
+    t = b - a
+    length = np.hypot(t[:, 0], t[:, 1])
+    cross = t[:, 0] * (c[:, 1] - a[:, 1]) - t[:, 1] * (c[:, 0] - a[:, 0])
+    return cross / np.where(length > 0.0, length, 1.0)
+
+
+def _inside_profiles(samples: Samples):
+    """Boundary that lies in a rigid profile, at its contact points, between them, or elsewhere."""
+    path, wall = samples.path, samples.wall
+    which = np.unique(samples.chains)
+    for term in path.problem.terms:
+        if not isinstance(term, ContactTerm):
+            continue
+        gap = term.gaps(samples.places[which], path.steps[-1].fraction)
+        worst = int(np.argmin(gap))
+        if gap[worst] < -SLIGHT * wall:
+            place = samples.places[which[worst]]
+            yield Finding(
+                f"the seal lies {-gap[worst]:.3g} mm inside the rigid profile {term.label!r} near "
+                f"{_at(place)}, {-100.0 * gap[worst] / wall:.2g} % of its wall: there is contact at the "
+                "contact points only, with a penalty; use more particles along the boundary, a rounder "
+                "profile, a larger normal penalty, or a smaller depth",
+                bool(gap[worst] < -DEEP * wall),
+            )
+
+
+def _below_base(samples: Samples):
+    """A boundary that sinks below the plane of a straight fixed base: there is no contact with it."""
+    body = samples.path.discretization.body
+    base = body.edges.get("base")
+    if base is None or not body.fixed[base.particles].all():
+        return
+    x = samples.path.discretization.particles[base.particles]
+    along = (x[-1] - x[0]) / np.linalg.norm(x[-1] - x[0])
+    outward = np.array([along[1], -along[0]])
+    if np.abs((x - x[0]) @ outward).max() > 1e-6 * samples.wall:
+        return
+    which = np.unique(samples.chains)
+    depth = (samples.places[which] - x[0]) @ outward
+    worst = int(np.argmax(depth))
+    if depth[worst] > SLIGHT * samples.wall:
+        yield Finding(
+            f"the seal sinks {depth[worst]:.3g} mm below the plane of its base near "
+            f"{_at(samples.places[which[worst]])}: a support wider than the base is not in the model",
+            False,
+        )

@@ -1,0 +1,101 @@
+"""Places between the particles where a finished path is looked at: boundary and inside."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from seal_mdao.analysis.result import PathResult
+from seal_mdao.rkpm.shape_functions import PointSet
+from seal_mdao.rkpm.tables import build_table
+from seal_mdao.structure.particle_stress import deformation_gradients
+from seal_mdao.terms.point_assembly import interpolate
+
+SHARES = (0.25, 0.5, 0.75)
+"""Where the sides of the boundary are looked at between their ends."""
+
+
+def sides_of(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sides of the cells by the particles at their ends.
+
+    Returns
+    -------
+    outer : ndarray of int, shape (m, 2)
+        Those of one cell only, the boundary, with the body on the left.
+    inner : ndarray of int, shape (k, 2)
+    """
+    pairs = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    _, first, count = np.unique(
+        np.sort(pairs, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    return pairs[first[count == 1]], pairs[first[count > 1]]
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Points of a body at the end of a path: its particles, and others between them.
+
+    Attributes
+    ----------
+    path : PathResult
+    """
+
+    path: PathResult
+
+    @cached_property
+    def sides(self):
+        """Outer and inner sides, as ``sides_of`` gives them."""
+        return sides_of(self.path.discretization.body.cells)
+
+    @cached_property
+    def _between(self):
+        """Points of the outer sides, middles of inner sides, and of the cells, as a shape table."""
+        disc = self.path.discretization
+        (outer, inner), cells = self.sides, disc.body.cells
+        share = np.tile(SHARES, len(outer))
+        ends = np.repeat(outer, len(SHARES), axis=0)
+        anchors = np.vstack([
+            np.column_stack([ends, ends]), np.column_stack([inner, inner]), cells
+        ])  # fmt: skip
+        halves = 0.5 * np.column_stack([1.0 - share, share])
+        weights = np.full(anchors.shape, 0.25)
+        weights[: len(share)] = np.column_stack([halves, halves])
+        return build_table(disc.cloud, PointSet(anchors, weights, 1), disc.transformation)
+
+    @cached_property
+    def chains(self) -> np.ndarray:
+        """Points along every outer side, its ends included, as numbers of ``places``, (m, 5)."""
+        outer = self.sides[0]
+        n, between = self.path.discretization.body.n_particles, len(SHARES)
+        inside = n + np.arange(len(outer) * between).reshape(-1, between)
+        return np.column_stack([outer[:, :1], inside, outer[:, 1:]])
+
+    @cached_property
+    def undeformed(self) -> np.ndarray:
+        """All points, the particles first, shape (N, 2)."""
+        return np.vstack([self.path.discretization.particles, self._between.coordinates])
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """The points at the end of the path, shape (N, 2)."""
+        d = self.path.steps[-1].d
+        tables = self.path.discretization.everywhere.table, self._between.table
+        moved = [np.empty((table.n_groups, 2)) for table in tables]
+        for table, u in zip(tables, moved, strict=True):
+            interpolate(table, d, u)
+        return self.undeformed + np.vstack(moved)
+
+    @cached_property
+    def volume_change(self) -> np.ndarray:
+        """det F at the points, shape (N,)."""
+        d = self.path.steps[-1].d
+        tables = self.path.discretization.everywhere.table, self._between.table
+        return 1.0 + np.concatenate([deformation_gradients(table, d)[:, 4] for table in tables])
+
+    @cached_property
+    def wall(self) -> float:
+        """Mean thickness of the undeformed body, twice its area over the length of its boundary."""
+        x, outer = self.path.discretization.particles, self.sides[0]
+        perimeter = np.linalg.norm(x[outer[:, 1]] - x[outer[:, 0]], axis=1).sum()
+        return float(2.0 * self.path.discretization.weights.sum() / perimeter)

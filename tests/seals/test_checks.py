@@ -1,0 +1,123 @@
+"""A result checks itself: what equilibrium alone would let pass as a good answer."""
+
+import time
+
+import numpy as np
+import openmdao.api as om
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.seals.checks import crossings, findings
+from seal_mdao.seals.samples import Samples, sides_of
+
+
+@pytest.fixture(scope="module")
+def deep():
+    """Pressed 18 mm: lobes meet, cross, and come to lie in the door."""
+    return sm.analyze(sm.door_seal(depth=18.0, n_steps=190))
+
+
+def analysed(**changes):
+    result = sm.analyze(sm.door_seal(**changes))
+    assert result.converged
+    return result
+
+
+def impossible(result):
+    return [found.text for found in findings(result.path) if found.impossible]
+
+
+@pytest.mark.parametrize("door", ["corner", "flat"])
+def test_example_has_nothing_to_say(door):
+    assert analysed(door=door).warnings == ()
+
+
+def test_checks_cost_little():
+    """Against the path, which took no time for compiling: both were run before."""
+    analysed().warnings  # noqa: B018
+    begun = time.process_time()
+    result = analysed()
+    solved = time.process_time()
+    assert result.warnings == ()
+    assert time.process_time() - solved < 0.1 * (solved - begun)
+
+
+def test_inner_boundary_that_crosses_itself_is_told():
+    assert any("crosses itself" in text for text in analysed(depth=14.6).warnings)
+
+
+def test_deep_crossing_is_no_result(deep):
+    assert any("crosses itself" in text for text in impossible(deep))
+
+
+def test_inner_boundary_inside_the_door_is_no_result(deep):
+    """Although no contact point is deeper than a penalty allows."""
+    assert deep.max_penetration < 0.01
+    assert any("inside the rigid profile 'door'" in text for text in impossible(deep))
+
+
+def test_lobes_below_the_base_are_told(deep):
+    assert any("below the plane of its base" in text for text in deep.warnings)
+    assert not any("below the plane" in text for text in impossible(deep))
+
+
+@pytest.mark.parametrize("inner", [6.0, 5.75])
+def test_material_inverted_between_gauss_points_is_no_result(inner):
+    texts = impossible(analysed(section=sm.Section(inner, 9.5)))
+    assert any("det F" in text for text in texts)
+
+
+@pytest.mark.parametrize("radius", [1.0, 0.5, 0.1])
+def test_sharp_corner_between_contact_points_is_told(radius):
+    result = analysed(drawn_door_radius=radius)
+    assert result.max_penetration < 0.005
+    assert any("inside the rigid profile" in text for text in result.warnings)
+
+
+def test_soft_penalty_is_told_and_softer_is_no_result():
+    told, wrong = (analysed(normal_penalty=w_n, n_steps=40) for w_n in (100.0, 20.0))
+    assert any("inside the rigid profile" in text for text in told.warnings)
+    assert any("inside the rigid profile" in text for text in impossible(wrong))
+
+
+def test_iterations_that_rounding_ended_are_no_result():
+    """The constructors refuse such moduli; a law of one's own may have them."""
+    seal = sm.door_seal(n_steps=20)
+    object.__setattr__(seal.material, "bulk_modulus", 1e30)
+    result = sm.analyze(seal)
+    assert result.converged
+    assert any("equilibrium is met" in text for text in impossible(result))
+
+
+def test_component_raises_an_analysis_error_that_names_it():
+    problem = om.Problem(reports=None)
+    seal = sm.door_seal(depth=18.0, n_steps=190)
+    problem.model = sm.SealGroup(seal=seal, measures=("reaction",))
+    problem.setup()
+    with pytest.raises(om.AnalysisError, match="crosses itself"):
+        problem.run_model()
+
+
+def test_path_that_failed_has_a_failure_and_no_warnings(buckled):
+    assert not buckled.converged
+    assert buckled.warnings == ()
+
+
+def test_sides_of_cells():
+    """Two cells side by side share one side."""
+    outer, inner = sides_of(np.array([[0, 1, 4, 3], [1, 2, 5, 4]]))
+    assert sorted(map(tuple, np.sort(inner))) == [(1, 4)]
+    assert sorted(map(tuple, outer)) == [(0, 1), (1, 2), (2, 5), (3, 0), (4, 3), (5, 4)]
+
+
+def test_wall_is_the_thickness(drawn):
+    """Of a ring nearly that of its radii; the base is thicker."""
+    assert Samples(drawn.path).wall == pytest.approx(2.0, rel=0.02)
+
+
+def test_crossings_of_a_bow_tie():
+    x = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]])
+    segments = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+    pairs, depth = crossings(x, segments)
+    assert pairs.tolist() == [[0, 2]]
+    assert depth == pytest.approx([np.sqrt(0.5)])
