@@ -47,6 +47,8 @@ def _lines(path: Path, label: str, lines: dict, value: str, ticks=None):
     axes.axhline(0.5, color=GREY, linestyle="--", linewidth=1.0)
     if ticks is not None:
         axes.set_xticks(*ticks)
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
     axes.set_xlabel(label)
     axes.set_ylabel(value)
     axes.legend()
@@ -112,7 +114,7 @@ def _bending(out, reduced) -> dict:
 
 
 def _integration(out, reduced) -> dict:
-    points = (2, 3) if reduced else (1, 2, 3, 4)
+    points = (2, 3)
     lines = {}
     for order, name in ((1, "linear"), (2, "quadratic")):
         found = [
