@@ -465,7 +465,7 @@ def door_seal(
     ----------
     accuracy : {"paper", "engineering"}
         "paper": the cloud and the load steps of the paper, some 3 % from the limit of refinement.
-        "engineering": those with the best error per second, within 0.5 % of the force (page on accuracy).
+        "engineering": those with the best error per second, within 0.5 % of the force.
         Attributes among ``changes`` go before.
     steps : "auto", optional
         Load steps whose measures are within ``step_tolerance`` of four times as many
