@@ -451,7 +451,7 @@ class DoorSeal(Seal):
 
 ACCURACIES = {
     "paper": {},
-    "engineering": {"layers": 5, "support": (1.8, 2.5), "n_steps": 20, "solver": "banded"},
+    "engineering": {"layers": 5, "support": (1.8, 2.5), "n_steps": 16, "solver": "banded"},
 }
 """Attributes of ``DoorSeal`` that decide the discretisation, by the name of the accuracy."""
 
