@@ -76,7 +76,7 @@ def test_product_kernels_on_a_regular_grid_give_the_bicubic_b_splines(rng):
     first = (9 * np.arange(8)[:, None] + np.arange(8)).ravel()
     cells = np.column_stack([first, first + 9, first + 10, first + 1])
     axes = support_axes(cells, particles, (2.0, 2.0))
-    cloud = Cloud(particles, circumscribed_radii(axes), 1.0, 3, axes)
+    cloud = Cloud(particles, circumscribed_radii(axes), 1.0, 3, axes=axes)
     inside = PointSet(cells[[36, 27, 45]], rng.dirichlet(np.ones(4), 3), 1)
     x, phi, _ = shape_rows(cloud, inside)
     for place, row in zip(x, phi, strict=True):
