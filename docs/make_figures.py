@@ -25,6 +25,7 @@ GROUPS = {
     "sensitivities": "figures.sensitivities",
     "refinement": "figures.refinement",
     "rates": "figures.rates",
+    "accuracy": "figures.accuracy",
     "examples": "figures.examples",
     "exact": "figures.exact",
     "contact": "figures.contact_benchmarks",

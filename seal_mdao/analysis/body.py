@@ -12,7 +12,7 @@ from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
-from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud
+from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, ROUND, Cloud
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_table
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
 
@@ -73,6 +73,9 @@ class Body:
     hidden : ndarray of int, shape (m, 2)
         Particles, and those that their supports must not reach across a void, as
         ``rkpm.visibility.hidden_pairs`` of the drawn body finds them.
+    support_axes : ndarray, shape (n, 2, 2), or None
+        Inverse half-widths of product kernels along the two directions of the cells
+        (``rkpm.cells.support_axes``); None for round kernels.
     """
 
     cells: np.ndarray
@@ -84,6 +87,7 @@ class Body:
     n_gauss: int = 2
     solver: str = "auto"
     hidden: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
+    support_axes: np.ndarray | None = None
 
     @property
     def n_particles(self) -> int:
@@ -139,6 +143,7 @@ class Body:
             float(self.support_radius.max()),
             BASIS_SIZE[self.basis_order],
             self.hidden,
+            ROUND if self.support_axes is None else self.support_axes,
         )
 
 

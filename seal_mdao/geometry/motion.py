@@ -89,6 +89,39 @@ class Motion:
             self, positions=self.positions + change[:, :2], angles=self.angles + change[:, 2]
         )
 
+    def with_ends(self, ends) -> "Motion":
+        """The same motion with its load steps ending elsewhere: every step becomes a stage.
+
+        Parameters
+        ----------
+        ends : sequence of float
+            Where the new steps end, in nominal steps of this motion: increasing, the ends of all
+            stages among them, the last one ``n_steps``.
+
+        Raises
+        ------
+        ValueError
+            For ends that do not increase or that leave out the end of a stage.
+        """
+        ends = np.asarray(ends, float)
+        _require(
+            ends.ndim == 1
+            and ends.size > 0
+            and ends[0] > 0.0
+            and bool(np.all(np.diff(ends) > 0.0))
+            and bool(np.isin(np.cumsum(self.steps), ends).all())
+            and ends[-1] == self.n_steps,
+            f"ends of load steps must increase and hold the ends of all stages "
+            f"{np.cumsum(self.steps).tolist()}, got {ends.tolist()}",
+        )
+        places = np.concatenate([[0.0], ends])
+        waypoints = np.array([self.coordinates(place) for place in places])
+        rates = [self.rates_at(place) for place in places]
+        return replace(
+            self, positions=waypoints[:, :2], angles=waypoints[:, 2],
+            steps=np.ones(ends.size, int), rates=np.stack(rates, axis=1),
+        )  # fmt: skip
+
     @cached_property
     def n_steps(self) -> int:
         """Nominal load steps of all stages."""

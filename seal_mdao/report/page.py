@@ -150,7 +150,9 @@ def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]
     ]
     for seal in seals:
         for name, design in zip(("First", "Last"), seal.ends, strict=True):
-            found += [f"{name} design of {escape(seal.name)}: {escape(t)}." for t in design.warnings]
+            found += [
+                f"{name} design of {escape(seal.name)}: {escape(t)}." for t in design.warnings
+            ]
     return found
 
 

@@ -80,6 +80,41 @@ def support_radii(cells: np.ndarray, particles: np.ndarray, support: float) -> n
     return support * longest
 
 
+def support_axes(cells: np.ndarray, particles: np.ndarray, supports) -> np.ndarray:
+    """Inverse half-widths of product kernels that follow the two directions of the cells.
+
+    Parameters
+    ----------
+    cells : ndarray of int, shape (n_cells, 4)
+        All numbered alike: first corner to second is one direction, second to third the other.
+    particles : ndarray, shape (n, 2)
+        Of the drawn body.
+    supports : pair of float
+        Half-width in each direction over the longest edge of that direction at a particle.
+
+    Returns
+    -------
+    ndarray, shape (n, 2, 2)
+        Inverse of the matrix whose columns are the half-widths along the mean edge directions.
+    """
+    columns = np.zeros((len(particles), 2, 2))
+    for k, support in enumerate(supports):
+        ends = np.roll(cells, -k, axis=1)[:, [0, 1, 3, 2]].reshape(-1, 2)
+        edge = particles[ends[:, 1]] - particles[ends[:, 0]]
+        length, longest = np.hypot(*edge.T), np.zeros(len(particles))
+        for end in ends.T:
+            np.maximum.at(longest, end, length)
+            np.add.at(columns[:, :, k], end, edge / length[:, None])
+        columns[:, :, k] *= support * (longest / np.hypot(*columns[:, :, k].T))[:, None]
+    return np.linalg.inv(columns)
+
+
+def circumscribed_radii(axes: np.ndarray) -> np.ndarray:
+    """Radius of the circle around every product kernel's support, shape (n,)."""
+    widths = np.linalg.inv(axes)
+    return np.max([np.hypot(*(widths @ [1.0, sign]).T) for sign in (1.0, -1.0)], axis=0)
+
+
 def quadrilateral_rule(n_gauss: int) -> ReferenceRule:
     """``n_gauss`` x ``n_gauss`` Gauss points under the bilinear map of [-1, 1]^2."""
     g, w = np.polynomial.legendre.leggauss(n_gauss)

@@ -1,4 +1,8 @@
-"""Cubic B-spline kernel phi_a(x - x_I) of Eq. (1) and its derivatives."""
+"""Cubic B-spline kernel phi_a(x - x_I) of Eq. (1) and its derivatives.
+
+Round kernels take the distance, product kernels the two coordinates along the directions of the
+cells around: on a regular grid, supports of two spacings then give the uniform bicubic B-splines.
+"""
 
 import numba as nb
 
@@ -45,4 +49,35 @@ def kernel_derivatives(rx, ry, a):
         (w1 + w2 * ex * ex) * s,
         w2 * ex * ey * s,
         (w1 + w2 * ey * ey) * s,
+    )
+
+
+@nb.njit(cache=True, error_model="numpy", inline="always")
+def product_kernel_derivatives(rx, ry, axes):
+    """Product kernel phi(s) phi(t), (s, t) = axes . r, at ``r = x - x_I``: value, gradient, Hessian.
+
+    Parameters
+    ----------
+    axes : ndarray, shape (2, 2)
+        Rows: inverse half-widths of the support along its two directions, per length.
+
+    Returns
+    -------
+    tuple of float
+        As of ``kernel_derivatives``.
+    """
+    ax, ay, bx, by = axes[0, 0], axes[0, 1], axes[1, 0], axes[1, 1]
+    s, t = ax * rx + ay * ry, bx * rx + by * ry
+    p, p1, p2 = cubic_b_spline(abs(s))
+    q, q1, q2 = cubic_b_spline(abs(t))
+    p2, q2 = p1 + p2, q1 + q2
+    p1, q1 = p1 * s, q1 * t
+    ss, st, tt = p2 * q, p1 * q1, p * q2
+    return (
+        p * q,
+        p1 * q * ax + p * q1 * bx,
+        p1 * q * ay + p * q1 * by,
+        ss * ax * ax + 2.0 * st * ax * bx + tt * bx * bx,
+        ss * ax * ay + st * (ax * by + ay * bx) + tt * bx * by,
+        ss * ay * ay + 2.0 * st * ay * by + tt * by * by,
     )

@@ -4,7 +4,7 @@ import numba as nb
 import numpy as np
 
 from seal_mdao.rkpm.basis import fill_basis
-from seal_mdao.rkpm.kernel import kernel_derivatives
+from seal_mdao.rkpm.kernel import kernel_derivatives, product_kernel_derivatives
 
 # Smallest pivot of M, relative to M_00, at which the supports still count as covering the point.
 PIVOT_TOLERANCE = 1e-8
@@ -20,9 +20,14 @@ def neighbour_terms(x, neighbours, cloud, h, k):
         p = neighbours[i]
         rx, ry = x[0] - cloud.particles[p, 0], x[1] - cloud.particles[p, 1]
         fill_basis(rx, ry, cloud.scale, h[i])
-        k[i, 0], k[i, 1], k[i, 2], k[i, 3], k[i, 4], k[i, 5] = kernel_derivatives(
-            rx, ry, cloud.radius[p]
-        )
+        if cloud.axes.size:
+            k[i, 0], k[i, 1], k[i, 2], k[i, 3], k[i, 4], k[i, 5] = product_kernel_derivatives(
+                rx, ry, cloud.axes[p]
+            )
+        else:
+            k[i, 0], k[i, 1], k[i, 2], k[i, 3], k[i, 4], k[i, 5] = kernel_derivatives(
+                rx, ry, cloud.radius[p]
+            )
 
 
 @nb.njit(cache=True, error_model="numpy")

@@ -22,6 +22,8 @@ from seal_mdao.rkpm.moment import (
 )
 
 NOTHING_HIDDEN = np.empty((0, 2), int)
+ROUND = np.empty((0, 2, 2))
+"""Axes of a cloud of round kernels."""
 
 
 class Cloud(NamedTuple):
@@ -32,13 +34,16 @@ class Cloud(NamedTuple):
     particles : ndarray, shape (n_particles, 2)
         Undeformed coordinates X_I (the kernel is Lagrangian).
     radius : ndarray, shape (n_particles,)
-        Support radius a of every particle, decided once for the drawn body.
+        Support radius a of every particle, decided once for the drawn body; of product kernels the
+        radius of the circle around the support.
     scale : float
         Length that makes the monomials dimensionless.
     n_basis : int
         3 for the linear, 6 for the quadratic basis.
     hidden : ndarray of int, shape (m, 2)
         Particles, and those near enough for their supports that they do not see, see ``visibility``.
+    axes : ndarray, shape (n_particles, 2, 2), or (0, 2, 2) for round kernels
+        Rows: inverse half-widths of every particle's product kernel along its two directions.
     """
 
     particles: np.ndarray
@@ -46,6 +51,7 @@ class Cloud(NamedTuple):
     scale: float
     n_basis: int
     hidden: np.ndarray = NOTHING_HIDDEN
+    axes: np.ndarray = ROUND
 
 
 class PointSet(NamedTuple):

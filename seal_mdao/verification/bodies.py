@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.analysis.body import Body, Edge
-from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.cells import circumscribed_radii, support_axes, support_radii
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 
 
@@ -77,12 +77,15 @@ def fixed_components(n: int, x=(), y=()) -> np.ndarray:
     return fixed
 
 
-def grid_body(
-    grid: Grid, particles: np.ndarray, fixed: np.ndarray, support: float = 2.0, **options
-) -> Body:
-    """A body on ``grid``; ``support`` is the kernel radius over the longest edge at a particle."""
-    radius = support_radii(grid.cells, particles, support)
-    return Body(grid.cells, radius, fixed, **options)
+def grid_body(grid: Grid, particles: np.ndarray, fixed: np.ndarray, support=2.0, **options) -> Body:
+    """A body on ``grid``; ``support`` is the kernel radius over the longest edge at a particle.
+
+    Two of them are the half-widths of product kernels along the first and the second direction.
+    """
+    if np.ndim(support) == 0:
+        return Body(grid.cells, support_radii(grid.cells, particles, support), fixed, **options)
+    axes = support_axes(grid.cells, particles, support)
+    return Body(grid.cells, circumscribed_radii(axes), fixed, support_axes=axes, **options)
 
 
 def row_points(row: np.ndarray, n_ends: int = 0) -> MaterialPoints:

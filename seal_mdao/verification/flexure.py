@@ -80,13 +80,17 @@ def bend_block(
     length: float = 10.0,
     bulk_ratio: float = 1e4,
     n_steps: int = 36,
+    support=2.0,
 ) -> Flexure:
-    """A 10 x 1 block bent until its ends meet; the end faces follow Rivlin's solution."""
+    """A 10 x 1 block bent until its ends meet; the end faces follow Rivlin's solution.
+
+    ``support`` as of ``grid_body``.
+    """
     grid = Grid(*cells)
     X = grid.reference * [length, 1.0]
     ends = np.concatenate([grid.left, grid.right])
     material = MooneyRivlin(0.4, 0.1, bulk_ratio)
-    body = grid_body(grid, X, fixed_components(len(X), x=ends, y=ends))
+    body = grid_body(grid, X, fixed_components(len(X), x=ends, y=ends), support)
     angle = np.linspace(0.0, np.radians(degrees), n_steps + 1)
     imposed = ImposedDisplacements(np.array([bent_places(X, a, length) - X for a in angle]))
     path = solve(body, X, (elastic_body(material),), n_steps, imposed, tight(material))

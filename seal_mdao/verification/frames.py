@@ -97,9 +97,11 @@ def analyze_in_frame(seal: DoorSeal, frame: Frame) -> FrameResult:
     """The drawn ``seal`` written in ``frame``: particles, door, material and penalties."""
     cells = seal.body.cells[:, ::-1] if frame.mirrored else seal.body.cells
     particles = frame.places(seal.drawn_particles)
+    axes = seal.body.support_axes
     body = replace(
         seal.body, cells=np.ascontiguousarray(cells), drawn=particles,
         support_radius=frame.size * seal.body.support_radius,
+        support_axes=None if axes is None else axes @ frame.matrix.T / frame.size,
     )  # fmt: skip
     material, law, unit = seal.material, seal.law, frame.stress / frame.size
     stresses = {name: frame.stress * value for name, value in material.constants.items()}

@@ -103,6 +103,7 @@ VARIANTS = {
     "frictionless": {"friction": 0.0, "depth": 3.0},
     "quadratic basis": {"basis_order": 2},
     "three Gauss points": {"n_gauss": 3},
+    "product kernels": {"support": (1.8, 2.5)},
 }
 
 

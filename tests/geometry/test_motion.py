@@ -123,3 +123,24 @@ def test_places_outside_the_motion_are_refused():
             Motion(**GOOD).pose(fraction)
     with pytest.raises(ValueError, match="at least one stage"):
         staged_motion([])
+
+
+def test_steps_that_end_elsewhere_leave_the_motion_as_it_is():
+    """Places and rates are those of the old motion at the new ends, and between them."""
+    motion = closing()
+    ends = [0.5, 3.9, 4.0, 4.25, 9.0, 11.0]
+    other = motion.with_ends(ends)
+    assert (other.n_steps, other.names) == (6, motion.names)
+    for number, end in enumerate(ends):
+        np.testing.assert_array_equal(other.coordinates(number + 1.0), motion.coordinates(end))
+        np.testing.assert_allclose(other.rates_at(number + 1.0), motion.rates_at(end), atol=1e-15)
+    np.testing.assert_allclose(other.coordinates(1.5), motion.coordinates(2.2), atol=1e-15)
+    np.testing.assert_allclose(other.rates_at(5.5), motion.rates_at(10.0), atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "ends", [[4.0, 9.0], [9.0, 11.0], [4.0, 4.0, 9.0, 11.0], [0.0, 4.0, 9.0, 11.0], []]
+)
+def test_ends_that_do_not_fit_the_stages_are_refused(ends):
+    with pytest.raises(ValueError, match="ends of load steps"):
+        closing().with_ends(ends)

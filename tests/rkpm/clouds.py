@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from seal_mdao.rkpm.cells import circumscribed_radii
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet
 
 
@@ -11,6 +12,18 @@ def irregular_cloud(rng, n=7, order=1, size=1.0, origin=(0.0, 0.0)):
     particles = (grid + rng.uniform(-0.3, 0.3, grid.shape)) * size + origin
     radius = rng.uniform(2.4, 3.2, len(particles)) * size * (1.0 if order == 1 else 1.25)
     return Cloud(particles, radius, float(radius.max()), {1: 3, 2: 6}[order])
+
+
+def product_cloud(rng, n=7, order=1, size=1.0):
+    """As ``irregular_cloud`` with product kernels, turned and sheared a little each."""
+    cloud = irregular_cloud(rng, n, order, size)
+    angle = rng.uniform(0.0, np.pi, len(cloud.particles))
+    turn = np.moveaxis(
+        np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]), 2, 0
+    )
+    widths = rng.uniform(2.4, 3.4, (len(angle), 1, 2)) * size * (1.0 if order == 1 else 1.25)
+    axes = np.linalg.inv((turn + rng.uniform(-0.1, 0.1, turn.shape)) * widths)
+    return cloud._replace(radius=circumscribed_radii(axes), axes=axes)
 
 
 def random_points(rng, cloud, groups=12, group_size=3):
@@ -76,15 +89,27 @@ def monomials(r, scale, order):
     return np.asarray(h, complex)
 
 
-def reference_shape(x, particles, radius, order):
+def round_kernel(r, a):
+    """Value and gradient of the kernel of radius ``a``."""
+    distance = np.sqrt(r @ r)
+    return spline(distance / a), spline(distance / a, 1) * r / (a * distance)
+
+
+def product_kernel(r, axes):
+    """Value and gradient of the product kernel with ``axes`` (2, 2)."""
+    s = axes @ r
+    sign = np.where(s.real < 0.0, -1.0, 1.0)
+    values, slopes = ([spline(sign[i] * s[i], k) for i in range(2)] for k in (0, 1))
+    return values[0] * values[1], axes.T @ (sign * slopes * np.array(values[::-1]))
+
+
+def reference_shape(x, particles, cloud, order):
     """Phi_I(x) and grad Phi_I(x) of Eqs. (10)-(13) by a plain solution, complex data allowed."""
-    terms = []
-    for particle, a in zip(particles, radius, strict=True):
+    terms, product = [], len(cloud.axes) > 0
+    for particle, own in zip(particles, cloud.axes if product else cloud.radius, strict=True):
         r = x - particle
-        distance = np.sqrt(r @ r)
-        f = spline(distance / a)
-        slope = spline(distance / a, 1) * r / (a * distance)
-        h = monomials(r, radius[0], order)
+        f, slope = product_kernel(r, own) if product else round_kernel(r, own)
+        h = monomials(r, cloud.radius[0], order)
         g = np.array([h[0] * f, h[1] * f + h[0] * slope[0], h[2] * f + h[0] * slope[1]])
         terms.append((h, g))
     moment = sum(np.outer(h[0], g[0]) for h, g in terms)

@@ -2,9 +2,13 @@
 
 import numpy as np
 import pytest
-from clouds import spline
+from clouds import product_kernel, spline
 
-from seal_mdao.rkpm.kernel import cubic_b_spline, kernel_derivatives
+from seal_mdao.rkpm.kernel import (
+    cubic_b_spline,
+    kernel_derivatives,
+    product_kernel_derivatives,
+)
 
 STEP = 1e-30
 
@@ -60,3 +64,14 @@ def test_kernel_is_smooth_at_its_centre():
     for direction in (0.3, 1.9):
         beside = kernel_derivatives(1e-9 * np.cos(direction), 1e-9 * np.sin(direction), a)
         np.testing.assert_allclose(beside, at_centre, rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.3, -0.8), (-0.9, 0.4), (0.2, 1.2), (-1.1, -0.3)])
+def test_product_kernel_gradient_and_hessian_by_complex_step(place):
+    axes, r = np.array([[0.7, 0.2], [-0.1, 0.5]]), np.array(place)
+    value, fx, fy, fxx, fxy, fyy = product_kernel_derivatives(*r, axes)
+    found = [product_kernel(r + 1j * STEP * e, axes) for e in np.eye(2)]
+    assert value == pytest.approx(found[0][0].real, rel=1e-13)
+    np.testing.assert_allclose((fx, fy), [w.imag / STEP for w, _ in found], atol=1e-14)
+    second = [slope.imag / STEP for _, slope in found]
+    np.testing.assert_allclose([[fxx, fxy], [fxy, fyy]], second, rtol=1e-12, atol=1e-13)

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
-from clouds import irregular_cloud, random_points, reference_shape, rows
+from clouds import irregular_cloud, product_cloud, random_points, reference_shape, rows
 
+from seal_mdao.rkpm.cells import circumscribed_radii, support_axes
+from seal_mdao.rkpm.kernel import product_kernel_derivatives
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet
 from seal_mdao.rkpm.tables import build_table
 
@@ -44,12 +46,13 @@ def test_quadratic_fields_are_not_reproduced_by_the_linear_basis(rng):
     assert np.abs(phi @ cloud.particles[:, 0] ** 2 - x[:, 0] ** 2).max() > 1e-2
 
 
+@pytest.mark.parametrize("make", [irregular_cloud, product_cloud])
 @pytest.mark.parametrize("order", ORDERS)
-def test_values_and_gradients_are_those_of_a_plain_evaluation(rng, order):
-    cloud = irregular_cloud(rng, n=5, order=order)
+def test_values_and_gradients_are_those_of_a_plain_evaluation(rng, order, make):
+    cloud = make(rng, n=5, order=order)
     x, phi, grad = shape_rows(cloud, random_points(rng, cloud, groups=4))
     for point in range(len(x)):
-        value, slope = reference_shape(x[point], cloud.particles, cloud.radius, order)
+        value, slope = reference_shape(x[point], cloud.particles, cloud, order)
         np.testing.assert_allclose(phi[point], value.real, rtol=0.0, atol=1e-12)
         np.testing.assert_allclose(grad[point], slope.real, rtol=0.0, atol=1e-11)
 
@@ -61,8 +64,24 @@ def test_gradients_are_the_complex_step_of_the_values(rng, order):
     for point in range(len(x)):
         for j in range(2):
             moved = x[point] + 1e-30j * np.eye(2)[j]
-            value, _ = reference_shape(moved, cloud.particles, cloud.radius, order)
+            value, _ = reference_shape(moved, cloud.particles, cloud, order)
             np.testing.assert_allclose(grad[point, j], value.imag / 1e-30, rtol=0.0, atol=1e-11)
+
+
+def test_product_kernels_on_a_regular_grid_give_the_bicubic_b_splines(rng):
+    """Supports of two spacings in cells of 3 x 1, turned: no correction is left away from the sides."""
+    turn = np.array([[0.8, -0.6], [0.6, 0.8]])
+    index = np.stack(np.meshgrid(np.arange(9), np.arange(9), indexing="ij"), -1).reshape(-1, 2)
+    particles = index * [3.0, 1.0] @ turn.T
+    first = (9 * np.arange(8)[:, None] + np.arange(8)).ravel()
+    cells = np.column_stack([first, first + 9, first + 10, first + 1])
+    axes = support_axes(cells, particles, (2.0, 2.0))
+    cloud = Cloud(particles, circumscribed_radii(axes), 1.0, 3, axes=axes)
+    inside = PointSet(cells[[36, 27, 45]], rng.dirichlet(np.ones(4), 3), 1)
+    x, phi, _ = shape_rows(cloud, inside)
+    for place, row in zip(x, phi, strict=True):
+        exact = [product_kernel_derivatives(*(place - p), axes[0])[0] for p in particles]
+        np.testing.assert_allclose(row, np.array(exact), atol=1e-14)
 
 
 def test_shape_functions_do_not_depend_on_units_or_origin(rng):

@@ -17,7 +17,7 @@ from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.motion import Motion, straight_motion
 from seal_mdao.geometry.profile import PROFILE_EXTENT, RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.cells import circumscribed_radii, support_axes, support_radii
 from seal_mdao.seals.door.area import section_area
 from seal_mdao.seals.door.measures import BY_NAME, DOOR, STANDARD, measure_points
 from seal_mdao.seals.door.result import DoorSealResult
@@ -25,6 +25,7 @@ from seal_mdao.seals.door.section import RingGrid, Section
 from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
 from seal_mdao.seals.door.splines import BoundarySplines, design_velocity
 from seal_mdao.seals.seal import Seal
+from seal_mdao.seals.step_choice import choose_steps
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import boundary_particles
 from seal_mdao.terms.term import Scalar
@@ -82,8 +83,10 @@ class DoorSeal(Seal):
     rays, layers : int
         Particles around and across the wall, 58 to 2320 and 3 to 40; ``rays`` a multiple of 58 so that
         the base keeps its width.
-    support : float
-        Kernel support radius over the longest cell edge at a particle, at most 10.
+    support : float or pair of float
+        One number: round kernels, their support radius over the longest cell edge at a particle, at
+        most 10. Two: product kernels, their half-widths around and across the wall over the longest
+        edge in that direction.
     basis_order : int
         Monomial basis of the shape functions: 1 linear, 2 quadratic.
     n_gauss : int
@@ -116,7 +119,9 @@ class DoorSeal(Seal):
     depth : float
         Final depth of the door below the top of the drawn seal, from 0.001 mm to its outer diameter.
     n_steps : int
-        Equal load steps from start to depth.
+        Load steps from start to depth.
+    step_ends : tuple of float, or None
+        Where they end, as shares of the way, the last one 1; None for equal steps.
     newton : NewtonOptions
     solver : {"auto", "banded", "superlu", "pardiso"}
         "auto": the band where it is narrow, else PARDISO where pypardiso is installed, else SuperLU.
@@ -124,7 +129,7 @@ class DoorSeal(Seal):
 
     rays: int = BASE_RAYS
     layers: int = 3
-    support: float = 2.0
+    support: float | tuple[float, float] = 2.0
     basis_order: int = 1
     n_gauss: int = 2
     section: Section = field(default_factory=Section)
@@ -144,6 +149,7 @@ class DoorSeal(Seal):
     start: float = 10.0
     depth: float = 10.0
     n_steps: int = 105
+    step_ends: tuple | None = None
     newton: NewtonOptions = field(default_factory=NewtonOptions)
     solver: str = "auto"
 
@@ -174,7 +180,7 @@ class DoorSeal(Seal):
             self.rays % BASE_RAYS == 0,
             f"rays = {self.rays} must be a multiple of {BASE_RAYS}, else the base changes its width",
         )
-        self._set("support", values.real, above=0.0, high=MOST_SUPPORT)
+        self._check_support()
         self._set("solver", values.one_of, SOLVERS)
         self._set("symmetric", values.flag)
         splines = self.splines
@@ -187,6 +193,18 @@ class DoorSeal(Seal):
                 f"particles {count} control values; at most {self.rays} can be told "
                 "apart",
             )
+
+    def _check_support(self):
+        if np.ndim(self.support) == 0:
+            self._set("support", values.real, above=0.0, high=MOST_SUPPORT)
+            return
+        pair = values.numbers("support", self.support)
+        _require(
+            pair.shape == (2,) and bool(np.all((pair > 1.0) & (pair <= MOST_SUPPORT))),
+            f"support must be a positive number, or two above 1 and at most {MOST_SUPPORT} (around and "
+            f"across the wall), got {self.support!r}",
+        )
+        object.__setattr__(self, "support", tuple(pair.tolist()))
 
     def _check_contact(self):
         self._set("door", values.one_of, DOORS)
@@ -210,6 +228,17 @@ class DoorSeal(Seal):
         top = self.section.outer_radius
         self._set("start", values.real, above=top, high=top + FARTHEST_START)
         self._set("depth", values.real, LEAST_DEPTH, below=2 * top)
+        if self.step_ends is None:
+            return
+        ends = values.numbers("step_ends", self.step_ends)
+        _require(
+            ends.shape == (self.n_steps,)
+            and ends[-1] == 1.0
+            and bool(np.all(np.diff(ends, prepend=0.0) > 0.0)),
+            f"step_ends must be {self.n_steps} increasing shares of the way (n_steps), the last one 1; "
+            f"got {self.step_ends!r}",
+        )
+        object.__setattr__(self, "step_ends", tuple(ends.tolist()))
 
     def with_(self, **changes) -> "DoorSeal":
         """A copy with some attributes changed."""
@@ -305,9 +334,11 @@ class DoorSeal(Seal):
         fixed = np.zeros((len(self.drawn_particles), 2), bool)
         fixed[grid.base] = True
         inner = grid.particle(np.arange(grid.rays), 0)
+        radius, axes = self._supports()
         return Body(
             cells=grid.cells,
-            support_radius=support_radii(grid.cells, self.drawn_particles, self.support),
+            support_radius=radius,
+            support_axes=axes,
             fixed=fixed,
             # the body is on the left: round the seal counter-clockwise, round its hole clockwise
             edges={
@@ -321,6 +352,15 @@ class DoorSeal(Seal):
             solver=self.solver,
         )
 
+    def _supports(self):
+        """Support radii and, of product kernels, their axes."""
+        cells, particles = self.grid.cells, self.drawn_particles
+        if np.ndim(self.support) == 0:
+            return support_radii(cells, particles, self.support), None
+        # the cells' first direction is across the wall
+        axes = support_axes(cells, particles, self.support[::-1])
+        return circumscribed_radii(axes), axes
+
     @property
     def law(self) -> ContactLaw:
         return ContactLaw(
@@ -332,7 +372,10 @@ class DoorSeal(Seal):
     def motion(self) -> Motion:
         """Of the door, straight down; the parameter ``depth`` moves its end."""
         end = self.section.outer_radius - self.depth
-        return straight_motion((0.0, self.start), (0.0, end), self.n_steps, {"depth": (0.0, -1.0)})
+        ways = (0.0, self.start), (0.0, end)
+        if self.step_ends is None:
+            return straight_motion(*ways, self.n_steps, {"depth": (0.0, -1.0)})
+        return straight_motion(*ways, 1, {"depth": (0.0, -1.0)}).with_ends(self.step_ends)
 
     def terms(self) -> tuple:
         grid, top = self.grid, self.layers - 1
@@ -422,8 +465,36 @@ class DoorSeal(Seal):
         return values.real(name, float(found[0]), LEAST_RADIUS, below=PROFILE_EXTENT)
 
 
-def door_seal(**changes) -> DoorSeal:
+ACCURACIES = {
+    "paper": {},
+    "engineering": {"layers": 5, "support": (1.8, 2.5), "n_steps": 16, "solver": "banded"},
+}
+"""Attributes of ``DoorSeal`` that decide the discretisation, by the name of the accuracy."""
+
+
+def door_seal(
+    accuracy: str = "paper", steps: str | None = None, step_tolerance: float = 5e-3, **changes
+) -> DoorSeal:
     """The door seal of Kim et al. (2000), section 5, with some attributes of ``DoorSeal`` changed.
+
+    Parameters
+    ----------
+    accuracy : {"paper", "engineering"}
+        "paper": the cloud and the load steps of the paper, some 3 % from the limit of refinement.
+        "engineering": those with the best error per second, within 0.5 % of the force.
+        Attributes among ``changes`` go before.
+    steps : "auto", optional
+        Load steps whose measures are within ``step_tolerance`` of four times as many
+        (``seals.step_choice``). They are found now, by some ten analyses of the drawn seal, and are
+        an attribute of what is returned.
+    step_tolerance : float
+
+    Raises
+    ------
+    TypeError, ValueError
+        For options that are unknown or not admissible.
+    LoadPathError
+        When the path of the drawn seal cannot be completed, for ``steps="auto"``.
 
     Examples
     --------
@@ -434,4 +505,16 @@ def door_seal(**changes) -> DoorSeal:
     unknown = sorted(set(changes) - set(known))
     if unknown:
         raise TypeError(f"unknown option {unknown[0]!r}; known options are {', '.join(known)}")
-    return DoorSeal(**changes)
+    _require(
+        accuracy in ACCURACIES, f"accuracy must be one of {tuple(ACCURACIES)}, got {accuracy!r}"
+    )
+    _require(steps in (None, "auto"), f'steps must be None or "auto", got {steps!r}')
+    seal = DoorSeal(**{**ACCURACIES[accuracy], **changes})
+    return seal if steps is None else _with_chosen_steps(seal, step_tolerance)
+
+
+def _with_chosen_steps(seal: DoorSeal, tolerance: float) -> DoorSeal:
+    def seal_with(ends):
+        return replace(seal, n_steps=len(ends), step_ends=ends)
+
+    return seal_with(choose_steps(seal_with, tolerance).ends)

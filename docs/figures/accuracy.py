@@ -1,0 +1,198 @@
+"""Sources of error of the door seal, one figure each, and what the accurate discretisation costs."""
+
+from dataclasses import replace
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from figures.tables import percent, table
+from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplots
+from seal_mdao.seals.door.door_seal import door_seal
+from seal_mdao.seals.result import analyze
+from seal_mdao.seals.step_choice import (
+    FINER,
+    choose_steps,
+    divided,
+    force_differences,
+    measure_difference,
+)
+from seal_mdao.verification.error_sources import (
+    drawn,
+    flat_errors,
+    largest_opened_gap,
+    worst_error,
+)
+from seal_mdao.verification.flexure import bend_block
+
+PRODUCT = (1.8, 2.5)
+ROUND = 2.0
+CLOUDS = ((58, 3), (58, 5), (116, 3))
+
+
+def make(out: Path, reduced: bool) -> dict:
+    """All figures of the page on accuracy."""
+    numbers = {}
+    for part in (_support, _layers, _bending, _integration, _penalty, _steps, _preset):
+        numbers |= part(out, reduced)
+    return numbers
+
+
+@styled
+def _lines(path: Path, label: str, lines: dict, value: str, ticks=None):
+    """Lines {name: (x, y)} of errors in percent, logarithmic."""
+    figure, axes = subplots(width=5.8, height=3.5)
+    for (name, (x, y)), color, marker in zip(lines.items(), CYCLE, MARKERS, strict=False):
+        axes.semilogy(x, 100 * np.array(y), marker=marker, color=color, label=name)
+    axes.axhline(0.5, color=GREY, linestyle="--", linewidth=1.0)
+    if ticks is not None:
+        axes.set_xticks(*ticks)
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
+    axes.set_xlabel(label)
+    axes.set_ylabel(value)
+    axes.legend()
+    save(figure, path)
+
+
+WORST = "worst error of the reaction (%)"
+
+
+def _support(out, reduced) -> dict:
+    """Round supports see rows and columns of a cell alike; product ones follow its two directions."""
+    supports = (1.5, 2.0) if reduced else (1.5, 1.75, 2.0, 2.5, 3.0)
+    clouds = CLOUDS[:1] if reduced else CLOUDS
+    lines, rows = {}, []
+    for rays, layers in clouds:
+        found = [worst_error(rays=rays, layers=layers, support=s) for s in supports]
+        lines[f"{rays} × {layers}, round"] = supports, found
+        product = worst_error(rays=rays, layers=layers, support=PRODUCT)
+        rows.append([f"{rays} × {layers}", *map(percent, found), percent(product)])
+    _lines(out / "error_support.png", "support of round kernels", lines, WORST)
+    head = ["particles", *(f"round {s:g}" for s in supports), "product 1.8, 2.5"]
+    return {"support_table": table(head, rows)}
+
+
+def _layers(out, reduced) -> dict:
+    """Every direction of refinement for product kernels, and the layers for round ones."""
+    layers = (3, 4) if reduced else (3, 4, 5)
+    cases = [(58, PRODUCT, 1)] if reduced else [
+        (rays, support, order)
+        for support, order in ((ROUND, 1), (PRODUCT, 1), (PRODUCT, 2))
+        for rays in (58, 116)
+    ]  # fmt: skip
+    lines, rows = {}, []
+    for rays, support, order in cases:
+        found = [
+            worst_error(rays=rays, layers=n, support=support, basis_order=order) for n in layers
+        ]
+        kernel = "round 2" if np.ndim(support) == 0 else "product 1.8, 2.5"
+        name = f"{rays} rays, {kernel}, {'linear' if order == 1 else 'quadratic'}"
+        lines[name] = layers, found
+        rows.append([rays, kernel, "linear" if order == 1 else "quadratic", *map(percent, found)])
+    ticks = layers, [str(n) for n in layers]
+    _lines(out / "error_layers.png", "layers of particles across the wall", lines, WORST, ticks)
+    head = ["rays", "kernels", "basis", *(f"{n} layers" for n in layers)]
+    return {"layers_table": table(head, rows)}
+
+
+def _bending(out, reduced) -> dict:
+    """Bending without contact: what one pressure a cell and the kernels leave."""
+    across = (2, 3) if reduced else (2, 3, 4)
+    lines = {}
+    for name, support in (("round 2", ROUND), ("product 1.8, 2.5", PRODUCT)):
+        found = [
+            float(np.abs(bend_block(180.0, (30, n), n_steps=9, support=support).error).max())
+            for n in across
+        ]
+        lines[name] = across, found
+    ticks = across, [str(n) for n in across]
+    value = "worst error of the moment (%)"
+    _lines(out / "error_bending.png", "cells across the block", lines, value, ticks)
+    rows = [[name, *map(percent, found)] for name, (_, found) in lines.items()]
+    return {"bending_table": table(["kernels", *(f"{n} cells" for n in across)], rows)}
+
+
+def _integration(out, reduced) -> dict:
+    points = (2, 3)
+    lines = {}
+    for order, name in ((1, "linear"), (2, "quadratic")):
+        found = [
+            worst_error(layers=5, support=PRODUCT, basis_order=order, n_gauss=n) for n in points
+        ]
+        lines[f"58 × 5, {name} basis"] = points, found
+    ticks = points, [str(n) for n in points]
+    _lines(out / "error_integration.png", "Gauss points per direction", lines, WORST, ticks)
+    rows = [[name, *map(percent, found)] for name, (_, found) in lines.items()]
+    return {"integration_table": table(["", *(f"{n} × {n}" for n in points)], rows)}
+
+
+def _penalty(out, reduced) -> dict:
+    """Change of the reaction against the hardest penalty."""
+    penalties = (1e3, 1e4, 1e5) if reduced else (3e2, 1e3, 3e3, 1e4, 3e4, 1e5)
+    common = {"layers": 3 if reduced else 5, "support": PRODUCT}
+    errors = np.array([flat_errors(normal_penalty=w, **common) for w in penalties])
+    change = np.abs(errors[:-1] - errors[-1]).max(axis=1)
+    figure = {"normal penalty": (np.log10(penalties[:-1]), change)}
+    value = "largest change of the reaction (%)"
+    _lines(out / "error_penalty.png", "log₁₀ w (kPa/mm)", figure, value)
+    place = penalties.index(1e4)
+    return {"penalty": percent(change[place], 3), "hardest": f"{penalties[-1]:g}"}
+
+
+def _with_ends(seal):
+    return lambda ends: replace(seal, n_steps=len(ends), step_ends=tuple(ends))
+
+
+def _step_errors(seal, ends):
+    """Differences from four times as many steps: measures, forces."""
+    with_ends = _with_ends(seal)
+    coarse, fine = (analyze(with_ends(e)) for e in (ends, divided(np.array(ends), FINER).tolist()))
+    return measure_difference(coarse, fine), float(force_differences(coarse, fine).max())
+
+
+def _steps(out, reduced) -> dict:
+    seal = door_seal(depth=3.0) if reduced else door_seal()
+    counts = (10, 20) if reduced else (10, 20, 35, 50, 105)
+    found = [_step_errors(seal, (np.arange(1, n + 1) / n).tolist()) for n in counts]
+    tolerances = (1e-2,) if reduced else (2e-2, 5e-3, 2e-3)
+    chosen = [choose_steps(_with_ends(seal), tolerance) for tolerance in tolerances]
+    measures, forces = np.array(found).T
+    lines = {
+        "measures, equal steps": (counts, measures),
+        "forces, equal steps": (counts, forces),
+        "measures and forces, chosen steps": ([len(c.ends) for c in chosen],
+                                              [c.error for c in chosen]),
+    }  # fmt: skip
+    value = "difference from four times as many (%)"
+    _lines(out / "error_steps.png", "load steps", lines, value)
+    rows = [[f"{n} equal", percent(m), percent(f)] for n, (m, f) in zip(counts, found, strict=True)]
+    rows += [
+        [f"{len(c.ends)} chosen for {percent(t, 1)}", *map(percent, _step_errors(seal, c.ends))]
+        for t, c in zip(tolerances, chosen, strict=True)
+    ]
+    return {"steps_table": table(["load steps", "measures", "forces"], rows)}
+
+
+def _preset(out, reduced) -> dict:
+    """Error and time of both accuracies side by side, and the gap along the boundary."""
+    seals = {name: door_seal(accuracy=name) for name in ("paper", "engineering")}
+    times = {name: [] for name in seals}
+    for _ in range(1 if reduced else 5):
+        for name, seal in seals.items():
+            start = process_time()
+            analyze(seal)
+            times[name].append(process_time() - start)
+    rows = []
+    for name, seal in seals.items():
+        share = np.median(times[name][-4:]) / np.median(times["paper"][-4:])
+        error = np.abs(flat_errors(accuracy=name, n_steps=seal.n_steps)).max()
+        gap = largest_opened_gap(drawn(accuracy=name))
+        size = f"{seal.rays} × {seal.layers}, {seal.n_steps} steps"
+        rows.append([name, size, percent(error), f"{gap:.4f}", f"{share:.2f}"])
+    numbers = {}
+    if not reduced:
+        fine = largest_opened_gap(drawn(rays=174, layers=7, support=PRODUCT, n_steps=105))
+        numbers["gap_limit"] = f"{fine:.4f}"
+    head = ["accuracy", "particles", "worst error, flat door", "largest gap (mm)", "time"]
+    return numbers | {"preset_table": table(head, rows)}

@@ -1,0 +1,100 @@
+"""Load steps by tolerance: what is promised holds, and derivatives stay exact."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.step_choice import (
+    FINER,
+    choose_steps,
+    divided,
+    force_differences,
+    halved,
+    measure_difference,
+)
+
+TOLERANCE = 5e-3
+SHORT = {"depth": 6.5, "start": 10.03}
+
+
+@pytest.fixture(scope="module")
+def chosen():
+    return sm.door_seal(steps="auto", step_tolerance=TOLERANCE, **SHORT)
+
+
+def test_measures_are_within_the_tolerance_of_four_times_as_many(chosen):
+    ends = np.array(chosen.step_ends)
+    finer = tuple(divided(ends, FINER).tolist())
+    coarse = sm.analyze(chosen)
+    fine = sm.analyze(replace(chosen, n_steps=len(finer), step_ends=finer))
+    assert measure_difference(coarse, fine) <= TOLERANCE
+    assert force_differences(coarse, fine).max() <= TOLERANCE
+
+
+def test_as_many_equal_steps_are_further_off(chosen):
+    """They are small where contact needs it: less error of the gaps than equal steps."""
+    n = chosen.n_steps
+    lengths = np.diff(chosen.step_ends, prepend=0.0)
+    assert lengths.max() >= 2.0 * lengths.min()
+    equal = sm.door_seal(n_steps=n, **SHORT)
+    finest = sm.analyze(equal.with_(n_steps=16 * n))
+    errors = []
+    for seal in (chosen, equal):
+        result = sm.analyze(seal)
+        errors.append(abs(result.gap_square_sum / finest.gap_square_sum - 1.0))
+    assert errors[0] < errors[1]
+
+
+def test_derivatives_with_unequal_steps(chosen, rng):
+    offsets = 0.02 * rng.uniform(-1.0, 1.0, 25)
+    seal = chosen.with_(newton=sm.NewtonOptions(tolerance=1e-12))
+    result = sm.analyze(seal, offsets, keep_factors=True)
+    direct, adjoint = (
+        sm.differentiate(result, ("depth", "door_radius"), method=m) for m in ("direct", "adjoint")
+    )
+    for name in ("von_mises", "reaction", "gap"):
+        a, b = getattr(direct, name), getattr(adjoint, name)
+        np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-9 * np.abs(a).max())
+    depth, step = seal.depth, 1e-5
+    sides = [sm.analyze(seal, offsets, {"depth": depth + s * step}) for s in (1.0, -1.0)]
+    quotient = (sides[0].reaction[-1] - sides[1].reaction[-1]) / (2.0 * step)
+    # rounding of the force (relative 1e-12) over the step, and the step squared
+    np.testing.assert_allclose(
+        direct.reaction[:, direct.parameters.index("depth")], quotient, rtol=1e-5
+    )
+
+
+def test_halving_keeps_the_ends():
+    ends = np.array([0.3, 0.5, 1.0])
+    np.testing.assert_allclose(halved(ends, np.array([0.0, 1.0, 2.5])), [0.3, 0.5, 0.75, 1.0])
+    assert set(ends) <= set(divided(ends, 4))
+
+
+def test_a_tolerance_that_is_not_reached_is_told():
+    with pytest.raises(ValueError, match="were not found"):
+        choose_steps(
+            lambda ends: sm.door_seal(n_steps=len(ends), step_ends=ends, depth=0.6), 1e-14, first=1
+        )
+
+
+def test_settings_keep_supports_and_steps():
+    seal = sm.door_seal(accuracy="engineering", n_steps=2, step_ends=(0.25, 1.0))
+    again = DoorSeal.from_settings(seal.settings())
+    assert again == seal
+    assert hash(again.key) == hash(seal.key)
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("accuracy", {"accuracy": "best"}), ("steps", {"steps": "few"}),
+     ("step_ends", {"n_steps": 2, "step_ends": (0.5, 0.9)}),
+     ("step_ends", {"n_steps": 3, "step_ends": (0.5, 1.0)}),
+     ("step_ends", {"n_steps": 2, "step_ends": (0.0, 1.0)}),
+     ("support", {"support": (2.0,)}), ("support", {"support": (2.0, 0.9)})],
+)  # fmt: skip
+def test_wrong_options_are_refused_by_name(name, options):
+    with pytest.raises(ValueError, match=name):
+        sm.door_seal(**options)
