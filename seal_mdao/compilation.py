@@ -36,12 +36,14 @@ ABANDONED = 24 * 3600.0
 """Seconds after which kernels of other sources are deleted: no running process wants them."""
 
 _NUMBA_LOCATORS = tuple(CacheImpl._locator_classes)
+_BASES = {}
+"""Folders that numba would take, by source file."""
 
 
 @cache
 def sources_key() -> str:
     """Digest of the sources of all kernels and of numba's version."""
-    files = (path for name in KERNEL_FOLDERS for path in (PACKAGE / name).rglob("*.py"))
+    files = (path for name in KERNEL_FOLDERS for path in (PACKAGE / name).glob("*.py"))
     text = numba.__version__.encode() + b"".join(path.read_bytes() for path in sorted(files))
     return hashlib.sha256(text).hexdigest()[:16]
 
@@ -49,19 +51,21 @@ def sources_key() -> str:
 class KernelLocator(_CacheLocator):
     """A folder for this state of the sources within the folder that numba would take."""
 
-    def __init__(self, base: _CacheLocator, py_func, py_file: str):
-        self._base, self._py_file, self._py_func = Path(base.get_cache_path()), py_file, py_func
+    def __init__(self, base: Path, py_func, py_file: str):
+        self._base, self._py_file, self._py_func = base, py_file, py_func
 
     @classmethod
     def from_function(cls, py_func, py_file):
         """The locator of a function of this package, None for others: numba asks the next one."""
-        if PACKAGE not in Path(py_file).parents:
+        if not py_file.startswith(f"{PACKAGE}{os.sep}"):
             return None
-        base = _numba_locator(py_func, py_file)
-        if base is None:
-            _use_temporary_cache()
+        if py_file not in _BASES:
             base = _numba_locator(py_func, py_file)
-        return cls(base, py_func, py_file)
+            if base is None:
+                _use_temporary_cache()
+                base = _numba_locator(py_func, py_file)
+            _BASES[py_file] = Path(base.get_cache_path())
+        return cls(_BASES[py_file], py_func, py_file)
 
     def get_cache_path(self):
         return str(self._base / (FOLDER_PREFIX + sources_key()))

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import psutil
 from scipy.spatial import cKDTree
 
 from seal_mdao.analysis.body import Body
@@ -66,6 +65,8 @@ def analysis_cost(body: Body, particles: np.ndarray, n_steps: int) -> Cost:
 
 def machine_memory() -> float:
     """Memory of this machine, GiB."""
+    import psutil  # here, for it takes longer to import than to ask
+
     return psutil.virtual_memory().total / 2**30
 
 
