@@ -53,7 +53,8 @@ def recorder_file(arguments: argparse.Namespace) -> Path:
         When another run writes it, or it holds the results of another one and ``--overwrite`` is not
         given.
     """
-    cases, source = arguments.out / CASES, arguments.restart
+    # not a bare name: OpenMDAO looks for that in a folder of its own
+    cases, source = (arguments.out / CASES).absolute(), arguments.restart
     with checked_arguments():
         require_free(cases)
     continues = source is not None and cases.exists() and cases.samefile(source)

@@ -53,8 +53,8 @@ class Bench:
     @property
     def force(self) -> Reaction:
         """The vertical force after every step."""
-        steps = tuple(float(k) for k in range(1, 2 * self.steps))
-        return Reaction("door", steps, (1,), name="force")
+        travels = tuple(self.depth / self.steps * k for k in range(1, 2 * self.steps))
+        return Reaction("door", travels, (1,), name="force")
 
     @property
     def travel(self) -> np.ndarray:

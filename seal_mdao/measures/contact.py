@@ -107,7 +107,7 @@ class _Line:
     """Straight pieces between consecutive contact points of the undeformed boundary."""
 
     def __init__(self, result, profile: str, stretch):
-        self.particle = result.term(profile).where.points.anchors[stretch, 0]
+        self.particle = result.term(profile).where.at_particles[stretch]
         self.edges = np.diff(result.particles[self.particle], axis=0)
         self.length = np.hypot(*self.edges.T)
 
@@ -116,6 +116,13 @@ class _Line:
         pull = (by_length / self.length)[:, None] * self.edges
         particles[self.particle[1:]] += pull
         particles[self.particle[:-1]] -= pull
+
+
+def _way_round(where) -> np.ndarray:
+    """The points of a boundary in order, the first once more at the end where it is closed."""
+    every, ends = np.arange(len(where)), where.edges[[0, -1]]
+    closed = where.at_particles[-1] in ends[0] and where.at_particles[0] in ends[1]
+    return np.append(every, 0) if closed and len(every) > 2 else every
 
 
 @dataclass(frozen=True)
@@ -135,8 +142,9 @@ class ContactWidth(Measure):
     text = "Length of the undeformed boundary in contact."
 
     def evaluate(self, result, partials):
-        gap = result.response(self.profile).gap
-        line = _Line(result, self.profile, np.arange(gap.size))
+        way = _way_round(result.term(self.profile).where)
+        gap = result.response(self.profile).gap[way]
+        line = _Line(result, self.profile, way)
         a, b = gap[:-1], gap[1:]
         span = np.where((a < 0.0) != (b < 0.0), a - b, 1.0)
         share = np.where((a < 0.0) & (b < 0.0), 1.0, 0.0)
@@ -146,8 +154,8 @@ class ContactWidth(Measure):
         by_a = np.where(first, -b, np.where(last, b, 0.0)) / span**2
         by_b = np.where(first, a, np.where(last, -a, 0.0)) / span**2
         on_gap = partials.output(self.profile, "gap")[0]
-        on_gap[:-1] += line.length * by_a
-        on_gap[1:] += line.length * by_b
+        on_gap[way[:-1]] += line.length * by_a
+        on_gap[way[1:]] += line.length * by_b
         line.add_partials(share, partials.particles[0])
         return line.length @ share
 

@@ -32,7 +32,7 @@ class ProfileWork(Measure):
         places = np.array([term.motion.coordinates(n) for n in at])
         rates = np.array([term.motion.rates_at(n) for n in at])
         travels, travel_rates = _travels(places), _travels(rates)
-        particle, value, by_motion = term.where.points.anchors[:, 0], 0.0, np.zeros(rates.shape[1])
+        particle, value, by_motion = term.where.at_particles, 0.0, np.zeros(rates.shape[1])
         for number, step in enumerate(steps):
             response = result.response(self.profile, step)
             travel, angle = travels[number, :2], travels[number, 2]

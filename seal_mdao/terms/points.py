@@ -32,6 +32,22 @@ class MaterialPoints:
     def __len__(self) -> int:
         return len(self.fixed)
 
+    @property
+    def at_particles(self) -> np.ndarray:
+        """The particle at every point, shape (k,).
+
+        Raises
+        ------
+        ValueError
+            Where points lie between particles.
+        """
+        if self.points.anchors.shape[1] != 1:
+            raise ValueError(
+                "these points lie between particles; measures along a boundary and of work want contact "
+                "at particles (Body.edge_points)"
+            )
+        return self.points.anchors[:, 0]
+
     def lengths(self, particles: np.ndarray) -> np.ndarray:
         """Measure of every point, shape (k,)."""
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]

@@ -8,7 +8,14 @@ import pytest
 import seal_mdao as sm
 
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
-RUN = {"quickstart.md", "reference/api.md", "extend.md", "guide_report.md", "openmdao.md"}
+RUN = {
+    "quickstart.md",
+    "reference/api.md",
+    "extend.md",
+    "guide_report.md",
+    "material_tests.md",
+    "openmdao.md",
+}
 """Pages with Python blocks, each of which a test below runs."""
 
 
