@@ -122,16 +122,19 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     Returns
     -------
     int
-        What ``main`` returns, 1 when an analysis could not be completed or a file not be written, 130
-        after Ctrl-C. Wrong arguments exit with 2.
+        What ``main`` returns, 1 when an analysis could not be completed or a file not be written, 2
+        for a seal file that cannot be used, 130 after Ctrl-C. Wrong arguments exit with 2.
     """
     arguments = made.parse_args(argv)
     arguments.given = _given(made, argv)
-    if "out" not in arguments.given and getattr(arguments, "restart", None):
+    if "out" not in arguments.given and isinstance(getattr(arguments, "restart", None), Path):
         arguments.out = arguments.restart.parent
     _require_folder(made, arguments.out)
     try:
         return main(arguments)
+    except sm.SealFileError as error:
+        print(f"{made.prog}: {error}", file=sys.stderr)
+        return 2
     except (WrongArgumentError, sm.GeometryError) as error:
         made.error(str(error))
     except sm.LoadPathError as error:

@@ -11,8 +11,8 @@ from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.recorded import RecordedOptimization, label
 from seal_mdao.report import history as words
-from seal_mdao.report.shapes import pressure
 from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.profiles import contacts, pressure
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NO_VALUE = "–"
@@ -119,6 +119,7 @@ def agrees(recorded: np.ndarray, value: float, result: DoorSealResult) -> bool:
 
 def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
     """Name, unit and value of what an engineer asks about a design; nan where it is not known."""
+    (door,) = contacts(result.seal)
     last = result.path.at_nominal("door")[-1]
     touching, opened = last.state != OPEN, opened_points(last.state)
     lengths = result.term("door").length
@@ -129,7 +130,7 @@ def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
         ("contact points in contact", "", int(touching.sum())),
         ("length of the boundary in contact, undeformed", "mm", float(lengths[touching].sum())),
         ("patches in contact", "", patches(touching)),
-        ("highest contact pressure", "kPa", float(pressure(result, last).max())),
+        ("highest contact pressure", "kPa", float(pressure(door, last).max())),
         ("deepest penetration", "mm", max(0.0, -float(last.gap.min()))),
         ("highest von Mises stress at a particle", "kPa", float(result.stress_field().max())),
         ("vertical force on the door", "N/m", float(result.reaction[-1, 1])),

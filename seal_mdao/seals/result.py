@@ -13,6 +13,7 @@ from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.seals import profiles
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
@@ -133,6 +134,14 @@ class SealResult:
         """Von Mises stress at all particles after a nominal step, shape (n,), kPa."""
         every = np.arange(len(self.particles))
         return particle_stress(self.path, every, self.path.nominal_steps[step])[0]
+
+    def key_steps(self) -> list[int]:
+        """Nominal steps, from 0, of which pictures tell most; the last one that was reached is one."""
+        return profiles.key_steps(self)
+
+    def caption(self, step: int) -> str:
+        """Where the profiles are after a nominal step, in words."""
+        return profiles.caption(self, step)
 
     def measures(self, measures=None) -> tuple:
         """Measures with their places, as ``frozen_measures`` gives them."""

@@ -14,8 +14,9 @@ import seal_mdao as sm
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.report import tables
 from seal_mdao.report.page import status
-from seal_mdao.report.shapes import FULL, Pictures, pressure
+from seal_mdao.report.shapes import FULL, Pictures
 from seal_mdao.report.write import DESIGNS, chosen_points, write_report
+from seal_mdao.seals.profiles import contacts, pressure
 
 
 def unpacked(text, *shape):
@@ -84,7 +85,8 @@ def test_pressure_carries_the_vertical_force(ends):
     """On the flat of the door pressure times tributary length is the normal force."""
     for result in ends:
         end, lengths = result.contact, result.term("door").length
-        carried = pressure(result, end) * lengths
+        (door,) = contacts(result.seal)
+        carried = pressure(door, end) * lengths
         normal = np.abs(end.force).max(axis=1)
         flat = np.flatnonzero((carried > 0.0) & (end.x[:, 0] < 1.5))
         assert flat.size
