@@ -16,7 +16,7 @@ from seal_mdao.export.tables import write_contact, write_curves
 from seal_mdao.plotting.reaction import reaction_tables
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.profiles import ProfileHistory, profile_histories
-from seal_mdao.seals.result import SealResult, frozen_measures
+from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
 
 
@@ -92,7 +92,7 @@ def measured(result: SealResult) -> dict:
     if not result.converged or not seal.standard:
         return {"measures": dict.fromkeys(measure.name for measure in seal.standard)}
     chosen = frozen_measures(seal, None, lambda drawn: result)
-    chosen = tuple(measure for measure in chosen if measure.size(seal))
+    chosen = tuple(measure for measure in chosen if not is_empty(measure, seal))
     names = tuple(seal.scalars)
     gradients = sm.differentiate(result, names, chosen, "adjoint")
     found = dict.fromkeys(measure.name for measure in seal.standard)

@@ -16,6 +16,7 @@ _LAZY = {
     "contact_width": "seal_mdao.plotting.contact",
     "gap_profile": "seal_mdao.plotting.gap",
     "cost_history": "seal_mdao.plotting.history",
+    "objective_history": "seal_mdao.plotting.history",
     "constraint_history": "seal_mdao.plotting.history",
     "design_comparison": "seal_mdao.plotting.comparison",
     "sensitivity_errors": "seal_mdao.plotting.sensitivity",

@@ -32,7 +32,8 @@ SMOOTH = 0.004
 
 def stress_levels(highest: float) -> np.ndarray:
     """Contour levels of a scale shared by several pictures, from 0 to ``highest`` or above, kPa."""
-    raw = max(highest, 1e-9) / LEVELS
+    highest = max(highest, 1e-9)
+    raw = highest / LEVELS
     decade = 10.0 ** np.floor(np.log10(raw))
     step = decade * next(m for m in (1.0, 2.0, 2.5, 5.0, 10.0) if m * decade >= raw)
     return step * np.arange(int(np.ceil(highest / step)) + 1)

@@ -9,7 +9,7 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.plotting.recorded import RecordedOptimization, label
+from seal_mdao.plotting.recorded import RecordedOptimization, label, unit_of
 from seal_mdao.report import history as words
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.profiles import contacts, pressure
@@ -58,7 +58,7 @@ def table(head: list[str], rows: list[list], caption: str, first: str = "row") -
 def limits_table(history: RecordedOptimization) -> str:
     """Objective and constraints at the first and at the last point, from the recorder file."""
     first, last = history.objective[[0, -1]]
-    name, unit = label(history.objective_name), words.unit(history, history.objective_name)
+    name, unit = label(history.objective_name), unit_of(history, history.objective_name)
     ratio = share(last / first) if first else NO_VALUE
     rows = [[_with_unit(name, unit), number(first), number(last), "", ratio, "of its start"]]
     for constraint in history.constraints:
@@ -66,7 +66,7 @@ def limits_table(history: RecordedOptimization) -> str:
         violated = constraint.violation()[-1] > words.FEASIBLE
         rows.append(
             [
-                _with_unit(label(constraint.name), words.unit(history, constraint.name)),
+                _with_unit(label(constraint.name), unit_of(history, constraint.name)),
                 *map(number, constraint.values[[0, -1]]), _limits(constraint), share(use),
                 ("violated", "bad") if violated else ("satisfied", "good"),
             ]
@@ -202,7 +202,7 @@ def options_table(history: RecordedOptimization) -> str:
 def history_table(history: RecordedOptimization) -> str:
     """Objective and largest violation of every point, for reading and copying."""
     kind = "iteration" if history.major else "evaluation"
-    unit = words.unit(history, history.objective_name)
+    unit = unit_of(history, history.objective_name)
     rows = [
         [str(i), str(analysis), number(value, 6), share(violation)]
         for i, (analysis, value, violation) in enumerate(

@@ -182,6 +182,12 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
     return tuple(m.frozen(drawn) if m.takes_places else m for m in chosen)
 
 
+def is_empty(measure: Measure, seal: Seal) -> bool:
+    """Whether a measure with frozen places has none: nothing stands open in the drawn seal."""
+    base = measure.base if isinstance(measure, Derived) else measure
+    return base.size(seal) == 0
+
+
 @one_blas_thread
 def analyze(
     seal: Seal,

@@ -131,7 +131,7 @@ def test_constraints_are_drawn_over_their_limits():
     recorded = history()
     axes = plotting.constraint_history(recorded, particles=[132, 45]).axes[0]
     texts = ("area of the section", "stress 1, particle 132", "stress 2, particle 45",
-             "vertical reaction")  # fmt: skip
+             "reaction")  # fmt: skip
     curves = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
     for text, constraint in zip(texts, recorded.constraints, strict=True):
         assert np.array_equal(curves[text], constraint.use())
