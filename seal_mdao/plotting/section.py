@@ -8,7 +8,7 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
-from shapely import LineString, MultiPolygon, Polygon
+from shapely import MultiPolygon, Polygon, area, polygons, union_all
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.geometry.curve import LINE, curve_point
@@ -95,13 +95,24 @@ def profile_body(result: SealResult, contact, fraction: float):
     """The rigid side of a profile as far as it is drawn: a shapely polygon, or several."""
     face, depth = profile_face(result, contact, fraction), DEPTH * size_of(result)
     if contact.shape.profile().period == 0.0:
-        return LineString(face).buffer(
-            depth, single_sided=True, join_style="mitre", mitre_limit=2.0
-        )
+        return left_of(face, depth)
     inside = Polygon(face)
     if inside.exterior.is_ccw:
         return inside
     return inside.buffer(depth) - inside
+
+
+def left_of(line: np.ndarray, depth: float):
+    """What lies on the left of a line (k, 2) as far as ``depth``: one quadrilateral for each piece, and
+    a triangle where it turns to the right."""
+    line = line[np.append(True, (np.diff(line, axis=0) != 0.0).any(axis=1))]
+    along = np.diff(line, axis=0)
+    beside = depth * np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    a, b = line[:-1], line[1:]
+    pieces = polygons(np.stack([a, b, b + beside, a + beside], axis=1))
+    corner = line[1:-1]
+    wedges = polygons(np.stack([corner, corner + beside[1:], corner + beside[:-1]], axis=1))
+    return union_all([*pieces, *wedges[area(wedges) > 1e-9 * depth**2]])
 
 
 def draw_profiles(axes: Axes, result: SealResult, fraction: float) -> None:
@@ -126,13 +137,13 @@ def _hatch(axes, body, face, hatch) -> None:
 
 def held_lines(result: SealResult) -> list[np.ndarray]:
     """Stretches of the drawn boundary that are held, the body on the left, shapes (k, 2), mm."""
-    seal, found = result.seal, []
-    for edge in seal.body.edges.values():
-        held = seal.body.fixed[edge.particles].all(axis=1)
-        runs = np.split(np.arange(held.size), np.flatnonzero(np.diff(held)) + 1)
-        found += [
-            seal.drawn_particles[edge.particles[r]] for r in runs if held[r[0]] and r.size > 1
-        ]
+    body, found = result.seal.body, []
+    held = body.fixed.all(axis=1)
+    for loop in field.boundary_loops(body.cells, body.cells[:, [[0, 3], [1, 2]]]):
+        free = np.flatnonzero(~held[loop])
+        ring = np.append(loop, loop[0]) if free.size == 0 else np.roll(loop, -free[0])
+        runs = np.split(ring, np.flatnonzero(np.diff(held[ring])) + 1)
+        found += [result.seal.drawn_particles[r] for r in runs if held[r[0]] and r.size > 1]
     return found
 
 
@@ -140,8 +151,7 @@ def draw_held(axes: Axes, result: SealResult) -> None:
     """The rigid ground to which the section is fixed, hatched."""
     depth = HELD_DEPTH * size_of(result)
     for line in held_lines(result):
-        ground = LineString(line).buffer(-depth, single_sided=True, join_style="mitre")
-        _hatch(axes, ground, "white", "\\\\\\\\")
+        _hatch(axes, left_of(line[::-1], depth), "white", "\\\\\\\\")
         axes.plot(*line.T, color="black", linewidth=1.6, zorder=3)
 
 
