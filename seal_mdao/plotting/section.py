@@ -105,7 +105,8 @@ def profile_body(result: SealResult, contact, fraction: float):
 def left_of(line: np.ndarray, depth: float):
     """What lies on the left of a line (k, 2) as far as ``depth``: one quadrilateral for each piece, and
     a triangle where it turns to the right."""
-    line = line[np.append(True, (np.diff(line, axis=0) != 0.0).any(axis=1))]
+    # pieces meet but for rounding, which has no direction
+    line = line[np.append(True, np.hypot(*np.diff(line, axis=0).T) > 1e-6 * depth)]
     along = np.diff(line, axis=0)
     beside = depth * np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
     a, b = line[:-1], line[1:]
