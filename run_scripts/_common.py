@@ -133,8 +133,7 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     try:
         return main(arguments)
     except sm.SealFileError as error:
-        print(f"{made.prog}: {error}", file=sys.stderr)
-        return 2
+        return _ended(made, str(error), 2)
     except (WrongArgumentError, sm.GeometryError) as error:
         made.error(str(error))
     except sm.LoadPathError as error:
@@ -188,7 +187,7 @@ LONG = 10.0
 """Seconds of an analysis from which on the user is told before it begins."""
 
 
-def announce(seal: sm.DoorSeal) -> None:
+def announce(seal: sm.Seal) -> None:
     """Say what an analysis will take, where that is long; refuse one that does not fit.
 
     Raises

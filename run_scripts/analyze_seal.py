@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from _common import parser, run, write_summary
+from _common import announce, parser, print_warnings, run, write_summary
 from _seal_file import file_errors, seal_of
 
 import seal_mdao as sm
@@ -25,6 +25,8 @@ def main(arguments) -> int:
         if arguments.vtu:
             vtu.library()
         _, seal = seal_of(arguments.file)
+    announce(seal)
+    with file_errors(arguments.file):
         begun = time.perf_counter()
         with LoadStepProgress(seal) as progress:
             result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
@@ -55,6 +57,7 @@ def summarize(result: SealResult) -> dict:
         "newton_iterations": result.newton_iterations,
         "step_cuts": result.step_cuts,
         "failure": result.failure or None,
+        "warnings": result.warnings if result.converged else None,
         "profiles": {history.label: at_profile(result, history) for history in histories},
     }
     if result.converged:
@@ -153,6 +156,8 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
             print(f"{name} = {value} {found['unit'] or ''}".rstrip())
     if not result.converged:
         print(f"NOT CONVERGED: {summary['failure']}")
+    else:
+        print_warnings(result)
     print(f"figures, CSV and summary.json in {out}{series}")
 
 

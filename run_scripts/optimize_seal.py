@@ -4,10 +4,19 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from _common import WrongArgumentError, checked_arguments, parser, run, write_summary
+from _common import (
+    CASES,
+    WrongArgumentError,
+    announce,
+    checked_arguments,
+    parser,
+    print_warnings,
+    run,
+    write_summary,
+)
 from _history_figures import history_rows
 from _optimization import judged, optimize, report_run
-from _restart import recorded_optimizer
+from _restart import recorded_optimizer, recorder_file
 from _seal_file import file_errors, seal_of
 
 import seal_mdao as sm
@@ -26,13 +35,16 @@ from seal_mdao.seals.outline.dxf import write_dxf
 
 
 def main(arguments) -> int:
-    cases, optimizer = arguments.out / "cases.sql", arguments.optimizer
     file, seal = seal_of(arguments.file)
+    optimizer = arguments.optimizer
     if arguments.restart:
-        optimizer = continued(cases, file, arguments)
+        arguments.restart = arguments.out / CASES
+        optimizer = continued(arguments.restart, file, arguments)
+    cases = recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
+    announce(seal)
     kept = KeptAnalyses()
     with LoadStepProgress(seal) as progress:
         with file_errors(arguments.file):
@@ -56,8 +68,10 @@ def main(arguments) -> int:
     write_report(cases, arguments.out / "report.html", kept=kept)
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
     drawing = write_drawing(file, seal, offsets, arguments.out)
-    report_run(optimizer, numbers, cases if arguments.restart else None)
+    report_run(optimizer, numbers, arguments.restart)
     report_ends(history, ends, numbers["kkt"])
+    for result, which in zip(results, ("first", "last"), strict=True):
+        print_warnings(result, f" ({which} design)")
     print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
     return 0 if numbers["success"] else 1
 
@@ -164,7 +178,13 @@ def arguments_parser():
         "--max-iterations", type=int, metavar="N",
         help="largest number of iterations, those before a restart included",
     )  # fmt: skip
-    add("--restart", action="store_true", help="continue the run recorded in cases.sql of --out")
+    add(
+        "--restart",
+        action="store_true",
+        default=None,
+        help="continue the run recorded in cases.sql of --out",
+    )
+    add("--overwrite", action="store_true", help="replace the recorder file of an earlier run")
     return made
 
 

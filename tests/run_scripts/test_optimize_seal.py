@@ -112,3 +112,6 @@ def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
     with pytest.raises(SystemExit):
         run_script("optimize_seal", tmp_path, other, "--restart")
     assert "to continue" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        run_script("optimize_seal", out, out / "seal.toml")
+    assert "--overwrite" in capsys.readouterr().err
