@@ -4,12 +4,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from seal_mdao.contact.friction import OPEN, SLIP
-from seal_mdao.plotting.courses import course_panels
+from seal_mdao.plotting.courses import course_panels, with_start
 from seal_mdao.plotting.style import (
     BLUE,
     CYCLE,
     GREY,
-    MARKERS,
     ORANGE,
     VERMILION,
     styled,
@@ -112,18 +111,14 @@ def contact_width(result: SealResult) -> Figure:
         For a result without profiles or without any converged step.
     """
     figure, panels = course_panels(result, "contact width, {} (mm)")
-    highest = max(history.peak.max() for history, *_ in panels)
     for history, course, axes, last in panels:
-        (width,) = axes.plot(course.along, history.width[course.steps], color=BLUE)
+        (width,) = axes.plot(*with_start(course, history.width), color=BLUE)
         axes.set_ylim(0.0, 1.12 * max(history.width.max(), 1e-3))
         right = axes.twinx()
         right.spines["right"].set_visible(last)
         right.grid(False)
-        (peak,) = right.plot(
-            course.along, history.peak[course.steps], color=VERMILION, linestyle="--",
-            marker=MARKERS[0] if len(course.along) == 1 else None,
-        )  # fmt: skip
-        right.set_ylim(0.0, 1.12 * max(highest, 1e-3))
+        (peak,) = right.plot(*with_start(course, history.peak), color=VERMILION, linestyle="--")
+        right.set_ylim(0.0, 1.12 * max(history.peak.max(), 1e-3))
         if last:
             right.set_ylabel("peak pressure (kPa)", color=VERMILION)
         else:

@@ -59,3 +59,17 @@ def _label(axes, history, course) -> None:
     room = 0.2 * (np.ptp(course.along) or 1.0)
     low, high = min(0.0, course.along.min()), max(0.0, course.along.max())
     axes.set_xlim(low - room * (low < 0.0), high + room)
+
+
+def with_start(course, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Travel (k + 1,) and values (k + 1, ...) of a course with the state in which it begins.
+
+    Parameters
+    ----------
+    course : Course
+    values : ndarray, shape (n, ...)
+        At every nominal step; zero before the first.
+    """
+    before = np.concatenate([np.zeros_like(values[:1]), values])
+    begun = slice(course.steps.start, course.steps.stop + 1)
+    return np.append(0.0, course.along), before[begun]

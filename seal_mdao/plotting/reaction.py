@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from seal_mdao.plotting.courses import course_panels
+from seal_mdao.plotting.courses import course_panels, with_start
 from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.profiles import profile_histories
@@ -64,7 +64,7 @@ def load_deflection(result: SealResult) -> Figure:
     """
     figure, panels = course_panels(result, "force on {} (N/m)")
     for history, course, axes, last in panels:
-        draw_forces(axes, course.along, history.force[course.steps])
+        draw_forces(axes, *with_start(course, history.force))
         if last:
             unit_seal_axis(axes)
     panels[0][2].legend(loc="best", title="component")
