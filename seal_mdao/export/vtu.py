@@ -85,7 +85,7 @@ def point_data(result, step: int) -> dict[str, np.ndarray]:
     for contact in contacts(result.seal):
         values = np.zeros(len(f))
         response = result.path.at_nominal(contact.label)[step]
-        values[contact.where.points.anchors[:, 0]] = pressure(contact, response)
+        values[contact.where.at_particles] = pressure(contact, response)
         data[f"pressure_{contact.label}"] = values
     return data
 
