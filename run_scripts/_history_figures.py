@@ -4,7 +4,6 @@ from pathlib import Path
 
 from seal_mdao import plotting
 from seal_mdao.plotting.recorded import RecordedOptimization
-from seal_mdao.plotting.style import scientific
 from seal_mdao.seals.door.result import DoorSealResult
 
 
@@ -15,14 +14,9 @@ def draw_history(
     figures = {
         "cost_history": plotting.cost_history(history),
         "constraint_history": plotting.constraint_history(history, initial.points.stress),
-        "designs": plotting.design_comparison(initial, final, [_words(initial), _words(final)]),
+        "designs": plotting.door_comparison(initial, final),
     }
     return [plotting.save(figure, out / f"{name}.png") for name, figure in figures.items()]
-
-
-def _words(result: DoorSealResult) -> str:
-    cost, force = scientific(result.gap_square_sum), result.reaction[-1, 1]
-    return f"$\\Sigma g_n^2$ = {cost} mm², {force:.1f} N/m"
 
 
 def history_rows(history: RecordedOptimization) -> list[dict]:

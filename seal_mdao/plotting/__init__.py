@@ -19,6 +19,7 @@ _LAZY = {
     "objective_history": "seal_mdao.plotting.history",
     "constraint_history": "seal_mdao.plotting.history",
     "design_comparison": "seal_mdao.plotting.comparison",
+    "door_comparison": "seal_mdao.plotting.comparison",
     "sensitivity_errors": "seal_mdao.plotting.sensitivity",
     "step_study": "seal_mdao.plotting.sensitivity",
     "material_fit": "seal_mdao.plotting.fitted_material",

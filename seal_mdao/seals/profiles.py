@@ -101,13 +101,13 @@ def _history(result, contact) -> ProfileHistory:
     since = _waypoints(motion)[stage - 1]
     way = _coordinates(motion, number) - since
     responses = result.path.at_nominal(contact.label)
-    way = way_round(result.term(contact.label).where)
-    lengths = np.hypot(*np.diff(contact_places(result, contact.label)[way], axis=0).T)
+    ring = way_round(result.term(contact.label).where)
+    lengths = np.hypot(*np.diff(contact_places(result, contact.label)[ring], axis=0).T)
     pressures = [pressure(contact, response) for response in responses]
     return ProfileHistory(
         contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
-        np.array([lengths @ touching_shares(response.gap[way])[0] for response in responses]),
+        np.array([lengths @ touching_shares(response.gap[ring])[0] for response in responses]),
         np.array([values.max() for values in pressures]), courses(motion, len(number)),
     )  # fmt: skip
 
