@@ -12,6 +12,7 @@ from seal_mdao.seals.file.tables import ProfileTable, SealFile
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded
 from seal_mdao.seals.outline.design import EdgeDesign
+from seal_mdao.seals.outline.moved import moved_outline
 from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
 from seal_mdao.seals.outline.section import Outline, sampled
 
@@ -55,6 +56,27 @@ def boundaries_of(outline: Outline, spacing: float) -> tuple[list, float]:
         return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
 
     return graded(sample, spacing)
+
+
+def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
+    """The section of a design: what has moved as splines through its boundary particles.
+
+    Parameters
+    ----------
+    file : SealFile
+    seal : OutlineSeal
+        That of the file.
+    offsets : ndarray, shape (seal.n_offsets,)
+        mm.
+
+    Raises
+    ------
+    GeometryError
+        For a boundary that crosses itself.
+    """
+    boundaries, _ = boundaries_of(file.section.outline, file.section.spacing)
+    particles = seal.particles(offsets)
+    return moved_outline(file.section.outline, boundaries, [particles[loop] for loop in seal.loops])
 
 
 def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:

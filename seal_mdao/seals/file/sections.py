@@ -42,7 +42,8 @@ def read_section(given, folder: Path) -> SectionTable:
     if not drawn and values["units"] is not None:
         raise SealFileError(f"{where}: units belongs to dxf; all numbers of this file are in mm")
     outline = _drawing(where, values, folder) if drawn else _segments(where, values)
-    return SectionTable(outline, values["material"], values["spacing"])
+    drawing = folder / values["dxf"] if drawn else None
+    return SectionTable(outline, values["material"], values["spacing"], drawing)
 
 
 def _drawing(where, values, folder) -> Outline:

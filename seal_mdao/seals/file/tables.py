@@ -10,11 +10,13 @@ from seal_mdao.seals.outline.section import Outline
 
 @dataclass(frozen=True)
 class SectionTable:
-    """``[section]``: the outline, what it is made of, and the largest distance of particles, mm."""
+    """``[section]``: the outline, what it is made of, the largest distance of particles, mm, and the
+    drawing that the outline is from, if there is one."""
 
     outline: Outline
     material: str
     spacing: float
+    drawing: Path | None = None
 
 
 @dataclass(frozen=True)
