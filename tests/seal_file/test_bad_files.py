@@ -19,6 +19,14 @@ OPTIMIZE = BULB[BULB.index("[optimize]") :]
 SECOND = PROFILE.replace('"door"', '"wall"')
 WIDTH = 'type = "contact_width"\nprofile = "door"'
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
+FITTED = '[material.rubber]\nlaw = "yeoh"\ndata = "tests.csv"\n'
+YEOH = """[material.rubber]
+law = "yeoh"
+c10 = 100.0
+c20 = -100.0
+c30 = 0.0
+bulk_modulus = 8e4
+"""
 
 
 def without(text):
@@ -78,7 +86,18 @@ BAD = {
                "bulk_modulus = 8e4\n", "[material.rubber]: Ogden needs as many mu as alpha"),
     "foam as rubber": (MATERIAL, '[material.rubber]\nlaw = "hyperfoam"\nmu = [6.0]\nalpha = [2.0]\n'
                        "nu = [0.5]\n", "nu_1 of Hyperfoam must lie between -1 and 1/2, got 0.5"),
-    "data": ("c10 = 80.0", 'data = "tests.csv"', "data = 'tests.csv', but constants are not fitted"),
+    "data and constants": ("c10 = 80.0", 'data = "tests.csv"',
+                           "[material.rubber]: unknown key 'c01'; known are law, data,"),
+    "no data": (MATERIAL, FITTED, "tests.csv: cannot be read: No such file"),
+    "data no name": (MATERIAL, FITTED.replace('"tests.csv"', "3"),
+                     "[material.rubber]: data = 3, but it must be a text that is not empty"),
+    "terms of yeoh": (MATERIAL, FITTED + "terms = 2\n", "[material.rubber]: unknown key 'terms'"),
+    "stable no range": ("c10 = 80.0", "c10 = 80.0\nstable = [1.5, 0.7]",
+                        "[material.rubber]: stable = [1.5, 0.7], but it must be the least and largest"),
+    "unstable yeoh": (MATERIAL, YEOH, "[material.rubber]: yeoh is not stable: uniaxial: NOT stable over "
+                      "0.7 to 1.5; instability begins at a stretch of 0.7868 and 1.262; planar: "),
+    "limit within": (MATERIAL, '[material.rubber]\nlaw = "gent"\nshear_modulus = 200.0\nlimit = 0.5\n'
+                     "bulk_modulus = 8e4\n", "[material.rubber]: gent is not stable: "),
     "no name": ("[material.rubber]", "[material]", "[material]: law = 'mooney_rivlin', but a material"),
     "unknown material": ('material = "rubber"', 'material = "ruber"',
                          "[section]: material = 'ruber', but there is no such material (did you mean"),

@@ -90,7 +90,7 @@ def _read(given, path) -> SealFile:
         optimize, measures = read_optimize(given["optimize"], measures, profiles)
     file = SealFile(
         path,
-        _materials(given["material"]),
+        _materials(given["material"], path.parent),
         read_section(given["section"], path.parent),
         FixedTable(**table("[fixed]", given["fixed"], FIXED_KEYS)),
         profiles,
@@ -109,7 +109,7 @@ def _optional(given, name) -> list:
     return tables(name, given[name]) if name in given else []
 
 
-def _materials(given) -> dict:
+def _materials(given, folder) -> dict:
     if not isinstance(given, dict) or not given:
         raise SealFileError(
             f"[material.NAME] must be a table for every material, got {shown(given)}"
@@ -120,7 +120,7 @@ def _materials(given) -> dict:
                 f"[material]: {name} = {shown(value)}, but a material needs a name: write "
                 "[material.rubber]"
             )
-    return {name: read_law(f"[material.{name}]", value) for name, value in given.items()}
+    return {name: read_law(f"[material.{name}]", value, folder) for name, value in given.items()}
 
 
 def _check_profile_names(profiles) -> None:
