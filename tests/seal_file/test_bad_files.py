@@ -19,6 +19,17 @@ OPTIMIZE = BULB[BULB.index("[optimize]") :]
 SECOND = PROFILE.replace('"door"', '"wall"')
 WIDTH = 'type = "contact_width"\nprofile = "door"'
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
+FIXED = '[fixed]\nedges = ["base"]\n'
+SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
+REGION = """[material.foot]
+law = "neo_hookean"
+c10 = 300.0
+bulk_modulus = 8e4
+[[section.region]]
+material = "foot"
+at = [0.0, 1.0]
+line = [[-4.0, 0.0], [1.0, 0.0]]
+"""
 FITTED = '[material.rubber]\nlaw = "yeoh"\ndata = "tests.csv"\n'
 YEOH = """[material.rubber]
 law = "yeoh"
@@ -36,7 +47,7 @@ def without(text):
 # what is replaced in a sound file, by what, and words of the line
 BAD = {
     # TOML
-    "empty": (*without(BULB), "is empty; it needs [material.NAME], [section], [fixed], [[profile]]"),
+    "empty": (*without(BULB), "is empty; it needs [material.NAME], [section], [[profile]]"),
     "a comment": (BULB, "# nothing\n", "is empty"),
     "no TOML": (BULB, "law: rubber", "is not valid TOML: Expected '=' after a key"),
     "no end of a list": ("[4.0, 0.0]]", "[4.0, 0.0]", "is not valid TOML:"),
@@ -45,7 +56,18 @@ BAD = {
     # tables
     "no material": (*without(MATERIAL), "[material.NAME] is missing"),
     "no section": (*without(SECTION), "[section] is missing"),
-    "no fixed": (*without('[fixed]\nedges = ["base"]\n'), "[fixed] is missing"),
+    "no fixed": (*without('[fixed]\nedges = ["base"]\n'),
+                 "[fixed] is missing, so profiles have to hold the section, but none touches it"),
+    "no direction": (FIXED, FIXED + 'directions = ["z"]\n',
+                     "[fixed]: directions = ['z'], but it must be a list of \"x\", \"y\" or both"),
+    "symmetry twice": (FIXED, FIXED + SYMMETRY, "[[symmetry]] 1: edges has 'base', which [fixed] has"),
+    "bent symmetry": (FIXED, FIXED + SYMMETRY.replace("base", "cavity"),
+                      "[[symmetry]] 1: edges has 'cavity', which does not lie in one plane of constant y"),
+    "region off": (FIXED, REGION + FIXED, "[[section.region]] 1: line ends at (1, 0), where no segments"),
+    "region of none": (FIXED, REGION.replace('"foot"', '"foo"') + FIXED,
+                       "[[section.region]] 1: material = 'foo', but there is no such material"),
+    "region of its own": (FIXED, REGION.replace('"foot"', '"rubber"') + FIXED,
+                          "[[section.region]] 1: material = 'rubber', which [section] has already"),
     "no profile": (*without(PROFILE), "[[profile]] is missing"),
     "unknown table": ("[fixed]", "[fixd]", "unknown table or key 'fixd' (did you mean 'fixed'?)"),
     "unknown key on top": ("[material", "speed = 1\n[material", "unknown table or key 'speed'; known"),

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
@@ -12,14 +14,15 @@ from seal_mdao.seals.file.tables import ProfileTable, SealFile
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded
 from seal_mdao.seals.outline.design import EdgeDesign
-from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
+from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, SectionRegion, outline_seal
 from seal_mdao.seals.outline.section import Outline, sampled
 
 
 def build_seal(file: SealFile) -> OutlineSeal:
     """The seal of a file: its cloud, terms, design and measures.
 
-    Parameters of a profile have its name before theirs: ``door_friction``.
+    Parameters of a profile have its name before theirs: ``door_friction``; so have constants of the
+    materials where there are several: ``foot_c10``.
 
     Raises
     ------
@@ -27,12 +30,20 @@ def build_seal(file: SealFile) -> OutlineSeal:
         For a section that cannot be filled at this spacing, or a design with too few parameters.
     """
     section = file.section
+    cuts = [np.array(region.line) for region in section.regions]
     try:
         seal = outline_seal(
-            *boundaries_of(section.outline, section.spacing),
+            *boundaries_of(section.outline, section.spacing, cuts),
             file.materials[section.material],
             n_steps=file.n_steps,
-            fixed=file.fixed.edges,
+            fixed=file.held,
+            planes=file.planes,
+            cuts=cuts,
+            regions=[
+                SectionRegion(file.materials[r.material], r.at, f"{r.material}_")
+                for r in section.regions
+            ],
+            prefix=f"{section.material}_" if section.regions else "",
             contacts=[_contact(profile, file) for profile in file.profiles],
             designs=[EdgeDesign(design.edges, design.parameters) for design in file.designs],
         )
@@ -42,8 +53,10 @@ def build_seal(file: SealFile) -> OutlineSeal:
     return replace(seal, standard=tuple(measure_of(entry, particles) for entry in file.measures))
 
 
-def boundaries_of(outline: Outline, spacing: float) -> tuple[list, float]:
+def boundaries_of(outline: Outline, spacing: float, cuts=()) -> tuple[list, float]:
     """Boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
+
+    ``cuts`` are those of ``cloud``.
 
     Raises
     ------
@@ -54,7 +67,7 @@ def boundaries_of(outline: Outline, spacing: float) -> tuple[list, float]:
     def sample(at):
         return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
 
-    return graded(sample, spacing)
+    return graded(sample, spacing, cuts)
 
 
 def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:

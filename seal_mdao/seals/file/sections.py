@@ -4,9 +4,20 @@ from collections import defaultdict
 from pathlib import Path
 
 from seal_mdao.errors import GeometryError, SealFileError
-from seal_mdao.seals.file.checks import LIST, TEXT, Key, number, one_of, table, tables, whole
+from seal_mdao.seals.file.checks import (
+    LIST,
+    POINT,
+    POINTS,
+    TEXT,
+    Key,
+    number,
+    one_of,
+    table,
+    tables,
+    whole,
+)
 from seal_mdao.seals.file.shapes import KEYS, segments_of
-from seal_mdao.seals.file.tables import SectionTable
+from seal_mdao.seals.file.tables import RegionTable, SectionTable
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
 from seal_mdao.seals.outline.section import Contour, Outline
@@ -18,7 +29,9 @@ SECTION_KEYS = {
     "hole": Key(LIST, None),
     "dxf": Key(TEXT, None),
     "units": Key(one_of(*MODEL_UNITS), None),
+    "region": Key(LIST, None),
 }
+REGION_KEYS = {"material": Key(TEXT), "at": Key(POINT), "line": Key(POINTS)}
 OUTER_KEYS = {"edge": Key(TEXT), **KEYS}
 HOLE_KEYS = {"edge": Key(TEXT), "hole": Key(whole(1, 1000), 1), **KEYS}
 
@@ -42,7 +55,12 @@ def read_section(given, folder: Path) -> SectionTable:
     if not drawn and values["units"] is not None:
         raise SealFileError(f"{where}: units belongs to dxf; all numbers of this file are in mm")
     outline = _drawing(where, values, folder) if drawn else _segments(where, values)
-    return SectionTable(outline, values["material"], values["spacing"])
+    rows = [] if values["region"] is None else tables("section.region", values["region"])
+    regions = tuple(
+        RegionTable(**table(f"[[section.region]] {i}", one, REGION_KEYS))
+        for i, one in enumerate(rows, 1)
+    )
+    return SectionTable(outline, values["material"], values["spacing"], regions)
 
 
 def _drawing(where, values, folder) -> Outline:

@@ -17,7 +17,7 @@ from seal_mdao.seals.assembled import AssembledSeal
 from seal_mdao.seals.outline.cloud import OutlineCloud, cloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.extension import harmonic_extension
-from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
 
 SUPPORT = 2.2
@@ -51,6 +51,23 @@ class EdgeContact(NamedTuple):
         return RigidContact(self.label, where, self.shape, self.motion, self.law, self.prefix)
 
 
+class SectionRegion(NamedTuple):
+    """A part of the section of another material.
+
+    Attributes
+    ----------
+    material : Isotropic
+    at : pair of float
+        A point of the part, mm.
+    prefix : str
+        Put before the names of the material's constants.
+    """
+
+    material: object
+    at: tuple
+    prefix: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class OutlineSeal(AssembledSeal):
     """A seal whose cloud was made from its boundary.
@@ -61,18 +78,22 @@ class OutlineSeal(AssembledSeal):
         Boundary particles of every loop, which come first.
     spacing, support : float
         Of its cloud: mm, and over the longest side of a cell.
+    cuts : tuple of ndarray
+        Lines that divide the drawn section between materials, their corners (k, 2), mm.
     """
 
     loops: tuple = ()
     spacing: float = 1.0
     support: float = SUPPORT
+    cuts: tuple = ()
 
 
 def outline_seal(
-    boundaries, spacing: float, material, *, n_steps: int, fixed=(), contacts=(), designs=(),
-    support: float = SUPPORT, standard=(), inputs=(), newton: NewtonOptions | None = None,
+    boundaries, spacing: float, material, *, n_steps: int, fixed=(), planes=(), contacts=(),
+    designs=(), cuts=(), regions=(), prefix: str = "", support: float = SUPPORT, standard=(),
+    inputs=(), newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
-    """A seal of one material from the boundary of its section.
+    """A seal from the boundary of its section.
 
     Parameters
     ----------
@@ -85,9 +106,17 @@ def outline_seal(
         Nominal load steps, those of the motions.
     fixed : sequence of str
         Edges that are held.
+    planes : sequence of (str, int)
+        Edges that slide along their plane, and the component across it, in which they are held.
     contacts : sequence of EdgeContact
     designs : sequence of EdgeDesign
         Their parameters are the ``boundary_offsets``, mm along the drawn normals.
+    cuts : sequence of ndarray, shape (k, 2)
+        Lines between points of the boundary that divide the section, mm.
+    regions : sequence of SectionRegion
+        Parts between them that are not of ``material``.
+    prefix : str
+        Put before the names of the constants of ``material``.
     support : float
         Support radius over the longest side of a cell at a particle.
     standard, inputs, newton
@@ -102,9 +131,10 @@ def outline_seal(
     """
     known = stretches(boundaries)
     checked_names(fixed, known, "fixed")
+    checked_names([name for name, _ in planes], known, "planes")
     for contact in contacts:
         checked_names(contact.edges, known, f"profile {contact.label!r}")
-    filled = cloud([boundary.points for boundary in boundaries], spacing)
+    filled = cloud([boundary.points for boundary in boundaries], spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
         for name, stretch in known.items()
@@ -112,12 +142,16 @@ def outline_seal(
     held = np.zeros(filled.particles.shape, bool)
     for name in fixed:
         held[edges[name].particles] = True
+    for name, component in planes:
+        held[edges[name].particles, component] = True
     body = _body(filled, support, held, edges)
-    velocity = _inside(filled, boundary_velocity(boundaries, designs, fixed))
-    terms = (elastic_body(material), *(contact.on(body) for contact in contacts))
+    velocity = _inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
+    elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
+    terms = (elastic, *(contact.on(body) for contact in contacts))
     return OutlineSeal(
         filled.particles, velocity, body, terms, n_steps, tuple(standard), tuple(inputs),
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,
+        cuts=tuple(np.asarray(cut, float) for cut in cuts),
     )  # fmt: skip
 
 
@@ -131,7 +165,11 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     ------
     GeometryError
         For a boundary that cannot be filled.
+    ValueError
+        For a section of several materials, whose dividing lines are those of the drawn one.
     """
+    if seal.cuts:
+        raise ValueError("a section of several materials cannot be given a new cloud")
     offsets = seal.check_offsets(offsets)
     present = seal.particles(offsets)
     filled = cloud([present[loop] for loop in seal.loops], seal.spacing)
@@ -156,6 +194,38 @@ def points_on(body: Body, names) -> MaterialPoints:
     neighbours[sides[:, 0], 1] = sides[:, 1]
     movable = which[~body.fixed[which].all(axis=1)]
     return boundary_particles(movable, neighbours[movable])
+
+
+def _regions(filled: OutlineCloud, rest: Region, regions) -> tuple:
+    """Regions of cells, ``rest`` for those of no other."""
+    parts = [_part_at(filled, region.at) for region in regions]
+    for i, part in enumerate(parts):
+        if part in parts[:i]:
+            raise ValueError(
+                f"at = ({regions[i].at[0]:.4g}, {regions[i].at[1]:.4g}) is in the part of the section "
+                f"in which ({regions[parts.index(part)].at[0]:.4g}, "
+                f"{regions[parts.index(part)].at[1]:.4g}) is"
+            )
+    found = tuple(
+        Region(region.material, np.flatnonzero(filled.parts == part), region.prefix)
+        for region, part in zip(regions, parts, strict=True)
+    )
+    if not found:
+        return (rest,)
+    others = np.flatnonzero(~np.isin(filled.parts, parts))
+    if not others.size:
+        raise ValueError("every part of the section is in a region; leave one to its own material")
+    return (rest._replace(cells=others), *found)
+
+
+def _part_at(filled: OutlineCloud, point) -> int:
+    """The part of the section that a point is in."""
+    corners = filled.particles[filled.cells]
+    side, to = np.roll(corners, -1, axis=1) - corners, np.asarray(point, float) - corners
+    inside = (side[..., 0] * to[..., 1] - side[..., 1] * to[..., 0] >= 0.0).all(axis=1)
+    if not inside.any():
+        raise ValueError(f"at = ({point[0]:.4g}, {point[1]:.4g}) is outside of the section")
+    return int(filled.parts[np.flatnonzero(inside)[0]])
 
 
 def _body(filled: OutlineCloud, support, held, edges) -> Body:
