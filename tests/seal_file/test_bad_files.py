@@ -62,7 +62,7 @@ BAD = {
                      "[fixed]: directions = ['z'], but it must be a list of \"x\", \"y\" or both"),
     "symmetry twice": (FIXED, FIXED + SYMMETRY, "[[symmetry]] 1: edges has 'base', which [fixed] has"),
     "bent symmetry": (FIXED, FIXED + SYMMETRY.replace("base", "cavity"),
-                      "[[symmetry]] 1: edges has 'cavity', which does not lie in one plane of constant y"),
+                      "[[symmetry]] 1: edges has 'cavity', which does not lie in one plane of"),
     "region off": (FIXED, REGION + FIXED, "[[section.region]] 1: line ends at (1, 0), where no segments"),
     "region of none": (FIXED, REGION.replace('"foot"', '"foo"') + FIXED,
                        "[[section.region]] 1: material = 'foo', but there is no such material"),

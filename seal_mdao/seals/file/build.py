@@ -14,7 +14,14 @@ from seal_mdao.seals.file.tables import ProfileTable, SealFile
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded
 from seal_mdao.seals.outline.design import EdgeDesign
-from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, SectionRegion, outline_seal
+from seal_mdao.seals.outline.rays import RAY_SUPPORT, Rays, ray_boundaries
+from seal_mdao.seals.outline.seal import (
+    SUPPORT,
+    EdgeContact,
+    OutlineSeal,
+    SectionRegion,
+    outline_seal,
+)
 from seal_mdao.seals.outline.section import Outline, sampled
 
 
@@ -30,6 +37,7 @@ def build_seal(file: SealFile) -> OutlineSeal:
         For a section that cannot be filled at this spacing, or a design with too few parameters.
     """
     section = file.section
+    by_rays = isinstance(section.spacing, Rays)
     cuts = [np.array(region.line) for region in section.regions]
     try:
         seal = outline_seal(
@@ -43,6 +51,7 @@ def build_seal(file: SealFile) -> OutlineSeal:
                 SectionRegion(file.materials[r.material], r.at, f"{r.material}_")
                 for r in section.regions
             ],
+            support=RAY_SUPPORT if by_rays else SUPPORT,
             prefix=f"{section.material}_" if section.regions else "",
             contacts=[_contact(profile, file) for profile in file.profiles],
             designs=[EdgeDesign(design.edges, design.parameters) for design in file.designs],
@@ -53,7 +62,7 @@ def build_seal(file: SealFile) -> OutlineSeal:
     return replace(seal, standard=tuple(measure_of(entry, particles) for entry in file.measures))
 
 
-def boundaries_of(outline: Outline, spacing: float, cuts=()) -> tuple[list, float]:
+def boundaries_of(outline: Outline, spacing: float | Rays, cuts=()) -> tuple[list, float | Rays]:
     """Boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
 
     ``cuts`` are those of ``cloud``.
@@ -63,6 +72,8 @@ def boundaries_of(outline: Outline, spacing: float, cuts=()) -> tuple[list, floa
     GeometryError
         For a section that cannot be filled.
     """
+    if isinstance(spacing, Rays):
+        return ray_boundaries(outline, spacing), spacing
 
     def sample(at):
         return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))

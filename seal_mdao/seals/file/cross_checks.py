@@ -8,14 +8,15 @@ from seal_mdao.geometry.pose import in_frame
 from seal_mdao.seals.file.checks import known
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import JOIN
 from seal_mdao.seals.outline.segments import pair
 
 ROUNDING = 1e-9
 """Penetration at the start that is none, over the size of the section."""
 
-TOUCHING = 2e-4
-"""Gap of a profile that touches the section at the start, over its size: twice that of chords."""
+TOUCHING = 1e-9
+"""Gap of a profile that touches the section at the start, over its size."""
 
 MOST_PARTICLES = 200_000
 """That a section may need; more is a slip of the spacing."""
@@ -46,7 +47,8 @@ def check(file: SealFile) -> None:
     if not file.fixed.edges and min(gaps) > TOUCHING * file.section.outline.size:
         raise SealFileError(
             f"[fixed] is missing, so profiles have to hold the section, but none touches it at the "
-            f"start: the nearest one is {min(gaps):.3g} mm away"
+            f"start: the nearest one is {min(gaps):.3g} mm away (let a segment of the boundary end "
+            "where it touches, so that a particle is there)"
         )
 
 
@@ -60,6 +62,8 @@ def _check_edges(where, key, names, outline):
 def _check_section(file):
     section, outline = file.section, file.section.outline
     known("[section]", "material", section.material, tuple(file.materials), "material")
+    if isinstance(section.spacing, Rays):
+        return
     small = float(np.ptp(outline.box, axis=0).min())
     if section.spacing >= 0.5 * small:
         raise SealFileError(

@@ -9,6 +9,7 @@ from seal_mdao.seals.file.checks import (
     POINT,
     POINTS,
     TEXT,
+    Check,
     Key,
     number,
     one_of,
@@ -20,11 +21,20 @@ from seal_mdao.seals.file.shapes import KEYS, segments_of
 from seal_mdao.seals.file.tables import RegionTable, SectionTable
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
+from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Contour, Outline
 
+RAY_KEYS = {
+    "rays": Key(whole(8, 100_000)),
+    "layers": Key(whole(2, 1000)),
+    "centre": Key(POINT, (0.0, 0.0)),
+}
 SECTION_KEYS = {
     "material": Key(TEXT),
-    "spacing": Key(number(above=0.0)),
+    "spacing": Key(number(above=0.0), None),
+    "rays": Key(
+        Check("a table { rays, layers, centre }", lambda v: table("rays", v, RAY_KEYS)), None
+    ),
     "outer": Key(LIST, None),
     "hole": Key(LIST, None),
     "dxf": Key(TEXT, None),
@@ -60,7 +70,12 @@ def read_section(given, folder: Path) -> SectionTable:
         RegionTable(**table(f"[[section.region]] {i}", one, REGION_KEYS))
         for i, one in enumerate(rows, 1)
     )
-    return SectionTable(outline, values["material"], values["spacing"], regions)
+    if (values["spacing"] is None) == (values["rays"] is None):
+        raise SealFileError(f"{where}: needs either spacing or rays")
+    if values["rays"] is not None and regions:
+        raise SealFileError(f"{where}: [[section.region]] beside rays; use spacing")
+    filling = values["spacing"] if values["rays"] is None else Rays(**values["rays"])
+    return SectionTable(outline, values["material"], filling, regions)
 
 
 def _drawing(where, values, folder) -> Outline:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Outline
 
 
@@ -28,11 +29,11 @@ class RegionTable:
 
 @dataclass(frozen=True)
 class SectionTable:
-    """``[section]``: the outline, what it is made of, and the largest distance of particles, mm."""
+    """``[section]``: the outline, its material, and the largest distance of particles, mm, or rays."""
 
     outline: Outline
     material: str
-    spacing: float
+    spacing: float | Rays
     regions: tuple[RegionTable, ...] = ()
 
 

@@ -1,6 +1,7 @@
 """A seal from the boundary of any section."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from seal_mdao.seals.assembled import AssembledSeal
 from seal_mdao.seals.outline.cloud import OutlineCloud, cloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.extension import harmonic_extension
+from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
 
@@ -76,20 +78,22 @@ class OutlineSeal(AssembledSeal):
     ----------
     loops : tuple of ndarray of int
         Boundary particles of every loop, which come first.
-    spacing, support : float
-        Of its cloud: mm, and over the longest side of a cell.
+    spacing : float or Rays
+        Of its cloud, mm; or the rays that fill its wall.
+    support : float
+        Support radius over the longest side of a cell at a particle.
     cuts : tuple of ndarray
         Lines that divide the drawn section between materials, their corners (k, 2), mm.
     """
 
     loops: tuple = ()
-    spacing: float = 1.0
+    spacing: float | Rays = 1.0
     support: float = SUPPORT
     cuts: tuple = ()
 
 
 def outline_seal(
-    boundaries, spacing: float, material, *, n_steps: int, fixed=(), planes=(), contacts=(),
+    boundaries, spacing: float | Rays, material, *, n_steps: int, fixed=(), planes=(), contacts=(),
     designs=(), cuts=(), regions=(), prefix: str = "", support: float = SUPPORT, standard=(),
     inputs=(), newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
@@ -99,8 +103,8 @@ def outline_seal(
     ----------
     boundaries : sequence of Boundary
         Outside first, as ``boundary.doubled`` gives them: points with edge names, arc length, tangents.
-    spacing : float
-        Wanted distance of particles, mm.
+    spacing : float or Rays
+        Wanted distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``.
     material : Isotropic
     n_steps : int
         Nominal load steps, those of the motions.
@@ -134,7 +138,7 @@ def outline_seal(
     checked_names([name for name, _ in planes], known, "planes")
     for contact in contacts:
         checked_names(contact.edges, known, f"profile {contact.label!r}")
-    filled = cloud([boundary.points for boundary in boundaries], spacing, cuts)
+    filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
         for name, stretch in known.items()
@@ -145,7 +149,7 @@ def outline_seal(
     for name, component in planes:
         held[edges[name].particles, component] = True
     body = _body(filled, support, held, edges)
-    velocity = _inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
+    velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
     terms = (elastic, *(contact.on(body) for contact in contacts))
     return OutlineSeal(
@@ -153,6 +157,13 @@ def outline_seal(
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,
         cuts=tuple(np.asarray(cut, float) for cut in cuts),
     )  # fmt: skip
+
+
+def _filled(boundaries, spacing, cuts):
+    """The cloud, and how velocities of its boundary give those of all particles."""
+    if isinstance(spacing, Rays):
+        return ray_cloud(boundaries, spacing), partial(through_wall, rays=spacing)
+    return cloud([boundary.points for boundary in boundaries], spacing, cuts), _inside
 
 
 def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
@@ -166,10 +177,12 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     GeometryError
         For a boundary that cannot be filled.
     ValueError
-        For a section of several materials, whose dividing lines are those of the drawn one.
+        For a section of several materials, or one that is filled by rays.
     """
-    if seal.cuts:
-        raise ValueError("a section of several materials cannot be given a new cloud")
+    if seal.cuts or isinstance(seal.spacing, Rays):
+        raise ValueError(
+            "only a section of one material that is not filled by rays has other clouds"
+        )
     offsets = seal.check_offsets(offsets)
     present = seal.particles(offsets)
     filled = cloud([present[loop] for loop in seal.loops], seal.spacing)
