@@ -36,10 +36,6 @@ LAW_SCALARS = {
 }
 
 
-ROUNDING = 1e-9
-"""Penetration at the start that is none, mm."""
-
-
 @dataclass(frozen=True, eq=False)
 class RigidContact(TermDefinition):
     """A rigid profile that moves, and the boundary points that may touch it.
@@ -199,7 +195,7 @@ class ContactTerm(PointTerm):
     # ---- the path ----
 
     def check_start(self, response):
-        if np.any(response.gap[response.branch != OPEN] < -ROUNDING):
+        if np.any(response.branch != OPEN):
             raise GeometryError(
                 f"the undeformed body starts {-float(response.gap.min()):.3g} inside the rigid "
                 f"profile {self.label!r}; let its motion start farther away (start of the door seal)"

@@ -63,7 +63,7 @@ BAD = {
     "symmetry twice": (FIXED, FIXED + SYMMETRY, "[[symmetry]] 1: edges has 'base', which [fixed] has"),
     "bent symmetry": (FIXED, FIXED + SYMMETRY.replace("base", "cavity"),
                       "[[symmetry]] 1: edges has 'cavity', which does not lie in one plane of"),
-    "region off": (FIXED, REGION + FIXED, "[[section.region]] 1: line ends at (1, 0), where no segments"),
+    "region off": (FIXED, REGION + FIXED, "[[section.region]] 1: line ends at (1, 0), where no"),
     "region of none": (FIXED, REGION.replace('"foot"', '"foo"') + FIXED,
                        "[[section.region]] 1: material = 'foo', but there is no such material"),
     "region of its own": (FIXED, REGION.replace('"foot"', '"rubber"') + FIXED,

@@ -7,7 +7,7 @@ import numpy as np
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.seals.file.cross_checks import contact_order
+from seal_mdao.seals.file.cross_checks import ROUNDING, contact_order, gap_at_start
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.tables import ProfileTable, SealFile
@@ -84,7 +84,25 @@ def boundaries_of(outline: Outline, spacing: float | Rays, cuts=()) -> tuple[lis
 def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:
     edges, _ = contact_order(profile.contact, file.section.outline)
     law = ContactLaw(profile.normal_penalty, profile.tangent_penalty, profile.friction, True)
+    placed = replace(profile, start=_clear_start(profile, file.section.outline))
     return EdgeContact(
         profile.name, edges, GivenShape(rigid_profile_of(profile)),
-        motion_of(profile, file.n_steps), law, f"{profile.name}_",
+        motion_of(placed, file.n_steps), law, f"{profile.name}_",
     )  # fmt: skip
+
+
+def _clear_start(profile: ProfileTable, outline: Outline) -> tuple:
+    """The start, clear of the section by more than the rounding of coordinates.
+
+    A profile that is drawn to touch would begin within the section or outside of it by chance.
+    """
+    clear, h = ROUNDING * outline.size, 1e-3 * outline.size
+    gap = gap_at_start(profile)
+    ends = [
+        s.points([share])[0] for n in profile.contact for s in outline.edge(n) for share in (0, 1)
+    ]
+    x, y = min(ends, key=lambda point: gap(*point))
+    if abs(gap(x, y)) > clear:
+        return profile.start
+    away = np.array([gap(x + h, y) - gap(x - h, y), gap(x, y + h) - gap(x, y - h)]) / (2.0 * h)
+    return tuple((np.array(profile.start) - 2.0 * clear * away).tolist())

@@ -203,13 +203,19 @@ def contact_order(names, outline) -> tuple[tuple, bool]:
     return tuple(n for n in every[first:] + every[:first] if n in names), not starts
 
 
+def gap_at_start(profile):
+    """Gap of a place to a profile at the start, as a function of x and y."""
+    curve, pose = rigid_profile_of(profile), motion_of(profile, 1).pose(0.0)
+    return lambda x, y: closest_point(curve, *in_frame(pose, x, y))[2]
+
+
 def _check_start(where, profile, file) -> float:
     """The least gap at the start, which must not be negative."""
     outline = file.section.outline
     segments = [segment for name in profile.contact for segment in outline.edge(name)]
     points = np.concatenate([s.points(s.chords(_LOOK * outline.size)) for s in segments])
-    curve, pose = rigid_profile_of(profile), motion_of(profile, 1).pose(0.0)
-    gaps = np.array([closest_point(curve, *in_frame(pose, x, y))[2] for x, y in points])
+    gap = gap_at_start(profile)
+    gaps = np.array([gap(x, y) for x, y in points])
     worst = int(gaps.argmin())
     if gaps[worst] < -ROUNDING * outline.size:
         edge = next(
