@@ -122,16 +122,18 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     Returns
     -------
     int
-        What ``main`` returns, 1 when an analysis could not be completed or a file not be written, 130
-        after Ctrl-C. Wrong arguments exit with 2.
+        What ``main`` returns, 1 when an analysis could not be completed or a file not be written, 2
+        for a seal file that cannot be used, 130 after Ctrl-C. Wrong arguments exit with 2.
     """
     arguments = made.parse_args(argv)
     arguments.given = _given(made, argv)
-    if "out" not in arguments.given and getattr(arguments, "restart", None):
+    if "out" not in arguments.given and isinstance(getattr(arguments, "restart", None), Path):
         arguments.out = arguments.restart.parent
     _require_folder(made, arguments.out)
     try:
         return main(arguments)
+    except sm.SealFileError as error:
+        return _ended(made, str(error), 2)
     except (WrongArgumentError, sm.GeometryError) as error:
         made.error(str(error))
     except sm.LoadPathError as error:
@@ -185,7 +187,7 @@ LONG = 10.0
 """Seconds of an analysis from which on the user is told before it begins."""
 
 
-def announce(seal: sm.DoorSeal) -> None:
+def announce(seal: sm.Seal) -> None:
     """Say what an analysis will take, where that is long; refuse one that does not fit.
 
     Raises

@@ -14,7 +14,7 @@ def draw_history(
     figures = {
         "cost_history": plotting.cost_history(history),
         "constraint_history": plotting.constraint_history(history, initial.points.stress),
-        "designs": plotting.design_comparison(initial, final),
+        "designs": plotting.door_comparison(initial, final),
     }
     return [plotting.save(figure, out / f"{name}.png") for name, figure in figures.items()]
 

@@ -21,7 +21,6 @@ from _common import (
 from seal_mdao import plotting
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.plotting.deformation import spread_depths
 from seal_mdao.plotting.reaction import travel_table
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.door.result import DoorSealResult
@@ -86,9 +85,9 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
 def draw(result: DoorSealResult, arguments) -> None:
     if len(result.reaction) == 0:
         return
-    depths = arguments.depths or spread_depths(result)
+    steps = None if arguments.depths is None else result.steps_at(arguments.depths)
     figures = {
-        "deformed_shapes": plotting.deformed_shapes(result, depths),
+        "deformed_shapes": plotting.deformed_shapes(result, steps),
         "reaction": plotting.reaction_curve(result),
         "gap_profile": plotting.gap_profile(result, result.door_travel[-1] * np.array([0.5, 0.75])),
     }

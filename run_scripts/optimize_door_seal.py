@@ -1,11 +1,8 @@
 """Close the gap of the door seal by changing its shape and the door: problem (71)."""
 
 import sys
-import time
 
-import openmdao.api as om
 from _common import (
-    WrongArgumentError,
     add_seal_arguments,
     announce,
     checked_arguments,
@@ -17,19 +14,15 @@ from _common import (
     write_summary,
 )
 from _history_figures import draw_history, end_numbers, report_end
+from _optimization import judged, optimize, report_run
 from _restart import continued_file, recorded_run, recorder_file
 
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import OPTIMIZERS, major_iterations, seal_problem
+from seal_mdao.optimization import OPTIMIZERS, seal_problem
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import LoadStepProgress
-from seal_mdao.recording.claim import RecorderBusyError
-from seal_mdao.recording.evaluations import RestartError
 from seal_mdao.recording.restart import restart
 from seal_mdao.report.write import write_report
-
-FEASIBLE = 1e-3
-"""Largest relative constraint violation of a design that counts as feasible."""
 
 PROBLEM_FLAGS = {
     "keep_force": "keep the vertical reaction at the end of the path within 10 % of its start",
@@ -66,52 +59,17 @@ def main(arguments) -> int:
     history = read_optimization(cases)
     initial, final = kept.analyze(seal), kept.analyze(seal, *history.design_at(-1))
     numbers = end_numbers(history, initial, final)
-    feasible = numbers["max_constraint_violation"] <= FEASIBLE
-    run_numbers["success"] = run_numbers["success"] and feasible
-    if run_numbers["iterations"] is None:
-        run_numbers["iterations"] = len(history.objective) - 1
+    run_numbers = judged(run_numbers, history)
     summary = {"optimizer": optimizer, **settings, "recorded_evaluations": history.evaluations}
     write_summary(arguments.out, run_numbers | summary | numbers)
     draw_history(history, initial, final, arguments.out)
     write_report(cases, arguments.out / "report.html", kept=kept)
-    state = "converged" if run_numbers["success"] else "NOT CONVERGED"
-    print(
-        f"{optimizer} {state} in {run_numbers['iterations']} iterations, "
-        f"{run_numbers['model_evaluations']} analyses, {run_numbers['wall_s']:.1f} s: "
-        f"{run_numbers['message']}"
-    )
-    if arguments.restart:
-        print(
-            f"continued {arguments.restart}: {run_numbers['reused_evaluations']} recorded "
-            "evaluations used again"
-        )
+    report_run(optimizer, run_numbers, arguments.restart)
     report_end(history, numbers)
     print_warnings(initial, " (first design)")
     print_warnings(final, " (last design)")
     print(f"report.html, figures, summary.json and cases.sql in {arguments.out}")
     return 0 if run_numbers["success"] else 1
-
-
-def optimize(problem: om.Problem) -> dict:
-    """Run the driver; an analysis that fails ends the run, what was recorded stays."""
-    begun = time.perf_counter()
-    try:
-        success = problem.run_driver().success
-        message = str(problem.driver.result.exit_status)
-    except om.AnalysisError as error:
-        success, message = False, str(error)
-    except (RestartError, RecorderBusyError) as error:
-        raise WrongArgumentError(str(error)) from error
-    iterations = major_iterations(problem)
-    problem.cleanup()
-    return {
-        "success": bool(success),
-        "iterations": iterations,
-        "model_evaluations": problem.driver.result.model_evals,
-        "reused_evaluations": getattr(problem.driver, "reused_evaluations", 0),
-        "wall_s": time.perf_counter() - begun,
-        "message": message,
-    }
 
 
 def arguments_parser():

@@ -198,7 +198,7 @@ def seal_problem(
     }  # fmt: skip
     problem.model.options.declare(PROBLEM_OPTION, default=json.dumps(settings), types=str)
     if recorder is not None:
-        _record(problem, recorder)
+        record_run(problem, recorder)
     problem.setup()
     return problem
 
@@ -239,7 +239,7 @@ def _add_band(group: om.Group, name: str, start: np.ndarray, indices=None) -> No
     )  # fmt: skip
 
 
-def _record(problem: om.Problem, recorder) -> None:
+def record_run(problem: om.Problem, recorder) -> None:
     """Record every evaluation; derivatives mark those that begin a major iteration."""
     if isinstance(recorder, str | Path):
         recorder = RestartRecorder(Path(recorder).absolute())

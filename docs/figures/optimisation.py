@@ -11,7 +11,7 @@ from seal_mdao.optimization import OPTIMIZERS, seal_problem
 from seal_mdao.plotting import (
     constraint_history,
     cost_history,
-    design_comparison,
+    door_comparison,
     read_optimization,
     save,
 )
@@ -40,7 +40,7 @@ def make(out: Path, reduced: bool) -> dict:
     save(cost_history(history), out / "cost_history.png")
     figure = constraint_history(history, initial.points.stress)
     save(figure, out / "constraint_history.png")
-    save(design_comparison(initial, final), out / "optimised_seal.png")
+    save(door_comparison(initial, final), out / "optimised_seal.png")
     return {"text": _text(history, initial, final)}
 
 

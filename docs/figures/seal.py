@@ -50,7 +50,6 @@ def _rings(axes, seal, **line):
 def geometry(result: DoorSealResult):
     seal, axes_style = result.seal, {"color": "black", "linewidth": 1.0, "zorder": 3}
     figure, (left, right) = subplots(1, 2, width=10.0, height=4.9, sharey=True)
-    start = (0.0, seal.start)
     corners = seal.drawn_particles[seal.grid.cells]
     closed = np.concatenate([corners, corners[:, :1]], axis=1)
     left.plot(*closed.transpose(2, 1, 0), color="#C9C9C9", linewidth=0.5, zorder=2)
@@ -72,8 +71,8 @@ def geometry(result: DoorSealResult):
     right.text(6.6, 12.2, "$u_{26}$: radius", fontsize=9.5, va="center", ha="left", zorder=6)
     for axes in (left, right):
         _rings(axes, seal, **axes_style)
-        section.draw_base(axes, result)
-        section.draw_door(axes, result, start)
+        section.draw_held(axes, result)
+        section.draw_profiles(axes, result, 0.0)
         section.frame(axes, (-13.0, -12.0), (13.0, 15.5))
     right.set_ylabel("")
     return figure

@@ -118,11 +118,34 @@ class _Line:
         particles[self.particle[:-1]] -= pull
 
 
-def _way_round(where) -> np.ndarray:
+def way_round(where) -> np.ndarray:
     """The points of a boundary in order, the first once more at the end where it is closed."""
     every, ends = np.arange(len(where)), where.edges[[0, -1]]
     closed = where.at_particles[-1] in ends[0] and where.at_particles[0] in ends[1]
     return np.append(every, 0) if closed and len(every) > 2 else every
+
+
+def touching_shares(gap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Share of every stretch between neighbouring contact points that touches, the gap being linear.
+
+    Parameters
+    ----------
+    gap : ndarray, shape (k,)
+
+    Returns
+    -------
+    share, by_first, by_second : ndarray, shape (k - 1,)
+        With its derivatives in the gaps at both ends.
+    """
+    a, b = gap[:-1], gap[1:]
+    span = np.where((a < 0.0) != (b < 0.0), a - b, 1.0)
+    share = np.where((a < 0.0) & (b < 0.0), 1.0, 0.0)
+    first, last = (a < 0.0) & (b >= 0.0), (a >= 0.0) & (b < 0.0)
+    share = np.where(first, a / span, np.where(last, -b / span, share))
+    # a / (a - b) where the first end touches, -b / (a - b) where the second one does
+    by_a = np.where(first, -b, np.where(last, b, 0.0)) / span**2
+    by_b = np.where(first, a, np.where(last, -a, 0.0)) / span**2
+    return share, by_a, by_b
 
 
 @dataclass(frozen=True)
@@ -142,17 +165,9 @@ class ContactWidth(Measure):
     text = "Length of the undeformed boundary in contact."
 
     def evaluate(self, result, partials):
-        way = _way_round(result.term(self.profile).where)
-        gap = result.response(self.profile).gap[way]
+        way = way_round(result.term(self.profile).where)
         line = _Line(result, self.profile, way)
-        a, b = gap[:-1], gap[1:]
-        span = np.where((a < 0.0) != (b < 0.0), a - b, 1.0)
-        share = np.where((a < 0.0) & (b < 0.0), 1.0, 0.0)
-        first, last = (a < 0.0) & (b >= 0.0), (a >= 0.0) & (b < 0.0)
-        share = np.where(first, a / span, np.where(last, -b / span, share))
-        # a / (a - b) where the first end touches, -b / (a - b) where the second one does
-        by_a = np.where(first, -b, np.where(last, b, 0.0)) / span**2
-        by_b = np.where(first, a, np.where(last, -a, 0.0)) / span**2
+        share, by_a, by_b = touching_shares(result.response(self.profile).gap[way])
         on_gap = partials.output(self.profile, "gap")[0]
         on_gap[way[:-1]] += line.length * by_a
         on_gap[way[1:]] += line.length * by_b

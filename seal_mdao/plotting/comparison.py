@@ -1,22 +1,26 @@
 """Initial and optimised design side by side (Figure 7)."""
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting import field, section
+from seal_mdao.plotting.deformation import panel_size
 from seal_mdao.plotting.style import BLUE, GREY, scientific, styled, subplots
 from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.result import SealResult
 
 
 @styled
-def design_comparison(initial: DoorSealResult, optimised: DoorSealResult) -> Figure:
+def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "")) -> Figure:
     """Undeformed sections on top of each other, and both deformed ones in one colour scale.
 
     Parameters
     ----------
-    initial, optimised : DoorSealResult
+    initial, optimised : SealResult
         Completed analyses of two designs of one model.
+    numbers : pair of str
+        What to say about each.
 
     Returns
     -------
@@ -26,43 +30,55 @@ def design_comparison(initial: DoorSealResult, optimised: DoorSealResult) -> Fig
     fines = [field.fine_grid(result) for result in results]
     shapes = [field.deformed(r, fine) for r, fine in zip(results, fines, strict=True)]
     drawn = [field.undeformed(r, fine) for r, fine in zip(results, fines, strict=True)]
-    highest = max(field.von_mises(r, f).max() for r, f in zip(results, fines, strict=True))
-    levels = section.stress_levels(highest)
-    low, high = section.window(shapes + drawn, initial.seal.section.outer_radius + 2.0)
-    width, height = high - low
-    panel = 4.1
-    figure, axes = subplots(
-        1, 3, width=3 * panel + 1.2, height=panel * height / width + 0.75, sharey=True
+    scale = section.stress_scale(
+        field.von_mises(*pair) for pair in zip(results, fines, strict=True)
     )
-    _draw_shapes(axes[0], initial, optimised, drawn)
+    low, high = section.window(shapes + drawn)
+    width, height = panel_size(low, high)
+    figure, axes = subplots(1, 3, width=3 * width + 1.6, height=height + 1.2, sharey=True)
+    _draw_shapes(axes[0], results, fines, drawn)
     section.frame(axes[0], low, high)
-    axes[0].set_title("undeformed shape and door")
-    for axis, result, fine, name in zip(
-        axes[1:], results, fines, ("initial", "optimised"), strict=True
+    axes[0].set_title("undeformed")
+    for axis, result, fine, name, text in zip(
+        axes[1:], results, fines, ("initial", "optimised"), numbers, strict=True
     ):
-        contours = section.draw_stress(axis, result, fine, -1, levels)
+        contours = section.draw_stress(axis, result, fine, -1, scale)
         section.frame(axis, low, high)
-        axis.set_title(f"{name}: {_numbers(result)}")
+        axis.set_title(f"{name}: {text}" if text else name)
         axis.set_ylabel("")
-    axes[1].legend(loc="lower left", bbox_to_anchor=(0.0, 0.6), title="points of the boundary")
+    handles, labels = axes[0].get_legend_handles_labels()
+    points = axes[1].get_legend_handles_labels()
+    figure.legend(
+        handles + points[0], labels + points[1], loc="outside lower center", ncols=6,
+    )  # fmt: skip
     bar = figure.colorbar(contours, ax=axes, shrink=0.85, aspect=28, pad=0.01)
     bar.set_label("von Mises stress (kPa)")
     return figure
 
 
-def _numbers(result: DoorSealResult) -> str:
-    cost, force = scientific(result.gap_square_sum), result.reaction[-1, 1]
-    return f"$\\Sigma g_n^2$ = {cost} mm², {force:.1f} N/m"
+def door_comparison(initial: DoorSealResult, optimised: DoorSealResult) -> Figure:
+    """``design_comparison`` of door seals with their sums of squared gaps and vertical reactions."""
+    numbers = [
+        f"$\\Sigma g_n^2$ = {scientific(r.gap_square_sum)} mm², {r.reaction[-1, 1]:.1f} N/m"
+        for r in (initial, optimised)
+    ]
+    return design_comparison(initial, optimised, numbers)
 
 
-def _draw_shapes(axes: Axes, initial: DoorSealResult, optimised: DoorSealResult, drawn) -> None:
-    section.draw_base(axes, initial)
-    ring = np.vstack([drawn[1], drawn[1][:1]])
-    axes.fill(*np.vstack([ring[:, -1], ring[::-1, 0]]).T, color=BLUE, alpha=0.12, lw=0)
-    section.draw_outline(axes, drawn[0], color=GREY, linestyle="--", linewidth=1.2, label="initial")
-    section.draw_outline(axes, drawn[1], color=BLUE, linewidth=1.6, label="optimised")
-    for result, color, style in ((initial, GREY, "--"), (optimised, BLUE, "-")):
-        x, y = section.door_outline(result, (0.0, result.seal.start)).T
-        radius = f"door radius {result.door_radius:.2f} mm"
-        axes.plot(x[:-2], y[:-2], color=color, linestyle=style, linewidth=1.2, label=radius)
-    axes.legend(loc="center")
+def _draw_shapes(axes: Axes, results, fines, drawn) -> None:
+    section.draw_held(axes, results[0])
+    section.fill_outline(axes, drawn[1], fines[1].loops, color=BLUE, alpha=0.12, lw=0)
+    looks = (("initial", GREY, "--", 1.2), ("optimised", BLUE, "-", 1.6))
+    for result, fine, places, (name, color, style, width) in zip(
+        results, fines, drawn, looks, strict=True
+    ):
+        section.draw_outline(
+            axes, places, fine.loops, color=color, linestyle=style, linewidth=width, label=name
+        )
+        for contact in contacts(result.seal):
+            text = ", ".join(
+                f"{key.replace('_', ' ')} {getattr(contact.shape, key):.2f} mm"
+                for key in contact.shape.names
+            )
+            face = section.profile_face(result, contact, 0.0)
+            axes.plot(*face.T, color=color, linestyle=style, linewidth=1.2, label=text or None)

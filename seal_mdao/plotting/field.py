@@ -6,13 +6,15 @@ import numpy as np
 from matplotlib.tri import Triangulation
 
 from seal_mdao.rkpm.shape_functions import PointSet
-from seal_mdao.rkpm.tables import build_table
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.rkpm.tables import PointTable, build_table
+from seal_mdao.seals.result import SealResult
 from seal_mdao.structure.particle_stress import deformation_gradients
 from seal_mdao.terms.point_assembly import interpolate
 
-ALONG, ACROSS = 5, 4
-"""Intervals into which a background cell is divided along and across the wall."""
+WANTED = 8000
+"""Points that a picture of a whole section needs, about."""
+FINEST = 6
+"""Most intervals into which a side of a background cell is divided."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,70 +23,128 @@ class FineGrid:
 
     Attributes
     ----------
-    shape : tuple of int
-        Points around and across the wall.
-    points : PointSet
-        Bilinear in the corners of the background cells.
-    table : ShapeTable
-        Shape functions at the points.
+    table : PointTable
+        Points, bilinear in the corners of the background cells, and their shape functions.
+    region : ndarray of int, shape (k,)
+        Number of the material of every point; between two materials points lie twice.
+    triangles : ndarray of int, shape (m, 3)
+        Between neighbouring points, counter-clockwise undeformed.
+    loops : tuple of ndarray of int
+        Points along the boundary, the body on the left; the first is not repeated.
     """
 
-    shape: tuple
-    points: PointSet
-    table: object
+    table: PointTable
+    region: np.ndarray
+    triangles: np.ndarray
+    loops: tuple
 
     @property
-    def triangles(self) -> np.ndarray:
-        """Triangles between neighbouring points, shape (m, 3), counter-clockwise undeformed."""
-        around, across = self.shape
-        i, j = (a.ravel() for a in np.meshgrid(np.arange(around), np.arange(across - 1)))
-        here, there = i * across + j, ((i + 1) % around) * across + j
-        lower = np.column_stack([here, here + 1, there + 1])
-        return np.vstack([lower, np.column_stack([here, there + 1, there])])
+    def points(self) -> PointSet:
+        return self.table.points
 
 
-def _bilinear_points(rays: int, layers: int, along: int, across: int) -> tuple[tuple, PointSet]:
-    """Corner particles and bilinear weights of a refined ring of ``rays`` x ``layers`` particles."""
-    shape = (rays * along, (layers - 1) * across + 1)
-    i, j = (a.ravel() for a in np.meshgrid(*map(np.arange, shape), indexing="ij"))
-    ray, layer = i // along, np.minimum(j // across, layers - 2)
-    s, t = i / along - ray, j / across - layer
-    ahead = (ray + 1) % rays
-    corners = np.column_stack(
-        [ray * layers + layer, ray * layers + layer + 1, ahead * layers + layer,
-         ahead * layers + layer + 1]
+def fine_grid(result: SealResult, divisions: int | None = None) -> FineGrid:
+    """Shape functions of a result's design on a grid finer than its particles.
+
+    Parameters
+    ----------
+    result : SealResult
+    divisions : int, optional
+        Intervals into which the sides of cells are divided; chosen by the number of cells when left
+        out.
+    """
+    disc, cells = result.path.discretization, result.seal.body.cells
+    if divisions is None:
+        divisions = int(np.clip(np.sqrt(WANTED / len(cells)), 1, FINEST))
+    region = _cell_regions(result)
+    points, of_cell, of_point = _refined(cells, region, divisions)
+    return FineGrid(
+        build_table(disc.cloud, points, disc.transformation), of_point,
+        _triangles(of_cell), boundary_loops(cells, of_cell),
     )  # fmt: skip
-    weights = np.column_stack([(1 - s) * (1 - t), (1 - s) * t, s * (1 - t), s * t])
-    return shape, PointSet(corners, weights, 1)
 
 
-def fine_grid(result: DoorSealResult, along: int = ALONG, across: int = ACROSS) -> FineGrid:
-    """Shape functions of a result's design on a grid finer than its particles."""
-    grid, disc = result.seal.grid, result.path.discretization
-    shape, points = _bilinear_points(grid.rays, grid.layers, along, across)
-    table = build_table(disc.cloud, points, disc.transformation).table
-    return FineGrid(shape, points, table)
+def _cell_regions(result) -> np.ndarray:
+    """Number of the material of every cell."""
+    body = result.term("structure").definition
+    return body.per_cell(range(len(body.regions)), len(result.seal.body.cells), int)
 
 
-def undeformed(result: DoorSealResult, fine: FineGrid) -> np.ndarray:
-    """Undeformed coordinates of the fine grid, shape (around, across, 2), mm."""
-    return fine.points.at(result.particles).reshape(*fine.shape, 2)
+def _refined(cells, region, n: int):
+    """Points of all cells: the set, the points (m, n + 1, n + 1) of every cell, their regions."""
+    i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
+    shares = np.stack([(n - i) * (n - j), i * (n - j), i * j, (n - i) * j], axis=-1)
+    shape = (len(cells), (n + 1) ** 2, 4)
+    anchors = np.broadcast_to(cells[:, None, :], shape)
+    order = np.argsort(anchors, axis=-1)
+    anchors = np.take_along_axis(anchors, order, -1)
+    shares = np.take_along_axis(np.broadcast_to(shares.reshape(1, -1, 4), shape), order, -1).copy()
+    for k in range(1, 4):  # the repeated corner of a triangle
+        same = anchors[..., k] == anchors[..., k - 1]
+        shares[..., k] += np.where(same, shares[..., k - 1], 0)
+        shares[..., k - 1][same] = 0
+    # what has no share does not tell points apart: those of neighbouring cells are the same
+    heaviest = np.take_along_axis(anchors, shares.argmax(axis=-1)[..., None], -1)
+    anchors = np.where(shares > 0, anchors, heaviest)
+    rows = np.concatenate([anchors, shares], axis=-1)
+    order = np.argsort(anchors * (n * n + 1) + shares, axis=-1)
+    rows = np.concatenate([np.take_along_axis(part, order, -1) for part in (anchors, shares)], -1)
+    rows = np.concatenate([np.broadcast_to(region[:, None, None], (*shape[:2], 1)), rows], -1)
+    found, place = np.unique(rows.reshape(-1, 9), axis=0, return_inverse=True)
+    points = PointSet(np.ascontiguousarray(found[:, 1:5]), found[:, 5:] / n**2, 1)
+    return points, place.reshape(len(cells), n + 1, n + 1), found[:, 0]
 
 
-def deformed(result: DoorSealResult, fine: FineGrid, step: int = -1) -> np.ndarray:
-    """Deformed coordinates of the fine grid after a nominal step, (around, across, 2), mm."""
-    u = np.empty((np.prod(fine.shape), 2))
-    interpolate(fine.table, result.path.nominal_steps[step].d, u)
-    return undeformed(result, fine) + u.reshape(*fine.shape, 2)
+def _triangles(of_cell) -> np.ndarray:
+    a, b = of_cell[:, :-1, :-1].ravel(), of_cell[:, 1:, :-1].ravel()
+    c, d = of_cell[:, 1:, 1:].ravel(), of_cell[:, :-1, 1:].ravel()
+    found = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    different = (found != np.roll(found, 1, axis=1)).all(axis=1)
+    return found[different]
 
 
-def von_mises(result: DoorSealResult, fine: FineGrid, step: int = -1) -> np.ndarray:
-    """Von Mises stress on the fine grid after a nominal step, shape (around * across,), kPa."""
-    f = deformation_gradients(fine.table, result.path.nominal_steps[step].d)
-    return result.seal.material.von_mises((f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4])[0]
+def boundary_loops(cells: np.ndarray, of_cell: np.ndarray) -> tuple:
+    """Points along every closed boundary of cells (m, 4), from the points (m, n + 1, n + 1) of all."""
+    along = [of_cell[:, :, 0], of_cell[:, -1, :], of_cell[:, ::-1, -1], of_cell[:, 0, ::-1]]
+    sides = {}
+    for k in range(4):
+        for a, b, points in zip(cells[:, k], cells[:, (k + 1) % 4], along[k], strict=True):
+            if a != b and sides.pop((b, a), None) is None:
+                sides[a, b] = points[:-1]
+    following = {a: (b, points) for (a, b), points in sides.items()}
+    loops = []
+    while following:
+        start, (at, points) = following.popitem()
+        parts = [points]
+        while at != start:
+            at, points = following.pop(at)
+            parts.append(points)
+        loops.append(np.concatenate(parts))
+    return tuple(loops)
+
+
+def undeformed(result: SealResult, fine) -> np.ndarray:
+    """Undeformed coordinates of the fine grid, shape (k, 2), mm."""
+    return fine.points.at(result.particles)
+
+
+def deformed(result: SealResult, fine, step: int = -1) -> np.ndarray:
+    """Deformed coordinates of the fine grid after a nominal step, shape (k, 2), mm."""
+    u = np.empty((len(fine.points.anchors), 2))
+    interpolate(fine.table.table, result.path.nominal_steps[step].d, u)
+    return undeformed(result, fine) + u
+
+
+def von_mises(result: SealResult, fine, step: int = -1) -> np.ndarray:
+    """Von Mises stress on the fine grid after a nominal step, shape (k,), kPa."""
+    f = deformation_gradients(fine.table.table, result.path.nominal_steps[step].d)
+    square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
+    for number, region in enumerate(result.term("structure").definition.regions):
+        at = fine.region == number
+        stress[at] = region.material.von_mises(square[at], jacobian[at])[0]
+    return stress
 
 
 def triangulation(coordinates: np.ndarray, fine: FineGrid) -> Triangulation:
-    """Triangulation of the fine grid at the given coordinates (around, across, 2)."""
-    x, y = coordinates.reshape(-1, 2).T
-    return Triangulation(x, y, fine.triangles)
+    """Triangulation of the fine grid at the given coordinates (k, 2)."""
+    return Triangulation(*coordinates.T, fine.triangles)

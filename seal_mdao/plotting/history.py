@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from seal_mdao.plotting.recorded import RecordedOptimization, label
+from seal_mdao.plotting.recorded import RecordedOptimization, label, unit_of
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
 
 PAPER_RATIO = 0.0075
@@ -24,32 +24,48 @@ def _iteration_axis(axes: Axes, history: RecordedOptimization) -> None:
 
 @styled
 def cost_history(history: RecordedOptimization) -> Figure:
-    """Objective over its start on a logarithmic axis, infeasible points marked."""
+    """The cost of Eq. (71) over its start on a logarithmic axis, infeasible points marked."""
     figure, axes = subplots(width=6.4, height=4.2)
-    ratio = np.maximum(history.objective_ratio, LOWEST_RATIO)
-    number = np.arange(len(ratio))
-    feasible = history.max_violation <= 1e-3
     axes.axhline(PAPER_RATIO, color=GREY, linestyle="--", linewidth=1.0)
     axes.annotate(
         "0.75 %, Kim et al. (2000)", (1.0, PAPER_RATIO), xycoords=("axes fraction", "data"),
         xytext=(-2, 3), textcoords="offset points", ha="right", color=GREY, fontsize=9.0,
     )  # fmt: skip
-    axes.plot(number, ratio, color=BLUE, zorder=2)
+    _draw_objective(axes, history, np.maximum(history.objective_ratio, LOWEST_RATIO))
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{100 * v:g} %"))
+    axes.set_ylabel("cost / its start")
+    axes.legend(loc="lower left")
+    return figure
+
+
+@styled
+def objective_history(history: RecordedOptimization) -> Figure:
+    """The objective in its own unit, infeasible points marked."""
+    figure, axes = subplots(width=6.4, height=4.2)
+    _draw_objective(axes, history, history.objective)
+    name = label(history.objective_name)
+    unit = unit_of(history, history.objective_name)
+    axes.set_ylabel(f"{name} ({unit})" if unit else name)
+    axes.margins(y=0.12)
+    axes.legend(loc="best")
+    return figure
+
+
+def _draw_objective(axes: Axes, history: RecordedOptimization, values: np.ndarray) -> None:
+    """Values (n,) of the objective over the iterations."""
+    number, feasible = np.arange(len(values)), history.max_violation <= 1e-3
+    axes.plot(number, values, color=BLUE, zorder=2)
     for chosen, fill, text in (
         (feasible, BLUE, "all constraints satisfied"),
         (~feasible, "white", "a constraint violated by over 0.1 %"),
     ):
         if chosen.any():
             axes.plot(
-                number[chosen], ratio[chosen], "o", markersize=7, markerfacecolor=fill,
+                number[chosen], values[chosen], "o", markersize=7, markerfacecolor=fill,
                 markeredgecolor=BLUE, label=text, zorder=3,
             )  # fmt: skip
-    axes.set_yscale("log")
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{100 * v:g} %"))
-    axes.set_ylabel("cost / its start")
     _iteration_axis(axes, history)
-    axes.legend(loc="lower left")
-    return figure
 
 
 @styled

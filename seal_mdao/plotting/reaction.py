@@ -1,18 +1,22 @@
-"""Reaction of the door against its travel."""
+"""Reactions of profiles against their travel: compression-load-deflection curves."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from seal_mdao.plotting.courses import course_panels, with_start
 from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
 from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.profiles import profile_histories
+from seal_mdao.seals.result import SealResult
 
 UNIT_SEAL = 0.1
 """Length of seal for which engineers quote forces, m."""
+COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
 
 
 @styled
 def reaction_curve(result: DoorSealResult) -> Figure:
-    """Both components of the force on the door against door travel.
+    """Both components of the force on the door against door travel from the first touch.
 
     Parameters
     ----------
@@ -26,25 +30,62 @@ def reaction_curve(result: DoorSealResult) -> Figure:
     """
     figure, axes = subplots(width=6.4, height=4.2)
     travel, force = result.door_travel, result.reaction
-    axes.axhline(0.0, color="black", linewidth=0.8)
-    for component, name, color, style in (
-        (1, "vertical", BLUE, "-"),
-        (0, "horizontal", VERMILION, "--"),
-    ):
-        axes.plot(travel, force[:, component], color=color, linestyle=style, label=name)
-        if len(travel):
-            _mark_end(axes, travel[-1], force[-1, component], color)
+    draw_forces(axes, travel, force)
     axes.set_xlabel("door travel from first touch of the drawn seal (mm)")
     axes.set_ylabel("force on the door (N/m)")
     axes.set_xlim(_before_touch(result), 1.1 * max([1e-3, *travel[-1:]]))
-    right = axes.secondary_yaxis(
-        "right", functions=(lambda f: f * UNIT_SEAL, lambda f: f / UNIT_SEAL)
-    )
-    right.set_ylabel("N per 100 mm of seal")
+    unit_seal_axis(axes)
     axes.legend(loc="upper left", title="component")
     if not result.converged:
         axes.set_title("path not completed: last converged step shown")
     return figure
+
+
+@styled
+def load_deflection(result: SealResult) -> Figure:
+    """Compression-load-deflection curves: force on every profile against its travel.
+
+    Stages that go there and back along one line share a picture.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+
+    Returns
+    -------
+    Figure
+        N/m on the left axis, N per 100 mm of seal on the right one; a row for every profile.
+
+    Raises
+    ------
+    ValueError
+        For a result without profiles or without any converged step.
+    """
+    figure, panels = course_panels(result, "force on {} (N/m)")
+    for history, course, axes, last in panels:
+        draw_forces(axes, *with_start(course, history.force))
+        if last:
+            unit_seal_axis(axes)
+    panels[0][2].legend(loc="best", title="component")
+    return figure
+
+
+def draw_forces(axes, travel: np.ndarray, force: np.ndarray) -> None:
+    """Both components of a force (n, 2) against travel (n,), their ends written out."""
+    axes.axhline(0.0, color="black", linewidth=0.8)
+    for component, name, color, style in COMPONENTS:
+        axes.plot(travel, force[:, component], color=color, linestyle=style, label=name)
+        if len(travel):
+            _mark_end(axes, travel[-1], force[-1, component], color)
+
+
+def unit_seal_axis(axes) -> None:
+    """N per 100 mm of seal on the right."""
+    right = axes.secondary_yaxis(
+        "right", functions=(lambda f: f * UNIT_SEAL, lambda f: f / UNIT_SEAL)
+    )
+    right.set_ylabel("N per 100 mm of seal")
 
 
 def _before_touch(result: DoorSealResult) -> float:
@@ -65,3 +106,16 @@ def _mark_end(axes, x: float, y: float, color) -> None:
 def travel_table(result: DoorSealResult) -> np.ndarray:
     """Door travel (mm) and both force components (N/m) of every step, shape (n_steps, 3)."""
     return np.column_stack([np.round(result.door_travel, 12), result.reaction])
+
+
+def reaction_tables(result: SealResult) -> dict[str, list]:
+    """For every profile rows of stage (from 1), travel in it (mm), Fx, Fy (N/m)."""
+    return {
+        history.label: [
+            [int(stage), round(float(travel), 12), *map(float, force)]
+            for stage, travel, force in zip(
+                history.stage, history.travel, history.force, strict=True
+            )
+        ]
+        for history in profile_histories(result)
+    }

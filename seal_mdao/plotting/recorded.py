@@ -22,11 +22,12 @@ NAMES = {
     "patch_pressure": "contact pressure of patch",
     "reaction_curve": "vertical reaction along the path",
     "area": "area of the section",
-    "reaction": "vertical reaction",
     "boundary_offsets": "boundary offsets",
     "door_radius": "corner radius of the door",
 }
 """Variables in words."""
+DESIGN_UNITS = {"boundary_offsets": "mm", "door_radius": "mm"}
+"""Units of inputs that a recorder leaves out unless it is told otherwise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +160,13 @@ class RecordedOptimization:
         if offsets is None:
             raise ValueError("the recorder file does not hold the boundary offsets of a seal")
         return offsets, parameters
+
+
+def unit_of(history: RecordedOptimization, name: str) -> str:
+    """Unit of a recorded variable, with a raised exponent; empty when it has none."""
+    name = name.split("[")[0]
+    text = history.units.get(name, DESIGN_UNITS.get(_last(name), ""))
+    return re.sub(r"\*\*(\d)", lambda power: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power[1])], text)
 
 
 def read_optimization(path, given: dict | None = None) -> RecordedOptimization:

@@ -1,69 +1,177 @@
-"""Drawing of one section: stressed body, outline, rigid door, fixed base."""
+"""Drawing of one section: stressed body, outline, rigid profiles, what is held."""
+
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
-from matplotlib.ticker import MultipleLocator
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from matplotlib.ticker import MaxNLocator
+from shapely import MultiPolygon, Polygon, area, polygons, union_all
 
 from seal_mdao.contact.friction import OPEN
+from seal_mdao.geometry.curve import LINE, curve_point
 from seal_mdao.geometry.profile import trace
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting import field
 from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.result import SealResult
 
-REACH = 40.0
 LEVELS = 20
+USUAL, PEAK = 0.99, 2.0
+"""This share of the points has usual stresses; the scale ends at this multiple of them."""
+FAR = 10.0
+"""How far profiles go on beyond their ends in pictures, over the size of the section."""
+DEPTH, HELD_DEPTH = 0.16, 0.04
+"""Of the hatched sides of profiles and of what is held, over the size of the section."""
+SMOOTH = 0.004
+"""Distance of points along curved profiles, over the size of the section."""
 
 
 def stress_levels(highest: float) -> np.ndarray:
     """Contour levels of a scale shared by several pictures, from 0 to ``highest`` or above, kPa."""
-    raw = max(highest, 1e-9) / LEVELS
+    highest = max(highest, 1e-9)
+    raw = highest / LEVELS
     decade = 10.0 ** np.floor(np.log10(raw))
     step = decade * next(m for m in (1.0, 2.0, 2.5, 5.0, 10.0) if m * decade >= raw)
     return step * np.arange(int(np.ceil(highest / step)) + 1)
 
 
-def door_outline(result: DoorSealResult, position) -> np.ndarray:
-    """Closed polygon of the rigid door moved to ``position``, shape (n, 2), mm."""
-    face = trace(result.seal.profile, 0.05, REACH)
-    lid = [[face[-1, 0], REACH], [face[0, 0], REACH]]
-    return np.vstack([face, lid]) + np.asarray(position)
+class Scale(NamedTuple):
+    """Scale of stresses shared by several pictures.
+
+    Attributes
+    ----------
+    levels : ndarray
+        kPa.
+    extend : str
+        "max" when single points have more, as corners do; as ``tricontourf`` takes it.
+    """
+
+    levels: np.ndarray
+    extend: str
 
 
-def door_position(result: DoorSealResult, step: int) -> np.ndarray:
-    """Where the door is after a nominal step, shape (2,), mm."""
-    return result.seal.motion.pose(result.path.nominal_steps[step].fraction).position
+def stress_scale(stresses) -> Scale:
+    """The scale for pictures of stresses (k,) each, kPa."""
+    stresses = list(stresses)
+    highest = max(stress.max() for stress in stresses)
+    usual = PEAK * max(np.quantile(stress, USUAL) for stress in stresses)
+    levels = stress_levels(min(highest, usual))
+    return Scale(levels, "max" if highest > levels[-1] else "neither")
 
 
-def draw_door(axes: Axes, result: DoorSealResult, position) -> None:
-    """The rigid door as a hatched body."""
-    x, y = door_outline(result, position).T
-    axes.fill(x, y, facecolor=LIGHT_GREY, edgecolor=GREY, hatch="////", linewidth=0.0, zorder=1)
-    axes.plot(x[:-2], y[:-2], color="black", linewidth=1.4, zorder=4)
+def size_of(result: SealResult) -> float:
+    """Larger side of the box around the drawn section, mm."""
+    return float(np.ptp(result.seal.drawn_particles, axis=0).max())
 
 
-def draw_base(axes: Axes, result: DoorSealResult) -> None:
-    """The rigid base to which the seal is fixed, hatched."""
-    base = result.seal.drawn_particles[result.seal.grid.base]
-    left, right, y = base[:, 0].min() - 1.0, base[:, 0].max() + 1.0, base[:, 1].min()
-    axes.fill(
-        [left, right, right, left], [y, y, y - 0.8, y - 0.8],
-        facecolor="white", edgecolor=GREY, hatch="\\\\\\\\", linewidth=0.0, zorder=1,
-    )  # fmt: skip
-    axes.plot([left, right], [y, y], color="black", linewidth=1.0, zorder=2)
+def profile_face(result: SealResult, contact, fraction: float) -> np.ndarray:
+    """Points along a profile after ``fraction`` nominal steps, shape (n, 2), mm.
+
+    A closed one ends where it began; an open one goes on beyond lines at its ends.
+    """
+    profile, size = contact.shape.profile(), size_of(result)
+    far = FAR * size
+    around = float(
+        np.abs(profile.origin).max() + profile.length.max() + np.abs(profile.radius).max()
+    )
+    face = trace(profile, SMOOTH * size, 2.0 * (around + far))
+    if profile.period == 0.0:
+        ends = (0, profile.start[0] - far), (-1, profile.start[-1] + profile.length[-1] + far)
+        first, last = (
+            [curve_point(profile, piece % len(profile.kind), xi)[0]]
+            if profile.kind[piece] == LINE
+            else np.empty((0, 2))
+            for piece, xi in ends
+        )
+        face = np.vstack([first, face, last])
+    return contact.motion.pose(fraction).places(face)
 
 
-def draw_outline(axes: Axes, coordinates: np.ndarray, **line) -> None:
-    """Inner and outer boundary of the fine grid (around, across, 2)."""
+def profile_body(result: SealResult, contact, fraction: float):
+    """The rigid side of a profile as far as it is drawn: a shapely polygon, or several."""
+    face, depth = profile_face(result, contact, fraction), DEPTH * size_of(result)
+    if contact.shape.profile().period == 0.0:
+        return left_of(face, depth)
+    inside = Polygon(face)
+    if inside.exterior.is_ccw:
+        return inside
+    return inside.buffer(depth) - inside
+
+
+def left_of(line: np.ndarray, depth: float):
+    """What lies on the left of a line (k, 2) as far as ``depth``: one quadrilateral for each piece, and
+    a triangle where it turns to the right."""
+    # pieces meet but for rounding, which has no direction
+    line = line[np.append(True, np.hypot(*np.diff(line, axis=0).T) > 1e-6 * depth)]
+    along = np.diff(line, axis=0)
+    beside = depth * np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    a, b = line[:-1], line[1:]
+    pieces = polygons(np.stack([a, b, b + beside, a + beside], axis=1))
+    corner = line[1:-1]
+    wedges = polygons(np.stack([corner, corner + beside[1:], corner + beside[:-1]], axis=1))
+    return union_all([*pieces, *wedges[area(wedges) > 1e-9 * depth**2]])
+
+
+def draw_profiles(axes: Axes, result: SealResult, fraction: float) -> None:
+    """All rigid profiles after ``fraction`` nominal steps as hatched bodies."""
+    for contact in contacts(result.seal):
+        _hatch(axes, profile_body(result, contact, fraction), LIGHT_GREY, "////")
+        face = profile_face(result, contact, fraction)
+        axes.plot(*face.T, color="black", linewidth=1.4, zorder=4)
+
+
+def _hatch(axes, body, face, hatch) -> None:
+    for part in body.geoms if isinstance(body, MultiPolygon) else [body]:
+        rings = [
+            Path(np.asarray(ring.coords), closed=True) for ring in (part.exterior, *part.interiors)
+        ]
+        patch = PathPatch(
+            Path.make_compound_path(*rings), facecolor=face, edgecolor=GREY, hatch=hatch, linewidth=0.0,
+            zorder=1,
+        )  # fmt: skip
+        axes.add_patch(patch)
+
+
+def held_lines(result: SealResult) -> list[np.ndarray]:
+    """Stretches of the drawn boundary that are held, the body on the left, shapes (k, 2), mm."""
+    body, found = result.seal.body, []
+    held = body.fixed.all(axis=1)
+    for loop in field.boundary_loops(body.cells, body.cells[:, [[0, 3], [1, 2]]]):
+        free = np.flatnonzero(~held[loop])
+        ring = np.append(loop, loop[0]) if free.size == 0 else np.roll(loop, -free[0])
+        runs = np.split(ring, np.flatnonzero(np.diff(held[ring])) + 1)
+        found += [result.seal.drawn_particles[r] for r in runs if held[r[0]] and r.size > 1]
+    return found
+
+
+def draw_held(axes: Axes, result: SealResult) -> None:
+    """The rigid ground to which the section is fixed, hatched."""
+    depth = HELD_DEPTH * size_of(result)
+    for line in held_lines(result):
+        _hatch(axes, left_of(line[::-1], depth), "white", "\\\\\\\\")
+        axes.plot(*line.T, color="black", linewidth=1.6, zorder=3)
+
+
+def draw_outline(axes: Axes, coordinates: np.ndarray, loops, **line) -> None:
+    """Boundary loops of the points ``coordinates`` (k, 2)."""
     label = line.pop("label", None)
-    for across in (0, -1):
-        x, y = np.vstack([coordinates[:, across], coordinates[:1, across]]).T
-        axes.plot(x, y, label=label if across else None, **line)
+    for number, loop in enumerate(loops):
+        x, y = coordinates[np.append(loop, loop[0])].T
+        axes.plot(x, y, label=None if number else label, **line)
 
 
-def draw_stress(axes: Axes, result: DoorSealResult, fine: field.FineGrid, step: int, levels):
-    """Deformed body with filled von Mises contours, and the door above it.
+def fill_outline(axes: Axes, coordinates: np.ndarray, loops, **patch) -> None:
+    """The section between boundary loops of the points ``coordinates`` (k, 2)."""
+    rings = [Path(coordinates[np.append(loop, loop[0])], closed=True) for loop in loops]
+    axes.add_patch(PathPatch(Path.make_compound_path(*rings), **patch))
+
+
+def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int, scale: Scale):
+    """Deformed body with filled von Mises contours, and the profiles around it.
 
     Returns
     -------
@@ -71,29 +179,30 @@ def draw_stress(axes: Axes, result: DoorSealResult, fine: field.FineGrid, step: 
         For the colour bar.
     """
     coordinates = field.deformed(result, fine, step)
-    stress = np.clip(field.von_mises(result, fine, step), levels[0], levels[-1])
+    stress, levels = field.von_mises(result, fine, step), scale.levels
     contours = axes.tricontourf(
-        field.triangulation(coordinates, fine), stress, levels=levels, cmap=STRESS_MAP,
-        norm=Normalize(levels[0], levels[-1]), zorder=2,
+        field.triangulation(coordinates, fine), np.maximum(stress, 0.0), levels=levels,
+        cmap=STRESS_MAP, norm=Normalize(levels[0], levels[-1]), extend=scale.extend, zorder=2,
     )  # fmt: skip
-    draw_outline(axes, coordinates, color="black", linewidth=0.8, zorder=3)
-    draw_base(axes, result)
-    draw_door(axes, result, door_position(result, step))
+    draw_outline(axes, coordinates, fine.loops, color="black", linewidth=0.8, zorder=3)
+    draw_held(axes, result)
+    draw_profiles(axes, result, result.path.nominal_steps[step].fraction)
     draw_contact(axes, result, step)
     return contours
 
 
-def draw_contact(axes: Axes, result: DoorSealResult, step: int) -> None:
-    """Contact points that touch the door, and those that stand open between them."""
-    contact = result.response("door", result.path.nominal_steps[step])
-    touching = np.flatnonzero(contact.state != OPEN)
-    for which, fill, label in (
-        (touching, ORANGE, "in contact"),
-        (opened_points(contact.state), "white", "open between contacts"),
+def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
+    """Points that touch a profile, and those that stand open between them."""
+    answers = [result.path.at_nominal(contact.label)[step] for contact in contacts(result.seal)]
+    for fill, label, chosen in (
+        (ORANGE, "in contact", lambda state: state != OPEN),
+        ("white", "open between contacts", opened_points),
     ):
+        places = [answer.x[chosen(answer.state)] for answer in answers]
         axes.plot(
-            *contact.x[which].T, linestyle="none", marker="o", markersize=4.2, zorder=5,
-            markerfacecolor=fill, markeredgecolor="black", markeredgewidth=0.7, label=label,
+            *np.concatenate([np.empty((0, 2)), *places]).T, linestyle="none", marker="o",
+            markersize=4.2, zorder=5, markerfacecolor=fill, markeredgecolor="black",
+            markeredgewidth=0.7, label=label,
         )  # fmt: skip
 
 
@@ -104,13 +213,13 @@ def frame(axes: Axes, low, high) -> None:
     axes.set_ylim(low[1], high[1])
     axes.grid(False)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MultipleLocator(5.0))
+        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
 
 
-def window(shapes, top: float, margin: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """Lower left and upper right corner that hold all ``shapes`` (n, 2) and reach up to ``top``."""
+def window(shapes, margin: float = 0.08) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corner around all ``shapes`` (n, 2), with a share of their size."""
     points = np.vstack([np.reshape(shape, (-1, 2)) for shape in shapes])
-    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
-    return low, np.array([high[0], max(high[1], top)])
+    room = margin * np.ptp(points, axis=0).max()
+    return points.min(axis=0) - room, points.max(axis=0) + room

@@ -65,8 +65,8 @@ def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:
     """
     for options in reader.list_model_options(out_stream=None).values():
         if options.get(SETTINGS_OPTION):
-            settings = json.loads(options[PROBLEM_OPTION]) if PROBLEM_OPTION in options else {}
-            return RecordedProblem(DoorSeal.from_settings(options[SETTINGS_OPTION]), settings)
+            seal = DoorSeal.from_settings(options[SETTINGS_OPTION])
+            return RecordedProblem(seal, recorded_settings(reader))
     return None
 
 
@@ -85,3 +85,11 @@ def recorded_seals(reader: om.CaseReader) -> dict[str, DoorSeal | None]:
             text = options[SETTINGS_OPTION]
             found["" if path == "root" else path] = DoorSeal.from_settings(text) if text else None
     return found
+
+
+def recorded_settings(reader: om.CaseReader) -> dict:
+    """The arguments that define the problem of a recorder file, as far as it holds them."""
+    for options in reader.list_model_options(out_stream=None).values():
+        if PROBLEM_OPTION in options:
+            return json.loads(options[PROBLEM_OPTION])
+    return {}

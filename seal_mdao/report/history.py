@@ -1,15 +1,11 @@
 """What the recorder file says, as the report's charts and tables need it."""
 
-import re
-
 import numpy as np
 
-from seal_mdao.plotting.recorded import Constraint, RecordedOptimization, label
+from seal_mdao.plotting.recorded import Constraint, RecordedOptimization, label, unit_of
 
 FEASIBLE = 1e-3
 """Largest relative violation of a limit that counts as satisfied."""
-DESIGN_UNITS = {"boundary_offsets": "mm", "door_radius": "mm"}
-"""Units of inputs that a recorder leaves out unless it is told otherwise."""
 
 
 def history_data(history: RecordedOptimization) -> dict:
@@ -20,7 +16,7 @@ def history_data(history: RecordedOptimization) -> dict:
         "analyses": history.analyses.tolist(),
         "objective": {
             "label": label(name),
-            "unit": unit(history, name),
+            "unit": unit_of(history, name),
             "values": history.objective.tolist(),
         },
         "violation": history.max_violation.tolist(),
@@ -31,17 +27,10 @@ def history_data(history: RecordedOptimization) -> dict:
     }  # fmt: skip
 
 
-def unit(history: RecordedOptimization, name: str) -> str:
-    """Unit of a recorded variable, with a raised exponent; empty when it has none."""
-    name = name.split("[")[0]
-    text = history.units.get(name, DESIGN_UNITS.get(name.rsplit(".", 1)[-1], ""))
-    return re.sub(r"\*\*(\d)", lambda power: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power[1])], text)
-
-
 def _constraint(history: RecordedOptimization, constraint: Constraint) -> dict:
     return {
         "label": label(constraint.name),
-        "unit": unit(history, constraint.name),
+        "unit": unit_of(history, constraint.name),
         "values": constraint.values.tolist(),
         "use": finite(constraint.use()),
         "lower": finite([constraint.lower])[0],
@@ -64,7 +53,7 @@ def _design_charts(history: RecordedOptimization, name: str) -> list[dict]:
     return [
         {
             "label": words,
-            "unit": unit(history, name),
+            "unit": unit_of(history, name),
             "values": rows[:, part].T.tolist(),
             "lower": finite([low[part].min()])[0],
             "upper": finite([high[part].max()])[0],

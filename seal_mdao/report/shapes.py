@@ -10,31 +10,34 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
-from seal_mdao.contact.friction import OPEN
 from seal_mdao.geometry.profile import trace
 from seal_mdao.plotting import field
 from seal_mdao.plotting.gap import boundary_coordinate
-from seal_mdao.plotting.section import door_position, stress_levels, window
+from seal_mdao.plotting.section import stress_levels, window
 from seal_mdao.plotting.style import STRESS_MAP
+from seal_mdao.report.ring import RingGrid, ring_grid
 from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.profiles import contacts, pressure
 
 POINTS_AROUND, POINTS_ACROSS = 116, 5
 """Points of the fine grid that are enough for a picture."""
 FRAMES = 130
 """Load steps that are kept at most; of more, evenly spread ones."""
 COLOURS = 64
+MARGIN = 0.04
+"""Room around the shapes, over their size."""
 FULL = 32000
 """Integer that stands for the largest coordinate, and for the end of the stress scale."""
 REACH = 60.0
 """How far the door is drawn, mm."""
 
 
-def fine_grid(result: DoorSealResult) -> field.FineGrid:
+def fine_grid(result: DoorSealResult) -> RingGrid:
     """A grid with about as many points whatever the model's refinement."""
     grid = result.seal.grid
     along = max(1, round(POINTS_AROUND / grid.rays))
     across = max(1, round((POINTS_ACROSS - 1) / (grid.layers - 1)))
-    return field.fine_grid(result, along, across)
+    return ring_grid(result, along, across)
 
 
 def kept_steps(result: DoorSealResult) -> np.ndarray:
@@ -61,7 +64,8 @@ class Pictures:
         shapes = [self._deformed(r, s) for r in (start, end) for s in self._steps[id(r)]]
         shapes += [self._deformed(result, -1) for result in between]
         shapes += [field.undeformed(result, self._fine[id(result)]) for result in (start, end)]
-        self._low, self._high = window(shapes, start.seal.section.outer_radius + 1.5)
+        self._low, self._high = window(shapes, MARGIN)
+        self._high[1] = max(self._high[1], start.seal.section.outer_radius + 1.5)
         self._length = max(np.abs(shape).max() for shape in shapes) / FULL
         highest = max(self._stress(r, s).max() for r in (start, end) for s in self._steps[id(r)])
         self._top = float(stress_levels(highest)[-1])
@@ -103,14 +107,14 @@ class Pictures:
 
     def _frame(self, result: DoorSealResult, step: int) -> np.ndarray:
         """x, y, stress of every point of the grid, shape (around * across, 3), integers."""
-        places = self._deformed(result, step).reshape(-1, 2) / self._length
+        places = self._deformed(result, step) / self._length
         stress = np.minimum(self._stress(result, step) * FULL / self._top, FULL)
         return np.column_stack([places, stress])
 
     def _path(self, result: DoorSealResult) -> dict:
-        steps = self._steps[id(result)]
-        contacts = result.path.at_nominal("door")
-        chosen = [contacts[step] for step in steps]
+        steps, (door,) = self._steps[id(result)], contacts(result.seal)
+        answers = result.path.at_nominal(door.label)
+        chosen = [answers[step] for step in steps]
         return {
             "frames": packed([self._frame(result, step) for step in steps]),
             "travel": np.round(result.door_travel[steps], 6).tolist(),
@@ -118,7 +122,7 @@ class Pictures:
             "reaction": np.round(result.reaction[steps], 4).tolist(),
             "peak": [float(np.round(self._stress(result, step).max(), 2)) for step in steps],
             "state": ["".join(map(str, contact.state)) for contact in chosen],
-            "pressure": [np.round(pressure(result, contact), 2).tolist() for contact in chosen],
+            "pressure": [np.round(pressure(door, contact), 2).tolist() for contact in chosen],
             "gap": [np.round(contact.gap, 5).tolist() for contact in chosen],
             "arc": np.round(boundary_coordinate(result), 4).tolist(),
             "door": door_face(result),
@@ -126,7 +130,8 @@ class Pictures:
         }
 
     def _design(self, result: DoorSealResult) -> dict:
-        drawn = field.undeformed(result, self._fine[id(result)])
+        fine = self._fine[id(result)]
+        drawn = field.undeformed(result, fine).reshape(*fine.shape, 2)
         return {
             "frame": packed([self._frame(result, -1)]),
             "drawn": packed([drawn[:, [0, -1]] / self._length]),
@@ -138,10 +143,9 @@ class Pictures:
         }
 
 
-def pressure(result: DoorSealResult, contact) -> np.ndarray:
-    """Contact pressure w_n |g_n| at the contact points, per undeformed area, shape (k,), kPa."""
-    touching = contact.state != OPEN
-    return np.where(touching, -result.seal.normal_penalty * contact.gap, 0.0)
+def door_position(result: DoorSealResult, step: int) -> np.ndarray:
+    """Where the door is after a nominal step, shape (2,), mm."""
+    return result.seal.motion.pose(result.path.nominal_steps[step].fraction).position
 
 
 def door_face(result: DoorSealResult) -> list:

@@ -9,10 +9,10 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.plotting.recorded import RecordedOptimization, label
+from seal_mdao.plotting.recorded import RecordedOptimization, label, unit_of
 from seal_mdao.report import history as words
-from seal_mdao.report.shapes import pressure
 from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.profiles import contacts, pressure
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NO_VALUE = "–"
@@ -58,7 +58,7 @@ def table(head: list[str], rows: list[list], caption: str, first: str = "row") -
 def limits_table(history: RecordedOptimization) -> str:
     """Objective and constraints at the first and at the last point, from the recorder file."""
     first, last = history.objective[[0, -1]]
-    name, unit = label(history.objective_name), words.unit(history, history.objective_name)
+    name, unit = label(history.objective_name), unit_of(history, history.objective_name)
     ratio = share(last / first) if first else NO_VALUE
     rows = [[_with_unit(name, unit), number(first), number(last), "", ratio, "of its start"]]
     for constraint in history.constraints:
@@ -66,7 +66,7 @@ def limits_table(history: RecordedOptimization) -> str:
         violated = constraint.violation()[-1] > words.FEASIBLE
         rows.append(
             [
-                _with_unit(label(constraint.name), words.unit(history, constraint.name)),
+                _with_unit(label(constraint.name), unit_of(history, constraint.name)),
                 *map(number, constraint.values[[0, -1]]), _limits(constraint), share(use),
                 ("violated", "bad") if violated else ("satisfied", "good"),
             ]
@@ -119,6 +119,7 @@ def agrees(recorded: np.ndarray, value: float, result: DoorSealResult) -> bool:
 
 def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
     """Name, unit and value of what an engineer asks about a design; nan where it is not known."""
+    (door,) = contacts(result.seal)
     last = result.path.at_nominal("door")[-1]
     touching, opened = last.state != OPEN, opened_points(last.state)
     lengths = result.term("door").length
@@ -129,7 +130,7 @@ def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
         ("contact points in contact", "", int(touching.sum())),
         ("length of the boundary in contact, undeformed", "mm", float(lengths[touching].sum())),
         ("patches in contact", "", patches(touching)),
-        ("highest contact pressure", "kPa", float(pressure(result, last).max())),
+        ("highest contact pressure", "kPa", float(pressure(door, last).max())),
         ("deepest penetration", "mm", max(0.0, -float(last.gap.min()))),
         ("highest von Mises stress at a particle", "kPa", float(result.stress_field().max())),
         ("vertical force on the door", "N/m", float(result.reaction[-1, 1])),
@@ -201,7 +202,7 @@ def options_table(history: RecordedOptimization) -> str:
 def history_table(history: RecordedOptimization) -> str:
     """Objective and largest violation of every point, for reading and copying."""
     kind = "iteration" if history.major else "evaluation"
-    unit = words.unit(history, history.objective_name)
+    unit = unit_of(history, history.objective_name)
     rows = [
         [str(i), str(analysis), number(value, 6), share(violation)]
         for i, (analysis, value, violation) in enumerate(

@@ -13,6 +13,7 @@ from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.seals import profiles
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
@@ -134,6 +135,14 @@ class SealResult:
         every = np.arange(len(self.particles))
         return particle_stress(self.path, every, self.path.nominal_steps[step])[0]
 
+    def key_steps(self) -> list[int]:
+        """Nominal steps, from 0, of which pictures tell most; the last one that was reached is one."""
+        return profiles.key_steps(self)
+
+    def caption(self, step: int) -> str:
+        """Where the profiles are after a nominal step, in words."""
+        return profiles.caption(self, step)
+
     def measures(self, measures=None) -> tuple:
         """Measures with their places, as ``frozen_measures`` gives them."""
         return frozen_measures(self.seal, measures)
@@ -171,6 +180,12 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
     drawn = (analyze if analysis is None else analysis)(seal.as_drawn())
     drawn.require_converged()
     return tuple(m.frozen(drawn) if m.takes_places else m for m in chosen)
+
+
+def is_empty(measure: Measure, seal: Seal) -> bool:
+    """Whether a measure with frozen places has none: nothing stands open in the drawn seal."""
+    base = measure.base if isinstance(measure, Derived) else measure
+    return base.size(seal) == 0
 
 
 @one_blas_thread

@@ -192,3 +192,10 @@ def particle_gradients(table, cells, d, out):
             out[particle] /= count[particle]
         else:
             out[particle] = np.eye(2)
+
+
+def lowest_jacobian(path) -> float:
+    """Least det F of all quadrature points at the nominal steps of a path; 1 before the first."""
+    structure, steps = path.problem.term("structure"), path.nominal_steps
+    found = [structure.deformation_of(step.d[None]).jacobian.min() for step in steps]
+    return float(min(found, default=1.0))

@@ -5,6 +5,7 @@ import sys
 import matplotlib.image
 import numpy as np
 import pytest
+import shapely
 from matplotlib.contour import ContourSet
 
 import seal_mdao as sm
@@ -12,6 +13,7 @@ from seal_mdao import plotting
 from seal_mdao.plotting import section
 from seal_mdao.plotting.gap import boundary_coordinate
 from seal_mdao.plotting.recorded import Constraint, RecordedOptimization
+from seal_mdao.seals.profiles import contacts
 
 
 def lines(axes):
@@ -31,7 +33,7 @@ def test_no_window_system_is_touched(drawn, tmp_path):
 
 
 def test_deformed_shapes_share_one_scale_and_equal_aspect(drawn):
-    figure = plotting.deformed_shapes(drawn, [5.0, 10.0])
+    figure = plotting.deformed_shapes(drawn, drawn.steps_at([5.0, 10.0]))
     panels = [axes for axes in figure.axes if axes.get_title()]
     assert [axes.get_title() for axes in panels] == ["door travel 5.0 mm", "door travel 10.0 mm"]
     contours = [
@@ -48,8 +50,7 @@ def test_deformed_shapes_share_one_scale_and_equal_aspect(drawn):
 
 
 def test_depths_are_taken_from_the_nearest_step(drawn):
-    figure = plotting.deformed_shapes(drawn, [9.96, 10.0, 10.04])
-    assert len([axes for axes in figure.axes if axes.get_title()]) == 1
+    assert drawn.steps_at([9.96, 10.0, 10.04]) == [104]
 
 
 def test_result_without_steps_cannot_be_drawn(drawn):
@@ -61,13 +62,11 @@ def test_result_without_steps_cannot_be_drawn(drawn):
 
 
 def test_door_is_a_body_outside_the_seal(drawn):
-    from matplotlib.path import Path
-
-    position = section.door_position(drawn, -1)
-    lifted = position + np.array([0.0, 5e-3])  # beyond the penetration
-    outline = section.door_outline(drawn, lifted)
-    assert not Path(outline).contains_points(drawn.deformed()).any()
-    assert Path(outline).contains_point((0.0, position[1] + 1.0))
+    (door,) = contacts(drawn.seal)
+    body = section.profile_body(drawn, door, drawn.seal.n_steps)
+    inside = shapely.contains_xy(body.buffer(-5e-3), drawn.deformed())  # beyond the penetration
+    assert not inside.any()
+    assert shapely.contains_xy(body, 0.0, drawn.door_positions[-1] + 1.0)
 
 
 def test_reaction_is_drawn_against_travel(drawn):
@@ -132,7 +131,7 @@ def test_constraints_are_drawn_over_their_limits():
     recorded = history()
     axes = plotting.constraint_history(recorded, particles=[132, 45]).axes[0]
     texts = ("area of the section", "stress 1, particle 132", "stress 2, particle 45",
-             "vertical reaction")  # fmt: skip
+             "reaction")  # fmt: skip
     curves = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
     for text, constraint in zip(texts, recorded.constraints, strict=True):
         assert np.array_equal(curves[text], constraint.use())
@@ -177,5 +176,5 @@ def test_stress_levels_are_round_and_cover_the_peak():
 
 def test_flat_door_is_drawn_up_to_the_end_of_its_path():
     result = sm.analyze(sm.door_seal(door="flat", depth=2.0, n_steps=5))
-    figure = plotting.deformed_shapes(result, [2.0])
+    figure = plotting.deformed_shapes(result, result.steps_at([2.0]))
     assert figure.axes[0].get_title() == "door travel 2.0 mm"

@@ -3,21 +3,37 @@
 import numpy as np
 import pytest
 
+from seal_mdao.measures.shape import polygon_area
 from seal_mdao.plotting import field
 
 
 @pytest.fixture(scope="module")
 def fine(drawn):
-    return field.fine_grid(drawn, along=3, across=2)
+    return field.fine_grid(drawn, 3)
+
+
+def at_particles(drawn, fine):
+    """Which points of the fine grid are particles, and which ones."""
+    alone = np.flatnonzero(fine.points.weights.max(axis=1) == 1.0)
+    heaviest = fine.points.weights[alone].argmax(axis=1)
+    return alone, fine.points.anchors[alone, heaviest]
 
 
 def test_field_holds_the_particles(drawn, fine):
-    at = np.s_[::3, ::2]
+    points, particles = at_particles(drawn, fine)
+    assert np.array_equal(np.sort(particles), np.arange(len(drawn.particles)))
     for step in (40, -1):
-        coordinates = field.deformed(drawn, fine, step)[at].reshape(-1, 2)
-        assert np.allclose(coordinates, drawn.deformed(step), atol=1e-12)
-        stress = field.von_mises(drawn, fine, step).reshape(fine.shape)[at].ravel()
-        assert np.allclose(stress, drawn.stress_field(step), rtol=1e-10, atol=1e-10)
+        coordinates = field.deformed(drawn, fine, step)[points]
+        assert np.allclose(coordinates, drawn.deformed(step)[particles], atol=1e-12)
+        stress = field.von_mises(drawn, fine, step)[points]
+        assert np.allclose(stress, drawn.stress_field(step)[particles], rtol=1e-10, atol=1e-10)
+
+
+def test_loops_go_round_the_section_once(drawn, fine):
+    areas = [polygon_area(field.undeformed(drawn, fine)[loop])[0] for loop in fine.loops]
+    assert len(areas) == 2
+    assert max(areas) > 0.0 > min(areas)  # the hole clockwise
+    assert sum(areas) == pytest.approx(drawn.path.discretization.weights.sum(), rel=1e-12)
 
 
 def test_triangles_tile_the_section(drawn, fine):
@@ -36,7 +52,8 @@ def test_triangles_tile_the_section(drawn, fine):
 
 
 def test_smooth_between_particles(drawn):
-    fine = field.fine_grid(drawn, along=8, across=2)
-    outer = field.deformed(drawn, fine)[:, -1]
+    fine = field.fine_grid(drawn, 8)
+    places = field.deformed(drawn, fine)
+    outer = max((places[loop] for loop in fine.loops), key=len)
     steps = np.hypot(*np.diff(outer, axis=0).T)
     assert steps.max() < 0.3

@@ -41,6 +41,18 @@ class DoorSealResult(SealResult):
         """Door travel counted from the first touch of the drawn seal, shape (n_steps,), mm."""
         return self.seal.section.outer_radius - self.door_positions
 
+    def steps_at(self, depths) -> list[int]:
+        """Nominal steps whose door travel is nearest to ``depths`` (mm), each once, in order."""
+        travel = self.door_travel
+        return sorted({int(np.argmin(np.abs(travel - depth))) for depth in depths})
+
+    def key_steps(self) -> list[int]:
+        travel = self.door_travel[-1:]
+        return self.steps_at(np.outer(travel, [0.25, 0.5, 0.75, 1.0]).ravel())
+
+    def caption(self, step: int) -> str:
+        return f"door travel {self.door_travel[step]:.1f} mm"
+
     @property
     def contact(self):
         """What the contact with the door answers at the end of the path."""

@@ -14,6 +14,7 @@ from seal_mdao.seals.file.tables import ProfileTable, SealFile
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded
 from seal_mdao.seals.outline.design import EdgeDesign
+from seal_mdao.seals.outline.moved import moved_outline
 from seal_mdao.seals.outline.rays import RAY_SUPPORT, Rays, ray_boundaries
 from seal_mdao.seals.outline.seal import (
     SUPPORT,
@@ -38,7 +39,7 @@ def build_seal(file: SealFile) -> OutlineSeal:
     """
     section = file.section
     by_rays = isinstance(section.spacing, Rays)
-    cuts = [np.array(region.line) for region in section.regions]
+    cuts = section.cuts
     try:
         seal = outline_seal(
             *boundaries_of(section.outline, section.spacing, cuts),
@@ -79,6 +80,28 @@ def boundaries_of(outline: Outline, spacing: float | Rays, cuts=()) -> tuple[lis
         return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
 
     return graded(sample, spacing, cuts)
+
+
+def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
+    """The section of a design: what has moved as splines through its boundary particles.
+
+    Parameters
+    ----------
+    file : SealFile
+    seal : OutlineSeal
+        That of the file.
+    offsets : ndarray, shape (seal.n_offsets,)
+        mm.
+
+    Raises
+    ------
+    GeometryError
+        For a boundary that crosses itself.
+    """
+    section = file.section
+    boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts)
+    particles = seal.particles(offsets)
+    return moved_outline(file.section.outline, boundaries, [particles[loop] for loop in seal.loops])
 
 
 def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:

@@ -71,11 +71,14 @@ def read_section(given, folder: Path) -> SectionTable:
         for i, one in enumerate(rows, 1)
     )
     if (values["spacing"] is None) == (values["rays"] is None):
-        raise SealFileError(f"{where}: needs either spacing or rays")
+        raise SealFileError(
+            f"{where}: needs either spacing, the largest distance of particles in mm, or rays"
+        )
     if values["rays"] is not None and regions:
         raise SealFileError(f"{where}: [[section.region]] beside rays; use spacing")
     filling = values["spacing"] if values["rays"] is None else Rays(**values["rays"])
-    return SectionTable(outline, values["material"], filling, regions)
+    drawing = folder / values["dxf"] if drawn else None
+    return SectionTable(outline, values["material"], filling, drawing, regions)
 
 
 def _drawing(where, values, folder) -> Outline:

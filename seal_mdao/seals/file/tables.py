@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.outline.rays import Rays
@@ -29,12 +31,30 @@ class RegionTable:
 
 @dataclass(frozen=True)
 class SectionTable:
-    """``[section]``: the outline, its material, and the largest distance of particles, mm, or rays."""
+    """``[section]``: the outline and how it is filled.
+
+    Attributes
+    ----------
+    outline : Outline
+    material : str
+        Of what is in no region.
+    spacing : float or Rays
+        Largest distance of particles, mm; or the rays that they lie on.
+    drawing : Path or None
+        What the outline was read from.
+    regions : tuple of RegionTable
+    """
 
     outline: Outline
     material: str
     spacing: float | Rays
+    drawing: Path | None = None
     regions: tuple[RegionTable, ...] = ()
+
+    @property
+    def cuts(self) -> list:
+        """Lines (k, 2) that divide the section."""
+        return [np.array(region.line) for region in self.regions]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,175 @@
+"""Analyse the seal of a seal file: figures, CSV of every curve, VTU series, summary.json."""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from _common import announce, parser, print_warnings, run, write_summary
+from _seal_file import file_errors, seal_of
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.export import vtu
+from seal_mdao.export.tables import write_contact, write_curves
+from seal_mdao.plotting.reaction import reaction_tables
+from seal_mdao.progress import LoadStepProgress
+from seal_mdao.seals.profiles import ProfileHistory, profile_histories
+from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
+from seal_mdao.structure.deformation import lowest_jacobian
+
+
+def main(arguments) -> int:
+    with file_errors(arguments.file):
+        if arguments.vtu:
+            vtu.library()
+        _, seal = seal_of(arguments.file)
+    announce(seal)
+    with file_errors(arguments.file):
+        begun = time.perf_counter()
+        with LoadStepProgress(seal) as progress:
+            result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
+    summary = summarize(result)
+    summary["wall_s"] = time.perf_counter() - begun
+    write_summary(arguments.out, summary)
+    if len(result.path.nominal_steps):
+        draw(result, arguments.out)
+        write_curves(result, arguments.out)
+        write_contact(result, arguments.out)
+    report(result, summary, write_series(result, arguments), arguments.out)
+    return 0 if result.converged else 1
+
+
+def summarize(result: SealResult) -> dict:
+    """summary.json; what concerns the end is None for a path that was not completed."""
+    histories, steps = profile_histories(result), result.path.nominal_steps
+    summary = {
+        "converged": result.converged,
+        "n_particles": len(result.particles),
+        "n_steps": len(steps),
+        "area_mm2": result.seal.area(result.boundary_offsets)[0],
+        "reaction_N_per_m": reaction_tables(result),
+        "peak_pressure_kPa": None,
+        "contact_width_mm": None,
+        "max_penetration_mm": None,
+        "min_det_F": lowest_jacobian(result.path),
+        "newton_iterations": result.newton_iterations,
+        "step_cuts": result.step_cuts,
+        "failure": result.failure or None,
+        "warnings": result.warnings if result.converged else None,
+        "profiles": {history.label: at_profile(result, history) for history in histories},
+    }
+    if result.converged:
+        ends = [history for history in histories if len(history.stage)]
+        gaps = [result.response(history.label).gap.min() for history in ends]
+        summary |= {
+            "peak_pressure_kPa": max([0.0, *(history.peak[-1] for history in ends)]),
+            "contact_width_mm": sum(history.width[-1] for history in ends),
+            "max_penetration_mm": max([0.0, *(-gap for gap in gaps)]),
+        }
+    return summary | measured(result)
+
+
+def at_profile(result: SealResult, history: ProfileHistory) -> dict:
+    """What one profile meets at the end, as far as the path went, and at most."""
+    if not len(history.stage):
+        return {}
+    return {
+        "force_N_per_m": history.force[-1],
+        "force_N_per_100mm": 0.1 * history.force[-1],
+        "peak_pressure_kPa": history.peak[-1],
+        "contact_width_mm": history.width[-1],
+        "highest_pressure_kPa": history.peak.max(),
+        "largest_width_mm": history.width.max(),
+    }
+
+
+def measured(result: SealResult) -> dict:
+    """Every measure of the file with its value, unit, and gradient by the adjoint method.
+
+    The norm is that of the derivatives in the design parameters (per mm); those in material constants,
+    friction and penalties are named one by one.
+    """
+    seal = result.seal
+    if not result.converged or not seal.standard:
+        return {"measures": dict.fromkeys(measure.name for measure in seal.standard)}
+    chosen = frozen_measures(seal, None, lambda drawn: result)
+    chosen = tuple(measure for measure in chosen if not is_empty(measure, seal))
+    names = tuple(seal.scalars)
+    gradients = sm.differentiate(result, names, chosen, "adjoint")
+    found = dict.fromkeys(measure.name for measure in seal.standard)
+    for measure in chosen:
+        value, rows = result.value(measure), np.atleast_2d(gradients[measure.name])
+        norms = np.linalg.norm(rows[:, : seal.n_offsets], axis=1)
+        one = value.size == 1
+        found[measure.name] = {
+            "value": value[0] if one else value,
+            "unit": measure.units,
+            "gradient_norm": (norms[0] if one else norms) if seal.n_offsets else None,
+            "derivatives": {
+                name: rows[0, seal.n_offsets + i] if one else rows[:, seal.n_offsets + i]
+                for i, name in enumerate(names)
+            },
+        }
+    return {"measures": found}
+
+
+def draw(result: SealResult, out: Path) -> None:
+    figures = {
+        "section": plotting.section_cloud,
+        "deformed_shapes": plotting.deformed_shapes,
+        "load_deflection": plotting.load_deflection,
+        "contact_pressure": plotting.contact_pressure,
+        "contact_width": plotting.contact_width,
+    }
+    for name, figure in figures.items():
+        plotting.save(figure(result), out / f"{name}.png")
+
+
+def write_series(result: SealResult, arguments) -> str:
+    """Write the VTU series if it is wanted; what there is to say about it."""
+    if arguments.vtu is False:
+        return ""
+    try:
+        return f", {vtu.write_vtu_series(result, arguments.out / 'vtu').relative_to(arguments.out)}"
+    except ImportError:
+        return "; no VTU files: pip install seal_mdao[vtk]"
+
+
+def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
+    print(
+        f"{summary['n_particles']} particles, {summary['n_steps']} load steps, "
+        f"{int(np.sum(summary['newton_iterations']))} Newton iterations, {summary['step_cuts']} cuts, "
+        f"{summary['wall_s']:.2f} s"
+    )
+    for label, end in summary["profiles"].items():
+        if end:
+            across, up = end["force_N_per_m"]
+            print(
+                f"{label}: force {across:.2f}, {up:.2f} N/m (x, y), {end['contact_width_mm']:.2f} mm in "
+                f"contact, up to {end['peak_pressure_kPa']:.1f} kPa"
+            )
+    for name, found in summary["measures"].items():
+        if found:
+            value = ", ".join(f"{v:.6g}" for v in np.atleast_1d(found["value"]))
+            print(f"{name} = {value} {found['unit'] or ''}".rstrip())
+    if not result.converged:
+        print(f"NOT CONVERGED: {summary['failure']}")
+    else:
+        print_warnings(result)
+    print(f"figures, CSV and summary.json in {out}{series}")
+
+
+def arguments_parser():
+    made = parser(__doc__, "out/seal", "FILE")
+    made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
+    made.add_argument(
+        "--vtu", action=argparse.BooleanOptionalAction, default=None,
+        help="VTU series for ParaView; written when left out if meshio is there",
+    )  # fmt: skip
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(run(arguments_parser(), main))

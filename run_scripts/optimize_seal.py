@@ -1,0 +1,192 @@
+"""Optimise the seal of a seal file: figures, report, summary.json, the best section as DXF and CSV."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from _common import (
+    CASES,
+    WrongArgumentError,
+    announce,
+    checked_arguments,
+    parser,
+    print_warnings,
+    run,
+    write_summary,
+)
+from _history_figures import history_rows
+from _optimization import judged, optimize, report_run
+from _restart import recorded_optimizer, recorder_file
+from _seal_file import file_errors, seal_of
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.export.tables import write_boundary
+from seal_mdao.file_optimization import file_problem, problem_settings
+from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.optimization import OPTIMIZERS
+from seal_mdao.plotting.recorded import RecordedOptimization, label, read_optimization, unit_of
+from seal_mdao.progress import LoadStepProgress
+from seal_mdao.recording.restart import restart
+from seal_mdao.recording.settings import open_cases, recorded_settings
+from seal_mdao.report.write import write_report
+from seal_mdao.seals.file.build import outline_of
+from seal_mdao.seals.outline.dxf import write_dxf
+
+
+def main(arguments) -> int:
+    file, seal = seal_of(arguments.file)
+    optimizer = arguments.optimizer
+    if arguments.restart:
+        arguments.restart = arguments.out / CASES
+        optimizer = continued(arguments.restart, file, arguments)
+    cases = recorder_file(arguments)
+    with checked_arguments():
+        limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
+        driver = OPTIMIZERS[optimizer](*limit)
+    announce(seal)
+    kept = KeptAnalyses()
+    with LoadStepProgress(seal) as progress:
+        with file_errors(arguments.file):
+            problem = file_problem(
+                file, seal, driver=driver, recorder=None if arguments.restart else cases,
+                callback=progress, kept=kept, work_dir=arguments.out,
+            )  # fmt: skip
+        if arguments.restart:
+            with checked_arguments():
+                restart(problem, cases)
+        numbers = optimize(problem)
+    history = read_optimization(cases)
+    numbers = judged(numbers, history)
+    offsets = history.design["boundary_offsets"][-1]
+    results = kept.analyze(seal), kept.analyze(seal, offsets)
+    ends = end_numbers(history)
+    how = {"optimizer": optimizer, "status": status(numbers)} | numbers
+    designs = {"boundary_offsets": offsets, "history": history_rows(history)}
+    write_summary(arguments.out, how | ends | designs)
+    draw(history, results, arguments.out)
+    write_report(cases, arguments.out / "report.html", kept=kept)
+    write_boundary(seal, offsets, arguments.out / "optimum.csv")
+    drawing = write_drawing(file, seal, offsets, arguments.out)
+    report_run(optimizer, numbers, arguments.restart)
+    report_ends(history, ends, numbers["kkt"])
+    for result, which in zip(results, ("first", "last"), strict=True):
+        print_warnings(result, f" ({which} design)")
+    print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
+    return 0 if numbers["success"] else 1
+
+
+def continued(cases: Path, file, arguments) -> str:
+    """The optimiser of the run to continue, when its file is that of this seal file.
+
+    Raises
+    ------
+    WrongArgumentError
+    """
+    if not cases.is_file():
+        raise WrongArgumentError(f"--restart: there is no {cases} to continue")
+    with checked_arguments():
+        recorded = recorded_settings(open_cases(cases))
+    if recorded != problem_settings(file):
+        raise WrongArgumentError(
+            f"--restart: {cases} was recorded with another seal file than {arguments.file} is now; a "
+            "run is continued with its own"
+        )
+    optimizer = recorded_optimizer(cases) or arguments.optimizer
+    if "optimizer" in arguments.given and optimizer != arguments.optimizer:
+        raise WrongArgumentError(
+            f"--optimizer {arguments.optimizer}: {cases} was recorded with {optimizer}; a run is "
+            "continued with its own, so leave this argument out"
+        )
+    return optimizer
+
+
+def status(numbers: dict) -> str:
+    """How the run ended, in a word or two."""
+    return "converged" if numbers["success"] else "not converged"
+
+
+def end_numbers(history: RecordedOptimization) -> dict:
+    """Part of summary.json: objective and constraints before and after."""
+    first, last = history.objective[[0, -1]]
+    return {
+        "objective": {
+            "name": history.objective_name, "unit": unit_of(history, history.objective_name),
+            "start": first, "end": last,
+        },
+        "constraints": {
+            constraint.name: {
+                "unit": unit_of(history, constraint.name),
+                "start": constraint.values[0], "end": constraint.values[-1],
+                "lower": constraint.lower, "upper": constraint.upper,
+            }
+            for constraint in history.constraints
+        },
+        "max_constraint_violation": history.max_violation[-1],
+        "recorded_evaluations": history.evaluations,
+    }  # fmt: skip
+
+
+def draw(history: RecordedOptimization, results, out: Path) -> None:
+    name, unit = label(history.objective_name), unit_of(history, history.objective_name)
+    words = [f"{name} {value:.4g} {unit}".rstrip() for value in history.objective[[0, -1]]]
+    figures = {
+        "objective_history": plotting.objective_history(history),
+        "designs": plotting.design_comparison(*results, words),
+        "start": plotting.deformed_shapes(results[0]),
+        "optimum": plotting.deformed_shapes(results[1]),
+    }
+    if history.constraints:
+        figures["constraint_history"] = plotting.constraint_history(history)
+    for name, figure in figures.items():
+        plotting.save(figure, out / f"{name}.png")
+
+
+def write_drawing(file, seal, offsets, out: Path) -> str:
+    """Write the section of a design as DXF if that can be done; what there is to say about it."""
+    try:
+        return f", {write_dxf(outline_of(file, seal, offsets), out / 'optimum.dxf').name}"
+    except (sm.GeometryError, ImportError) as error:
+        return f" (no drawing: {error})"
+
+
+def report_ends(history: RecordedOptimization, ends: dict, kkt: dict | None) -> None:
+    rows = {ends["objective"]["name"]: ends["objective"]} | ends["constraints"]
+    for name, row in rows.items():
+        limits = [f"{sign} {row[side]:.6g}" for side, sign in (("lower", "≥"), ("upper", "≤"))
+                  if np.isfinite(row.get(side, np.inf))]  # fmt: skip
+        text = f"{label(name)}: {row['start']:.6g} -> {row['end']:.6g} {row['unit']}".rstrip()
+        print(f"{text}, {' and '.join(limits)}" if limits else text)
+    if kkt is not None:
+        largest = max(kkt["stationarity"], kkt["complementarity"])
+        print(
+            f"optimality conditions hold to {largest:.1e}, largest violation of a constraint "
+            f"{history.max_violation[-1]:.1e}"
+        )
+
+
+def arguments_parser():
+    made = parser(__doc__, "out/seal_optimization", "FILE")
+    add = made.add_argument
+    add("file", type=Path, metavar="FILE", help="seal file (TOML) with [[design]] and [optimize]")
+    names = list(OPTIMIZERS)
+    add(
+        "--optimizer", type=str.upper, choices=names, default=names[0],
+        metavar="|".join(names).lower(), help="method",
+    )  # fmt: skip
+    add(
+        "--max-iterations", type=int, metavar="N",
+        help="largest number of iterations, those before a restart included",
+    )  # fmt: skip
+    add(
+        "--restart",
+        action="store_true",
+        default=None,
+        help="continue the run recorded in cases.sql of --out",
+    )
+    add("--overwrite", action="store_true", help="replace the recorder file of an earlier run")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(run(arguments_parser(), main))

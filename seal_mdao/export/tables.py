@@ -1,0 +1,94 @@
+"""Curves as CSV: every profile along the path, contact along the edges, the boundary of a design."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from seal_mdao.contact.friction import OPEN, SLIP
+from seal_mdao.seals.profiles import (
+    contact_places,
+    contacts,
+    pressure,
+    profile_histories,
+    side_lengths,
+)
+
+CURVE_HEADER = (
+    "step", "stage", "travel_mm", "turn_deg", "x_mm", "y_mm", "angle_deg", "Fx_N_per_m", "Fy_N_per_m",
+    "Fx_N_per_100mm", "Fy_N_per_100mm", "contact_width_mm", "peak_pressure_kPa",
+)  # fmt: skip
+EDGE_HEADER = (
+    "step", "arc_length_mm", "X_mm", "Y_mm", "x_mm", "y_mm", "gap_mm", "pressure_kPa", "state",
+)  # fmt: skip
+
+
+def write_curves(result, folder) -> list[Path]:
+    """Write ``curve_NAME.csv`` for every profile: a row for each nominal step.
+
+    Returns
+    -------
+    list of Path
+    """
+    written = []
+    for history in profile_histories(result):
+        columns = (
+            np.arange(1, len(history.stage) + 1), history.stage, history.travel, history.turn,
+            *history.place.T, *history.force.T, *(0.1 * history.force.T), history.width, history.peak,
+        )  # fmt: skip
+        path = Path(folder) / f"curve_{history.label}.csv"
+        written.append(_write(path, CURVE_HEADER, zip(*columns, strict=True)))
+    return written
+
+
+def write_contact(result, folder, steps=None) -> list[Path]:
+    """Write ``contact_NAME.csv`` for every profile: gap, pressure and state of every point that may
+    touch, at nominal ``steps`` from 0 (``result.key_steps()``).
+
+    Returns
+    -------
+    list of Path
+    """
+    steps, written = result.key_steps() if steps is None else steps, []
+    for contact in contacts(result.seal):
+        places, rows = contact_places(result, contact.label), []
+        arc = np.concatenate([[0.0], np.cumsum(side_lengths(result, contact.label))])
+        for step in steps:
+            answer = result.path.at_nominal(contact.label)[step]
+            words = [
+                "open" if s == OPEN else "slip" if s == SLIP else "stick" for s in answer.state
+            ]
+            values = pressure(contact, answer)
+            numbers = np.column_stack([arc, places, answer.x, answer.gap, values])
+            rows += [(step + 1, *row, word) for row, word in zip(numbers, words, strict=True)]
+        path = Path(folder) / f"contact_{contact.label}.csv"
+        written.append(_write(path, EDGE_HEADER, rows))
+    return written
+
+
+def write_boundary(seal, offsets, path) -> Path:
+    """Write the boundary particles of a design, edge by edge in order.
+
+    Parameters
+    ----------
+    seal : Seal
+    offsets : ndarray, shape (seal.n_offsets,)
+        mm.
+    path : str or Path
+    """
+    particles, rows = seal.particles(offsets), []
+    for name, edge in seal.body.edges.items():
+        ring = np.append(edge.particles, edge.particles[:1]) if edge.closed else edge.particles
+        rows += [(name, *drawn, *now) for drawn, now in
+                 zip(seal.drawn_particles[ring], particles[ring], strict=True)]  # fmt: skip
+    return _write(Path(path), ("edge", "drawn_x_mm", "drawn_y_mm", "x_mm", "y_mm"), rows)
+
+
+def _write(path: Path, header, rows) -> Path:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(
+            [value if isinstance(value, str) else f"{value:.12g}" for value in row] for row in rows
+        )
+    return path

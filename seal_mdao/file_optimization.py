@@ -1,0 +1,144 @@
+"""``[optimize]`` of a seal file as an OpenMDAO problem over the parameters of its ``[[design]]``."""
+
+import hashlib
+import json
+
+import numpy as np
+import openmdao.api as om
+from openmdao.core.driver import Driver
+
+from seal_mdao.components.seal_group import SealGroup
+from seal_mdao.errors import SealFileError
+from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.optimization import OBJECTIVE_REF, record_run, uno_driver
+from seal_mdao.recording.settings import PROBLEM_OPTION
+from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.outline.seal import OutlineSeal
+from seal_mdao.seals.result import frozen_measures, is_empty
+
+TAKEN = ("boundary_offsets", "particles", "area")
+"""Names of a ``SealGroup`` that no measure can have."""
+
+
+def file_problem(
+    file: SealFile,
+    seal: OutlineSeal,
+    *,
+    driver: Driver | None = None,
+    recorder=None,
+    callback=None,
+    kept: KeptAnalyses | None = None,
+    work_dir=None,
+    reports=None,
+) -> om.Problem:
+    """The optimisation that a seal file asks for, set up to run.
+
+    Parameters
+    ----------
+    file : SealFile
+    seal : OutlineSeal
+        That of the file.
+    driver : Driver, optional
+        Uno when left out.
+    recorder : str, Path or CaseRecorder, optional
+        Where every model evaluation is recorded, with all that figures and restarts need.
+    callback : callable, optional
+        Called with every converged load step.
+    kept : KeptAnalyses, optional
+        Keeps the analyses for whoever looks at the designs afterwards; a new one when left out.
+    work_dir : str or Path, optional
+        Folder of OpenMDAO's own output; the current one when left out.
+    reports : optional
+        OpenMDAO reports to write, as for ``Problem``; none when left out.
+
+    Returns
+    -------
+    Problem
+        After ``setup``, at the drawn seal.
+
+    Raises
+    ------
+    SealFileError
+        For a file without ``[optimize]`` or ``[[design]]``, or whose measures are empty.
+    LoadPathError
+        When the drawn seal cannot be analysed.
+    """
+    _require_problem(file, seal)
+    kept = KeptAnalyses() if kept is None else kept
+    drawn = kept.analyze(seal, keep_factors=True, callback=callback)
+    drawn.require_converged()
+    names = measure_names(file)
+    measures = frozen_measures(seal, names, lambda seal: drawn)
+    empty = [measure.name for measure in measures if is_empty(measure, seal)]
+    if empty:
+        raise SealFileError(
+            f"{file.path}: [optimize]: the measure {empty[0]!r} has no value: at the end of the drawn "
+            "seal's path nothing stands open between points in contact"
+        )
+    start = {measure.name: drawn.value(measure) for measure in measures}
+    options = {} if work_dir is None else {"work_dir": str(work_dir)}
+    problem = om.Problem(
+        SealGroup(seal=seal, callback=callback, measures=measures, kept=kept),
+        driver=driver or uno_driver(), reports=reports, **options,
+    )  # fmt: skip
+    bounds = design_bounds(file)
+    group = problem.model
+    group.add_design_var("boundary_offsets", lower=-bounds, upper=bounds, ref=2.0 * bounds)
+    size = OBJECTIVE_REF * abs(float(start[file.optimize.minimize][0]))
+    group.add_objective(file.optimize.minimize, ref=size or 1.0)
+    _add_constraints(group, file, start)
+    group.options.declare(PROBLEM_OPTION, default=json.dumps(problem_settings(file)), types=str)
+    if recorder is not None:
+        record_run(problem, recorder)
+    problem.setup()
+    return problem
+
+
+def _require_problem(file, seal) -> None:
+    if file.optimize is None:
+        raise SealFileError(f"{file.path}: [optimize] is missing: say what to minimize")
+    if not seal.n_offsets:
+        raise SealFileError(f"{file.path}: [[design]] is missing: say which edges may move")
+    for name in measure_names(file):
+        if name in TAKEN:
+            raise SealFileError(
+                f"{file.path}: [[measure]]: name = {name!r} is taken in an optimisation; give "
+                "the measure another name"
+            )
+
+
+def measure_names(file: SealFile) -> tuple:
+    """Measures that the optimisation looks at, each once."""
+    constraints = (constraint.measure for constraint in file.optimize.constraints)
+    return tuple(dict.fromkeys([file.optimize.minimize, *constraints]))
+
+
+def design_bounds(file: SealFile) -> np.ndarray:
+    """Largest offset of every design parameter, mm."""
+    return np.concatenate(
+        [np.full(design.parameters * len(design.edges), design.bound) for design in file.designs]
+    )
+
+
+def problem_settings(file: SealFile) -> dict:
+    """What a recorder file keeps of the seal file: its text, and a checksum of its drawing."""
+    text = file.path.read_text(encoding="utf-8")
+    drawing = file.section.drawing
+    kept = {"seal_file": text}
+    if drawing is not None:
+        kept["drawing"] = hashlib.sha256(drawing.read_bytes()).hexdigest()
+    return kept
+
+
+def _add_constraints(group: om.Group, file: SealFile, start: dict) -> None:
+    """A measure may be constrained twice, or be the objective as well: then under another name."""
+    used = {file.optimize.minimize}
+    for number, constraint in enumerate(file.optimize.constraints, start=1):
+        name = constraint.measure
+        limits = [abs(v) for v in (constraint.lower, constraint.upper) if v is not None]
+        size = max(limits) or float(np.abs(start[name]).max()) or 1.0
+        alias = f"{name}_{number}" if name in used else None
+        group.add_constraint(
+            name, lower=constraint.lower, upper=constraint.upper, ref=size, alias=alias
+        )
+        used.add(name)

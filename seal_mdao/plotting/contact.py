@@ -1,0 +1,127 @@
+"""Contact of the profiles: pressure along the edges, width and peak over travel."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from seal_mdao.contact.friction import OPEN, SLIP
+from seal_mdao.plotting.courses import course_panels, with_start
+from seal_mdao.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREY,
+    ORANGE,
+    VERMILION,
+    styled,
+    subplots,
+)
+from seal_mdao.seals.profiles import contacts, pressure, side_lengths
+from seal_mdao.seals.result import SealResult
+
+BESIDE = 2
+"""Open points shown beyond either end of the contact."""
+
+
+def arc_length(result: SealResult, label: str) -> np.ndarray:
+    """Undeformed arc length of the points that may touch from the first of them, shape (k,), mm."""
+    return np.concatenate([[0.0], np.cumsum(side_lengths(result, label))])
+
+
+@styled
+def contact_pressure(result: SealResult, steps=None) -> Figure:
+    """Contact pressure along the edges that may touch, a picture for every profile.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+    steps : sequence of int, optional
+        Nominal steps, from 0; ``result.key_steps()`` when left out.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ValueError
+        For a result without profiles or without any converged step.
+    """
+    steps = result.key_steps() if steps is None else steps
+    profiles = contacts(result.seal)
+    if not profiles or not len(steps):
+        raise ValueError("the result has no profile, or no converged load step to draw")
+    figure, grid = subplots(
+        len(profiles), 1, width=8.2, height=0.4 + 3.6 * len(profiles), squeeze=False
+    )
+    for contact, axes in zip(profiles, grid[:, 0], strict=True):
+        _draw_pressures(axes, result, contact, steps)
+    return figure
+
+
+def _draw_pressures(axes, result, contact, steps) -> None:
+    s, answers = arc_length(result, contact.label), result.path.at_nominal(contact.label)
+    touched = np.zeros(len(s), bool)
+    for number, step in enumerate(steps):
+        values, last = pressure(contact, answers[step]), number == len(steps) - 1
+        touched |= values > 0.0
+        axes.plot(
+            s, values, color=BLUE if last else CYCLE[1:][number % (len(CYCLE) - 1)],
+            linewidth=1.8 if last else 1.1, linestyle="-" if last else (":", "--", "-.")[number % 3],
+            label=result.caption(step), zorder=3 if last else 2,
+        )  # fmt: skip
+    state, values = answers[steps[-1]].state, pressure(contact, answers[steps[-1]])
+    for text, marker, fill, chosen in (
+        ("stick", "s", BLUE, (state != OPEN) & (state != SLIP)), ("slip", "^", ORANGE, state == SLIP),
+    ):  # fmt: skip
+        if chosen.any():
+            axes.plot(
+                s[chosen], values[chosen], linestyle="none", marker=marker, markersize=5.5,
+                markerfacecolor=fill, markeredgecolor=VERMILION if fill == ORANGE else BLUE,
+                label=f"{text}, at the end", zorder=4,
+            )  # fmt: skip
+    axes.axhline(0.0, color="black", linewidth=0.8)
+    at = np.flatnonzero(touched)
+    if at.size:
+        first, last = max(at[0] - BESIDE, 0), min(at[-1] + BESIDE, len(s) - 1)
+        axes.set_xlim(s[first], s[last])
+    else:
+        axes.set_title("no contact", fontsize=9.5, color=GREY)
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel(f"undeformed arc length along the contact with {contact.label} (mm)")
+    axes.set_ylabel("contact pressure (kPa)")
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+@styled
+def contact_width(result: SealResult) -> Figure:
+    """Undeformed length in contact and highest pressure of every profile against its travel.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ValueError
+        For a result without profiles or without any converged step.
+    """
+    figure, panels = course_panels(result, "contact width, {} (mm)")
+    for history, course, axes, last in panels:
+        (width,) = axes.plot(*with_start(course, history.width), color=BLUE)
+        axes.set_ylim(0.0, 1.12 * max(history.width.max(), 1e-3))
+        right = axes.twinx()
+        right.spines["right"].set_visible(last)
+        right.grid(False)
+        (peak,) = right.plot(*with_start(course, history.peak), color=VERMILION, linestyle="--")
+        right.set_ylim(0.0, 1.12 * max(history.peak.max(), 1e-3))
+        if last:
+            right.set_ylabel("peak pressure (kPa)", color=VERMILION)
+        else:
+            right.tick_params(right=False, labelright=False)
+    panels[0][2].legend([width, peak], ["width", "peak pressure"], loc="best")
+    return figure

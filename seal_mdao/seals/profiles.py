@@ -1,0 +1,208 @@
+"""What happened at every rigid profile of an analysed seal: travel, forces, contact, step by step."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.contact.friction import OPEN
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.geometry.motion import Motion
+from seal_mdao.measures.contact import touching_shares, way_round
+
+PARALLEL = 1e-9
+"""Sine of the angle between stages that still go along one line."""
+MIDDLES = 3
+"""With up to so many stages their middles are key steps, too."""
+
+
+def contacts(seal) -> tuple:
+    """Definitions of the contacts of a seal with rigid profiles."""
+    return tuple(term for term in seal.terms() if isinstance(term, RigidContact))
+
+
+class Course(NamedTuple):
+    """Neighbouring stages of a motion along one line, there and back, or about one pivot.
+
+    Attributes
+    ----------
+    steps : slice
+        Nominal steps.
+    stages : tuple of int
+        From 1.
+    along : ndarray, shape (n,)
+        Signed travel (mm) or turn (degrees) since the course began, after each of its steps.
+    turns : bool
+        Whether it is a turn without travel.
+    """
+
+    steps: slice
+    stages: tuple
+    along: np.ndarray
+    turns: bool
+
+
+@dataclass(frozen=True, eq=False)
+class ProfileHistory:
+    """One profile along the path, at n nominal steps.
+
+    A profile that stands still has the stages and the travel of the first one that moves.
+
+    Attributes
+    ----------
+    label : str
+    stage : ndarray of int, shape (n,)
+        From 1.
+    travel, turn : ndarray, shape (n,)
+        Distance (mm) and angle (degrees) since the stage began.
+    place : ndarray, shape (n, 3)
+        x, y (mm), angle (degrees) of the profile itself.
+    force : ndarray, shape (n, 2)
+        Of the seal on the profile, N/m.
+    width : ndarray, shape (n,)
+        Undeformed length in contact, mm.
+    peak : ndarray, shape (n,)
+        Highest contact pressure of all points, kPa.
+    courses : tuple of Course
+    """
+
+    label: str
+    stage: np.ndarray
+    travel: np.ndarray
+    turn: np.ndarray
+    place: np.ndarray
+    force: np.ndarray
+    width: np.ndarray
+    peak: np.ndarray
+    courses: tuple
+
+
+def leading_motion(seal) -> Motion | None:
+    """Motion of the first profile that moves; of the first one if none does; None without profiles."""
+    motions = [contact.motion for contact in contacts(seal)]
+    return next((motion for motion in motions if moves(motion)), motions[0] if motions else None)
+
+
+def moves(motion: Motion) -> bool:
+    """Whether a motion is one."""
+    return bool(np.ptp(motion.positions, axis=0).any() or np.ptp(motion.angles))
+
+
+def profile_histories(result) -> tuple[ProfileHistory, ...]:
+    """Every profile of a result along its path, complete or up to where it ended."""
+    return tuple(_history(result, contact) for contact in contacts(result.seal))
+
+
+def _history(result, contact) -> ProfileHistory:
+    motion = contact.motion if moves(contact.motion) else leading_motion(result.seal)
+    number = np.array([step.nominal for step in result.path.nominal_steps], int)
+    stage = stage_of(motion, number)
+    since = _waypoints(motion)[stage - 1]
+    way = _coordinates(motion, number) - since
+    responses = result.path.at_nominal(contact.label)
+    ring = way_round(result.term(contact.label).where)
+    lengths = np.hypot(*np.diff(contact_places(result, contact.label)[ring], axis=0).T)
+    pressures = [pressure(contact, response) for response in responses]
+    return ProfileHistory(
+        contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
+        _coordinates(contact.motion, number), result.path.reaction(contact.label),
+        np.array([lengths @ touching_shares(response.gap[ring])[0] for response in responses]),
+        np.array([values.max() for values in pressures]), courses(motion, len(number)),
+    )  # fmt: skip
+
+
+def pressure(contact: RigidContact, response) -> np.ndarray:
+    """Contact pressure w_n |g_n| of the points, per undeformed area, shape (k,), kPa."""
+    return np.where(response.state != OPEN, -contact.law.normal_penalty * response.gap, 0.0)
+
+
+def contact_places(result, label: str) -> np.ndarray:
+    """Undeformed places of the points that may touch, shape (k, 2), mm."""
+    return result.term(label).where.points.at(result.particles)
+
+
+def side_lengths(result, label: str) -> np.ndarray:
+    """Undeformed lengths between neighbouring points that may touch, shape (k - 1,), mm."""
+    return np.hypot(*np.diff(contact_places(result, label), axis=0).T)
+
+
+def stage_of(motion: Motion, number: np.ndarray) -> np.ndarray:
+    """Stage, from 1, to which nominal steps (from 0) belong."""
+    return 1 + np.searchsorted(np.cumsum(motion.steps), number, side="right")
+
+
+def _waypoints(motion) -> np.ndarray:
+    return np.column_stack([motion.positions, np.degrees(motion.angles)])
+
+
+def _coordinates(motion, number) -> np.ndarray:
+    """x, y (mm), angle (degrees) after nominal steps, shape (n, 3)."""
+    rows = np.array([motion.coordinates(float(n + 1)) for n in number]).reshape(-1, 3)
+    return rows * (1.0, 1.0, np.degrees(1.0))
+
+
+def courses(motion: Motion, n_steps: int) -> tuple[Course, ...]:
+    """The first ``n_steps`` nominal steps of a motion, divided where its direction changes.
+
+    There and back along one line is one course, so that loading and unloading share an axis.
+    """
+    waypoints, ends = _waypoints(motion), np.concatenate([[0], np.cumsum(motion.steps)])
+    groups = []
+    for stage, ways in enumerate(pairwise(waypoints)):
+        way = ways[1] - ways[0]
+        if groups and _one_line(groups[-1][1], way):
+            first, direction = groups.pop()
+            groups.append(((*first, stage), direction if direction.any() else way))
+        else:
+            groups.append(((stage,), way))
+    found = []
+    for stages, direction in groups:
+        steps = slice(ends[stages[0]], min(ends[stages[-1] + 1], n_steps))
+        if steps.start >= n_steps:
+            break
+        turns = bool(direction[2]) and not direction[:2].any()
+        unit = np.array([0.0, 0.0, 1.0]) if turns else np.append(direction[:2], 0.0)
+        unit = unit / (np.linalg.norm(unit) or 1.0)
+        moved = _coordinates(motion, range(steps.start, steps.stop)) - waypoints[stages[0]]
+        numbers = tuple(s + 1 for s in stages if ends[s] < n_steps)
+        found.append(Course(steps, numbers, moved @ unit, turns))
+    return tuple(found)
+
+
+def _one_line(one, other) -> bool:
+    """Whether two stages (dx, dy, degrees) follow one line or turn about one pivot; a rest does."""
+    if not (one.any() and other.any()):
+        return True
+    if one[2] or other[2]:
+        return not (one[:2].any() or other[:2].any()) and bool(one[2] and other[2])
+    across = one[0] * other[1] - one[1] * other[0]
+    return abs(across) <= PARALLEL * np.hypot(*one[:2]) * np.hypot(*other[:2])
+
+
+def key_steps(result) -> list[int]:
+    """Nominal steps, from 0, that tell of the path: ends of the stages, and shares of few of them."""
+    done, motion = len(result.path.nominal_steps), leading_motion(result.seal)
+    stages = [result.seal.n_steps] if motion is None else motion.steps.tolist()
+    parts = 4 if len(stages) == 1 else 2 if len(stages) <= MIDDLES else 1
+    ends = np.concatenate([[0], np.cumsum(stages)])
+    chosen = {
+        round(first + (last - first) * part / parts) - 1
+        for first, last in pairwise(ends.tolist())
+        for part in range(1, parts + 1)
+    }
+    return sorted({min(max(step, 0), done - 1) for step in chosen}) if done else []
+
+
+def caption(result, step: int) -> str:
+    """Where the profiles are after a nominal step, in words."""
+    motion = leading_motion(result.seal)
+    if motion is None:
+        return f"step {step + 1} of {result.seal.n_steps}"
+    (stage,) = stage_of(motion, np.array([step]))
+    way = _coordinates(motion, [step])[0] - _waypoints(motion)[stage - 1]
+    travel, turn = np.hypot(*way[:2]), way[2]
+    words = [f"travel {travel:.3g} mm"] if travel else []
+    words += [f"turn {turn:.3g}°"] if turn else []
+    head = [f"stage {stage}"] if len(motion.steps) > 1 else []
+    return ", ".join([*head, *(words or ["at rest"])])

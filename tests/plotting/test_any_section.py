@@ -1,0 +1,117 @@
+"""Pictures of seals other than the door seal: several materials, a closed profile, triangles."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from matplotlib.contour import ContourSet
+from pressed_block import pressed_block
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.measures.shape import polygon_area
+from seal_mdao.plotting import field, section
+from seal_mdao.seals.profiles import contacts
+from seal_mdao.structure.elastic_body import ElasticBody, Region
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    """A block of two laws under an ellipse that comes, and then slides and turns."""
+    block = pressed_block()
+    soft, hard = np.arange(12), np.arange(12, 24)
+    body = ElasticBody(
+        (
+            Region(sm.NeoHookean(120.0, 20_000.0), soft, "low_"),
+            Region(sm.NeoHookean(240.0, 20_000.0), hard, "high_"),
+        )
+    )
+    return sm.analyze(replace(block, definitions=(body, *block.definitions[1:])))
+
+
+def test_points_between_materials_lie_twice(pressed):
+    fine = field.fine_grid(pressed, 3)
+    places = field.undeformed(pressed, fine)
+    twice = np.unique(np.round(places, 9), axis=0)
+    # between the first 12 cells and the others lie 8 sides above and one across: 28 points
+    assert len(places) - len(twice) == 9 * 3 + 1
+    assert set(fine.region) == {0, 1}
+    stress = field.von_mises(pressed, fine)
+    both = [np.flatnonzero(np.hypot(*(places - p).T) < 1e-9) for p in places[fine.region == 0]]
+    jumps = [abs(np.ptp(stress[at])) for at in both if at.size == 2]
+    assert jumps
+    # F is continuous: of neo-Hookean laws the stiffer one has twice the stress
+    ratios = [stress[at].max() / stress[at].min() for at in both if at.size == 2]
+    assert ratios == pytest.approx([2.0] * len(ratios), rel=1e-9)
+
+
+def test_closed_profile_is_filled_where_it_is(pressed):
+    (roll,) = contacts(pressed.seal)
+    body = section.profile_body(pressed, roll, 8.0)
+    place = roll.motion.pose(8.0).position
+    assert shapely.contains_xy(body, *place)
+    assert body.area == pytest.approx(np.pi * 1.5 * 1.0, rel=2e-3)
+    # points of the contact are as far from what is drawn as their gaps say, but for its chords:
+    # of 0.024 mm, on radii of 0.67 mm and more
+    answer, face = pressed.response("roll"), body.exterior
+    away = [face.distance(shapely.Point(x)) for x in answer.x]
+    signs = np.where(shapely.contains_xy(body, answer.x), -1.0, 1.0)
+    assert signs * away == pytest.approx(answer.gap, abs=0.024**2 / 8 / 0.67 + 1e-12)
+
+
+def test_what_is_held_is_found_without_a_name(pressed):
+    (line,) = section.held_lines(pressed)
+    assert "base" not in pressed.seal.body.edges
+    assert line[[0, -1]].tolist() == [[-3.0, 0.0], [3.0, 0.0]]
+
+
+def test_every_figure(pressed, tmp_path):
+    steps = pressed.key_steps()
+    assert steps == [1, 4, 5, 7]
+    shapes = plotting.deformed_shapes(pressed)
+    titles = [axes.get_title() for axes in shapes.axes if axes.get_title()]
+    assert titles == [pressed.caption(step) for step in steps]
+    assert titles[-1] == "stage 2, travel 0.4 mm, turn 10°"
+    drawn = [c for axes in shapes.axes for c in axes.get_children() if isinstance(c, ContourSet)]
+    assert len(drawn) == 4
+    curve = plotting.load_deflection(pressed)
+    first, second = (axes for axes in curve.axes if axes.get_title())
+    force = pressed.path.reaction("roll")
+    lines = [line.get_ydata() for line in first.get_lines()]
+    assert any(np.array_equal(line, [0.0, *force[:5, 1]]) for line in lines)
+    assert any(np.array_equal(line.get_ydata(), force[4:, 0]) for line in second.get_lines())
+    for name in ("section_cloud", "contact_pressure", "contact_width"):
+        assert (
+            plotting.save(getattr(plotting, name)(pressed), tmp_path / "x.png", dpi=40)
+            .stat()
+            .st_size
+        )
+
+
+def test_single_points_do_not_set_the_scale():
+    usual = np.linspace(0.0, 100.0, 1000)
+    scale = section.stress_scale([usual, np.append(usual, 5000.0)])
+    assert scale.extend == "max"
+    assert 190.0 < scale.levels[-1] < 230.0
+    plain = section.stress_scale([usual])
+    assert plain.extend == "neither"
+    assert plain.levels[-1] >= 100.0
+
+
+def test_triangles_and_holes_make_loops():
+    # a square with a square hole, one corner cut: quadrilaterals and triangles
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(4.0), np.arange(4.0)))
+    cells = [[i + 4 * j, i + 1 + 4 * j, i + 5 + 4 * j, i + 4 + 4 * j] for j in range(3) for i in range(3)
+             if (i, j) not in ((1, 1), (2, 2))]  # fmt: skip
+    cells = np.array([*cells, [10, 11, 14, 14]])
+    points, of_cell, _ = field._refined(cells, np.zeros(len(cells), int), 2)
+    places = points.at(np.column_stack([x, y]))
+    loops = field.boundary_loops(cells, of_cell)
+    areas = sorted(polygon_area(places[loop])[0] for loop in loops)
+    assert areas == pytest.approx([-1.0, 8.5])
+    triangles = places[field._triangles(of_cell)]
+    u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    area = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    assert area.min() > 0.0
+    assert area.sum() == pytest.approx(7.5)

@@ -1,0 +1,117 @@
+"""optimize_seal.py: an optimum, stopped and continued, as numbers, pictures and a drawing."""
+
+import csv
+
+import numpy as np
+import pytest
+from coarse_seal import written
+from shapely import LinearRing, Point
+
+import seal_mdao as sm
+
+FIGURES = ("designs", "start", "optimum")
+
+
+@pytest.fixture(scope="module")
+def stopped(run_script, tmp_path_factory):
+    """Folder, exit code and summary of a run that was given too few iterations."""
+    out = tmp_path_factory.mktemp("optimised")
+    return out, *run_script("optimize_seal", out, written(out), "--max-iterations", 3)
+
+
+@pytest.fixture(scope="module")
+def continued(stopped, run_script):
+    """The same folder after the run was continued."""
+    out, *_ = stopped
+    return out, *run_script("optimize_seal", out, out / "seal.toml", "--restart")
+
+
+def test_run_that_stops_early_is_written_as_far_as_it_went(stopped):
+    _, code, s = stopped
+    assert code == 1
+    assert (s["status"], s["optimizer"], s["iterations"]) == ("not converged", "UNO", 3)
+    assert len(s["history"]) == 4
+
+
+def test_continued_run_ends_at_an_optimum(stopped, continued, assert_drawn):
+    (_, _, before), (out, code, s) = stopped, continued
+    assert code == 0
+    assert s["status"] == "converged"
+    assert s["reused_evaluations"] >= before["recorded_evaluations"] - 1
+    assert s["history"][:3] == before["history"][:3]
+    assert s["objective"]["name"] == "section_area"
+    assert s["objective"]["end"] < 0.95 * s["objective"]["start"]
+    force = s["constraints"]["reaction"]
+    assert (force["lower"], force["upper"], force["unit"]) == (15.0, 18.0, "N/m")
+    assert force["end"] == pytest.approx(15.0, rel=1e-3)  # less rubber, less force
+    assert s["max_constraint_violation"] <= 1e-3
+    assert max(s["kkt"].values()) <= 1e-3  # the tolerance of the driver
+    assert np.abs(s["boundary_offsets"]).max() <= 0.5 + 1e-9
+    assert "<html" in (out / "report.html").read_text(encoding="utf-8")
+    assert_drawn(out, *FIGURES)
+
+
+def test_optimum_is_that_of_the_summary(continued):
+    out, _, s = continued
+    seal = sm.build_seal(sm.read_seal_file(out / "seal.toml"))
+    result = sm.analyze(seal, np.array(s["boundary_offsets"]))
+    values = {
+        m.name: float(result.value(m)[0]) for m in result.measures(("section_area", "reaction"))
+    }
+    assert values["section_area"] == pytest.approx(s["objective"]["end"], rel=1e-12)
+    assert values["reaction"] == pytest.approx(s["constraints"]["reaction"]["end"], rel=1e-9)
+
+
+def test_drawing_and_table_are_the_optimum(continued):
+    out, _, s = continued
+    seal = sm.build_seal(sm.read_seal_file(out / "seal.toml"))
+    particles = seal.particles(np.array(s["boundary_offsets"]))
+    outline = sm.read_dxf(out / "optimum.dxf")
+    assert set(outline.edge_names) == {"base", "seal", "cavity"}
+    rings = [LinearRing(contour.polyline(1e-9)[0]) for contour in outline.contours]
+    with (out / "optimum.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for name, edge in seal.body.edges.items():
+        own = [row for row in rows if row["edge"] == name]
+        places = np.array([[float(row["x_mm"]), float(row["y_mm"])] for row in own])
+        assert len(own) == len(edge.particles) + edge.closed
+        assert places[: len(edge.particles)] == pytest.approx(particles[edge.particles], abs=1e-9)
+        for place in places:
+            assert min(ring.distance(Point(place)) for ring in rings) < 1e-6
+    (hole,) = outline.contours[1:]
+    (drawn,) = sm.read_seal_file(out / "seal.toml").section.outline.contours[1:]
+    assert abs(hole.area) > abs(drawn.area)
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"[optimize]\nminimize = \"section_area\"": "", "[[optimize.constraint]]": "[[measure]]",
+          'measure = "reaction"\nlower = 15.0\nupper = 18.0': 'type = "reaction"'}, "[optimize]"),
+        ({'[[design]]\nedges = ["cavity"]\nparameters = 4\nbound = 0.5': ""}, "[[design]]"),
+        ({'minimize = "section_area"': 'minimize = "gap_square_sum"'}, "gap_square_sum"),
+    ],
+)  # fmt: skip
+def test_files_that_ask_for_nothing_take_one_line(changes, word, tmp_path, run_script, capsys):
+    code, summary = run_script("optimize_seal", tmp_path, written(tmp_path, changes))
+    assert (code, summary) == (2, None)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert word in line
+
+
+def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
+    out, *_ = stopped
+    other = written(tmp_path, {"upper = 18.0": "upper = 19.0"})
+    for arguments, word in (
+        ((other,), "another seal file"), ((out / "seal.toml", "--optimizer", "ipopt"), "UNO"),
+    ):  # fmt: skip
+        with pytest.raises(SystemExit) as ended:
+            run_script("optimize_seal", out, *arguments, "--restart")
+        assert ended.value.code == 2
+        assert word in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        run_script("optimize_seal", tmp_path, other, "--restart")
+    assert "to continue" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        run_script("optimize_seal", out, out / "seal.toml")
+    assert "--overwrite" in capsys.readouterr().err
