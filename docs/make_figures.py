@@ -31,6 +31,7 @@ GROUPS = {
     "contact": "figures.contact_benchmarks",
     "optimisation": "figures.optimisation",
     "materials": "figures.materials",
+    "seal_files": "figures.seal_files",
     "seal": "figures.seal",
     "theory": "figures.theory",
     "drivers": "figures.drivers",

@@ -9,11 +9,12 @@ from tqdm import tqdm
 
 from seal_mdao import plotting
 from seal_mdao.calibration.data import MaterialDataError, read_tests
-from seal_mdao.calibration.families import LAWS, MAX_TERMS, OF_TERMS
+from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
 from seal_mdao.calibration.fit import Fit, fit
 from seal_mdao.calibration.residuals import WEIGHTINGS
 from seal_mdao.calibration.seal_file import material_table
 from seal_mdao.calibration.stability import MARGIN, UnstableMaterialError
+from seal_mdao.materials.by_name import LAWS
 
 
 def main(arguments) -> int:
@@ -121,7 +122,7 @@ def arguments_parser():
         "lateral_stretch for hyperfoam if measured",
     )  # fmt: skip
     add = made.add_argument
-    add("--law", required=True, choices=LAWS, help="law to fit")
+    add("--law", required=True, choices=tuple(LAWS), help="law to fit")
     terms = tuple(range(1, MAX_TERMS + 1))
     add(
         "--terms", type=int, choices=terms, help=f"terms of {' and '.join(OF_TERMS)}; 1 if left out"

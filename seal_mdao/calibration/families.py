@@ -11,6 +11,7 @@ import numpy as np
 
 from seal_mdao.calibration.data import MaterialTests
 from seal_mdao.calibration.modes import MODES
+from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.gent import Gent
 from seal_mdao.materials.hyperfoam import Hyperfoam
 from seal_mdao.materials.isotropic import Isotropic
@@ -148,16 +149,14 @@ def _hyperfoam(tests, terms, nu, bulk):
     return Family("hyperfoam", Hyperfoam(ones, (2.0,) * terms, ratios), draw, False)
 
 
-FAMILIES = {
-    "neo_hookean": _neo_hookean,
-    "mooney_rivlin": _mooney_rivlin,
-    "yeoh": _yeoh,
-    "gent": _gent,
-    "ogden": _ogden,
-    "hyperfoam": _hyperfoam,
+_FAMILY_OF = {
+    NeoHookean: _neo_hookean,
+    MooneyRivlin: _mooney_rivlin,
+    Yeoh: _yeoh,
+    Gent: _gent,
+    Ogden: _ogden,
+    Hyperfoam: _hyperfoam,
 }
-"""What makes the family of a law, by its name."""
-LAWS = tuple(FAMILIES)
 OF_TERMS = ("ogden", "hyperfoam")
 """Laws that are sums of 1 to ``MAX_TERMS`` terms."""
 
@@ -170,7 +169,7 @@ def family(
     Parameters
     ----------
     law : str
-        One of ``LAWS``.
+        One of ``materials.by_name.LAWS``.
     tests : MaterialTests
         Gent's limit lies beyond them; a foam needs their free stretches unless ``nu`` is given.
     terms : int
@@ -185,7 +184,7 @@ def family(
     ValueError
         With what is allowed.
     """
-    if law not in FAMILIES:
+    if law not in LAWS:
         raise ValueError(f"unknown law {law!r}; known are {', '.join(LAWS)}")
     most = MAX_TERMS if law in OF_TERMS else 1
     if not 1 <= terms <= most:
@@ -196,7 +195,7 @@ def family(
         raise ValueError(f"{law} is nearly incompressible; only hyperfoam takes Poisson's ratio nu")
     if nu is not None and not POISSON[0] <= nu <= POISSON[1]:
         raise ValueError(f"nu must lie between {POISSON[0]} and {POISSON[1]}, got {nu}")
-    return FAMILIES[law](tests, terms, nu, bulk)
+    return _FAMILY_OF[LAWS[law]](tests, terms, nu, bulk)
 
 
 def largest_distortion(tests: MaterialTests) -> float:

@@ -19,6 +19,25 @@ OPTIMIZE = BULB[BULB.index("[optimize]") :]
 SECOND = PROFILE.replace('"door"', '"wall"')
 WIDTH = 'type = "contact_width"\nprofile = "door"'
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
+FIXED = '[fixed]\nedges = ["base"]\n'
+SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
+REGION = """[material.foot]
+law = "neo_hookean"
+c10 = 300.0
+bulk_modulus = 8e4
+[[section.region]]
+material = "foot"
+at = [0.0, 1.0]
+line = [[-4.0, 0.0], [1.0, 0.0]]
+"""
+FITTED = '[material.rubber]\nlaw = "yeoh"\ndata = "tests.csv"\n'
+YEOH = """[material.rubber]
+law = "yeoh"
+c10 = 100.0
+c20 = -100.0
+c30 = 0.0
+bulk_modulus = 8e4
+"""
 
 
 def without(text):
@@ -28,7 +47,7 @@ def without(text):
 # what is replaced in a sound file, by what, and words of the line
 BAD = {
     # TOML
-    "empty": (*without(BULB), "is empty; it needs [material.NAME], [section], [fixed], [[profile]]"),
+    "empty": (*without(BULB), "is empty; it needs [material.NAME], [section], [[profile]]"),
     "a comment": (BULB, "# nothing\n", "is empty"),
     "no TOML": (BULB, "law: rubber", "is not valid TOML: Expected '=' after a key"),
     "no end of a list": ("[4.0, 0.0]]", "[4.0, 0.0]", "is not valid TOML:"),
@@ -37,7 +56,18 @@ BAD = {
     # tables
     "no material": (*without(MATERIAL), "[material.NAME] is missing"),
     "no section": (*without(SECTION), "[section] is missing"),
-    "no fixed": (*without('[fixed]\nedges = ["base"]\n'), "[fixed] is missing"),
+    "no fixed": (*without('[fixed]\nedges = ["base"]\n'),
+                 "[fixed] is missing, so profiles have to hold the section, but none touches it"),
+    "no direction": (FIXED, FIXED + 'directions = ["z"]\n',
+                     "[fixed]: directions = ['z'], but it must be a list of \"x\", \"y\" or both"),
+    "symmetry twice": (FIXED, FIXED + SYMMETRY, "[[symmetry]] 1: edges has 'base', which [fixed] has"),
+    "bent symmetry": (FIXED, FIXED + SYMMETRY.replace("base", "cavity"),
+                      "[[symmetry]] 1: edges has 'cavity', which does not lie in one plane of"),
+    "region off": (FIXED, REGION + FIXED, "[[section.region]] 1: line ends at (1, 0), where no"),
+    "region of none": (FIXED, REGION.replace('"foot"', '"foo"') + FIXED,
+                       "[[section.region]] 1: material = 'foo', but there is no such material"),
+    "region of its own": (FIXED, REGION.replace('"foot"', '"rubber"') + FIXED,
+                          "[[section.region]] 1: material = 'rubber', which [section] has already"),
     "no profile": (*without(PROFILE), "[[profile]] is missing"),
     "unknown table": ("[fixed]", "[fixd]", "unknown table or key 'fixd' (did you mean 'fixed'?)"),
     "unknown key on top": ("[material", "speed = 1\n[material", "unknown table or key 'speed'; known"),
@@ -78,12 +108,23 @@ BAD = {
                "bulk_modulus = 8e4\n", "[material.rubber]: Ogden needs as many mu as alpha"),
     "foam as rubber": (MATERIAL, '[material.rubber]\nlaw = "hyperfoam"\nmu = [6.0]\nalpha = [2.0]\n'
                        "nu = [0.5]\n", "nu_1 of Hyperfoam must lie between -1 and 1/2, got 0.5"),
-    "data": ("c10 = 80.0", 'data = "tests.csv"', "data = 'tests.csv', but constants are not fitted"),
+    "data and constants": ("c10 = 80.0", 'data = "tests.csv"',
+                           "[material.rubber]: unknown key 'c01'; known are law, data,"),
+    "no data": (MATERIAL, FITTED, "tests.csv: cannot be read: No such file"),
+    "data no name": (MATERIAL, FITTED.replace('"tests.csv"', "3"),
+                     "[material.rubber]: data = 3, but it must be a text that is not empty"),
+    "terms of yeoh": (MATERIAL, FITTED + "terms = 2\n", "[material.rubber]: unknown key 'terms'"),
+    "stable no range": ("c10 = 80.0", "c10 = 80.0\nstable = [1.5, 0.7]",
+                        "[material.rubber]: stable = [1.5, 0.7], but it must be the least and largest"),
+    "unstable yeoh": (MATERIAL, YEOH, "[material.rubber]: yeoh is not stable: uniaxial: NOT stable over "
+                      "0.7 to 1.5; instability begins at a stretch of 0.7868 and 1.262; planar: "),
+    "limit within": (MATERIAL, '[material.rubber]\nlaw = "gent"\nshear_modulus = 200.0\nlimit = 0.5\n'
+                     "bulk_modulus = 8e4\n", "[material.rubber]: gent is not stable: "),
     "no name": ("[material.rubber]", "[material]", "[material]: law = 'mooney_rivlin', but a material"),
     "unknown material": ('material = "rubber"', 'material = "ruber"',
                          "[section]: material = 'ruber', but there is no such material (did you mean"),
     # section
-    "no spacing": (*without("spacing = 0.9\n"), "[section]: the key 'spacing' is missing; it must be a"),
+    "no spacing": (*without("spacing = 0.9\n"), "[section]: needs either spacing, the largest"),
     "spacing zero": ("spacing = 0.9", "spacing = 0.0", "spacing = 0.0, but it must be a number above 0"),
     "spacing a text": ("spacing = 0.9", 'spacing = "fine"', "[section]: spacing = 'fine', but it must"),
     "spacing too large": ("spacing = 0.9", "spacing = 9.0", "[section]: spacing = 9, but the section"),

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.hyperfoam import Hyperfoam
 from seal_mdao.seals.file import laws, measures, optimization, profiles, read, sections, shapes
 
@@ -15,13 +16,15 @@ BULB = Path(__file__).parent / "bulb.toml"
 
 def test_every_key_type_and_law_is_on_the_page():
     tables = [
+        laws.LAW_KEYS, laws.FIT_KEYS, laws.TERM_KEYS, laws.FOAM_KEYS,
         sections.SECTION_KEYS, sections.HOLE_KEYS, shapes.KEYS, shapes.ARC_KEYS, shapes.CIRCLE_KEYS,
-        read.FIXED_KEYS, read.DESIGN_KEYS, profiles.PROFILE_KEYS, profiles.STAGE_KEYS,
+        read.FIXED_KEYS, read.SYMMETRY_KEYS, sections.REGION_KEYS, sections.RAY_KEYS,
+        read.DESIGN_KEYS, profiles.PROFILE_KEYS, profiles.STAGE_KEYS,
         optimization.OPTIMIZE_KEYS, optimization.CONSTRAINT_KEYS,
         *(kind.keys for kind in measures.KINDS.values()),
     ]  # fmt: skip
     names = {name for keys in tables for name in keys}
-    names |= {*laws.LAWS, *measures.KINDS, *Hyperfoam.__dataclass_fields__, *read.TABLES}
+    names |= {*LAWS, *measures.KINDS, *Hyperfoam.__dataclass_fields__, *read.TABLES}
     words = set(re.findall(r"\w+", PAGE))
     assert not names - words
 

@@ -1,6 +1,7 @@
 """What a seal file decides, and the profiles, motions and measures that follow."""
 
 import dataclasses
+import re
 import tomllib
 from pathlib import Path
 
@@ -8,11 +9,13 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.calibration.modes import MODES, nominal_stress
 from seal_mdao.contact.kinematics import closest_point
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.geometry.profile import circle_profile, polyline_profile, trace
+from seal_mdao.materials.by_name import LAWS
 from seal_mdao.measures.measure import Measure
-from seal_mdao.seals.file.laws import LAWS, read_law
+from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.measures import KINDS, measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.outline.section import Arc, Circle, Line
@@ -94,10 +97,49 @@ def test_laws_by_the_names_of_their_constants(name):
     if few:
         ones = {"mu": [60.0, 1.0][:few], "alpha": [3.0, -2.0][:few], "nu": [0.3]}
         constants |= {key: ones[key] for key in constants if key in ones}
-    law = read_law("[material.x]", {"law": name, **constants})
+    law = read_law("[material.x]", {"law": name, **constants}, Path())
     assert isinstance(law, LAWS[name])
     for key, value in constants.items():
         assert getattr(law, key) == (tuple(value) if few and key in ones else value)
+
+
+def test_constants_fitted_to_tests_beside_the_file(tmp_path):
+    """Tests of a known rubber give its constants back; the bulk modulus is not in them."""
+    known, stretch = sm.Yeoh(60.0, -3.0, 0.4, 5e4), np.linspace(0.6, 1.8, 13)
+    rows = ["mode,stretch,stress_kPa"]
+    for mode in MODES.values():
+        pairs = zip(stretch, nominal_stress(known, mode, stretch), strict=True)
+        rows += [f"{mode.name},{float(x)!r},{float(y)!r}" for x, y in pairs]
+    (tmp_path / "tests.csv").write_text("\n".join(rows))
+    table = '[material.rubber]\nlaw = "yeoh"\ndata = "tests.csv"\nbulk_modulus = 5e4\n'
+    text = BULB.read_text()
+    file = changed(tmp_path, (text[: text.index("[section]")], table))
+    assert file.materials["rubber"].constants == pytest.approx(known.constants, rel=1e-7)
+    wide = table + "stable = [0.1, 12.0]\n"
+    file = changed(tmp_path, (text[: text.index("[section]")], wide))
+    (tmp_path / "tests.csv").write_text("mode,stretch,stress_kPa\nuniaxial,1.2,-50\n")
+    with pytest.raises(
+        sm.SealFileError, match=r"tests\.csv, line 2, column stretch: 1\.2 has a stress"
+    ):
+        changed(tmp_path, (text[: text.index("[section]")], table))
+
+
+def test_constants_must_be_stable_over_the_range_that_is_stated(tmp_path):
+    """This rubber softens: d tau : d ln lambda of the planar test becomes negative."""
+    weak = (
+        '[material.rubber]\nlaw = "yeoh"\nc10 = 60.0\nc20 = -3.0\nc30 = 0.0\nbulk_modulus = 8e4\n'
+    )
+    text = BULB.read_text()
+    old = text[: text.index("[section]")]
+    assert changed(tmp_path, (old, weak)).materials["rubber"] == sm.Yeoh(60.0, -3.0, 0.0, 8e4)
+    with pytest.raises(
+        sm.SealFileError, match=r"yeoh is not stable: .* instability begins"
+    ) as found:
+        changed(tmp_path, (old, weak + "stable = [0.5, 3.0]\n"))
+    begins = float(
+        re.search(r"planar: .*begins at a stretch of [\d.]+ and ([\d.]+)", str(found.value))[1]
+    )
+    changed(tmp_path, (old, weak + f"stable = [1.0, {0.9 * begins:.3f}]\n"))
 
 
 def test_a_polyline_becomes_the_profile_of_its_vertices(tmp_path):

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.seals.file.cross_checks import contact_order
+from seal_mdao.seals.file.cross_checks import ROUNDING, contact_order, gap_at_start
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.tables import ProfileTable, SealFile
@@ -13,14 +15,22 @@ from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded
 from seal_mdao.seals.outline.design import EdgeDesign
 from seal_mdao.seals.outline.moved import moved_outline
-from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
+from seal_mdao.seals.outline.rays import RAY_SUPPORT, Rays, ray_boundaries
+from seal_mdao.seals.outline.seal import (
+    SUPPORT,
+    EdgeContact,
+    OutlineSeal,
+    SectionRegion,
+    outline_seal,
+)
 from seal_mdao.seals.outline.section import Outline, sampled
 
 
 def build_seal(file: SealFile) -> OutlineSeal:
     """The seal of a file: its cloud, terms, design and measures.
 
-    Parameters of a profile have its name before theirs: ``door_friction``.
+    Parameters of a profile have its name before theirs: ``door_friction``; so have constants of the
+    materials where there are several: ``foot_c10``.
 
     Raises
     ------
@@ -28,12 +38,22 @@ def build_seal(file: SealFile) -> OutlineSeal:
         For a section that cannot be filled at this spacing, or a design with too few parameters.
     """
     section = file.section
+    by_rays = isinstance(section.spacing, Rays)
+    cuts = section.cuts
     try:
         seal = outline_seal(
-            *boundaries_of(section.outline, section.spacing),
+            *boundaries_of(section.outline, section.spacing, cuts),
             file.materials[section.material],
             n_steps=file.n_steps,
-            fixed=file.fixed.edges,
+            fixed=file.held,
+            planes=file.planes,
+            cuts=cuts,
+            regions=[
+                SectionRegion(file.materials[r.material], r.at, f"{r.material}_")
+                for r in section.regions
+            ],
+            support=RAY_SUPPORT if by_rays else SUPPORT,
+            prefix=f"{section.material}_" if section.regions else "",
             contacts=[_contact(profile, file) for profile in file.profiles],
             designs=[EdgeDesign(design.edges, design.parameters) for design in file.designs],
         )
@@ -43,19 +63,23 @@ def build_seal(file: SealFile) -> OutlineSeal:
     return replace(seal, standard=tuple(measure_of(entry, particles) for entry in file.measures))
 
 
-def boundaries_of(outline: Outline, spacing: float) -> tuple[list, float]:
+def boundaries_of(outline: Outline, spacing: float | Rays, cuts=()) -> tuple[list, float | Rays]:
     """Boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
+
+    ``cuts`` are those of ``cloud``.
 
     Raises
     ------
     GeometryError
         For a section that cannot be filled.
     """
+    if isinstance(spacing, Rays):
+        return ray_boundaries(outline, spacing), spacing
 
     def sample(at):
         return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
 
-    return graded(sample, spacing)
+    return graded(sample, spacing, cuts)
 
 
 def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
@@ -74,7 +98,8 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
     GeometryError
         For a boundary that crosses itself.
     """
-    boundaries, _ = boundaries_of(file.section.outline, file.section.spacing)
+    section = file.section
+    boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts)
     particles = seal.particles(offsets)
     return moved_outline(file.section.outline, boundaries, [particles[loop] for loop in seal.loops])
 
@@ -82,7 +107,25 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
 def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:
     edges, _ = contact_order(profile.contact, file.section.outline)
     law = ContactLaw(profile.normal_penalty, profile.tangent_penalty, profile.friction, True)
+    placed = replace(profile, start=_clear_start(profile, file.section.outline))
     return EdgeContact(
         profile.name, edges, GivenShape(rigid_profile_of(profile)),
-        motion_of(profile, file.n_steps), law, f"{profile.name}_",
+        motion_of(placed, file.n_steps), law, f"{profile.name}_",
     )  # fmt: skip
+
+
+def _clear_start(profile: ProfileTable, outline: Outline) -> tuple:
+    """The start, clear of the section by more than the rounding of coordinates.
+
+    A profile that is drawn to touch would begin within the section or outside of it by chance.
+    """
+    clear, h = ROUNDING * outline.size, 1e-3 * outline.size
+    gap = gap_at_start(profile)
+    ends = [
+        s.points([share])[0] for n in profile.contact for s in outline.edge(n) for share in (0, 1)
+    ]
+    x, y = min(ends, key=lambda point: gap(*point))
+    if abs(gap(x, y)) > clear:
+        return profile.start
+    away = np.array([gap(x + h, y) - gap(x - h, y), gap(x, y + h) - gap(x, y - h)]) / (2.0 * h)
+    return tuple((np.array(profile.start) - 2.0 * clear * away).tolist())

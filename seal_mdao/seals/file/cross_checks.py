@@ -8,10 +8,15 @@ from seal_mdao.geometry.pose import in_frame
 from seal_mdao.seals.file.checks import known
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.outline.rays import Rays
+from seal_mdao.seals.outline.section import JOIN
 from seal_mdao.seals.outline.segments import pair
 
 ROUNDING = 1e-9
 """Penetration at the start that is none, over the size of the section."""
+
+TOUCHING = 1e-9
+"""Gap of a profile that touches the section at the start, over its size."""
 
 MOST_PARTICLES = 200_000
 """That a section may need; more is a slip of the spacing."""
@@ -29,14 +34,22 @@ def check(file: SealFile) -> None:
         With the first contradiction.
     """
     _check_section(file)
-    _check_edges("[fixed]", "edges", file.fixed.edges, file.section.outline)
+    _check_regions(file)
+    _check_held(file)
     _check_designs(file)
     _check_measures(file)
     _check_steps(file)
+    gaps = []
     for number, profile in enumerate(file.profiles, 1):
         where = f"[[profile]] {number} ({profile.name!r})"
         _check_contact(where, profile, file)
-        _check_start(where, profile, file)
+        gaps.append(_check_start(where, profile, file))
+    if not file.fixed.edges and min(gaps) > TOUCHING * file.section.outline.size:
+        raise SealFileError(
+            f"[fixed] is missing, so profiles have to hold the section, but none touches it at the "
+            f"start: the nearest one is {min(gaps):.3g} mm away (let a segment of the boundary end "
+            "where it touches, so that a particle is there)"
+        )
 
 
 def _check_edges(where, key, names, outline):
@@ -49,6 +62,8 @@ def _check_edges(where, key, names, outline):
 def _check_section(file):
     section, outline = file.section, file.section.outline
     known("[section]", "material", section.material, tuple(file.materials), "material")
+    if isinstance(section.spacing, Rays):
+        return
     small = float(np.ptp(outline.box, axis=0).min())
     if section.spacing >= 0.5 * small:
         raise SealFileError(
@@ -63,6 +78,48 @@ def _check_section(file):
         )
 
 
+def _check_regions(file):
+    outline, seen = file.section.outline, {file.section.material: "[section]"}
+    ends = np.array([s.points([0.0])[0] for c in outline.contours for s in c.segments])
+    for number, region in enumerate(file.section.regions, 1):
+        where = f"[[section.region]] {number}"
+        known(where, "material", region.material, tuple(file.materials), "material")
+        if region.material in seen:
+            raise SealFileError(
+                f"{where}: material = {region.material!r}, which {seen[region.material]} has already; "
+                "give every part a material of its own name"
+            )
+        seen[region.material] = where
+        for point in (region.line[0], region.line[-1]):
+            if np.hypot(*(ends - point).T).min() > JOIN:
+                raise SealFileError(
+                    f"{where}: line ends at {pair(point)}, where no segments of the boundary meet; let "
+                    "a segment of the boundary end there"
+                )
+        if len(region.line) == 2 and np.hypot(*np.subtract(*region.line)) <= JOIN:
+            raise SealFileError(f"{where}: line begins and ends at {pair(region.line[0])}")
+
+
+def _check_held(file):
+    outline = file.section.outline
+    _check_edges("[fixed]", "edges", file.fixed.edges, outline)
+    seen = dict.fromkeys(file.fixed.edges, "[fixed]")
+    for number, plane in enumerate(file.symmetries, 1):
+        where = f"[[symmetry]] {number}"
+        _check_edges(where, "edges", plane.edges, outline)
+        for name in plane.edges:
+            if name in seen:
+                raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
+            seen[name] = where
+            axis = "xy".index(plane.normal)
+            spread = [s.points(s.chords(_LOOK * outline.size))[:, axis] for s in outline.edge(name)]
+            if np.ptp(np.concatenate(spread)) > ROUNDING * outline.size:
+                raise SealFileError(
+                    f"{where}: edges has {name!r}, which does not lie in one plane of constant "
+                    f"{plane.normal}"
+                )
+
+
 def _check_designs(file):
     outline, seen = file.section.outline, {}
     for number, design in enumerate(file.designs, 1):
@@ -71,6 +128,8 @@ def _check_designs(file):
         for name in design.edges:
             if name in file.fixed.edges:
                 raise SealFileError(f"{where}: edges has {name!r}, which [fixed] holds")
+            if name in dict(file.planes):
+                raise SealFileError(f"{where}: edges has {name!r}, which [[symmetry]] holds")
             if name in seen:
                 raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
             seen[name] = where
@@ -113,7 +172,7 @@ def _check_steps(file):
 def _check_contact(where, profile, file):
     _check_edges(where, "contact", profile.contact, file.section.outline)
     for name in profile.contact:
-        if name in file.fixed.edges:
+        if name in file.held:
             raise SealFileError(f"{where}: contact = {name!r}, but [fixed] holds this edge")
     contour = _contour_of(profile.contact, file.section.outline)
     if contour is None:
@@ -144,12 +203,19 @@ def contact_order(names, outline) -> tuple[tuple, bool]:
     return tuple(n for n in every[first:] + every[:first] if n in names), not starts
 
 
-def _check_start(where, profile, file):
+def gap_at_start(profile):
+    """Gap of a place to a profile at the start, as a function of x and y."""
+    curve, pose = rigid_profile_of(profile), motion_of(profile, 1).pose(0.0)
+    return lambda x, y: closest_point(curve, *in_frame(pose, x, y))[2]
+
+
+def _check_start(where, profile, file) -> float:
+    """The least gap at the start, which must not be negative."""
     outline = file.section.outline
     segments = [segment for name in profile.contact for segment in outline.edge(name)]
     points = np.concatenate([s.points(s.chords(_LOOK * outline.size)) for s in segments])
-    curve, pose = rigid_profile_of(profile), motion_of(profile, 1).pose(0.0)
-    gaps = np.array([closest_point(curve, *in_frame(pose, x, y))[2] for x, y in points])
+    gap = gap_at_start(profile)
+    gaps = np.array([gap(x, y) for x, y in points])
     worst = int(gaps.argmin())
     if gaps[worst] < -ROUNDING * outline.size:
         edge = next(
@@ -163,3 +229,4 @@ def _check_start(where, profile, file):
             f"inside the rigid body at {pair(points[worst])}; start it farther away (the rigid body "
             f"lies on the left when walked{turned})"
         )
+    return gaps[worst]

@@ -4,20 +4,34 @@ import tomllib
 from pathlib import Path
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.checks import NAMES, Key, number, shown, suggestion, table, tables, whole
+from seal_mdao.seals.file.checks import (
+    NAMES,
+    Check,
+    Key,
+    many,
+    number,
+    one_of,
+    shown,
+    suggestion,
+    table,
+    tables,
+    whole,
+)
 from seal_mdao.seals.file.cross_checks import check
 from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
 from seal_mdao.seals.file.profiles import read_profile
 from seal_mdao.seals.file.sections import read_section
-from seal_mdao.seals.file.tables import DesignTable, FixedTable, SealFile
+from seal_mdao.seals.file.tables import DesignTable, FixedTable, SealFile, SymmetryTable
 
-TABLES = ("material", "section", "fixed", "profile", "design", "measure", "optimize")
-NEEDED = TABLES[:4]
+TABLES = ("material", "section", "profile", "fixed", "symmetry", "design", "measure", "optimize")
+NEEDED = TABLES[:3]
 MOST_PARAMETERS = 1000
 
-FIXED_KEYS = {"edges": Key(NAMES)}
+DIRECTIONS = Check('a list of "x", "y" or both', many(one_of("x", "y"), "").convert)
+FIXED_KEYS = {"edges": Key(NAMES), "directions": Key(DIRECTIONS, ("x", "y"))}
+SYMMETRY_KEYS = {"edges": Key(NAMES), "normal": Key(one_of("x", "y"))}
 DESIGN_KEYS = {
     "edges": Key(NAMES),
     "parameters": Key(whole(1, MOST_PARAMETERS)),
@@ -90,9 +104,15 @@ def _read(given, path) -> SealFile:
         optimize, measures = read_optimize(given["optimize"], measures, profiles)
     file = SealFile(
         path,
-        _materials(given["material"]),
+        _materials(given["material"], path.parent),
         read_section(given["section"], path.parent),
-        FixedTable(**table("[fixed]", given["fixed"], FIXED_KEYS)),
+        FixedTable(**table("[fixed]", given["fixed"], FIXED_KEYS))
+        if "fixed" in given
+        else FixedTable(),
+        tuple(
+            SymmetryTable(**table(f"[[symmetry]] {i}", one, SYMMETRY_KEYS))
+            for i, one in enumerate(_optional(given, "symmetry"), 1)
+        ),
         profiles,
         tuple(
             DesignTable(**table(f"[[design]] {i}", one, DESIGN_KEYS))
@@ -109,7 +129,7 @@ def _optional(given, name) -> list:
     return tables(name, given[name]) if name in given else []
 
 
-def _materials(given) -> dict:
+def _materials(given, folder) -> dict:
     if not isinstance(given, dict) or not given:
         raise SealFileError(
             f"[material.NAME] must be a table for every material, got {shown(given)}"
@@ -120,7 +140,7 @@ def _materials(given) -> dict:
                 f"[material]: {name} = {shown(value)}, but a material needs a name: write "
                 "[material.rubber]"
             )
-    return {name: read_law(f"[material.{name}]", value) for name, value in given.items()}
+    return {name: read_law(f"[material.{name}]", value, folder) for name, value in given.items()}
 
 
 def _check_profile_names(profiles) -> None:

@@ -4,21 +4,44 @@ from collections import defaultdict
 from pathlib import Path
 
 from seal_mdao.errors import GeometryError, SealFileError
-from seal_mdao.seals.file.checks import LIST, TEXT, Key, number, one_of, table, tables, whole
+from seal_mdao.seals.file.checks import (
+    LIST,
+    POINT,
+    POINTS,
+    TEXT,
+    Check,
+    Key,
+    number,
+    one_of,
+    table,
+    tables,
+    whole,
+)
 from seal_mdao.seals.file.shapes import KEYS, segments_of
-from seal_mdao.seals.file.tables import SectionTable
+from seal_mdao.seals.file.tables import RegionTable, SectionTable
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
+from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Contour, Outline
 
+RAY_KEYS = {
+    "rays": Key(whole(8, 100_000)),
+    "layers": Key(whole(2, 1000)),
+    "centre": Key(POINT, (0.0, 0.0)),
+}
 SECTION_KEYS = {
     "material": Key(TEXT),
-    "spacing": Key(number(above=0.0)),
+    "spacing": Key(number(above=0.0), None),
+    "rays": Key(
+        Check("a table { rays, layers, centre }", lambda v: table("rays", v, RAY_KEYS)), None
+    ),
     "outer": Key(LIST, None),
     "hole": Key(LIST, None),
     "dxf": Key(TEXT, None),
     "units": Key(one_of(*MODEL_UNITS), None),
+    "region": Key(LIST, None),
 }
+REGION_KEYS = {"material": Key(TEXT), "at": Key(POINT), "line": Key(POINTS)}
 OUTER_KEYS = {"edge": Key(TEXT), **KEYS}
 HOLE_KEYS = {"edge": Key(TEXT), "hole": Key(whole(1, 1000), 1), **KEYS}
 
@@ -42,8 +65,20 @@ def read_section(given, folder: Path) -> SectionTable:
     if not drawn and values["units"] is not None:
         raise SealFileError(f"{where}: units belongs to dxf; all numbers of this file are in mm")
     outline = _drawing(where, values, folder) if drawn else _segments(where, values)
+    rows = [] if values["region"] is None else tables("section.region", values["region"])
+    regions = tuple(
+        RegionTable(**table(f"[[section.region]] {i}", one, REGION_KEYS))
+        for i, one in enumerate(rows, 1)
+    )
+    if (values["spacing"] is None) == (values["rays"] is None):
+        raise SealFileError(
+            f"{where}: needs either spacing, the largest distance of particles in mm, or rays"
+        )
+    if values["rays"] is not None and regions:
+        raise SealFileError(f"{where}: [[section.region]] beside rays; use spacing")
+    filling = values["spacing"] if values["rays"] is None else Rays(**values["rays"])
     drawing = folder / values["dxf"] if drawn else None
-    return SectionTable(outline, values["material"], values["spacing"], drawing)
+    return SectionTable(outline, values["material"], filling, drawing, regions)
 
 
 def _drawing(where, values, folder) -> Outline:

@@ -3,27 +3,74 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Outline
 
 
 @dataclass(frozen=True)
+class RegionTable:
+    """``[[section.region]]``: a part of the section of another material.
+
+    Attributes
+    ----------
+    material : str
+    at : pair of float
+        A point of the part, mm.
+    line : tuple of pair of float
+        Corners of the line that divides it from the rest, mm.
+    """
+
+    material: str
+    at: tuple
+    line: tuple
+
+
+@dataclass(frozen=True)
 class SectionTable:
-    """``[section]``: the outline, what it is made of, the largest distance of particles, mm, and the
-    drawing that the outline is from, if there is one."""
+    """``[section]``: the outline and how it is filled.
+
+    Attributes
+    ----------
+    outline : Outline
+    material : str
+        Of what is in no region.
+    spacing : float or Rays
+        Largest distance of particles, mm; or the rays that they lie on.
+    drawing : Path or None
+        What the outline was read from.
+    regions : tuple of RegionTable
+    """
 
     outline: Outline
     material: str
-    spacing: float
+    spacing: float | Rays
     drawing: Path | None = None
+    regions: tuple[RegionTable, ...] = ()
+
+    @property
+    def cuts(self) -> list:
+        """Lines (k, 2) that divide the section."""
+        return [np.array(region.line) for region in self.regions]
 
 
 @dataclass(frozen=True)
 class FixedTable:
-    """``[fixed]``: edges that are held."""
+    """``[fixed]``: edges that are held, and in which directions."""
+
+    edges: tuple = ()
+    directions: tuple = ("x", "y")
+
+
+@dataclass(frozen=True)
+class SymmetryTable:
+    """``[[symmetry]]``: edges in a plane beyond which the section goes on as its mirror image."""
 
     edges: tuple
+    normal: str
 
 
 @dataclass(frozen=True)
@@ -114,6 +161,7 @@ class SealFile:
     materials : dict of str to Isotropic
     section : SectionTable
     fixed : FixedTable
+    symmetries : tuple of SymmetryTable
     profiles : tuple of ProfileTable
     designs : tuple of DesignTable
     measures : tuple of MeasureTable
@@ -125,6 +173,7 @@ class SealFile:
     materials: dict[str, Isotropic]
     section: SectionTable
     fixed: FixedTable
+    symmetries: tuple[SymmetryTable, ...]
     profiles: tuple[ProfileTable, ...]
     designs: tuple[DesignTable, ...] = ()
     measures: tuple[MeasureTable, ...] = ()
@@ -134,3 +183,15 @@ class SealFile:
     def n_steps(self) -> int:
         """Load steps of the path."""
         return max(profile.n_steps for profile in self.profiles)
+
+    @property
+    def held(self) -> tuple:
+        """Edges that are held in both directions."""
+        return self.fixed.edges if len(set(self.fixed.directions)) == 2 else ()
+
+    @property
+    def planes(self) -> tuple:
+        """Edges that are held in one direction, and its number: 0 for x, 1 for y."""
+        own = () if self.held else [(name, self.fixed.directions[0]) for name in self.fixed.edges]
+        mirrored = [(name, plane.normal) for plane in self.symmetries for name in plane.edges]
+        return tuple((name, "xy".index(axis)) for name, axis in (*own, *mirrored))

@@ -38,11 +38,14 @@ class OutlineCloud(NamedTuple):
         Background cells, counter-clockwise.
     loops : tuple of ndarray of int
         Boundary particles of every loop in order, the material on the left.
+    parts : ndarray of int, shape (m,)
+        Number of the part of every cell, into which cuts divide the section.
     """
 
     particles: np.ndarray
     cells: np.ndarray
     loops: tuple
+    parts: np.ndarray
 
     @property
     def n_boundary(self) -> int:
@@ -50,7 +53,7 @@ class OutlineCloud(NamedTuple):
         return sum(len(loop) for loop in self.loops)
 
 
-def cloud(loops, spacing: float) -> OutlineCloud:
+def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
     """Particles and cells between closed loops of boundary points.
 
     Parameters
@@ -60,6 +63,8 @@ def cloud(loops, spacing: float) -> OutlineCloud:
         of the section have even numbers, see ``boundary.doubled``.
     spacing : float
         Wanted distance of particles inside, mm. Where the loops are finer the inside is finer too.
+    cuts : sequence of ndarray, shape (k, 2)
+        Straight sides from one point of even number to another, on which sides of cells lie.
 
     Raises
     ------
@@ -82,8 +87,10 @@ def cloud(loops, spacing: float) -> OutlineCloud:
             )
     if not (np.isfinite(spacing) and spacing > 0.0):
         raise ValueError(f"spacing must be a positive number, got {spacing!r}")
-    points, triangles = triangulate([loop[::2] for loop in loops], 2.0 * spacing)
-    particles, cells = halved(points, paired(points, triangles), loops)
+    points, triangles, parts = triangulate([loop[::2] for loop in loops], 2.0 * spacing, cuts)
+    whole, parts = paired(points, triangles, parts)
+    particles, cells = halved(points, whole, loops)
+    corners = np.where(whole[:, 2] == whole[:, 3], 3, 4)
     try:
         quadrature_weights(cell_map(cells), particles)
     except GeometryError as error:
@@ -92,10 +99,10 @@ def cloud(loops, spacing: float) -> OutlineCloud:
         ) from error
     ends = np.cumsum([0, *(len(loop) for loop in loops)])
     around = tuple(np.arange(a, b) for a, b in pairwise(ends))
-    return OutlineCloud(particles, cells, around)
+    return OutlineCloud(particles, cells, around, np.repeat(parts, corners))
 
 
-def graded(sample, spacing: float) -> tuple[list, float]:
+def graded(sample, spacing: float, cuts=()) -> tuple[list, float]:
     """Boundaries graded by wall thickness, and the spacing for ``cloud``.
 
     Two cells lie across every wall, so that no fewer than three particles do. Where walls are such that
@@ -108,6 +115,8 @@ def graded(sample, spacing: float) -> tuple[list, float]:
         have the attribute ``points`` and an even number of sides between corners.
     spacing : float
         Largest distance of particles, mm; sides of cells inside are up to a quarter longer.
+    cuts
+        As of ``cloud``.
 
     Raises
     ------
@@ -117,7 +126,7 @@ def graded(sample, spacing: float) -> tuple[list, float]:
     dense = [b.points for b in sample(lambda x: np.full(len(x), DENSE * spacing))]
     for share in SHARES:
         boundaries = sample(wall_spacing(dense, share * spacing))
-        filled = cloud([boundary.points for boundary in boundaries], share * spacing)
+        filled = cloud([boundary.points for boundary in boundaries], share * spacing, cuts)
         if longest_side(filled.cells, filled.particles) <= LONGEST * spacing:
             break
     return boundaries, share * spacing

@@ -80,7 +80,7 @@ def checked_names(names, known, what: str) -> None:
             raise ValueError(f"{what}: no edge is called {name!r}; edges are {', '.join(known)}")
 
 
-def boundary_velocity(boundaries, designs, fixed=()) -> np.ndarray:
+def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
     """Velocity of every boundary point for each parameter, shape (P, k, 2), dimensionless.
 
     Parameters
@@ -90,13 +90,17 @@ def boundary_velocity(boundaries, designs, fixed=()) -> np.ndarray:
         The parameters come in this order, edge after edge, and along each edge.
     fixed : sequence of str
         Edges that stay: those beside them are zero where they meet.
+    planes : sequence of (str, int)
+        Straight edges that stay in their plane, and the component across it: ends move along it as the
+        edges beside them do, and what is between follows linearly.
     """
     known = stretches(boundaries)
     checked_names([name for design in designs for name in design.edges], known, "design")
     named = [name for design in designs for name in design.edges]
     for name in named:
-        if name in fixed or named.count(name) > 1:
-            what = "is fixed" if name in fixed else "is named twice"
+        if name in fixed or name in dict(planes) or named.count(name) > 1:
+            what = "is fixed" if name in fixed else "is in a plane"
+            what = "is named twice" if named.count(name) > 1 else what
             raise ValueError(f"design: the edge {name!r} {what}")
     starts = np.cumsum([0, *(len(boundary.points) for boundary in boundaries)])
     held = {(known[name].loop, int(point)) for name in fixed for point in known[name].points}
@@ -112,7 +116,23 @@ def boundary_velocity(boundaries, designs, fixed=()) -> np.ndarray:
                 boundary, stretch
             )
             columns.append(column)
-    return np.concatenate(columns)
+    velocity = np.concatenate(columns)
+    for name, component in planes:
+        stretch = known[name]
+        boundary = boundaries[stretch.loop]
+        arc = np.asarray(boundary.arc_length)[stretch.points]
+        along = (arc - arc[0]) % boundary.length
+        _slide(velocity, starts[stretch.loop] + stretch.points, along, component)
+    return velocity
+
+
+def _slide(velocity, places, along, component) -> None:
+    """Keep an edge in its plane: its ends move along it, what is between them in proportion."""
+    ends = places[[0, -1]]
+    velocity[:, ends, component] = 0.0
+    share = (np.asarray(along) / along[-1])[None, :, None]
+    first, last = (velocity[:, end][:, None] for end in ends)
+    velocity[:, places] = first + share * (last - first)
 
 
 def _basis(boundary, stretch, count, held, name) -> np.ndarray:

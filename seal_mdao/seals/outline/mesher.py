@@ -1,13 +1,20 @@
 """Triangles inside closed loops, by Netgen's advancing front (extra ``mesh``)."""
 
 from importlib import import_module
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from seal_mdao.errors import GeometryError
 
 UNBOUNDED = 1e6
 """Largest size asked for along the loops, which are not to be divided further, mm."""
+
+ON_LOOP = 1e-3
+"""Largest distance of the end of a cut from a point of a loop, mm."""
 
 GRADINGS = (0.3, 0.6, 1.2, 2.4)
 """How fast triangles may grow, gentle first: the mesher divides sides that grow faster."""
@@ -23,8 +30,27 @@ def _netgen():
         ) from error
 
 
-def triangulate(loops, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points and triangles between closed loops of given points.
+class Triangles(NamedTuple):
+    """A triangulation.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, 2)
+        Those of the loops first, in order, then those between the ends of cuts; the same bits for the
+        same input.
+    triangles : ndarray of int, shape (m, 3)
+        Counter-clockwise.
+    parts : ndarray of int, shape (m,)
+        Number of the part of every triangle, into which the cuts divide them.
+    """
+
+    points: np.ndarray
+    triangles: np.ndarray
+    parts: np.ndarray
+
+
+def triangulate(loops, size: float, cuts=()) -> Triangles:
+    """Triangles between closed loops of given points, divided by cuts.
 
     Parameters
     ----------
@@ -32,13 +58,9 @@ def triangulate(loops, size: float) -> tuple[np.ndarray, np.ndarray]:
         Points in order, the material on the left.
     size : float
         Largest wanted side, mm; where a loop has shorter sides the triangles follow.
-
-    Returns
-    -------
-    points : ndarray, shape (n, 2)
-        Those of the loops first, in order; the same bits for the same input.
-    triangles : ndarray of int, shape (m, 3)
-        Counter-clockwise.
+    cuts : sequence of ndarray, shape (k, 2)
+        Straight sides through the inside from one point of a loop to another: sides of triangles lie
+        on them.
 
     Raises
     ------
@@ -48,7 +70,7 @@ def triangulate(loops, size: float) -> tuple[np.ndarray, np.ndarray]:
         Without netgen-mesher.
     """
     geometry = _netgen().SplineGeometry()
-    sides, count = [], 0
+    sides, count, every = [], 0, []
     for loop in loops:
         numbers = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in loop]
         ends = list(zip(numbers, numbers[1:] + numbers[:1], strict=True))
@@ -57,11 +79,14 @@ def triangulate(loops, size: float) -> tuple[np.ndarray, np.ndarray]:
         around = count + np.arange(len(loop))
         sides.append(np.column_stack([around, np.roll(around, -1)]))
         count += len(loop)
+        every += numbers
     given, sides = np.concatenate(loops), np.concatenate(sides)
+    for cut in cuts:
+        _append_cut(geometry, cut, given, every, size)
     for grading in GRADINGS:
-        points, triangles = _generated(geometry, size, grading)
+        points, triangles, divided = _generated(geometry, size, grading, len(sides))
         if not (lost := _lost(points, triangles, given, sides)):
-            return points, triangles
+            return Triangles(points, triangles, _parts(triangles, divided))
     x, y = points[min(lost)[0]]
     raise GeometryError(
         f"the mesher divides the boundary near ({x:.4g}, {y:.4g}): its sides there are much longer "
@@ -69,14 +94,39 @@ def triangulate(loops, size: float) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
-def _generated(geometry, size, grading):
+def _append_cut(geometry, cut, given, every, size):
+    """A cut between points of the loops; the mesher divides its sides."""
+    away = [np.hypot(*(given - end).T) for end in (cut[0], cut[-1])]
+    first, last = (every[int(a.argmin())] for a in away)
+    if max(a.min() for a in away) > ON_LOOP or first == last:
+        raise GeometryError("a cut must lead from one point of the boundary to another")
+    between = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in cut[1:-1]]
+    for a, b in pairwise([first, *between, last]):
+        geometry.Append(["line", a, b], leftdomain=1, rightdomain=1, maxh=float(size))
+
+
+def _generated(geometry, size, grading, n_sides):
     try:
         mesh = geometry.GenerateMesh(maxh=float(size), grading=grading)
     except Exception as error:  # whatever the library throws
         raise GeometryError(f"the section cannot be filled with triangles: {error}") from error
     points = np.array([tuple(point.p)[:2] for point in mesh.Points()])
     triangles = np.array([[v.nr - 1 for v in cell.vertices] for cell in mesh.Elements2D()], int)
-    return points, triangles
+    divided = [[v.nr - 1 for v in e.vertices] for e in mesh.Elements1D() if e.index > n_sides]
+    return points, triangles, {frozenset(side) for side in divided}
+
+
+def _parts(triangles, divided) -> np.ndarray:
+    """Number of the part of every triangle: neighbours are in one unless a cut lies between."""
+    owners = {}
+    for number, (a, b, c) in enumerate(triangles.tolist()):
+        for side in ((a, b), (b, c), (c, a)):
+            owners.setdefault(frozenset(side), []).append(number)
+    joined = [o for side, o in owners.items() if len(o) == 2 and side not in divided]
+    pairs = np.array(joined, int).reshape(-1, 2)
+    n = len(triangles)
+    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n))
+    return connected_components(graph, directed=False)[1]
 
 
 def _lost(points, triangles, given, sides) -> set:

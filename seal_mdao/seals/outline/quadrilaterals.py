@@ -22,19 +22,35 @@ def corner_angles(corners: np.ndarray) -> np.ndarray:
     return np.degrees(np.arctan2(cross, (after * before).sum(axis=-1))) % 360.0
 
 
-def paired(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Cells (m, 4) of triangles (k, 3) joined in pairs, the best first; those left repeat a corner."""
+def paired(points: np.ndarray, triangles: np.ndarray, parts=None) -> tuple:
+    """Triangles (k, 3) joined in pairs of one part, the best first.
+
+    Returns
+    -------
+    cells : ndarray of int, shape (m, 4)
+        Those that are left alone repeat a corner.
+    parts : ndarray of int, shape (m,)
+        Theirs, from those (k,) of the triangles; zeros unless given.
+    """
+    parts = np.zeros(len(triangles), int) if parts is None else parts
     quads, owners = _candidates(triangles)
+    same = parts[owners[:, 0]] == parts[owners[:, 1]]
+    quads, owners = quads[same], owners[same]
     bad = np.abs(corner_angles(points[quads]) - 90.0).max(axis=1)
     # rounding must not decide between equal pairs
     order = np.lexsort((*owners.T[::-1], bad.round(6)))
-    used, cells = np.zeros(len(triangles), bool), []
+    used, cells, own = np.zeros(len(triangles), bool), [], []
     for pair in order:
         if bad[pair] < WORST_ANGLE and not used[owners[pair]].any():
             used[owners[pair]] = True
             cells.append(quads[pair])
+            own.append(parts[owners[pair, 0]])
     single = triangles[~used]
-    return np.vstack([np.array(cells, int).reshape(-1, 4), np.column_stack([single, single[:, 2]])])
+    cells = np.array(cells, int).reshape(-1, 4)
+    return (
+        np.vstack([cells, np.column_stack([single, single[:, 2]])]),
+        np.concatenate([np.array(own, int), parts[~used]]),
+    )
 
 
 def _candidates(triangles):

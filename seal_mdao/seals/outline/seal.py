@@ -1,6 +1,7 @@
 """A seal from the boundary of any section."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,8 @@ from seal_mdao.seals.assembled import AssembledSeal
 from seal_mdao.seals.outline.cloud import OutlineCloud, cloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.extension import harmonic_extension
-from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
+from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
 
 SUPPORT = 2.2
@@ -51,6 +53,23 @@ class EdgeContact(NamedTuple):
         return RigidContact(self.label, where, self.shape, self.motion, self.law, self.prefix)
 
 
+class SectionRegion(NamedTuple):
+    """A part of the section of another material.
+
+    Attributes
+    ----------
+    material : Isotropic
+    at : pair of float
+        A point of the part, mm.
+    prefix : str
+        Put before the names of the material's constants.
+    """
+
+    material: object
+    at: tuple
+    prefix: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class OutlineSeal(AssembledSeal):
     """A seal whose cloud was made from its boundary.
@@ -59,35 +78,49 @@ class OutlineSeal(AssembledSeal):
     ----------
     loops : tuple of ndarray of int
         Boundary particles of every loop, which come first.
-    spacing, support : float
-        Of its cloud: mm, and over the longest side of a cell.
+    spacing : float or Rays
+        Of its cloud, mm; or the rays that fill its wall.
+    support : float
+        Support radius over the longest side of a cell at a particle.
+    cuts : tuple of ndarray
+        Lines that divide the drawn section between materials, their corners (k, 2), mm.
     """
 
     loops: tuple = ()
-    spacing: float = 1.0
+    spacing: float | Rays = 1.0
     support: float = SUPPORT
+    cuts: tuple = ()
 
 
 def outline_seal(
-    boundaries, spacing: float, material, *, n_steps: int, fixed=(), contacts=(), designs=(),
-    support: float = SUPPORT, standard=(), inputs=(), newton: NewtonOptions | None = None,
+    boundaries, spacing: float | Rays, material, *, n_steps: int, fixed=(), planes=(), contacts=(),
+    designs=(), cuts=(), regions=(), prefix: str = "", support: float = SUPPORT, standard=(),
+    inputs=(), newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
-    """A seal of one material from the boundary of its section.
+    """A seal from the boundary of its section.
 
     Parameters
     ----------
     boundaries : sequence of Boundary
         Outside first, as ``boundary.doubled`` gives them: points with edge names, arc length, tangents.
-    spacing : float
-        Wanted distance of particles, mm.
+    spacing : float or Rays
+        Wanted distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``.
     material : Isotropic
     n_steps : int
         Nominal load steps, those of the motions.
     fixed : sequence of str
         Edges that are held.
+    planes : sequence of (str, int)
+        Edges that slide along their plane, and the component across it, in which they are held.
     contacts : sequence of EdgeContact
     designs : sequence of EdgeDesign
         Their parameters are the ``boundary_offsets``, mm along the drawn normals.
+    cuts : sequence of ndarray, shape (k, 2)
+        Lines between points of the boundary that divide the section, mm.
+    regions : sequence of SectionRegion
+        Parts between them that are not of ``material``.
+    prefix : str
+        Put before the names of the constants of ``material``.
     support : float
         Support radius over the longest side of a cell at a particle.
     standard, inputs, newton
@@ -102,9 +135,10 @@ def outline_seal(
     """
     known = stretches(boundaries)
     checked_names(fixed, known, "fixed")
+    checked_names([name for name, _ in planes], known, "planes")
     for contact in contacts:
         checked_names(contact.edges, known, f"profile {contact.label!r}")
-    filled = cloud([boundary.points for boundary in boundaries], spacing)
+    filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
         for name, stretch in known.items()
@@ -112,13 +146,24 @@ def outline_seal(
     held = np.zeros(filled.particles.shape, bool)
     for name in fixed:
         held[edges[name].particles] = True
+    for name, component in planes:
+        held[edges[name].particles, component] = True
     body = _body(filled, support, held, edges)
-    velocity = _inside(filled, boundary_velocity(boundaries, designs, fixed))
-    terms = (elastic_body(material), *(contact.on(body) for contact in contacts))
+    velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
+    elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
+    terms = (elastic, *(contact.on(body) for contact in contacts))
     return OutlineSeal(
         filled.particles, velocity, body, terms, n_steps, tuple(standard), tuple(inputs),
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,
+        cuts=tuple(np.asarray(cut, float) for cut in cuts),
     )  # fmt: skip
+
+
+def _filled(boundaries, spacing, cuts):
+    """The cloud, and how velocities of its boundary give those of all particles."""
+    if isinstance(spacing, Rays):
+        return ray_cloud(boundaries, spacing), partial(through_wall, rays=spacing)
+    return cloud([boundary.points for boundary in boundaries], spacing, cuts), _inside
 
 
 def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
@@ -131,7 +176,13 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     ------
     GeometryError
         For a boundary that cannot be filled.
+    ValueError
+        For a section of several materials, or one that is filled by rays.
     """
+    if seal.cuts or isinstance(seal.spacing, Rays):
+        raise ValueError(
+            "only a section of one material that is not filled by rays has other clouds"
+        )
     offsets = seal.check_offsets(offsets)
     present = seal.particles(offsets)
     filled = cloud([present[loop] for loop in seal.loops], seal.spacing)
@@ -156,6 +207,38 @@ def points_on(body: Body, names) -> MaterialPoints:
     neighbours[sides[:, 0], 1] = sides[:, 1]
     movable = which[~body.fixed[which].all(axis=1)]
     return boundary_particles(movable, neighbours[movable])
+
+
+def _regions(filled: OutlineCloud, rest: Region, regions) -> tuple:
+    """Regions of cells, ``rest`` for those of no other."""
+    parts = [_part_at(filled, region.at) for region in regions]
+    for i, part in enumerate(parts):
+        if part in parts[:i]:
+            raise ValueError(
+                f"at = ({regions[i].at[0]:.4g}, {regions[i].at[1]:.4g}) is in the part of the section "
+                f"in which ({regions[parts.index(part)].at[0]:.4g}, "
+                f"{regions[parts.index(part)].at[1]:.4g}) is"
+            )
+    found = tuple(
+        Region(region.material, np.flatnonzero(filled.parts == part), region.prefix)
+        for region, part in zip(regions, parts, strict=True)
+    )
+    if not found:
+        return (rest,)
+    others = np.flatnonzero(~np.isin(filled.parts, parts))
+    if not others.size:
+        raise ValueError("every part of the section is in a region; leave one to its own material")
+    return (rest._replace(cells=others), *found)
+
+
+def _part_at(filled: OutlineCloud, point) -> int:
+    """The part of the section that a point is in."""
+    corners = filled.particles[filled.cells]
+    side, to = np.roll(corners, -1, axis=1) - corners, np.asarray(point, float) - corners
+    inside = (side[..., 0] * to[..., 1] - side[..., 1] * to[..., 0] >= 0.0).all(axis=1)
+    if not inside.any():
+        raise ValueError(f"at = ({point[0]:.4g}, {point[1]:.4g}) is outside of the section")
+    return int(filled.parts[np.flatnonzero(inside)[0]])
 
 
 def _body(filled: OutlineCloud, support, held, edges) -> Body:

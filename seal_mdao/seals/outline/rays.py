@@ -1,0 +1,165 @@
+"""Structured clouds: particles on rays through a wall, linear in the two boundaries between."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.cloud import OutlineCloud
+from seal_mdao.seals.outline.section import JOIN, SAGITTA, Boundary, Outline
+
+RAY_SUPPORT = 2.0
+"""Support radius over the longest side of a cell at a particle, that of the door seal."""
+
+BACK = 1e-9
+"""By how much an angle may fall back along a contour, radians."""
+
+
+class Rays(NamedTuple):
+    """How a wall between two contours is filled.
+
+    Attributes
+    ----------
+    rays, layers : int
+        Particles around and across the wall. The first ray points straight down.
+    centre : pair of float
+        Where the rays come from, mm.
+    """
+
+    rays: int
+    layers: int
+    centre: tuple = (0.0, 0.0)
+
+    @property
+    def angles(self) -> np.ndarray:
+        """From straight down, counter-clockwise, shape (rays,)."""
+        return 2.0 * np.pi * np.arange(self.rays) / self.rays
+
+    @property
+    def directions(self) -> np.ndarray:
+        """Unit vectors, shape (rays, 2)."""
+        return np.stack([np.sin(self.angles), -np.cos(self.angles)], axis=-1)
+
+    def particle(self, ray, layer):
+        """Number of a particle: ray by ray from the inner boundary; any integer ray."""
+        return (np.asarray(ray) % self.rays) * self.layers + layer
+
+    @property
+    def cells(self) -> np.ndarray:
+        """Cells between neighbouring rays and layers, counter-clockwise, shape (m, 4)."""
+        ray, layer = (
+            a.ravel()
+            for a in np.meshgrid(np.arange(self.rays), np.arange(self.layers - 1), indexing="ij")
+        )
+        corners = [(ray, layer), (ray, layer + 1), (ray + 1, layer + 1), (ray + 1, layer)]
+        return np.column_stack([self.particle(r, k) for r, k in corners])
+
+    def across(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
+        """Values (..., n, 2) of all particles from those (..., rays, 2) of the two boundaries."""
+        t = np.linspace(0.0, 1.0, self.layers)[:, None]
+        values = inner[..., None, :] * (1.0 - t) + outer[..., None, :] * t
+        return values.reshape(*values.shape[:-3], -1, 2)
+
+
+def ray_boundaries(outline: Outline, rays: Rays) -> list:
+    """Boundary points of a section of two contours on its rays.
+
+    Their ``arc_length`` is the angle and their tangents are across the rays: a design moves them along
+    the rays by B-splines of the angle.
+
+    Raises
+    ------
+    GeometryError
+        For a section of another kind, a contour that a ray meets twice, an end of a segment between
+        two rays.
+    """
+    if len(outline.contours) != 2:
+        raise GeometryError(f"rays need one hole, but the section has {len(outline.holes)}")
+    return [_boundary(contour, rays, i) for i, contour in enumerate(outline.contours)]
+
+
+def _boundary(contour, rays, hole) -> Boundary:
+    way = -1.0 if hole else 1.0
+    places = [_on_rays(segment, rays, way) for segment in contour.segments]
+    number = np.concatenate([[i] * len(own) for i, own in enumerate(places)])
+    ray = np.concatenate([[r for r, _ in own] for own in places]).astype(int)
+    radius = np.concatenate([[x for _, x in own] for own in places])
+    if sorted(ray % rays.rays) != list(range(rays.rays)):
+        raise GeometryError(
+            f"every ray from ({rays.centre[0]:.4g}, {rays.centre[1]:.4g}) must meet every contour once, "
+            f"but that with the edge {contour.edge_names[0]!r} is met otherwise"
+        )
+    directions = rays.directions[ray % rays.rays]
+    along = way * np.column_stack([-directions[:, 1], directions[:, 0]])
+    angle = way * 2.0 * np.pi / rays.rays * (ray - ray[0])
+    return Boundary(
+        np.asarray(rays.centre) + radius[:, None] * directions,
+        np.array([segment.edge for segment in contour.segments])[number],
+        number,
+        np.concatenate([[True], number[1:] != number[:-1]]),
+        np.mod(angle, 2.0 * np.pi),
+        2.0 * np.pi,
+        np.stack([along, along], axis=1),
+    )
+
+
+def _on_rays(segment, rays, way) -> list:
+    """Rays that meet a segment, its end not counted, in order, and the radii there."""
+    shares = segment.chords(SAGITTA * segment.length)
+    to = segment.points(shares) - rays.centre
+    angle = np.unwrap(np.arctan2(to[:, 0], -to[:, 1]))
+    unit = 2.0 * np.pi / rays.rays
+    radius = np.hypot(*to.T)
+    ends = np.round(angle[[0, -1]] / unit).astype(int)
+    away = np.abs(angle[[0, -1]] - ends * unit) * radius[[0, -1]]
+    if away.max() > JOIN:
+        x, y = segment.points(np.array([0.0, 1.0]))[int(away.argmax())]
+        raise GeometryError(
+            f"a segment of the edge {segment.edge!r} ends at ({x:.4g}, {y:.4g}), which is on no ray"
+        )
+    if (way * np.diff(angle) <= -BACK).any():
+        raise GeometryError(f"a ray meets the edge {segment.edge!r} twice")
+    found = [(ends[0], radius[0])]
+    for ray in range(ends[0] + int(way), ends[1], int(way)):
+        k = int(np.searchsorted(way * angle, way * ray * unit))
+        found.append((ray, _radius(segment, rays, ray, shares[k - 1], shares[k])))
+    return found
+
+
+def _radius(segment, rays, ray, low, high) -> float:
+    """Distance from the centre at which a ray meets a segment between two shares."""
+    along = rays.directions[ray % rays.rays]
+
+    def off(share):
+        x, y = segment.points(np.array([share]))[0] - rays.centre
+        return along[0] * y - along[1] * x
+
+    if off(low) * off(high) < 0.0:
+        share = brentq(off, low, high, xtol=1e-16)
+    else:  # an end of the chord is on the ray
+        share = min(low, high, key=lambda end: abs(off(end)))
+    return float((segment.points(np.array([share]))[0] - rays.centre) @ along)
+
+
+def ray_cloud(boundaries, rays: Rays) -> OutlineCloud:
+    """Particles and cells of a wall from its ``ray_boundaries``."""
+    unit = 2.0 * np.pi / rays.rays
+    loops, ordered = [], []
+    for boundary, layer in zip(boundaries, (rays.layers - 1, 0), strict=True):
+        to = boundary.points - rays.centre
+        ray = np.round(np.arctan2(to[:, 0], -to[:, 1]) / unit).astype(int) % rays.rays
+        loops.append(rays.particle(ray, layer))
+        ordered.append(boundary.points[np.argsort(ray)])
+    particles = rays.across(ordered[1], ordered[0])
+    cells = rays.cells
+    return OutlineCloud(particles, cells, tuple(loops), np.zeros(len(cells), int))
+
+
+def through_wall(filled: OutlineCloud, velocity: np.ndarray, rays: Rays) -> np.ndarray:
+    """Velocity (P, n, 2) of all particles from that (P, k, 2) of the boundary."""
+    around = len(filled.loops[0])
+    inner, outer = np.empty((2, len(velocity), rays.rays, 2))
+    outer[:, filled.loops[0] // rays.layers] = velocity[:, :around]
+    inner[:, filled.loops[1] // rays.layers] = velocity[:, around:]
+    return rays.across(inner, outer)

@@ -1,0 +1,102 @@
+"""The worked examples: coarse ones quickly, the files themselves as long tests."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+FILES = sorted(EXAMPLES.glob("*.toml"))
+NAMES = [path.stem for path in FILES]
+SHARE = 8
+"""Of the load steps and of the travel that a coarse example has."""
+STEP = 5e-6
+"""Of a quotient of fourth order, relative to constants, mm along design parameters: its truncation is
+far below rounding, which over the step is 1e-6 of a derivative of its measure's size over 1000."""
+
+
+def coarse(path):
+    """The text of an example with few particles and the first part of every stage."""
+    text = path.read_text(encoding="utf-8")
+    text = re.sub(r"spacing = ([\d.]+)", lambda m: f"spacing = {1.4 * float(m[1]):.3f}", text)
+
+    def stage(match):
+        x, y, steps = (float(value) for value in match.groups())
+        few = max(1, round(steps / SHARE))
+        x, y = x * few / steps, y * few / steps
+        return f"translate = [{x!r}, {y!r}]\nsteps = {few}"
+
+    return beside(re.sub(r"translate = \[(.*), (.*)\]\nsteps = (\d+)", stage, text))
+
+
+def beside(text):
+    """With the files beside the examples by their whole paths.
+
+    The paper's door touches the top of its seal at the very end of a step, where a point is neither open
+    nor closed: there is no derivative in the shape of the top. It starts a little higher.
+    """
+    text = text.replace("start = [0.0, 10.0]", "start = [0.0, 10.003]")
+    return re.sub(r'"([\w]+\.(?:dxf|csv))"', lambda m: f'"{EXAMPLES.as_posix()}/{m[1]}"', text)
+
+
+def states(result):
+    """Stick, slip and open points of all profiles at all steps."""
+    return np.hstack([
+        [response.state for response in result.path.responses(term.label)]
+        for term in result.seal.terms()[1:]
+    ])  # fmt: skip
+
+
+def gradients_agree(seal, limit=1e-5):
+    """Every measure's derivative along the design parameters together, and along the constants."""
+    names = tuple(seal.scalars)
+    result = sm.analyze(seal, keep_factors=True)
+    assert result.converged, result.failure
+    assert states(result).any(axis=0).sum() > 0, "nothing is touched"
+    measures = result.measures()
+    sensitivities = sm.differentiate(result, names, measures, "adjoint")
+    values = np.array([scalar.value for scalar in seal.scalars.values()])
+    rng = np.random.default_rng(1)
+    for offsets in {0.0, 1.0 if seal.n_offsets else 0.0}:
+        way = rng.uniform(-1.0, 1.0, seal.n_offsets + len(names))
+        way[: seal.n_offsets] *= offsets
+        way[seal.n_offsets :] *= values * (offsets == 0.0)
+        moved = [
+            sm.analyze(
+                seal, at * STEP * way[: seal.n_offsets],
+                dict(zip(names, values + at * STEP * way[seal.n_offsets :], strict=True)),
+            )
+            for at in (-2, -1, 1, 2)
+        ]  # fmt: skip
+        assert all(np.array_equal(states(m), states(result)) for m in moved)
+        for measure in measures:
+            found = np.array([m.value(measure) for m in moved])
+            quotient = np.array([1.0, -8.0, 8.0, -1.0]) @ found / (12.0 * STEP)
+            exact = np.atleast_2d(sensitivities[measure.name])
+            size = np.abs(exact * np.where(way == 0.0, 0.0, np.abs(way))).sum(axis=1).max()
+            rounding = 10.0 * np.finfo(float).eps * np.abs(found).max() / STEP
+            assert np.abs(quotient - exact @ way).max() <= limit * size + rounding, measure.name
+
+
+@pytest.mark.parametrize("path", FILES, ids=NAMES)
+def test_examples_are_short_and_say_what_they_are(path):
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 60
+    assert lines[0].startswith("# ")
+    assert sm.read_seal_file(path).measures
+
+
+@pytest.mark.parametrize("path", FILES, ids=NAMES)
+def test_gradients_of_coarse_examples(path, tmp_path):
+    (tmp_path / path.name).write_text(coarse(path), encoding="utf-8")
+    gradients_agree(sm.build_seal(sm.read_seal_file(tmp_path / path.name)))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("path", FILES, ids=NAMES)
+def test_gradients_of_the_examples(path, tmp_path):
+    (tmp_path / path.name).write_text(beside(path.read_text(encoding="utf-8")), encoding="utf-8")
+    gradients_agree(sm.build_seal(sm.read_seal_file(tmp_path / path.name)))

@@ -1,0 +1,53 @@
+"""The paper's seal out of its file is the door seal."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+
+FILE = Path(__file__).parents[2] / "examples" / "paper_seal.toml"
+
+
+@pytest.fixture(scope="module")
+def both():
+    seal, door = sm.build_seal(sm.read_seal_file(FILE)), sm.door_seal()
+    return sm.analyze(seal, keep_factors=True), sm.analyze(door, keep_factors=True)
+
+
+def test_the_cloud_is_that_of_the_door_seal(both):
+    seal, door = (result.seal for result in both)
+    assert np.abs(seal.drawn_particles - door.drawn_particles).max() < 1e-14
+    assert np.array_equal(seal.body.cells, door.body.cells)
+    assert np.array_equal(seal.body.fixed, door.body.fixed)
+    assert np.abs(seal.body.support_radius - door.body.support_radius).max() < 1e-14
+    assert not seal.body.hidden.size
+
+
+def test_offsets_are_those_of_the_door_seal(both):
+    """The hole is walked clockwise with the material on the left: outward is towards the centre."""
+    seal, door = (result.seal for result in both)
+    order = np.r_[0:14, 14, 24:14:-1]
+    sign = np.r_[np.ones(14), -np.ones(11)]
+    own = sign[:, None, None] * seal.design_velocity[order]
+    assert np.abs(own - door.design_velocity).max() < 1e-13
+    exact = sm.differentiate(both[1], (), None, "adjoint")
+    found = sm.differentiate(both[0], (), None, "adjoint")
+    for name, rows in (
+        ("reaction", exact["reaction"][1:]),
+        ("gap_square_sum", exact["gap_square_sum"]),
+    ):
+        rows = np.atleast_2d(rows)[:, :25]
+        mine = np.atleast_2d(found[name])[:, :25][:, order] * sign
+        assert np.abs(mine - rows).max() < 1e-10 * np.abs(rows).max(), name
+
+
+def test_the_path_is_that_of_the_door_seal(both):
+    seal, door = both
+    assert np.array_equal(seal.newton_iterations, door.newton_iterations)
+    for step in range(105):
+        assert np.abs(seal.displacement(step) - door.displacement(step)).max() < 1e-12 * 10.0
+    for result_of in (lambda r: r.response("door").total, lambda r: r.response("door").gap):
+        mine, known = result_of(seal), result_of(door)
+        assert np.abs(mine - known).max() < 1e-12 * np.abs(known).max()

@@ -1,0 +1,136 @@
+"""A section of two rubbers between planes of symmetry against the exact solution."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import seal_mdao as sm
+from seal_mdao.verification.layered_cylinder import principal_stress
+
+SOFT, STIFF = sm.MooneyRivlin(80.0, 20.0, 2e3), sm.MooneyRivlin(320.0, 80.0, 6e3)
+BLOCK = """
+[material.soft]
+law = "mooney_rivlin"
+c10 = 80.0
+c01 = 20.0
+bulk_modulus = 2e3
+[material.stiff]
+law = "mooney_rivlin"
+c10 = 320.0
+c01 = 80.0
+bulk_modulus = 6e3
+[section]
+material = "soft"
+spacing = {spacing}
+[[section.region]]
+material = "stiff"
+at = [1.0, 0.5]
+line = [[0.0, 2.0], [6.0, 2.0]]
+[[section.outer]]
+edge = "base"
+line = [[0.0, 0.0], [6.0, 0.0]]
+[[section.outer]]
+edge = "right"
+line = [[6.0, 0.0], [6.0, 2.0], [6.0, 4.0]]
+[[section.outer]]
+edge = "top"
+line = [[6.0, 4.0], [0.0, 4.0]]
+[[section.outer]]
+edge = "left"
+line = [[0.0, 4.0], [0.0, 2.0], [0.0, 0.0]]
+[fixed]
+edges = ["base"]
+directions = ["y"]
+[[symmetry]]
+edges = ["left", "right"]
+normal = "x"
+[[profile]]
+name = "plate"
+friction = 0.0
+normal_penalty = 1e6
+contact = ["top"]
+line = [[-40.0, 0.0], [40.0, 0.0]]
+start = [0.0, 4.0]
+[[profile.stage]]
+translate = [0.0, -0.4]
+steps = 4
+[[measure]]
+type = "reaction"
+"""
+
+
+def pressed(folder, spacing):
+    path = folder / "block.toml"
+    path.write_text(BLOCK.format(spacing=spacing))
+    result = sm.analyze(sm.build_seal(sm.read_seal_file(path)))
+    assert result.converged, result.failure
+    return result
+
+
+def exact_force():
+    """Both layers keep their width, so each is strained uniformly: equal stress, strains that add up;
+    the plate's penetration is stress over penalty."""
+
+    def stress(law, stretch):
+        return principal_stress(law, stretch, 1.0)
+
+    def lower(upper):
+        return brentq(lambda x: stress(STIFF, x) - stress(SOFT, upper), 0.5, 1.0, xtol=1e-15)
+
+    def travel(upper):
+        return 4.0 - 2.0 * (upper + lower(upper)) - stress(SOFT, upper) / 1e6 - 0.4
+
+    return -6.0 * stress(SOFT, brentq(travel, 0.7, 1.0, xtol=1e-15))
+
+
+def test_two_layers_between_planes_of_symmetry(tmp_path):
+    """The kink of the displacement at the interface is smeared over a kernel's width, so the force's
+    error falls as the spacing does."""
+    exact = exact_force()
+    errors = []
+    for spacing in (0.8, 0.4, 0.2):
+        result = pressed(tmp_path, spacing)
+        (force,) = result.value(result.measures()[0])
+        errors.append(abs(force / exact - 1.0))
+    assert errors[2] < 0.6 * errors[1] < 0.4 * errors[0]
+    assert errors[2] < 0.02, errors
+
+
+def test_cells_lie_on_one_side_of_the_line(tmp_path):
+    result = pressed(tmp_path, 0.8)
+    soft, stiff = result.seal.definitions[0].regions
+    height = result.particles[result.seal.body.cells, 1]
+    assert height[soft.cells].min() == 2.0
+    assert height[stiff.cells].max() == 2.0
+    assert (soft.prefix, stiff.prefix) == ("soft_", "stiff_")
+    names = {
+        "soft_c10",
+        "soft_c01",
+        "soft_bulk_modulus",
+        "stiff_c10",
+        "stiff_c01",
+        "stiff_bulk_modulus",
+    }
+    assert names <= set(result.seal.scalars)
+
+
+def test_a_point_outside_of_the_section_marks_no_part(tmp_path):
+    path = tmp_path / "block.toml"
+    path.write_text(BLOCK.format(spacing=0.8).replace("at = [1.0, 0.5]", "at = [1.0, -0.5]"))
+    with pytest.raises(sm.SealFileError, match=r"at = \(1, -0\.5\) is outside of the section"):
+        sm.build_seal(sm.read_seal_file(path))
+
+
+def test_planes_stay_planes_in_a_design(tmp_path):
+    path = tmp_path / "block.toml"
+    design = '[[design]]\nedges = ["top"]\nparameters = 5\nbound = 0.3\n'
+    path.write_text(BLOCK.format(spacing=0.8) + design)
+    seal = sm.build_seal(sm.read_seal_file(path))
+    for name in ("left", "right"):
+        particles = seal.body.edge(name).particles
+        velocity = seal.design_velocity[:, particles]
+        assert np.abs(velocity[..., 0]).max() == 0.0
+        height = seal.drawn_particles[particles, 1]
+        share = (height - height[0]) / (height[-1] - height[0])
+        linear = velocity[:, :1] + share[:, None] * (velocity[:, -1:] - velocity[:, :1])
+        assert np.abs(velocity - linear).max() < 1e-14
