@@ -51,7 +51,7 @@ def _lines(path: Path, label: str, lines: dict, value: str, ticks=None):
     axes.yaxis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
     axes.set_xlabel(label)
     axes.set_ylabel(value)
-    axes.legend()
+    axes.legend(loc="lower left")
     save(figure, path)
 
 

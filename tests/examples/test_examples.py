@@ -50,10 +50,10 @@ def states(result):
     ])  # fmt: skip
 
 
-def gradients_agree(seal, limit=1e-5):
+def gradients_agree(seal, base=0.0, limit=1e-5):
     """Every measure's derivative along the design parameters together, and along the constants."""
-    names = tuple(seal.scalars)
-    result = sm.analyze(seal, keep_factors=True)
+    names, base = tuple(seal.scalars), np.broadcast_to(base, seal.n_offsets)
+    result = sm.analyze(seal, base, keep_factors=True)
     assert result.converged, result.failure
     assert states(result).any(axis=0).sum() > 0, "nothing is touched"
     measures = result.measures()
@@ -66,7 +66,7 @@ def gradients_agree(seal, limit=1e-5):
         way[seal.n_offsets :] *= values * (offsets == 0.0)
         moved = [
             sm.analyze(
-                seal, at * STEP * way[: seal.n_offsets],
+                seal, base + at * STEP * way[: seal.n_offsets],
                 dict(zip(names, values + at * STEP * way[seal.n_offsets :], strict=True)),
             )
             for at in (-2, -1, 1, 2)
@@ -98,5 +98,7 @@ def test_gradients_of_coarse_examples(path, tmp_path):
 @pytest.mark.long
 @pytest.mark.parametrize("path", FILES, ids=NAMES)
 def test_gradients_of_the_examples(path, tmp_path):
+    """Beside the drawn sections: where one is symmetric, a point may stand between stick and slip."""
     (tmp_path / path.name).write_text(beside(path.read_text(encoding="utf-8")), encoding="utf-8")
-    gradients_agree(sm.build_seal(sm.read_seal_file(tmp_path / path.name)))
+    seal = sm.build_seal(sm.read_seal_file(tmp_path / path.name))
+    gradients_agree(seal, np.random.default_rng(2).uniform(-0.02, 0.02, seal.n_offsets))
