@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+import seal_mdao as sm
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
 
@@ -30,7 +32,7 @@ def test_script_closes_the_gap(tmp_path, monkeypatch, capsys):
 
 
 def test_ci_runs_the_readme_test_command():
-    _, command, _ = (block.strip() for block in code_blocks("sh"))
+    _, command, *_ = (block.strip() for block in code_blocks("sh"))
     assert command in (ROOT / ".ci" / "run").read_text().splitlines()
 
 
@@ -41,6 +43,14 @@ def test_the_documentation_is_built_as_the_readme_says():
     lines = (ROOT / ".ci" / "run").read_text().splitlines()
     assert install.replace("install", "install -q", 1) in lines
     assert build.replace("sphinx", "sphinx -W -q", 1) in lines
+
+
+def test_the_seal_file_of_the_readme_can_be_analysed():
+    """tests/run_scripts run the script; the examples have tests of their own."""
+    _, _, command, _ = (block.strip() for block in code_blocks("sh"))
+    *_, script, file, _, _ = command.split()
+    assert (ROOT / script).exists()
+    assert sm.read_seal_file(ROOT / file).measures
 
 
 def test_links_and_folders_exist():
