@@ -10,7 +10,7 @@ import seal_mdao as sm
 from seal_mdao.plotting import deformed_shapes, section
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION, save, styled, subplots
 from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.seals.door.section import ray_directions
+from seal_mdao.seals.wall_grid import ray_directions
 
 
 @cache

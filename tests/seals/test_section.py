@@ -6,7 +6,8 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.seals.door.area import section_area
-from seal_mdao.seals.door.section import RingGrid, Section, ray_directions
+from seal_mdao.seals.door.section import RingGrid, Section
+from seal_mdao.seals.wall_grid import ray_directions
 
 SECTION = Section()
 D0 = SECTION.base_angle

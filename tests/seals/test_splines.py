@@ -5,8 +5,9 @@ import pytest
 from scipy.interpolate import BSpline
 
 import seal_mdao as sm
-from seal_mdao.seals.door.section import Section, ray_directions
+from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.door.splines import BoundarySplines, clamped_basis, periodic_basis
+from seal_mdao.seals.wall_grid import ray_directions
 
 MODEL = sm.door_seal()
 SPLINES = MODEL.splines

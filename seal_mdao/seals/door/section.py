@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao import values
+from seal_mdao.seals.wall_grid import WallGrid
 
 SMALLEST, LARGEST = 0.1, 50.0
 """Between them the outer radius lies, mm."""
@@ -57,49 +58,17 @@ class Section:
         return self.outer_radius / np.cos(np.where(d < 2 * self.base_angle, tilt, 0.0))
 
 
-def ray_directions(angle: np.ndarray) -> np.ndarray:
-    """Unit vectors along the rays, shape (..., 2); angle 0 points straight down."""
-    return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
-
-
 @dataclass(frozen=True)
-class RingGrid:
-    """Rays x layers of particles across the wall, numbered ray by ray from the inner boundary.
+class RingGrid(WallGrid):
+    """The wall of the door seal.
 
     Attributes
     ----------
-    rays, layers : int
     base_columns : int
         Rays on either side of straight down whose outer particle lies on the flat base.
     """
 
-    rays: int
-    layers: int
     base_columns: int
-
-    @property
-    def angles(self) -> np.ndarray:
-        """Ray angles, the first straight down, shape (rays,)."""
-        return 2 * np.pi * np.arange(self.rays) / self.rays
-
-    @property
-    def fractions(self) -> np.ndarray:
-        """Isoparametric coordinate across the wall of every layer, 0 inner, 1 outer."""
-        return np.linspace(0.0, 1.0, self.layers)
-
-    def particle(self, ray, layer) -> np.ndarray:
-        """Particle number of a ray (any integer, periodic) and layer."""
-        return (np.asarray(ray) % self.rays) * self.layers + layer
-
-    @property
-    def cells(self) -> np.ndarray:
-        """Background cells between neighbouring rays and layers, counter-clockwise, (n, 4)."""
-        ray, layer = (
-            a.ravel()
-            for a in np.meshgrid(np.arange(self.rays), np.arange(self.layers - 1), indexing="ij")
-        )
-        corners = [(ray, layer), (ray, layer + 1), (ray + 1, layer + 1), (ray + 1, layer)]
-        return np.column_stack([self.particle(r, k) for r, k in corners])
 
     @property
     def base(self) -> np.ndarray:
@@ -121,5 +90,5 @@ class RingGrid:
         """Particles from boundary radii on every ray, (..., rays) each, shape (..., n, 2)."""
         t = self.fractions
         radius = inner[..., :, None] * (1 - t) + outer[..., :, None] * t
-        xy = radius[..., None] * ray_directions(self.angles)[:, None]
+        xy = radius[..., None] * self.directions[:, None]
         return xy.reshape(*xy.shape[:-3], -1, 2)

@@ -1,6 +1,6 @@
 """Structured clouds: particles on rays through a wall, linear in the two boundaries between."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.cloud import OutlineCloud
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Boundary, Outline
+from seal_mdao.seals.wall_grid import WallGrid
 
 RAY_SUPPORT = 2.0
 """Support radius over the longest side of a cell at a particle, that of the door seal."""
@@ -16,48 +17,21 @@ BACK = 1e-9
 """By how much an angle may fall back along a contour, radians."""
 
 
-class Rays(NamedTuple):
+@dataclass(frozen=True)
+class Rays(WallGrid):
     """How a wall between two contours is filled.
 
     Attributes
     ----------
-    rays, layers : int
-        Particles around and across the wall. The first ray points straight down.
     centre : pair of float
         Where the rays come from, mm.
     """
 
-    rays: int
-    layers: int
     centre: tuple = (0.0, 0.0)
-
-    @property
-    def angles(self) -> np.ndarray:
-        """From straight down, counter-clockwise, shape (rays,)."""
-        return 2.0 * np.pi * np.arange(self.rays) / self.rays
-
-    @property
-    def directions(self) -> np.ndarray:
-        """Unit vectors, shape (rays, 2)."""
-        return np.stack([np.sin(self.angles), -np.cos(self.angles)], axis=-1)
-
-    def particle(self, ray, layer):
-        """Number of a particle: ray by ray from the inner boundary; any integer ray."""
-        return (np.asarray(ray) % self.rays) * self.layers + layer
-
-    @property
-    def cells(self) -> np.ndarray:
-        """Cells between neighbouring rays and layers, counter-clockwise, shape (m, 4)."""
-        ray, layer = (
-            a.ravel()
-            for a in np.meshgrid(np.arange(self.rays), np.arange(self.layers - 1), indexing="ij")
-        )
-        corners = [(ray, layer), (ray, layer + 1), (ray + 1, layer + 1), (ray + 1, layer)]
-        return np.column_stack([self.particle(r, k) for r, k in corners])
 
     def across(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
         """Values (..., n, 2) of all particles from those (..., rays, 2) of the two boundaries."""
-        t = np.linspace(0.0, 1.0, self.layers)[:, None]
+        t = self.fractions[:, None]
         values = inner[..., None, :] * (1.0 - t) + outer[..., None, :] * t
         return values.reshape(*values.shape[:-3], -1, 2)
 
