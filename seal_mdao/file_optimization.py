@@ -1,7 +1,6 @@
 """``[optimize]`` of a seal file as an OpenMDAO problem over the parameters of its ``[[design]]``."""
 
 import hashlib
-import json
 
 import numpy as np
 import openmdao.api as om
@@ -10,8 +9,7 @@ from openmdao.core.driver import Driver
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import OBJECTIVE_REF, record_run, uno_driver
-from seal_mdao.recording.settings import PROBLEM_OPTION
+from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import frozen_measures, is_empty
@@ -76,21 +74,14 @@ def file_problem(
             "seal's path nothing stands open between points in contact"
         )
     start = {measure.name: drawn.value(measure) for measure in measures}
-    options = {} if work_dir is None else {"work_dir": str(work_dir)}
-    problem = om.Problem(
-        SealGroup(seal=seal, callback=callback, measures=measures, kept=kept),
-        driver=driver or uno_driver(), reports=reports, **options,
-    )  # fmt: skip
+    group = SealGroup(seal=seal, callback=callback, measures=measures, kept=kept)
+    problem = new_problem(group, driver, work_dir, reports)
     bounds = design_bounds(file)
-    group = problem.model
     group.add_design_var("boundary_offsets", lower=-bounds, upper=bounds, ref=2.0 * bounds)
     size = OBJECTIVE_REF * abs(float(start[file.optimize.minimize][0]))
     group.add_objective(file.optimize.minimize, ref=size or 1.0)
     _add_constraints(group, file, start)
-    group.options.declare(PROBLEM_OPTION, default=json.dumps(problem_settings(file)), types=str)
-    if recorder is not None:
-        record_run(problem, recorder)
-    problem.setup()
+    set_up(problem, problem_settings(file), recorder)
     return problem
 
 

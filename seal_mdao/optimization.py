@@ -183,11 +183,8 @@ def seal_problem(
     }  # fmt: skip
     measures = tuple(name for name, wanted in chosen.items() if wanted)
     limits = problem_limits(drawn, measures)
-    options = {} if work_dir is None else {"work_dir": str(work_dir)}
-    problem = om.Problem(
-        SealGroup(seal=seal, callback=callback, measures=(*STANDARD, *measures), kept=kept),
-        driver=driver or uno_driver(), reports=reports, **options,
-    )  # fmt: skip
+    group = SealGroup(seal=seal, callback=callback, measures=(*STANDARD, *measures), kept=kept)
+    problem = new_problem(group, driver, work_dir, reports)
     _add_variables(problem.model, limits)
     _add_responses(problem.model, limits)
     if keep_force:
@@ -196,11 +193,22 @@ def seal_problem(
         "keep_force": keep_force, "clamp_load": clamp_load, "pressure_floor": pressure_floor,
         "stress_norm": stress_norm, "gap_integral": gap_integral,
     }  # fmt: skip
+    set_up(problem, settings, recorder)
+    return problem
+
+
+def new_problem(group: om.Group, driver: Driver | None, work_dir, reports) -> om.Problem:
+    """The problem of a group; arguments as of ``seal_problem``."""
+    options = {} if work_dir is None else {"work_dir": str(work_dir)}
+    return om.Problem(group, driver=driver or uno_driver(), reports=reports, **options)
+
+
+def set_up(problem: om.Problem, settings: dict, recorder) -> None:
+    """Keep what was asked for beside the model, record the run where that is wanted, and ``setup``."""
     problem.model.options.declare(PROBLEM_OPTION, default=json.dumps(settings), types=str)
     if recorder is not None:
         record_run(problem, recorder)
     problem.setup()
-    return problem
 
 
 def _add_variables(group: om.Group, limits: Limits) -> None:
