@@ -2,7 +2,9 @@
 
 Numba files a compiled kernel under its own source file. After an upgrade that is not enough: a kernel
 whose file stayed the same would go on with the old code of the kernels it calls, and types that have
-moved cannot be read back. So there is a folder for every state of the sources.
+moved cannot be read back. So there is a folder for every state of the sources. It lies in the user's
+cache, not beside the modules: pip leaves files that it did not bring when it removes a package, and
+Python takes what is left for a package without a word.
 """
 
 import atexit
@@ -21,6 +23,7 @@ import numba
 from numba import config
 from numba.core import event
 from numba.core.caching import CacheImpl, _CacheLocator
+from platformdirs import user_cache_path
 
 MESSAGE = (
     "seal_mdao: compiling its kernels (some 20 s, more on a busy machine); later runs find them ..."
@@ -32,12 +35,8 @@ PACKAGE = Path(__file__).parent
 KERNEL_FOLDERS = ("analysis", "contact", "geometry", "materials", "rkpm", "structure", "terms")
 """Folders of the package with compiled functions and all that these call."""
 FOLDER_PREFIX = "seal_mdao-"
-ABANDONED = 24 * 3600.0
-"""Seconds after which kernels of other sources are deleted: no running process wants them."""
-
-_NUMBA_LOCATORS = tuple(CacheImpl._locator_classes)
-_BASES = {}
-"""Folders that numba would take, by source file."""
+ABANDONED = 7 * 24 * 3600.0
+"""Seconds after which kernels of other sources are deleted."""
 
 
 @cache
@@ -48,27 +47,48 @@ def sources_key() -> str:
     return hashlib.sha256(text).hexdigest()[:16]
 
 
-class KernelLocator(_CacheLocator):
-    """A folder for this state of the sources within the folder that numba would take."""
+@cache
+def cache_base() -> Path:
+    """Folder for kernels of all states of the sources.
 
-    def __init__(self, base: Path, py_func, py_file: str):
-        self._base, self._py_file, self._py_func = base, py_file, py_func
+    The one of NUMBA_CACHE_DIR, else the user's cache; where that cannot be written, a temporary one
+    that is deleted at the end of the process, with one warning.
+    """
+    base = Path(config.CACHE_DIR) if config.CACHE_DIR else user_cache_path("seal_mdao")
+    try:
+        base.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=base).close()
+    except OSError:
+        return _temporary_base(base)
+    return base
+
+
+def _temporary_base(refused: Path) -> Path:
+    """A folder for this process and those that it starts."""
+    folder = tempfile.mkdtemp(prefix="seal_mdao-kernels-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = folder
+    warnings.warn(
+        f"the cache folder {refused} is not writable: the kernels of seal_mdao are compiled again in "
+        "every run; set NUMBA_CACHE_DIR to a writable folder to keep them",
+        stacklevel=2,
+    )
+    return Path(folder)
+
+
+class KernelLocator(_CacheLocator):
+    """Numba's files of a kernel of this package, in the folder of this state of the sources."""
+
+    def __init__(self, py_func, py_file: str):
+        self._py_func, self._part = py_func, Path(py_file).parent.relative_to(PACKAGE)
 
     @classmethod
     def from_function(cls, py_func, py_file):
         """The locator of a function of this package, None for others: numba asks the next one."""
-        if not py_file.startswith(f"{PACKAGE}{os.sep}"):
-            return None
-        if py_file not in _BASES:
-            base = _numba_locator(py_func, py_file)
-            if base is None:
-                _use_temporary_cache()
-                base = _numba_locator(py_func, py_file)
-            _BASES[py_file] = Path(base.get_cache_path())
-        return cls(_BASES[py_file], py_func, py_file)
+        return cls(py_func, py_file) if py_file.startswith(f"{PACKAGE}{os.sep}") else None
 
     def get_cache_path(self):
-        return str(self._base / (FOLDER_PREFIX + sources_key()))
+        return str(cache_base() / (FOLDER_PREFIX + sources_key()) / self._part)
 
     def get_source_stamp(self):
         return sources_key()
@@ -78,31 +98,15 @@ class KernelLocator(_CacheLocator):
 
     def ensure_cache_path(self):
         if not os.path.isdir(self.get_cache_path()):
-            self._delete_abandoned()
+            _delete_abandoned()
         super().ensure_cache_path()
 
-    def _delete_abandoned(self):
-        for folder in self._base.glob(FOLDER_PREFIX + "*"):
-            with suppress(OSError):  # another process may be deleting it
-                if time.time() - folder.stat().st_mtime > ABANDONED:
-                    shutil.rmtree(folder)
 
-
-def _numba_locator(py_func, py_file) -> _CacheLocator | None:
-    found = (locator.from_function(py_func, py_file) for locator in _NUMBA_LOCATORS)
-    return next((locator for locator in found if locator is not None), None)
-
-
-def _use_temporary_cache() -> None:
-    """A cache for this process and those that it starts, deleted at its end."""
-    folder = tempfile.mkdtemp(prefix="seal_mdao-kernels-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = folder
-    warnings.warn(
-        f"neither {PACKAGE} nor a cache folder of the user is writable: the kernels of seal_mdao are "
-        "compiled again in every run; set NUMBA_CACHE_DIR to a writable folder to keep them",
-        stacklevel=2,
-    )
+def _delete_abandoned() -> None:
+    for folder in cache_base().glob(FOLDER_PREFIX + "*"):
+        with suppress(OSError):  # another process may be deleting it
+            if time.time() - folder.stat().st_mtime > ABANDONED:
+                shutil.rmtree(folder)
 
 
 class _Announcement(event.Listener):

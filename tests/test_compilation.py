@@ -18,6 +18,7 @@ from seal_mdao.compilation import (
     FOLDER_PREFIX,
     KERNEL_FOLDERS,
     MESSAGE,
+    cache_base,
     sources_key,
 )
 
@@ -70,8 +71,10 @@ def kernels():
 def test_every_kernel_is_kept_in_the_folder_of_these_sources():
     found = list(kernels())
     assert {name.split(".")[1] for name, _ in found} == set(KERNEL_FOLDERS)
-    for _, kernel in found:
-        assert Path(kernel.stats.cache_path).name == FOLDER_PREFIX + sources_key()
+    for name, kernel in found:
+        part = Path(*name.split(".")[1:-1])
+        expected = cache_base() / (FOLDER_PREFIX + sources_key()) / part
+        assert Path(kernel.stats.cache_path) == expected
 
 
 def test_kernels_of_others_are_kept_where_numba_says():
@@ -84,7 +87,7 @@ def test_kernels_of_others_are_kept_where_numba_says():
 
 def test_kernels_of_other_sources_are_deleted_when_they_are_old(tmp_path):
     said(KERNEL, tmp_path)
-    (now,) = {path.parent for path in compiled(tmp_path)}
+    (now,) = tmp_path.iterdir()
     recent, old = (now.with_name(FOLDER_PREFIX + name) for name in ("recent", "old"))
     now.rename(old)
     recent.mkdir()

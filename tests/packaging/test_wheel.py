@@ -132,4 +132,13 @@ def test_upgrade_over_the_kernel_cache_of_an_older_version(tmp_path, install, st
     (upgraded,), said = start(folder, GRADIENT, tmp_path).lines()
     assert upgraded == new
     assert MESSAGE in said
-    assert list(package.rglob("*.nbi"))
+
+
+def test_removing_the_package_leaves_nothing(tmp_path, install, start):
+    """What pip did not bring it leaves, and Python takes a folder without modules for a package."""
+    folder = tmp_path / "site-packages"
+    install(folder)
+    before = files_of(folder)
+    start(folder, GRADIENT, tmp_path).lines()
+    assert files_of(folder) == before
+    assert list(tmp_path.rglob("*.nbc"))
