@@ -1,9 +1,16 @@
 """Residual and tangent of the incremental equation (44) as a sum of terms, and the predictors."""
 
+from math import sqrt
+
 import numpy as np
 
 from seal_mdao.analysis.body import Discretization
 from seal_mdao.analysis.result import ConvergedStep
+
+
+def _norm(vector) -> float:
+    """Euclidean norm; of short vectors ``numpy.linalg.norm`` mostly measures its own arguments."""
+    return sqrt(vector.dot(vector))
 
 
 class PathProblem:
@@ -128,8 +135,8 @@ class PathProblem:
         residual = forces[0].copy()
         for force in forces[1:]:
             residual += force
-        size = float(np.linalg.norm(residual))
-        scale = max(self.held, *(np.linalg.norm(force) for force in forces))
+        size = _norm(residual)
+        scale = max(self.held, *(_norm(force) for force in forces))
         return residual, size / scale if scale > 0.0 else 0.0, size <= self.rounding
 
     # ---- the predictors ----
