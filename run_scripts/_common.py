@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from seal_mdao.analysis.cost import require_room
+from seal_mdao.analysis import cost as cost_of
 
 SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "support",
@@ -193,16 +193,12 @@ def announce(seal: sm.Seal) -> None:
     Raises
     ------
     WrongArgumentError
-        When it needs more memory than there is.
+        When it needs more memory than there is, or takes days.
     """
     with checked_arguments():
         cost = sm.estimate(seal)
-        require_room(cost, seal.body, seal.n_steps)
-    if cost.seconds > LONG:
-        print(
-            f"an analysis will take about {cost.seconds:.0f} s and {cost.memory:.2g} GiB",
-            file=sys.stderr, flush=True,
-        )  # fmt: skip
+        cost_of.require_means(cost, seal.body, seal.n_steps)
+    cost_of.announce(cost, seal.body, seal.n_steps, LONG)
 
 
 def print_warnings(result, label: str = "") -> None:

@@ -15,7 +15,7 @@ class SealFileError(ValueError):
 
 
 class TooLargeError(ValueError):
-    """An analysis that does not fit into the memory of the machine."""
+    """An analysis that does not fit into the memory of the machine, or takes days."""
 
 
 class LoadPathError(RuntimeError):

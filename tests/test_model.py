@@ -31,10 +31,10 @@ def test_door_starts_clear_of_every_design_and_goes_down_in_equal_steps():
     positions = np.array([model.motion.pose(k).position for k in range(106)])
     assert positions.shape == (106, 2)
     np.testing.assert_array_equal(positions[:, 0], 0.0)
-    np.testing.assert_allclose(positions[[0, 5, 105], 1], [10.0, 9.5, -0.5], atol=1e-12)
-    np.testing.assert_allclose(np.diff(positions[:, 1]), -0.1, rtol=1e-12)
+    np.testing.assert_allclose(positions[[0, 1, 5, 105], 1], [10.1, 9.9, 9.5, -0.5], atol=1e-12)
+    np.testing.assert_allclose(np.diff(positions[1:, 1]), -0.1, rtol=1e-12)
     bulge = model.particles(np.concatenate([np.full(14, 0.5), np.zeros(11)]))
-    assert bulge[:, 1].max() <= model.start + 1e-12
+    assert bulge[:, 1].max() == pytest.approx(model.start, abs=1e-12)
 
 
 def test_changes_make_a_new_model():
@@ -149,8 +149,59 @@ def test_door_forms():
     assert len(sm.door_seal(segments=32).profile.kind) == 32
 
 
+def bulged(size):
+    """Boundary offsets of a seal whose outer boundary is moved out."""
+    return np.concatenate([np.full(14, size), np.zeros(11)])
+
+
+def test_design_at_its_bounds_has_room_below_the_door():
+    """A step beyond the bound, as finite differences take it, is an analysis too."""
+    seal = sm.door_seal(depth=0.5, n_steps=10)
+    assert sm.analyze(seal, bulged(0.5 + 1e-3)).converged
+    with pytest.raises(sm.GeometryError, match=r"starts 0\.001 inside"):
+        sm.analyze(seal.with_(room=0.0), bulged(0.5 + 1e-3))
+
+
+@pytest.mark.parametrize("size", [0.0, 0.35])
+def test_room_above_the_seal_changes_no_bit(size):
+    """Of a seal that is touched after the first load step."""
+    seal, depth = sm.door_seal(depth=1.0, n_steps=15), ("depth",)
+    found = [sm.analyze(seal.with_(room=room), bulged(size)) for room in (0.0, 0.1, 3.0)]
+    for other in found[1:]:
+        for name in ("newton_iterations", "reaction", "door_positions", "door_travel", "von_mises"):
+            assert np.array_equal(getattr(other, name), getattr(found[0], name)), name
+        assert np.array_equal(other.displacement(), found[0].displacement())
+        rates = [sm.differentiate(result, depth).von_mises for result in (other, found[0])]
+        assert np.array_equal(*rates)
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"accuracy": "engineering"}, {"n_steps": 3, "step_ends": (0.2, 0.7, 1.0)}]
+)
+def test_room_lengthens_the_first_load_step_only(options):
+    near, far = (sm.door_seal(**options, room=room).motion for room in (0.0, 0.1))
+    for step in range(near.n_steps + 1):
+        rise = np.array([0.0, 0.1, 0.0]) if step == 0 else 0.0
+        assert np.array_equal(far.coordinates(step), near.coordinates(step) + rise)
+        assert np.array_equal(far.rates_at(step), near.rates_at(step))
+    assert far.travel == near.travel
+
+
+def test_room_does_not_change_the_steps_that_are_chosen():
+    """Also where the seal is touched in the first one."""
+    options = {"depth": 1.0, "door": "flat", "steps": "auto", "step_tolerance": 0.05}
+    near, far = (sm.door_seal(**options, room=room) for room in (0.0, 0.1))
+    assert near.step_ends == far.step_ends
+
+
+@pytest.mark.parametrize("room", [-0.1, 1e3, np.nan, "some", None])
+def test_room_that_is_none_is_named(room):
+    with pytest.raises(ValueError, match="room"):
+        sm.door_seal(room=room)
+
+
 def test_design_that_begins_inside_the_door_is_told_to_start_farther_away():
     offsets = np.concatenate([np.full(14, 0.8), np.zeros(11)])
-    with pytest.raises(sm.GeometryError, match=r"starts 0\.3 inside .* \(start of the door seal\)"):
+    with pytest.raises(sm.GeometryError, match=r"starts 0\.2 inside .* \(start of the door seal\)"):
         sm.analyze(sm.door_seal(n_steps=10), offsets)
     assert sm.analyze(sm.door_seal(start=10.5, depth=1.0, n_steps=4), offsets).converged

@@ -1,25 +1,43 @@
 """Time and memory of an analysis, estimated before any of it is spent.
 
 What grows fastest is the number of particles n_c that a background cell sees: the tangent of a cell has
-(2 n_c)^2 entries. The constants were fitted to seals of 174 to 2088 particles with 16 to 87 of them a
-cell; they are good to a factor of two or so.
+(2 n_c)^2 entries. With n particles, m cells and q quadrature points in each, a load step takes
+
+- q m n_c^2 times ``ENTRY_SECONDS``: assembly of the tangent, some 30 operations an entry,
+- n times ``PARTICLE_SECONDS``: forces, histories and everything else that is done once a particle,
+- (n n_c)^1.5 times ``FACTOR_SECONDS``: factorisation by nested dissection, whose largest front has
+  about sqrt(n n_c) unknowns, some 40 operations each,
+
+and the shape functions before the first one take m n_c times ``PAIR_SECONDS``. The constants were fitted
+to seals of 174 to 12 180 particles with 15 to 49 of them a cell and 4 or 16 quadrature points, on a core
+that does some 3e9 of these operations a second; they are good to a factor of two or three. Cut steps and
+damped motion come on top.
 """
 
+import math
+import os
+import sys
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from seal_mdao import values
 from seal_mdao.analysis.body import Body
 from seal_mdao.errors import TooLargeError
 
-ITERATIONS = 3
-"""Newton iterations a load step."""
-ENTRY_SECONDS, PARTICLE_SECONDS = 5e-9, 3e-5
-"""Of an iteration: for each quadrature point and pair of particles that a cell sees; for a particle."""
+ENTRY_SECONDS, PARTICLE_SECONDS, FACTOR_SECONDS = 5e-9, 1.5e-5, 1.3e-8
+"""Of a load step, as above."""
+PAIR_SECONDS = 2.5e-5
+"""Of the shape functions."""
 ENTRY_BYTES, VALUE_BYTES, PARTICLE_BYTES, STEP_BYTES = 35, 96, 30_000, 60
 """For each pair of particles a cell; quadrature point and particle a cell; particle; particle a step."""
+LONG = 60.0
+"""Seconds from which on an analysis is announced."""
+MOST_HOURS = 24.0
+"""Estimated hours from which on an analysis is refused; ``HOURS`` in the environment changes it."""
+HOURS = "SEAL_MDAO_MAX_HOURS"
 
 
 @dataclass(frozen=True)
@@ -36,8 +54,20 @@ class Cost:
     seconds: float
     memory: float
 
+    def __str__(self) -> str:
+        return f"{duration(self.seconds)} and {self.memory:.2g} GiB"
+
+
+def duration(seconds: float) -> str:
+    """Seconds in the unit in which they are read."""
+    for unit, size in (("days", 86_400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.0f} s"
+
 
 _SEEN = WeakKeyDictionary()
+_ANNOUNCED = WeakKeyDictionary()
 
 
 def _cells_in_sight(body: Body, particles: np.ndarray) -> int:
@@ -55,12 +85,13 @@ def _cells_in_sight(body: Body, particles: np.ndarray) -> int:
 def analysis_cost(body: Body, particles: np.ndarray, n_steps: int) -> Cost:
     """Time and memory of ``n_steps`` load steps of a body."""
     pairs, n, q = _cells_in_sight(body, particles), body.n_particles, body.n_gauss**2
-    entries = pairs * pairs / len(body.cells)
-    iteration = ENTRY_SECONDS * q * entries + PARTICLE_SECONDS * n
+    sight = pairs / len(body.cells)
+    entries = pairs * sight
+    step = ENTRY_SECONDS * q * entries + PARTICLE_SECONDS * n + FACTOR_SECONDS * (n * sight) ** 1.5
     memory = ENTRY_BYTES * entries + VALUE_BYTES * q * pairs + (
         PARTICLE_BYTES + STEP_BYTES * n_steps
     ) * n  # fmt: skip
-    return Cost(ITERATIONS * n_steps * iteration, memory / 2**30)
+    return Cost(PAIR_SECONDS * pairs + n_steps * step, memory / 2**30)
 
 
 def machine_memory() -> float:
@@ -70,18 +101,54 @@ def machine_memory() -> float:
     return psutil.virtual_memory().total / 2**30
 
 
-def require_room(cost: Cost, body: Body, n_steps: int) -> None:
-    """Refuse what does not fit into the machine.
+def most_hours() -> float:
+    """Hours that an analysis may take by its estimate.
+
+    Raises
+    ------
+    ValueError
+        When the environment has something else than a number.
+    """
+    given = os.environ.get(HOURS, "")
+    try:
+        hours = float(given or MOST_HOURS)
+    except ValueError:
+        hours = math.nan
+    return values.real(
+        f"{HOURS} in the environment", given if math.isnan(hours) else hours, above=0.0
+    )
+
+
+def require_means(cost: Cost, body: Body, n_steps: int) -> None:
+    """Refuse what does not fit into the machine, or takes longer than anybody waits.
 
     Raises
     ------
     TooLargeError
-        With both numbers.
+        With both numbers, and what to do.
     """
-    there = machine_memory()
+    there, hours = machine_memory(), most_hours()
+    what = f"the analysis of {body.n_particles} particles in {n_steps} load steps would take about"
+    fewer = "use fewer particles (rays, layers), Gauss points (n_gauss) or load steps (n_steps)"
     if cost.memory > there:
         raise TooLargeError(
-            f"the analysis of {body.n_particles} particles in {n_steps} load steps would take about "
-            f"{cost.memory:.3g} GiB, and this machine has {there:.3g} GiB; use fewer particles (rays, "
-            "layers), Gauss points (n_gauss) or load steps (n_steps), or a smaller support"
+            f"{what} {cost.memory:.3g} GiB, and this machine has {there:.3g} GiB; {fewer}, or a smaller "
+            "support"
         )
+    if cost.seconds > 3600.0 * hours:
+        raise TooLargeError(
+            f"{what} {duration(cost.seconds)}, and more than {hours:g} h are refused; {fewer}, a "
+            f"smaller support, or set {HOURS} in the environment where that is meant"
+        )
+
+
+def announce(cost: Cost, body: Body, n_steps: int, least: float = LONG) -> None:
+    """Write one line before an analysis of at least ``least`` seconds, once for a body and its steps."""
+    if cost.seconds < least or n_steps in _ANNOUNCED.setdefault(body, set()):
+        return
+    _ANNOUNCED[body].add(n_steps)
+    print(
+        f"seal_mdao: an analysis of {body.n_particles} particles in {n_steps} load steps will take "
+        f"about {cost}; Ctrl-C ends it",
+        file=sys.stderr, flush=True,
+    )  # fmt: skip

@@ -34,6 +34,9 @@ class Motion:
     rates : ndarray, shape (n_parameters, n_stages + 1, 3)
         Derivatives of the waypoints (x, y, angle) with respect to the parameters ``names``.
     names : tuple of str
+    room : ndarray, shape (2,)
+        From the first waypoint to where the first load step begins: it lengthens that step, and is no
+        part of the travel.
 
     Raises
     ------
@@ -47,6 +50,7 @@ class Motion:
     pivot: np.ndarray = (0.0, 0.0)
     rates: np.ndarray | None = None
     names: tuple[str, ...] = ()
+    room: np.ndarray = (0.0, 0.0)
 
     def __post_init__(self):
         steps = np.array(self.steps)
@@ -63,10 +67,15 @@ class Motion:
             "positions": (self.positions, (count + 1, 2)),
             "angles": (self.angles, (count + 1,)),
             "pivot": (self.pivot, (2,)),
+            "room": (self.room, (2,)),
             "rates": (rates, (len(names), count + 1, 3)),
         }
         for name, (values, shape) in shapes.items():
             object.__setattr__(self, name, _checked(name, values, shape, count, names))
+        _require(
+            self.room @ (self.positions[1] - self.positions[0]) <= 0.0,
+            f"room of a motion must lie behind its first waypoint, got {self.room}",
+        )
         _require(len(set(names)) == len(names), f"names of a motion's parameters repeat: {names}")
         object.__setattr__(self, "steps", steps.astype(np.int64))
         object.__setattr__(self, "names", names)
@@ -114,8 +123,8 @@ class Motion:
             f"ends of load steps must increase and hold the ends of all stages "
             f"{np.cumsum(self.steps).tolist()}, got {ends.tolist()}",
         )
-        places = np.concatenate([[0.0], ends])
-        waypoints = np.array([self.coordinates(place) for place in places])
+        places, along = np.concatenate([[0.0], ends]), replace(self, room=(0.0, 0.0))
+        waypoints = np.array([along.coordinates(place) for place in places])
         rates = [self.rates_at(place) for place in places]
         return replace(
             self, positions=waypoints[:, :2], angles=waypoints[:, 2],
@@ -136,7 +145,9 @@ class Motion:
             # one component at a time: linspace of arrays rounds otherwise where one stands still
             columns = [np.linspace(*pair, n + 1)[1:] for pair in zip(*ends, strict=True)]
             parts.append(np.column_stack(columns))
-        return np.concatenate(parts)
+        nominal = np.concatenate(parts)
+        nominal[0, :2] += self.room
+        return nominal
 
     def coordinates(self, fraction: float) -> np.ndarray:
         """x, y and angle after ``fraction`` nominal steps, shape (3,)."""
@@ -197,7 +208,18 @@ class Motion:
         growth = (rates * units).sum(axis=2)
         slopes = -(growth[:, :stage].sum(axis=1) + share * growth[:, stage]) / length
         done, steps = int(self.steps[:stage].sum()), int(self.steps[stage])
+        if done + share * steps < 1.0 and self.room.any():
+            across = rates[:, 0] @ self.room - growth[:, 0] * (units[0] @ self.room)
+            return self._in_first_step(
+                travel, -units[0] @ self.room, growth[:, 0], -across / length
+            )
         return done + share * steps, steps * slopes
+
+    def _in_first_step(self, travel, room, length_rates, room_rates) -> tuple[float, np.ndarray]:
+        """``at_travel`` within the first nominal step, which is longer by ``room``."""
+        way = self._lengths[0] / self.steps[0] + room
+        share = (travel + room) / way
+        return share, (room_rates - share * (length_rates / self.steps[0] + room_rates)) / way
 
     def _step(self, fraction: float) -> int:
         """The nominal step under way; the last one at the end."""

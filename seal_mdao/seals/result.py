@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.cost import Cost, analysis_cost, require_room
+from seal_mdao.analysis.cost import Cost, analysis_cost, announce, require_means
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
@@ -221,7 +221,8 @@ def analyze(
     ------
     ValueError
         Wrong sizes, unknown parameters, values that are not finite, a folded section, too small a
-        support, an analysis that does not fit into the machine's memory (``TooLargeError``).
+        support, an analysis that does not fit into the machine's memory or takes longer than 24 hours
+        by its estimate (``TooLargeError``; ``analysis.cost``).
     """
     return seal.completed(
         analyzed_with(analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback)
@@ -251,7 +252,9 @@ def analyze_particles(
 
     Factors of converged tangents are kept as far as ``factor_memory`` (GiB) goes.
     """
-    require_room(estimate(seal), seal.body, seal.n_steps)
+    cost = estimate(seal)
+    require_means(cost, seal.body, seal.n_steps)
+    announce(cost, seal.body, seal.n_steps)
     terms = seal.terms()
     problem = PathProblem(discretize(seal.body, particles, terms), terms, seal.imposed())
     path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback)

@@ -108,10 +108,11 @@ def analyze_in_frame(seal: DoorSeal, frame: Frame) -> FrameResult:
     law = law._replace(
         normal_penalty=unit * law.normal_penalty, tangent_penalty=unit * law.tangent_penalty
     )
-    positions = frame.size * frame.vectors(seal.motion.positions)
+    motion = seal.motion
+    places, room = (frame.size * frame.vectors(way) for way in (motion.positions, motion.room))
     contact = replace(
         seal.terms()[1], law=law, shape=GivenShape(moved_profile(seal.profile, frame)),
-        motion=Motion(positions, seal.motion.angles, seal.motion.steps),
+        motion=Motion(places, motion.angles, motion.steps, room=room),
     )  # fmt: skip
     terms = elastic_body(material.with_(**stresses)), contact
     path = solve(body, particles, terms, seal.n_steps, options=seal.newton)

@@ -1,5 +1,7 @@
-"""What is too large is refused at once with both numbers, and the estimate is of the right size."""
+"""What is too large or too long is refused at once with its numbers, what is long is announced, and
+the estimates are of the right size."""
 
+import re
 import resource
 import time
 
@@ -25,6 +27,75 @@ def test_small_machine_refuses_what_a_large_one_takes(monkeypatch):
     monkeypatch.setattr(cost, "machine_memory", lambda: 0.1)
     with pytest.raises(sm.TooLargeError, match=r"this machine has 0\.1 GiB"):
         sm.analyze(seal)
+
+
+def test_days_are_refused_with_what_allows_them(monkeypatch):
+    """A million load steps fit into the memory of a large machine."""
+    monkeypatch.setattr(cost, "machine_memory", lambda: 1e6)
+    seal = sm.door_seal(rays=580, layers=11, n_steps=10**6)
+    with pytest.raises(
+        sm.TooLargeError, match=r"[\d.]+ days, and more than 24 h are .*" + cost.HOURS
+    ):
+        sm.analyze(seal)
+    hours = sm.estimate(seal).seconds / 3600.0
+    monkeypatch.setenv(cost.HOURS, str(1.01 * hours))
+    cost.require_means(sm.estimate(seal), seal.body, seal.n_steps)
+    monkeypatch.setenv(cost.HOURS, str(0.99 * hours))
+    with pytest.raises(sm.TooLargeError, match=cost.HOURS):
+        sm.analyze(seal)
+
+
+@pytest.mark.parametrize("text", ["long", "0", "-1", "nan"])
+def test_limit_that_is_no_number_of_hours_is_named(monkeypatch, text):
+    monkeypatch.setenv(cost.HOURS, text)
+    with pytest.raises(ValueError, match=cost.HOURS):
+        sm.analyze(sm.door_seal(depth=0.5, n_steps=2))
+
+
+def test_long_analysis_is_announced_once(monkeypatch, capsys):
+    """With what it takes, before its first step; the designs after the first one are silent."""
+    monkeypatch.setattr(cost, "ENTRY_SECONDS", 1e-3)
+    seal, said = sm.door_seal(depth=0.5, n_steps=2), []
+    assert 60.0 < sm.estimate(seal).seconds < 7200.0
+    sm.analyze(seal, callback=lambda step: said.append(capsys.readouterr().err))
+    assert re.match(
+        r"seal_mdao: an analysis of 174 particles in 2 load steps will take about [\d.]+ min and "
+        r"[\d.]+ GiB; Ctrl-C ends it\n", said[0],
+    )  # fmt: skip
+    sm.analyze(seal, callback=lambda step: said.append(capsys.readouterr().err))
+    assert said[1:] == ["", "", ""]
+
+
+def test_short_analysis_is_not_announced(capsys):
+    sm.analyze(sm.door_seal(depth=0.5, n_steps=2))
+    assert "will take" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(59.7, "60 s"), (150.0, "2.5 min"), (7080.0, "118 min"), (1e4, "2.78 h"), (1e6, "11.6 days")],
+)
+def test_duration_in_words(seconds, words):
+    assert cost.duration(seconds) == words
+
+
+CHANGES = {
+    "drawn": {}, "finer": {"rays": 116, "layers": 5}, "more Gauss points": {"n_gauss": 6},
+    "wider kernels": {"support": 4.0, "rays": 116}, "sparse": {"solver": "superlu", "layers": 9},
+}  # fmt: skip
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
+def test_estimate_of_the_time(changes):
+    """Within a factor of ten of the processor's time: ``cost`` says three on its machine, and other
+    machines differ by as much again."""
+    seal = sm.door_seal(**{"start": 9.6, "depth": 2.0, "n_steps": 21} | changes)
+    sm.analyze(seal)  # compiles
+    begun = time.process_time()
+    sm.analyze(seal)
+    taken = time.process_time() - begun
+    assert 0.1 * taken < sm.estimate(seal).seconds < 10.0 * taken
 
 
 def test_estimate_of_what_is_held(drawn):

@@ -1,5 +1,7 @@
 """Motion in stages: places along the path, rates of the waypoints, poses, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -107,6 +109,11 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
         ({"positions": np.zeros((2, 2))}, r"positions .* must have shape \(3, 2\), got \(2, 2\)"),
         ({"angles": [0.0, np.inf, 0.0]}, "angles of a motion must be finite"),
         ({"pivot": (0.0, 0.0, 1.0)}, r"pivot .* must have shape \(2,\)"),
+        ({"room": (1.0,)}, r"room .* must have shape \(2,\)"),
+        (
+            {"room": (0.1, -0.1), "positions": [[0.0, 0.0], [0.0, -2.0], [0.0, 0.0]]},
+            "must lie behind its first waypoint",
+        ),
         ({"names": ("a",)}, r"rates .* 1 parameter\(s\) must have shape \(1, 3, 3\)"),
         ({"names": ("a", "a"), "rates": np.zeros((2, 3, 3))}, "repeat"),
     ],
@@ -144,3 +151,15 @@ def test_steps_that_end_elsewhere_leave_the_motion_as_it_is():
 def test_ends_that_do_not_fit_the_stages_are_refused(ends):
     with pytest.raises(ValueError, match="ends of load steps"):
         closing().with_ends(ends)
+
+
+def test_room_is_before_the_first_step_whatever_the_steps():
+    """And goes along when a parameter moves the first waypoint."""
+    motion = replace(closing(), room=(0.1, 0.5))
+    for other in (motion, motion.with_ends([0.5, 3.9, 4.0, 9.0, 11.0]), motion.moved({"depth": 1})):
+        begin = np.append(other.positions[0] + motion.room, 0.0)
+        np.testing.assert_array_equal(other.coordinates(0.0), begin)
+        middle = 0.5 * (begin + other.coordinates(1.0))
+        np.testing.assert_allclose(other.coordinates(0.5), middle, atol=1e-15)
+    ends = motion.with_ends([0.5, 4.0, 9.0, 11.0])
+    np.testing.assert_array_equal(ends.coordinates(1.0), closing().coordinates(0.5))

@@ -1,5 +1,6 @@
 """Reaction along the travel: at the travels that were asked for, whatever the load steps."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -120,6 +121,22 @@ def test_steps_at_a_travel_and_their_rates():
             up, down = (motion.moved({name: h}).at_travel(travel)[0] for h in (1e-5, -1e-5))
             # rounding of 18 steps over the step
             assert rates[i] == pytest.approx((up - down) / 2e-5, abs=1e-9)
+
+
+def test_travels_within_a_first_step_with_room():
+    """The place after as many steps is the one at that travel, also when the way turns."""
+    rates = {"depth": (0.0, -1.0), "aside": (1.0, 0.0)}
+    motion = replace(straight_motion((0.0, 10.0), (1.0, 4.0), 4, rates), room=(0.05, 0.3))
+    unit = np.array([1.0, -6.0]) / np.hypot(1.0, 6.0)
+    for travel in (0.0, 0.4, 1.5):
+        fraction, slopes = motion.at_travel(travel)
+        assert 0.0 < fraction < 1.0
+        along = (motion.coordinates(fraction)[:2] - motion.positions[0]) @ unit
+        assert along == pytest.approx(travel, abs=1e-14)
+        for i, name in enumerate(motion.names):
+            up, down = (motion.moved({name: h}).at_travel(travel)[0] for h in (1e-5, -1e-5))
+            assert slopes[i] == pytest.approx((up - down) / 2e-5, abs=1e-9)
+    assert motion.at_travel(motion.travel * 0.25)[0] == pytest.approx(1.0, abs=1e-14)
 
 
 def test_a_travel_within_rounding_of_the_path_is_its_end():

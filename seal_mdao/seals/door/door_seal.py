@@ -116,6 +116,10 @@ class DoorSeal(Seal):
         w_n, w_t, kPa/mm; w_n from 0.1 and w_t from 0.001 to 1e8 times the shear modulus a mm.
     start : float
         Height of the door's flat at the start, up to 100 mm above the top of the drawn seal.
+    room : float
+        How far above ``start`` the first load step begins, 0 to 100 mm, so that a design that reaches
+        up to ``start`` is still clear of the door. It is no part of the way: all steps end where they
+        would without it.
     depth : float
         Final depth of the door below the top of the drawn seal, from 0.001 mm to its outer diameter.
     n_steps : int
@@ -147,6 +151,7 @@ class DoorSeal(Seal):
     normal_penalty: float = 1e4
     tangent_penalty: float = 1e2
     start: float = 10.0
+    room: float = 0.1
     depth: float = 10.0
     n_steps: int = 105
     step_ends: tuple | None = None
@@ -227,6 +232,7 @@ class DoorSeal(Seal):
         _ = self._base_columns
         top = self.section.outer_radius
         self._set("start", values.real, above=top, high=top + FARTHEST_START)
+        self._set("room", values.real, 0.0, FARTHEST_START)
         self._set("depth", values.real, LEAST_DEPTH, below=2 * top)
         if self.step_ends is None:
             return
@@ -370,12 +376,13 @@ class DoorSeal(Seal):
 
     @property
     def motion(self) -> Motion:
-        """Of the door, straight down; the parameter ``depth`` moves its end."""
+        """Of the door, straight down from above ``start``; the parameter ``depth`` moves its end."""
         end = self.section.outer_radius - self.depth
-        ways = (0.0, self.start), (0.0, end)
-        if self.step_ends is None:
-            return straight_motion(*ways, self.n_steps, {"depth": (0.0, -1.0)})
-        return straight_motion(*ways, 1, {"depth": (0.0, -1.0)}).with_ends(self.step_ends)
+        steps = self.n_steps if self.step_ends is None else 1
+        way = straight_motion((0.0, self.start), (0.0, end), steps, {"depth": (0.0, -1.0)})
+        if self.step_ends is not None:
+            way = way.with_ends(self.step_ends)
+        return replace(way, room=(0.0, self.room))
 
     def terms(self) -> tuple:
         grid, top = self.grid, self.layers - 1
