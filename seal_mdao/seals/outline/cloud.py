@@ -40,12 +40,18 @@ class OutlineCloud(NamedTuple):
         Boundary particles of every loop in order, the material on the left.
     parts : ndarray of int, shape (m,)
         Number of the part of every cell, into which cuts divide the section.
+    first_places : ndarray, shape (n, 2), or None
+        Where the particles were when their kernels were chosen; None for where they are.
+    support_radius : ndarray, shape (n,), or None
+        Chosen then; None for one by the cells.
     """
 
     particles: np.ndarray
     cells: np.ndarray
     loops: tuple
     parts: np.ndarray
+    first_places: np.ndarray | None = None
+    support_radius: np.ndarray | None = None
 
     @property
     def n_boundary(self) -> int:
