@@ -13,6 +13,7 @@ import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.export import vtu
 from seal_mdao.export.tables import write_contact, write_curves
+from seal_mdao.mesh_files import library
 from seal_mdao.plotting.reaction import reaction_tables
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.profiles import ProfileHistory, profile_histories
@@ -23,7 +24,7 @@ from seal_mdao.structure.deformation import lowest_jacobian
 def main(arguments) -> int:
     with file_errors(arguments.file):
         if arguments.vtu:
-            vtu.library()
+            library()
         _, seal = seal_of(arguments.file)
     announce(seal)
     with file_errors(arguments.file):

@@ -1,4 +1,4 @@
-"""Optimise the seal of a seal file: figures, report, summary.json, the best section as DXF and CSV."""
+"""Optimise the seal of a seal file: figures, report, summary.json, the best seal as a seal file."""
 
 import sys
 from pathlib import Path
@@ -22,7 +22,7 @@ from _seal_file import file_errors, seal_of
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.export.tables import write_boundary
-from seal_mdao.file_optimization import file_problem, problem_settings
+from seal_mdao.file_optimization import file_problem, on_new_cloud, problem_settings
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.plotting.recorded import RecordedOptimization, label, read_optimization, unit_of
@@ -30,8 +30,8 @@ from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.restart import restart
 from seal_mdao.recording.settings import open_cases, recorded_settings
 from seal_mdao.report.write import write_report
-from seal_mdao.seals.file.build import outline_of
-from seal_mdao.seals.outline.dxf import write_dxf
+from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.result import frozen_measures
 
 
 def main(arguments) -> int:
@@ -63,13 +63,14 @@ def main(arguments) -> int:
     ends = end_numbers(history)
     how = {"optimizer": optimizer, "status": status(numbers)} | numbers
     designs = {"boundary_offsets": offsets, "history": history_rows(history)}
-    write_summary(arguments.out, how | ends | designs)
+    drawing, anew = write_best(file, seal, offsets, kept, arguments.out)
+    write_summary(arguments.out, how | ends | {"on_new_cloud": anew} | designs)
     draw(history, results, arguments.out)
     write_report(cases, arguments.out / "report.html", kept=kept)
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
-    drawing = write_drawing(file, seal, offsets, arguments.out)
     report_run(optimizer, numbers, arguments.restart)
     report_ends(history, ends, numbers["kkt"])
+    report_anew(ends, anew)
     for result, which in zip(results, ("first", "last"), strict=True):
         print_warnings(result, f" ({which} design)")
     print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
@@ -142,12 +143,26 @@ def draw(history: RecordedOptimization, results, out: Path) -> None:
         plotting.save(figure, out / f"{name}.png")
 
 
-def write_drawing(file, seal, offsets, out: Path) -> str:
-    """Write the section of a design as DXF if that can be done; what there is to say about it."""
+def write_best(file, seal, offsets, kept: KeptAnalyses, out: Path) -> tuple[str, dict | None]:
+    """Write a design as a seal file with drawing and cloud, and analyse it with a new cloud.
+
+    Returns
+    -------
+    str
+        What there is to say about the files.
+    dict or None
+        Part of summary.json: value of every measure with new particles.
+    """
     try:
-        return f", {write_dxf(outline_of(file, seal, offsets), out / 'optimum.dxf').name}"
-    except (sm.GeometryError, ImportError) as error:
-        return f" (no drawing: {error})"
+        measures = frozen_measures(seal, None, kept.analyze)
+        paths = write_design(file, seal, offsets, measures, out, "optimum")
+        said = "".join(f", {path.name}" for path in paths)
+        result = on_new_cloud(sm.read_seal_file(paths[0]), file.section.spacing)
+    except (sm.GeometryError, sm.SealFileError, ImportError) as error:
+        return f" (no seal file: {error})", None
+    if not result.converged:
+        return said, None
+    return said, {measure.name: result.value(measure) for measure in result.measures()}
 
 
 def report_ends(history: RecordedOptimization, ends: dict, kkt: dict | None) -> None:
@@ -163,6 +178,18 @@ def report_ends(history: RecordedOptimization, ends: dict, kkt: dict | None) -> 
             f"optimality conditions hold to {largest:.1e}, largest violation of a constraint "
             f"{history.max_violation[-1]:.1e}"
         )
+
+
+def report_anew(ends: dict, anew: dict | None) -> None:
+    """What objective and constraints are with new particles."""
+    rows = {ends["objective"]["name"]: ends["objective"]} | ends["constraints"]
+    known = {} if anew is None else {n: anew[n][0] for n in rows if n in anew and len(anew[n]) == 1}
+    if known:
+        words = [
+            f"{label(name)} {value:.4g} {rows[name]['unit']} ({value / rows[name]['end'] - 1.0:+.2%})"
+            for name, value in known.items()
+        ]
+        print(f"with new particles: {', '.join(words)}")
 
 
 def arguments_parser():

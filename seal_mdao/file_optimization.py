@@ -1,6 +1,7 @@
 """``[optimize]`` of a seal file as an OpenMDAO problem over the parameters of its ``[[design]]``."""
 
 import hashlib
+from dataclasses import replace
 
 import numpy as np
 import openmdao.api as om
@@ -10,9 +11,10 @@ from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
+from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.seal import OutlineSeal
-from seal_mdao.seals.result import frozen_measures, is_empty
+from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 
 TAKEN = ("boundary_offsets", "particles", "area")
 """Names of a ``SealGroup`` that no measure can have."""
@@ -85,6 +87,26 @@ def file_problem(
     return problem
 
 
+def on_new_cloud(design: SealFile, filling) -> SealResult:
+    """A design analysed with new particles: what its numbers owe to those that it was optimised with.
+
+    Parameters
+    ----------
+    design : SealFile
+        As ``write_design`` writes it.
+    filling : float or Rays
+        Spacing of the new cloud, mm, or its rays.
+
+    Raises
+    ------
+    SealFileError
+        For a section that cannot be filled so.
+    """
+    measures = tuple(m for m in design.measures if m.arguments.get("places") is None)
+    section = replace(design.section, spacing=filling)
+    return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
+
+
 def _require_problem(file, seal) -> None:
     if file.optimize is None:
         raise SealFileError(f"{file.path}: [optimize] is missing: say what to minimize")
@@ -112,13 +134,15 @@ def design_bounds(file: SealFile) -> np.ndarray:
 
 
 def problem_settings(file: SealFile) -> dict:
-    """What a recorder file keeps of the seal file: its text, and a checksum of its drawing."""
+    """What a recorder file keeps of the seal file: its text, checksums of its drawing and cloud."""
     text = file.path.read_text(encoding="utf-8")
-    drawing = file.section.drawing
-    kept = {"seal_file": text}
-    if drawing is not None:
-        kept["drawing"] = hashlib.sha256(drawing.read_bytes()).hexdigest()
-    return kept
+    beside = {"drawing": file.section.drawing, "cloud": file.section.cloud}
+    sums = {
+        name: hashlib.sha256(path.read_bytes()).hexdigest()
+        for name, path in beside.items()
+        if path is not None
+    }
+    return {"seal_file": text} | sums
 
 
 def _add_constraints(group: om.Group, file: SealFile, start: dict) -> None:

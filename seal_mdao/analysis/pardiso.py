@@ -3,6 +3,7 @@
 The ordering is found once for a design; each factorisation then is numerical only.
 """
 
+import os
 import sys
 from threading import Lock, local
 
@@ -18,6 +19,9 @@ STRUCTURALLY_SYMMETRIC = 1
 TRANSPOSE, FACTOR_KIB = 12, 17
 TRANSPOSED = 2
 
+LIBRARY = "PYPARDISO_MKL_RT"
+"""Environment variable with pypardiso's path to MKL."""
+
 
 def import_pypardiso():
     """The module, or a one-line ImportError that names the extra."""
@@ -27,6 +31,8 @@ def import_pypardiso():
         raise ImportError(
             f'the solver "pardiso" needs pypardiso ({error}): pip install "seal_mdao[pardiso]"'
         ) from None
+    # else every handle walks through the whole environment in search of it
+    os.environ.setdefault(LIBRARY, pypardiso.ps.libmkl._name)
     return pypardiso
 
 

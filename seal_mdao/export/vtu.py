@@ -1,28 +1,12 @@
 """The deformed section step by step for ParaView, with the library meshio (extra ``vtk``)."""
 
 import json
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 
+from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.seals.profiles import contacts, pressure
-
-MISSING = "VTU files need meshio, which is not installed: pip install seal_mdao[vtk]"
-
-
-def library():
-    """meshio.
-
-    Raises
-    ------
-    ImportError
-        Without it.
-    """
-    try:
-        return import_module("meshio")
-    except ImportError as error:
-        raise ImportError(MISSING) from error
 
 
 def write_vtu_series(result, folder) -> Path:
@@ -51,8 +35,8 @@ def write_vtu_series(result, folder) -> Path:
     """
     meshio, folder = library(), Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    points = np.column_stack([result.particles, np.zeros(len(result.particles))])
-    cells = cell_blocks(result.seal.body.cells)
+    points = flat(result.particles)
+    cells = [(kind, corners) for kind, corners, _ in cell_blocks(result.seal.body.cells)]
     files = []
     for number in range(len(result.path.nominal_steps) + 1):
         name = f"step_{number:04d}.vtu"
@@ -65,20 +49,11 @@ def write_vtu_series(result, folder) -> Path:
     return series
 
 
-def cell_blocks(cells: np.ndarray) -> list[tuple[str, np.ndarray]]:
-    """Quadrilaterals and triangles of cells (m, 4), in which a triangle repeats a corner."""
-    repeated = cells == np.roll(cells, 1, axis=1)
-    triangular = repeated.any(axis=1)
-    triangles = cells[triangular][~repeated[triangular]].reshape(-1, 3)
-    blocks = [("quad", cells[~triangular]), ("triangle", triangles)]
-    return [(kind, found) for kind, found in blocks if len(found)]
-
-
 def point_data(result, step: int) -> dict[str, np.ndarray]:
     """Fields at the particles after a nominal step, by name."""
     f = result.gradient(step)
     data = {
-        "displacement": np.column_stack([result.displacement(step), np.zeros(len(f))]),
+        "displacement": flat(result.displacement(step)),
         "von_mises": result.stress_field(step),
         "det_F": f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2],
     }

@@ -1,5 +1,6 @@
 """PARDISO gives the same solutions; without pypardiso the error names the extra."""
 
+import glob
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
@@ -52,6 +53,23 @@ def test_analysis_and_sensitivities_do_not_depend_on_the_solver(tight):
         found, expected = (sm.differentiate(r, method=method) for r in (other, band))
         scale = np.abs(expected.von_mises).max()
         np.testing.assert_allclose(found.von_mises, expected.von_mises, rtol=0.0, atol=1e-7 * scale)
+
+
+def test_factors_that_are_kept_do_not_look_for_the_library_again(rng, monkeypatch):
+    """pypardiso would walk through the whole environment for each."""
+    pytest.importorskip("pypardiso")
+    layout = square(rng, solver="pardiso").layout
+
+    def walk(*args, **options):
+        raise AssertionError("looks for the library")
+
+    monkeypatch.setattr(glob, "glob", walk)
+    values = np.zeros(layout.size)
+    values[layout.storage.diagonal()] = 2.0
+    kept = [layout.factorize(values.copy()).kept() for _ in range(3)]
+    ones = np.ones(layout.n_equations)
+    for factor in kept:
+        np.testing.assert_array_equal(factor.solve(ones), 0.5 * ones)
 
 
 def test_threads_share_a_factor_and_a_storage(rng):

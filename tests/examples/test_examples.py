@@ -7,6 +7,11 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.drivers.optimality import measure_optimality
+from seal_mdao.file_optimization import file_problem
+from seal_mdao.optimization import OPTIMALITY, TOLERANCE
+from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.result import frozen_measures
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 FILES = sorted(EXAMPLES.glob("*.toml"))
@@ -86,7 +91,10 @@ def test_examples_are_short_and_say_what_they_are(path):
     lines = path.read_text(encoding="utf-8").splitlines()
     assert len(lines) <= 60
     assert lines[0].startswith("# ")
-    assert sm.read_seal_file(path).measures
+    file = sm.read_seal_file(path)
+    assert file.measures
+    assert file.optimize is not None
+    assert file.designs
 
 
 @pytest.mark.parametrize("path", FILES, ids=NAMES)
@@ -102,3 +110,27 @@ def test_gradients_of_the_examples(path, tmp_path):
     (tmp_path / path.name).write_text(beside(path.read_text(encoding="utf-8")), encoding="utf-8")
     seal = sm.build_seal(sm.read_seal_file(tmp_path / path.name))
     gradients_agree(seal, np.random.default_rng(2).uniform(-0.02, 0.02, seal.n_offsets))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("path", FILES, ids=NAMES)
+def test_optima_of_the_examples(path, tmp_path):
+    """Feasible, at a point of Karush, Kuhn and Tucker, and the same when read from its own files."""
+    file = sm.read_seal_file(path)
+    seal = sm.build_seal(file)
+    problem = file_problem(file, seal, work_dir=tmp_path)
+    assert problem.run_driver().success, problem.driver.exit_message
+    found = measure_optimality(problem.driver)
+    assert found.satisfied(OPTIMALITY, TOLERANCE), found
+    offsets = problem.get_val("boundary_offsets").copy()
+    problem.cleanup()
+    drawn, best = sm.analyze(seal), sm.analyze(seal, offsets)
+    measures = {measure.name: measure for measure in frozen_measures(seal)}
+    aim = measures[file.optimize.minimize]
+    assert best.value(aim)[0] < drawn.value(aim)[0]
+    assert not best.warnings
+    written = write_design(file, seal, offsets, measures.values(), tmp_path, "optimum")[0]
+    again = sm.analyze(sm.build_seal(sm.read_seal_file(written)))
+    for measure in again.measures():
+        old = measures[measure.name]
+        assert again.value(measure) == pytest.approx(best.value(old), rel=1e-6)

@@ -9,7 +9,7 @@ import pytest
 from coarse_seal import written
 
 import seal_mdao as sm
-from seal_mdao.export import vtu
+from seal_mdao import mesh_files
 
 FIGURES = ("section", "deformed_shapes", "load_deflection", "contact_pressure", "contact_width")
 
@@ -110,20 +110,22 @@ def test_paraview_series_holds_the_fields(analysed):
 
 def test_triangles_repeat_a_corner_anywhere():
     cells = np.array([[0, 1, 2, 3], [4, 4, 5, 6], [7, 8, 8, 9], [10, 11, 12, 10]])
-    blocks = dict(vtu.cell_blocks(cells))
+    found = mesh_files.cell_blocks(cells)
+    blocks = {kind: corners for kind, corners, _ in found}
     assert blocks["quad"].tolist() == [[0, 1, 2, 3]]
     assert [sorted(row) for row in blocks["triangle"].tolist()] == [
         [4, 5, 6],
         [7, 8, 9],
         [10, 11, 12],
     ]
+    assert [numbers.tolist() for *_, numbers in found] == [[0], [1, 2, 3]]
 
 
 def test_without_meshio(tmp_path, run_script, monkeypatch, capsys):
     def missing(name):
         raise ImportError(name)
 
-    monkeypatch.setattr(vtu, "import_module", missing)
+    monkeypatch.setattr(mesh_files, "import_module", missing)
     path = written(tmp_path, {"steps = 4": "steps = 1", "-1.2": "-0.2", "steps = 2": "steps = 1"})
     code, _ = run_script("analyze_seal", tmp_path / "asked", path, "--vtu")
     assert code == 2

@@ -124,7 +124,7 @@ BAD = {
     "unknown material": ('material = "rubber"', 'material = "ruber"',
                          "[section]: material = 'ruber', but there is no such material (did you mean"),
     # section
-    "no spacing": (*without("spacing = 0.9\n"), "[section]: needs either spacing, the largest"),
+    "no spacing": (*without("spacing = 0.9\n"), "[section]: needs one of spacing (the largest"),
     "spacing zero": ("spacing = 0.9", "spacing = 0.0", "spacing = 0.0, but it must be a number above 0"),
     "spacing a text": ("spacing = 0.9", 'spacing = "fine"', "[section]: spacing = 'fine', but it must"),
     "spacing too large": ("spacing = 0.9", "spacing = 9.0", "[section]: spacing = 9, but the section"),

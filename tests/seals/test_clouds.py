@@ -8,9 +8,11 @@ from boundaries import circle, paper_ring, polygon
 
 from seal_mdao.measures.shape import cells_area, polygon_area
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
+from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import cloud, graded, longest_side, wall_spacing, wall_thickness
 from seal_mdao.seals.outline.extension import harmonic_extension
 from seal_mdao.seals.outline.quadrilaterals import corner_angles, paired
+from seal_mdao.seals.outline.section import Arc, Contour, Line, Outline, sampled
 
 pytest.importorskip("netgen")
 
@@ -106,6 +108,29 @@ def test_spacing_is_the_largest_distance(thickness):
     filled = cloud(loops(boundaries), spacing)
     assert longest_side(filled.cells, filled.particles) <= 1.25 * 0.9
     assert spacing >= 0.6 * 0.9
+
+
+@pytest.mark.parametrize("spacing", [0.5, 0.9, 1.3])
+@pytest.mark.parametrize("radius", [0.1, 0.5])
+def test_sides_grow_slowly_from_fillets(radius, spacing):
+    """A quarter of a circle has two cells at least, however small: those beside it follow."""
+    outline = Outline(Contour([
+        Line([0.0, 0.0], [10.0, 0.0], "base"), Line([10.0, 0.0], [10.0, 4.0 - radius], "side"),
+        Arc([10.0 - radius, 4.0 - radius], radius, 0.0, 0.5 * np.pi, "top"),
+        Line([10.0 - radius, 4.0], [0.0, 4.0], "top"), Line([0.0, 4.0], [0.0, 0.0], "left"),
+    ]))  # fmt: skip
+
+    def sample(at):
+        return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
+
+    (boundary,), chosen = graded(sample, spacing)
+    filled = cloud([boundary.points], chosen)
+    assert longest_side(filled.cells, filled.particles) <= 1.25 * spacing
+    length = np.hypot(*(np.roll(boundary.points, -1, axis=0) - boundary.points).T)
+    assert length.min() < 0.6 * radius
+    # the side of a cell beside one with a growth of a quarter of the distance between their middles
+    following = np.roll(length[::2], -1)
+    assert (np.maximum(length[::2] / following, following / length[::2]) < 1.8).all()
 
 
 def test_thickness_of_a_ring():

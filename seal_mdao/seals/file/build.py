@@ -13,6 +13,7 @@ from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.tables import ProfileTable, SealFile
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded
+from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import EdgeDesign
 from seal_mdao.seals.outline.moved import moved_outline
 from seal_mdao.seals.outline.rays import RAY_SUPPORT, Rays, ray_boundaries
@@ -59,14 +60,15 @@ def build_seal(file: SealFile) -> OutlineSeal:
         )
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
+    check_places(file, seal)
     particles = seal.drawn_particles
     return replace(seal, standard=tuple(measure_of(entry, particles) for entry in file.measures))
 
 
-def boundaries_of(outline: Outline, spacing: float | Rays, cuts=()) -> tuple[list, float | Rays]:
+def boundaries_of(outline: Outline, spacing: float | Rays | GivenCloud, cuts=()) -> tuple:
     """Boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
 
-    ``cuts`` are those of ``cloud``.
+    ``cuts`` are those of ``cloud``. Rays and clouds stay what they are.
 
     Raises
     ------
@@ -75,6 +77,8 @@ def boundaries_of(outline: Outline, spacing: float | Rays, cuts=()) -> tuple[lis
     """
     if isinstance(spacing, Rays):
         return ray_boundaries(outline, spacing), spacing
+    if isinstance(spacing, GivenCloud):
+        return spacing.boundaries, spacing
 
     def sample(at):
         return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
@@ -102,6 +106,30 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
     boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts)
     particles = seal.particles(offsets)
     return moved_outline(file.section.outline, boundaries, [particles[loop] for loop in seal.loops])
+
+
+def check_places(file: SealFile, seal: OutlineSeal) -> None:
+    """Refuse numbers of particles that there are not.
+
+    Raises
+    ------
+    SealFileError
+    """
+    for number, measure in enumerate(file.measures, 1):
+        places = measure.arguments.get("places")
+        if places is None:
+            continue
+        label = measure.arguments.get("profile")
+        count = len(seal.drawn_particles)
+        if label is not None:
+            contact = next(term for term in seal.terms() if term.label == label)
+            count = len(contact.where)
+        most = max(np.max(part) for part in places)
+        if most >= count:
+            raise SealFileError(
+                f"{file.path}: [[measure]] {number}: places has {most}, but there are only {count} "
+                + ("particles" if label is None else f"points that may touch {label!r}, from 0 on")
+            )
 
 
 def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:

@@ -8,7 +8,7 @@ from seal_mdao.geometry.pose import in_frame
 from seal_mdao.seals.file.checks import known
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.tables import SealFile
-from seal_mdao.seals.outline.rays import Rays
+from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.section import JOIN
 from seal_mdao.seals.outline.segments import pair
 
@@ -62,7 +62,7 @@ def _check_edges(where, key, names, outline):
 def _check_section(file):
     section, outline = file.section, file.section.outline
     known("[section]", "material", section.material, tuple(file.materials), "material")
-    if isinstance(section.spacing, Rays):
+    if not isinstance(section.spacing, float):
         return
     small = float(np.ptp(outline.box, axis=0).min())
     if section.spacing >= 0.5 * small:
@@ -145,6 +145,12 @@ def _check_measures(file):
             raise SealFileError(
                 f"{where}: name = {measure.name!r}, but an earlier measure has it; give every measure "
                 "a name of its own"
+            )
+        if measure.arguments.get("places") is not None and not isinstance(
+            file.section.spacing, GivenCloud
+        ):
+            raise SealFileError(
+                f"{where}: places are numbers of particles, which are known beside [section] cloud alone"
             )
         if measure.type == "cavity_area":
             edge = measure.arguments["edge"]

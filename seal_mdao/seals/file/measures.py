@@ -17,7 +17,7 @@ from seal_mdao.measures.contact import (
     Reaction,
 )
 from seal_mdao.measures.energy import StrainEnergy
-from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import StressNorm, VonMises
 from seal_mdao.measures.work import ProfileWork
@@ -27,6 +27,7 @@ from seal_mdao.seals.file.checks import (
     TEXT,
     Key,
     known,
+    many,
     one_of,
     suggestion,
     table,
@@ -37,6 +38,9 @@ from seal_mdao.seals.file.tables import MeasureTable, ProfileTable
 _PROFILE = {"profile": Key(TEXT, None)}
 _ORDER = {"order": Key(whole(2, 1000), None)}
 _AXES = {"x": 0, "y": 1}
+_NUMBERS = many(whole(0, 10**6), "a list of numbers of particles, from 0 on")
+_PLACES = {"places": Key(_NUMBERS, None)}
+_PATCHES = {"places": Key(many(_NUMBERS, "a list of such lists, one for every patch"), None)}
 
 
 class Kind(NamedTuple):
@@ -69,6 +73,10 @@ def _pressure(measure):
     return lambda a, particles: measure(a["profile"], **_given(a, "order"))
 
 
+def _at_places(measure):
+    return lambda a, particles: measure(a["profile"], a["places"])
+
+
 def _nearest(arguments, particles):
     away = np.hypot(*(particles - arguments["at"]).T)
     return Displacement(int(away.argmin()))
@@ -79,20 +87,26 @@ KINDS = {
     "cavity_area": Kind(lambda a, particles: CavityArea(a["edge"]), {"edge": Key(TEXT)}),
     "contact_width": Kind(_of_profile(ContactWidth), _PROFILE),
     "peak_pressure": Kind(_pressure(PeakPressure), _PROFILE | _ORDER),
-    "contact_pressure": Kind(_pressure(ContactPressure), _PROFILE | _ORDER, one=False),
+    "contact_pressure": Kind(
+        lambda a, particles: ContactPressure(a["profile"], a["places"], **_given(a, "order")),
+        _PROFILE | _ORDER | _PATCHES,
+        one=False,
+    ),
     "reaction": Kind(
         lambda a, particles: Reaction(a["profile"], components=(_AXES[a["component"]],)),
         _PROFILE | {"component": Key(one_of(*_AXES), None)},
     ),
-    "gap": Kind(_of_profile(Gap), _PROFILE, one=False),
-    "gap_square_sum": Kind(lambda a, particles: GapSquareSum(Gap(a["profile"])), _PROFILE),
-    "gap_square_integral": Kind(_of_profile(GapSquareIntegral), _PROFILE),
+    "gap": Kind(_at_places(Gap), _PROFILE | _PLACES, one=False),
+    "gap_square_sum": Kind(
+        lambda a, particles: GapSquareSum(Gap(a["profile"], a["places"])), _PROFILE | _PLACES
+    ),
+    "gap_square_integral": Kind(_at_places(GapSquareIntegral), _PROFILE | _PLACES),
     "profile_work": Kind(_of_profile(ProfileWork), _PROFILE),
     "strain_energy": Kind(lambda a, particles: StrainEnergy(), {}),
     "stress_norm": Kind(lambda a, particles: StressNorm(**_given(a, "order")), _ORDER),
     "von_mises": Kind(
-        lambda a, particles: VonMises(**_given(a, "count")),
-        {"count": Key(whole(1, 1000), None)},
+        lambda a, particles: VonMises(a["places"], **_given(a, "count")),
+        {"count": Key(whole(1, 1000), None)} | _PLACES,
         one=False,
     ),
     "displacement": Kind(_nearest, {"at": Key(POINT)}, one=False),
@@ -167,3 +181,16 @@ def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:
     """The measure of a table, for a section with ``particles`` (n, 2)."""
     made = KINDS[entry.type].make(entry.arguments, particles)
     return replace(made, name=entry.name)
+
+
+def places_of(measure: Measure):
+    """What ``places`` of a table says of a measure that has taken its places; None for another one."""
+    base = measure.base if isinstance(measure, Derived) else measure
+    named = {
+        Gap: "points",
+        GapSquareIntegral: "stretch",
+        ContactPressure: "patches",
+        VonMises: "points",
+    }
+    name = named.get(type(base))
+    return None if name is None else getattr(base, name)

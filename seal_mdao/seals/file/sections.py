@@ -19,6 +19,7 @@ from seal_mdao.seals.file.checks import (
 )
 from seal_mdao.seals.file.shapes import KEYS, segments_of
 from seal_mdao.seals.file.tables import RegionTable, SectionTable
+from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
 from seal_mdao.seals.outline.rays import Rays
@@ -35,6 +36,7 @@ SECTION_KEYS = {
     "rays": Key(
         Check("a table { rays, layers, centre }", lambda v: table("rays", v, RAY_KEYS)), None
     ),
+    "cloud": Key(TEXT, None),
     "outer": Key(LIST, None),
     "hole": Key(LIST, None),
     "dxf": Key(TEXT, None),
@@ -43,6 +45,7 @@ SECTION_KEYS = {
 }
 REGION_KEYS = {"material": Key(TEXT), "at": Key(POINT), "line": Key(POINTS)}
 OUTER_KEYS = {"edge": Key(TEXT), **KEYS}
+FILLINGS = ("spacing", "rays", "cloud")
 HOLE_KEYS = {"edge": Key(TEXT), "hole": Key(whole(1, 1000), 1), **KEYS}
 
 
@@ -70,15 +73,28 @@ def read_section(given, folder: Path) -> SectionTable:
         RegionTable(**table(f"[[section.region]] {i}", one, REGION_KEYS))
         for i, one in enumerate(rows, 1)
     )
-    if (values["spacing"] is None) == (values["rays"] is None):
-        raise SealFileError(
-            f"{where}: needs either spacing, the largest distance of particles in mm, or rays"
-        )
-    if values["rays"] is not None and regions:
+    filling = _filling(where, values, folder, outline)
+    if isinstance(filling, Rays) and regions:
         raise SealFileError(f"{where}: [[section.region]] beside rays; use spacing")
-    filling = values["spacing"] if values["rays"] is None else Rays(**values["rays"])
-    drawing = folder / values["dxf"] if drawn else None
-    return SectionTable(outline, values["material"], filling, drawing, regions)
+    beside = (None if values[key] is None else folder / values[key] for key in ("dxf", "cloud"))
+    return SectionTable(outline, values["material"], filling, *beside, regions)
+
+
+def _filling(where, values, folder, outline) -> float | Rays | GivenCloud:
+    given = [name for name in FILLINGS if values[name] is not None]
+    if len(given) != 1:
+        raise SealFileError(
+            f"{where}: needs one of spacing (the largest distance of particles in mm), rays and cloud; "
+            f"it has {' and '.join(given) or 'none of them'}"
+        )
+    if given == ["rays"]:
+        return Rays(**values["rays"])
+    if given == ["spacing"]:
+        return values["spacing"]
+    try:
+        return read_cloud(folder / values["cloud"], outline)
+    except (GeometryError, ImportError) as error:
+        raise SealFileError(f"{where}: cloud: {error}") from None
 
 
 def _drawing(where, values, folder) -> Outline:

@@ -7,6 +7,7 @@ import numpy as np
 
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Outline
 
@@ -38,17 +39,18 @@ class SectionTable:
     outline : Outline
     material : str
         Of what is in no region.
-    spacing : float or Rays
-        Largest distance of particles, mm; or the rays that they lie on.
-    drawing : Path or None
-        What the outline was read from.
+    spacing : float, Rays or GivenCloud
+        Largest distance of particles, mm; or the rays that they lie on; or they themselves.
+    drawing, cloud : Path or None
+        What the outline and the particles were read from.
     regions : tuple of RegionTable
     """
 
     outline: Outline
     material: str
-    spacing: float | Rays
+    spacing: float | Rays | GivenCloud
     drawing: Path | None = None
+    cloud: Path | None = None
     regions: tuple[RegionTable, ...] = ()
 
     @property

@@ -12,7 +12,7 @@ from seal_mdao.seals.outline.mesher import triangulate
 from seal_mdao.seals.outline.quadrilaterals import halved, paired
 
 SLOPE = 0.25
-"""Growth of the spacing over the distance from where a wall is thin."""
+"""Growth of the spacing over the distance from where a wall is thin, or sides are short."""
 
 FINEST = 1.0 / 6.0
 """Least spacing over the largest one."""
@@ -40,12 +40,18 @@ class OutlineCloud(NamedTuple):
         Boundary particles of every loop in order, the material on the left.
     parts : ndarray of int, shape (m,)
         Number of the part of every cell, into which cuts divide the section.
+    first_places : ndarray, shape (n, 2), or None
+        Where the particles were when their kernels were chosen; None for where they are.
+    support_radius : ndarray, shape (n,), or None
+        Chosen then; None for one by the cells.
     """
 
     particles: np.ndarray
     cells: np.ndarray
     loops: tuple
     parts: np.ndarray
+    first_places: np.ndarray | None = None
+    support_radius: np.ndarray | None = None
 
     @property
     def n_boundary(self) -> int:
@@ -105,8 +111,9 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
 def graded(sample, spacing: float, cuts=()) -> tuple[list, float]:
     """Boundaries graded by wall thickness, and the spacing for ``cloud``.
 
-    Two cells lie across every wall, so that no fewer than three particles do. Where walls are such that
-    two are long and more do not fit, the spacing is taken smaller.
+    Two cells lie across every wall, so that no fewer than three particles do. From sides that have to
+    be short, as round a fillet, the spacing grows as slowly as it does from thin walls. Where walls are
+    such that two cells are long and more do not fit, the spacing is taken smaller.
 
     Parameters
     ----------
@@ -125,11 +132,20 @@ def graded(sample, spacing: float, cuts=()) -> tuple[list, float]:
     """
     dense = [b.points for b in sample(lambda x: np.full(len(x), DENSE * spacing))]
     for share in SHARES:
-        boundaries = sample(wall_spacing(dense, share * spacing))
+        at = wall_spacing(dense, share * spacing)
+        boundaries = sample(_beside_short(sample(at), at))
         filled = cloud([boundary.points for boundary in boundaries], share * spacing, cuts)
         if longest_side(filled.cells, filled.particles) <= LONGEST * spacing:
             break
     return boundaries, share * spacing
+
+
+def _beside_short(boundaries, at):
+    """The spacing ``at``, grown from the sides that boundaries sampled with it have."""
+    starts = [boundary.points for boundary in boundaries]
+    ends = [np.roll(points, -1, axis=0) for points in starts]
+    start, end = np.concatenate(starts), np.concatenate(ends)
+    return _grown(0.5 * (start + end), np.hypot(*(end - start).T), at)
 
 
 def longest_side(cells: np.ndarray, particles: np.ndarray) -> float:
@@ -186,13 +202,15 @@ def wall_spacing(loops, spacing: float):
     points = np.concatenate(loops)
     local = np.clip(0.5 * np.concatenate(wall_thickness(loops)), FINEST * spacing, spacing)
     thin = local < spacing
-    points, local = points[thin], local[thin]
+    return _grown(points[thin], local[thin], lambda places: np.full(len(places), float(spacing)))
+
+
+def _grown(points, local, most):
+    """Spacing that grows from ``local`` (k,) at points (k, 2) up to what ``most(places)`` allows."""
 
     def at(places):
         places = np.atleast_2d(places)
-        if not local.size:
-            return np.full(len(places), float(spacing))
         away = np.hypot(*np.moveaxis(places[:, None] - points, -1, 0))
-        return np.minimum(spacing, (local + SLOPE * away).min(axis=1))
+        return np.minimum(most(places), (local + SLOPE * away).min(axis=1, initial=np.inf))
 
     return at

@@ -89,7 +89,8 @@ def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
     designs : sequence of EdgeDesign
         The parameters come in this order, edge after edge, and along each edge.
     fixed : sequence of str
-        Edges that stay: those beside them are zero where they meet.
+        Edges that stay, as do all others that are neither designed nor in a plane: what is designed
+        beside one of them is zero where they meet.
     planes : sequence of (str, int)
         Straight edges that stay in their plane, and the component across it: ends move along it as the
         edges beside them do, and what is between follows linearly.
@@ -103,7 +104,8 @@ def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
             what = "is named twice" if named.count(name) > 1 else what
             raise ValueError(f"design: the edge {name!r} {what}")
     starts = np.cumsum([0, *(len(boundary.points) for boundary in boundaries)])
-    held = {(known[name].loop, int(point)) for name in fixed for point in known[name].points}
+    still = [name for name in known if name not in (*named, *dict(planes))]
+    held = {(known[name].loop, int(point)) for name in still for point in known[name].points}
     columns = [np.zeros((0, starts[-1], 2))]
     for design in designs:
         for name in design.edges:

@@ -16,6 +16,7 @@ from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.assembled import AssembledSeal
 from seal_mdao.seals.outline.cloud import OutlineCloud, cloud
+from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.extension import harmonic_extension
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
@@ -78,8 +79,8 @@ class OutlineSeal(AssembledSeal):
     ----------
     loops : tuple of ndarray of int
         Boundary particles of every loop, which come first.
-    spacing : float or Rays
-        Of its cloud, mm; or the rays that fill its wall.
+    spacing : float, Rays or GivenCloud
+        Of its cloud, mm; or the rays that fill its wall; or the cloud itself.
     support : float
         Support radius over the longest side of a cell at a particle.
     cuts : tuple of ndarray
@@ -87,15 +88,21 @@ class OutlineSeal(AssembledSeal):
     """
 
     loops: tuple = ()
-    spacing: float | Rays = 1.0
+    spacing: float | Rays | GivenCloud = 1.0
     support: float = SUPPORT
     cuts: tuple = ()
 
+    @property
+    def parts(self) -> np.ndarray:
+        """Number of the material of every cell."""
+        body = self.definitions[0]
+        return body.per_cell(range(len(body.regions)), len(self.body.cells), int)
+
 
 def outline_seal(
-    boundaries, spacing: float | Rays, material, *, n_steps: int, fixed=(), planes=(), contacts=(),
-    designs=(), cuts=(), regions=(), prefix: str = "", support: float = SUPPORT, standard=(),
-    inputs=(), newton: NewtonOptions | None = None,
+    boundaries, spacing: float | Rays | GivenCloud, material, *, n_steps: int, fixed=(), planes=(),
+    contacts=(), designs=(), cuts=(), regions=(), prefix: str = "", support: float = SUPPORT,
+    standard=(), inputs=(), newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
     """A seal from the boundary of its section.
 
@@ -103,8 +110,9 @@ def outline_seal(
     ----------
     boundaries : sequence of Boundary
         Outside first, as ``boundary.doubled`` gives them: points with edge names, arc length, tangents.
-    spacing : float or Rays
-        Wanted distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``.
+    spacing : float, Rays or GivenCloud
+        Wanted distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``; or a cloud
+        with its boundaries, whose parts the ``cuts`` do not decide.
     material : Isotropic
     n_steps : int
         Nominal load steps, those of the motions.
@@ -163,6 +171,8 @@ def _filled(boundaries, spacing, cuts):
     """The cloud, and how velocities of its boundary give those of all particles."""
     if isinstance(spacing, Rays):
         return ray_cloud(boundaries, spacing), partial(through_wall, rays=spacing)
+    if isinstance(spacing, GivenCloud):
+        return spacing.cloud, _inside
     return cloud([boundary.points for boundary in boundaries], spacing, cuts), _inside
 
 
@@ -177,11 +187,11 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     GeometryError
         For a boundary that cannot be filled.
     ValueError
-        For a section of several materials, or one that is filled by rays.
+        For a section of several materials, or one that is filled otherwise than by a spacing.
     """
-    if seal.cuts or isinstance(seal.spacing, Rays):
+    if seal.cuts or not isinstance(seal.spacing, int | float):
         raise ValueError(
-            "only a section of one material that is not filled by rays has other clouds"
+            "only a section of one material that is filled by a spacing has other clouds"
         )
     offsets = seal.check_offsets(offsets)
     present = seal.particles(offsets)
@@ -242,13 +252,14 @@ def _part_at(filled: OutlineCloud, point) -> int:
 
 
 def _body(filled: OutlineCloud, support, held, edges) -> Body:
-    particles, cells = filled.particles, filled.cells
-    radius = support_radii(cells, particles, support)
-    hidden = hidden_pairs(cells, particles, radius)
-    return Body(cells, radius, held, edges, drawn=particles, hidden=hidden)
+    cells, places, radius = filled.cells, filled.first_places, filled.support_radius
+    places = filled.particles if places is None else places
+    radius = support_radii(cells, places, support) if radius is None else radius
+    hidden = hidden_pairs(cells, places, radius)
+    return Body(cells, radius, held, edges, drawn=places, hidden=hidden)
 
 
 def _inside(filled: OutlineCloud, velocity: np.ndarray) -> np.ndarray:
     """Velocity (P, n, 2) of all particles from that (P, k, 2) of the boundary."""
-    boundary = np.arange(filled.n_boundary)
+    boundary = np.concatenate(filled.loops)
     return harmonic_extension(filled.cells, filled.particles, boundary, velocity)

@@ -1,0 +1,172 @@
+"""Clouds in files of their own (VTU and every other format of meshio, extra ``vtk``)."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.measures.shape import polygon_area
+from seal_mdao.mesh_files import cell_blocks, flat, library
+from seal_mdao.seals.outline.cloud import OutlineCloud
+from seal_mdao.seals.outline.located import located
+from seal_mdao.seals.outline.section import Outline
+
+FIRST, SUPPORT, PART = "first_place", "support_radius", "part"
+"""Names of the data of points and of cells."""
+
+KINDS = {"quad": 4, "triangle": 3}
+"""Cells that bodies are made of; lines and points beside them are passed over."""
+
+
+@dataclass(frozen=True, eq=False)
+class GivenCloud:
+    """A cloud that was not made here, or not for this section.
+
+    Attributes
+    ----------
+    cloud : OutlineCloud
+    boundaries : tuple of Boundary
+        Its points along the contours of the section.
+    """
+
+    cloud: OutlineCloud
+    boundaries: tuple
+
+
+def write_cloud(seal, offsets, path) -> Path:
+    """Write the cloud of a design: particles and cells, where the particles were when kernels were
+    chosen, their supports, and to which part of the section every cell belongs.
+
+    Parameters
+    ----------
+    seal : OutlineSeal
+    offsets : ndarray, shape (seal.n_offsets,)
+        mm.
+
+    Raises
+    ------
+    ImportError
+        Without meshio.
+    """
+    blocks = cell_blocks(seal.body.cells, seal.parts)
+    mesh = library().Mesh(
+        flat(seal.particles(offsets)), [(kind, corners) for kind, corners, _ in blocks],
+        point_data={FIRST: flat(seal.body.drawn), SUPPORT: seal.body.support_radius},
+        cell_data={PART: [parts for _, _, parts in blocks]},
+    )  # fmt: skip
+    mesh.write(Path(path))
+    return Path(path)
+
+
+def read_cloud(path, outline: Outline) -> GivenCloud:
+    """A cloud whose boundary is that of a section, to 1e-6 mm.
+
+    Quadrilaterals and triangles of any mesh. The data of points ``first_place`` and ``support_radius``
+    give the kernels, which otherwise are chosen for the cloud as it is; the data of cells ``part``
+    tells the parts of a section of several materials apart.
+
+    Raises
+    ------
+    ImportError
+        Without meshio.
+    GeometryError
+        For a file that is no mesh, or is that of another section.
+    """
+    path = Path(path)
+    try:
+        mesh = _mesh(path)
+        particles, cells, used = _cells(mesh)
+        loops, boundaries = _matched(outline, particles, _loops(cells))
+        first, support = (mesh.point_data.get(name) for name in (FIRST, SUPPORT))
+        cloud = OutlineCloud(
+            particles, cells, loops, _parts(mesh),
+            None if first is None else np.ascontiguousarray(np.asarray(first, float)[used, :2]),
+            None if support is None else np.asarray(support, float)[used].ravel(),
+        )  # fmt: skip
+        return GivenCloud(cloud, boundaries)
+    except GeometryError as error:
+        raise GeometryError(f"{path}: {error}") from None
+
+
+def _mesh(path):
+    meshio = library()
+    if not path.is_file():
+        raise GeometryError("there is no such file")
+    try:
+        return meshio.read(path)
+    except (Exception, SystemExit) as error:  # meshio leaves the program at some files
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise GeometryError(f"not a mesh that can be read ({reason})") from None
+
+
+def _cells(mesh):
+    """Particles that cells have, the cells counter-clockwise, and which points of the file they are."""
+    found = []
+    for block in mesh.cells:
+        if block.type in KINDS:
+            data = np.asarray(block.data, int)
+            found.append(np.column_stack([data, data[:, -1]]) if data.shape[1] == 3 else data)
+        elif block.type not in ("line", "vertex"):
+            raise GeometryError(f"has cells of the kind {block.type!r}; use quad and triangle")
+    if not found:
+        raise GeometryError("has no quadrilaterals and no triangles")
+    cells, points = np.concatenate(found), np.asarray(mesh.points, float)[:, :2]
+    used, cells = np.unique(cells, return_inverse=True)
+    cells, points = cells.reshape(-1, 4), np.ascontiguousarray(points[used])
+    return points, _counter_clockwise(cells, points), used
+
+
+def _counter_clockwise(cells, points):
+    x, y = np.moveaxis(points[cells], -1, 0)
+    area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    # a triangle repeats its last corner, also the other way round
+    turned = np.where(cells[:, 2:3] == cells[:, 3:], cells[:, [2, 1, 0, 0]], cells[:, ::-1])
+    return np.where((area > 0.0)[:, None], cells, turned)
+
+
+def _loops(cells) -> list[np.ndarray]:
+    """Particles along every boundary of the cells, the material on the left."""
+    following = {}
+    sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
+    every = {(a, b) for a, b in sides.tolist() if a != b}
+    for a, b in every:
+        if (b, a) not in every and following.setdefault(a, b) != b:
+            raise GeometryError("parts of the boundary of its cells touch in a point")
+    loops = []
+    while following:
+        start = min(following)
+        loop, at = [start], following.pop(start)
+        while at != start:
+            loop.append(at)
+            at = following.pop(at)
+        loops.append(np.array(loop))
+    return loops
+
+
+def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
+    """Loops and boundaries in the order of the contours."""
+    if len(loops) != len(outline.contours):
+        raise GeometryError(
+            f"number of holes: {len(loops) - 1} in the cells, {len(outline.holes)} in the section"
+        )
+    found, boundaries = [], []
+    for contour in outline.contours:
+        start = contour.segments[0].start
+        away = [np.hypot(*(particles[loop] - start).T).min() for loop in loops]
+        loop = loops.pop(int(np.argmin(away)))
+        boundary, order = located(contour, particles[loop])
+        found.append(loop[order])
+        boundaries.append(boundary)
+    if polygon_area(particles[found[0]])[0] <= 0.0:
+        raise GeometryError("its outside is not that of the section")
+    return tuple(found), tuple(boundaries)
+
+
+def _parts(mesh) -> np.ndarray:
+    """Part of every cell; one part where the file does not tell."""
+    blocks = [i for i, block in enumerate(mesh.cells) if block.type in KINDS]
+    data = mesh.cell_data.get(PART)
+    if data is None:
+        return np.zeros(sum(len(mesh.cells[i].data) for i in blocks), int)
+    return np.concatenate([np.asarray(data[i]).ravel() for i in blocks]).astype(int)

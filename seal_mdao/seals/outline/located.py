@@ -1,0 +1,102 @@
+"""Points that lie on a section's boundary: which, where along it, and in what order."""
+
+import numpy as np
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.sampling import Boundary
+from seal_mdao.seals.outline.segments import pair
+
+MATCH = 1e-6
+"""Largest distance of such a point from the boundary, mm."""
+
+_LOOK = 32  # places along a side of a segment where the nearest one is looked for first
+_STEPS = 12  # along the tangent; on the curve itself each doubles the digits
+
+
+def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Boundary, np.ndarray]:
+    """Points of a loop as the ``Boundary`` of a contour.
+
+    Parameters
+    ----------
+    contour : Contour
+    points : ndarray, shape (k, 2)
+        Along the contour in its direction, from any one on; ends of segments are among them.
+    closest : float
+        Largest distance from the contour, mm.
+
+    Returns
+    -------
+    boundary : Boundary
+    order : ndarray of int, shape (k,)
+        The points from the beginning of the contour on.
+
+    Raises
+    ------
+    GeometryError
+        For a point that is not on the contour, points in another order, an end of a segment where no
+        point is.
+    """
+    segments = contour.segments
+    number, share, away = _nearest(segments, points)
+    worst = int(away.argmax())
+    if not away[worst] <= closest:
+        raise GeometryError(
+            f"the particle at {pair(points[worst])} is {away[worst]:.3g} mm away from the edge "
+            f"{segments[number[worst]].edge!r}, on which it should lie"
+        )
+    lengths = np.array([segment.length for segment in segments])
+    number, share = _from_beginnings(number, share, lengths, closest)
+    starts = np.concatenate([[0.0], np.cumsum(lengths)])
+    arc = starts[number] + share * lengths[number]
+    order = np.roll(np.arange(len(points)), -int(arc.argmin()))
+    if not (np.diff(arc[order]) > 0.0).all():
+        raise GeometryError(
+            f"the particles along the contour with the edge {segments[0].edge!r} do not follow it once "
+            "around"
+        )
+    missing = np.setdiff1d(np.arange(len(segments)), number[share == 0.0])
+    if missing.size:
+        raise GeometryError(
+            f"no particle is at {pair(segments[missing[0]].start)}, where a segment of the edge "
+            f"{segments[missing[0]].edge!r} begins"
+        )
+    return _boundary(segments, points[order], number[order], share[order], arc[order]), order
+
+
+def _nearest(segments, points):
+    """Segment, share of its length and distance of the nearest place to every point."""
+    found = [_on(segment, points) for segment in segments]
+    shares, away = (np.array([one[i] for one in found]) for i in (0, 1))
+    number, every = away.argmin(axis=0), np.arange(len(points))
+    return number, shares[number, every], away[number, every]
+
+
+def _on(segment, points):
+    first = np.linspace(0.0, 1.0, _LOOK * segment.sides + 1)
+    places = segment.points(first)
+    share = first[np.hypot(*np.moveaxis(points[:, None] - places, -1, 0)).argmin(axis=1)]
+    for _ in range(_STEPS):
+        along = ((points - segment.points(share)) * segment.tangents(share)).sum(axis=1)
+        share = np.clip(share + along / segment.length, 0.0, 1.0)
+    return share, np.hypot(*(points - segment.points(share)).T)
+
+
+def _from_beginnings(number, share, lengths, closest):
+    """What lies at the end of a segment lies at the beginning of the next one."""
+    share = np.where(share * lengths[number] <= closest, 0.0, share)
+    ends = (1.0 - share) * lengths[number] <= closest
+    return np.where(ends, (number + 1) % len(lengths), number), np.where(ends, 0.0, share)
+
+
+def _boundary(segments, points, number, share, arc) -> Boundary:
+    before, after = np.empty((2, *points.shape))
+    for i, segment in enumerate(segments):
+        here = number == i
+        before[here] = after[here] = segment.tangents(share[here])
+    corner = share == 0.0
+    last = np.array([segment.tangents([1.0])[0] for segment in segments])
+    before[corner] = last[number[corner] - 1]
+    return Boundary(
+        points, np.array([segment.edge for segment in segments])[number], number, corner, arc,
+        float(sum(segment.length for segment in segments)), np.stack([before, after], axis=1),
+    )  # fmt: skip
