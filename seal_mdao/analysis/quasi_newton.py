@@ -16,6 +16,7 @@ the body has turned by a hundredth. Its factor is therefore
 import numpy as np
 from scipy.linalg import block_diag
 
+from seal_mdao.analysis.corrected_factor import CorrectedFactor
 from seal_mdao.analysis.equations import TangentLayout
 from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
@@ -46,30 +47,6 @@ class CarriedFactor:
         back = np.einsum("pji,pj->pi", self.gradients, self.layout.gather(rhs))
         old = self.layout.gather(self.factor.solve(self.layout.reduce(back)))
         return self.layout.reduce(np.einsum("pij,pj->pi", self.gradients, old))
-
-
-class CorrectedFactor:
-    """(K + P D P^T)^-1 with the inverse of K given; P few columns.
-
-    Parameters
-    ----------
-    factor : object
-        Solves with K.
-    columns : ndarray, shape (m, n)
-        The columns of P.
-    change : ndarray, shape (m, m)
-        D, which may be singular.
-    """
-
-    def __init__(self, factor, columns: np.ndarray, change: np.ndarray):
-        self.factor, self.columns = factor, columns
-        self.solved = np.array([factor.solve(column) for column in columns])
-        compliance = columns @ self.solved.T
-        self.small = np.linalg.solve(np.eye(len(change)) + change @ compliance, change)
-
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        solution = self.factor.solve(rhs)
-        return solution - (self.small @ (self.columns @ solution)) @ self.solved
 
 
 class BroydenSteps:

@@ -20,6 +20,7 @@ from seal_mdao.seals.outline.seal import (
     SUPPORT,
     EdgeContact,
     OutlineSeal,
+    SealedHole,
     SectionRegion,
     outline_seal,
 )
@@ -55,6 +56,7 @@ def build_seal(file: SealFile) -> OutlineSeal:
             support=RAY_SUPPORT if by_rays else SUPPORT,
             prefix=f"{section.material}_" if section.regions else "",
             contacts=[_contact(profile, file) for profile in file.profiles],
+            sealed=[SealedHole(c.name, c.hole, c.pressure, c.gamma) for c in file.cavities],
             designs=[EdgeDesign(design.edges, design.parameters) for design in file.designs],
         )
     except ValueError as error:

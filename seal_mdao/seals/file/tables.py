@@ -117,6 +117,26 @@ class ProfileTable:
 
 
 @dataclass(frozen=True)
+class CavityTable:
+    """``[[cavity]]``: a hole that does not let its air out.
+
+    Attributes
+    ----------
+    hole : int
+        From 1.
+    name : str
+    pressure : float
+        Absolute pressure outside, kPa.
+    gamma : float
+    """
+
+    hole: int
+    name: str
+    pressure: float
+    gamma: float
+
+
+@dataclass(frozen=True)
 class DesignTable:
     """``[[design]]``: edges that may move, parameters of each, and their bound, mm."""
 
@@ -167,6 +187,7 @@ class SealFile:
     measures : tuple of MeasureTable
         Those of the file, and those that ``[optimize]`` names by their type.
     optimize : OptimizeTable or None
+    cavities : tuple of CavityTable
     """
 
     path: Path
@@ -178,6 +199,7 @@ class SealFile:
     designs: tuple[DesignTable, ...] = ()
     measures: tuple[MeasureTable, ...] = ()
     optimize: OptimizeTable | None = None
+    cavities: tuple[CavityTable, ...] = ()
 
     @property
     def n_steps(self) -> int:
