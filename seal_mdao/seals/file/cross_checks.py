@@ -38,6 +38,7 @@ def check(file: SealFile) -> None:
     _check_held(file)
     _check_designs(file)
     _check_cavities(file)
+    _check_self_contact(file)
     _check_measures(file)
     _check_steps(file)
     gaps = []
@@ -156,6 +157,18 @@ def _check_cavities(file):
                 "name of its own"
             )
         seen[cavity.hole], names[cavity.name] = where, where
+
+
+def _check_self_contact(file):
+    if file.self_contact is None:
+        return
+    where = "[self_contact]"
+    _check_edges(where, "edges", file.self_contact.edges, file.section.outline)
+    for table, owner in ((file.profiles, "a profile"), (file.cavities, "a [[cavity]]")):
+        if any(one.name == "self_contact" for one in table):
+            raise SealFileError(
+                f"{where}: {owner} has the name 'self_contact'; give it another one"
+            )
 
 
 def _check_measures(file):

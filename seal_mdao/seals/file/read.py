@@ -23,18 +23,20 @@ from seal_mdao.seals.file.cross_checks import check
 from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import read_profile
+from seal_mdao.seals.file.profiles import NORMAL_PENALTY, TANGENT_PENALTY, read_profile
 from seal_mdao.seals.file.sections import read_section
 from seal_mdao.seals.file.tables import (
     CavityTable,
     DesignTable,
     FixedTable,
     SealFile,
+    SelfContactTable,
     SymmetryTable,
 )
 
 TABLES = (
-    "material", "section", "profile", "fixed", "symmetry", "cavity", "design", "measure", "optimize",
+    "material", "section", "profile", "fixed", "symmetry", "cavity", "self_contact", "design", "measure",
+    "optimize",
 )  # fmt: skip
 NEEDED = TABLES[:3]
 MOST_PARAMETERS = 1000
@@ -47,6 +49,12 @@ CAVITY_KEYS = {
     "name": Key(NAME, "air"),
     "pressure": Key(number(above=0.0), ATMOSPHERE),
     "gamma": Key(number(above=0.0), ADIABATIC),
+}
+SELF_CONTACT_KEYS = {
+    "edges": Key(NAMES),
+    "friction": Key(number(least=0.0)),
+    "normal_penalty": Key(number(above=0.0), NORMAL_PENALTY),
+    "tangent_penalty": Key(number(above=0.0), TANGENT_PENALTY),
 }
 DESIGN_KEYS = {
     "edges": Key(NAMES),
@@ -140,6 +148,9 @@ def _read(given, path) -> SealFile:
             CavityTable(**table(f"[[cavity]] {i}", one, CAVITY_KEYS))
             for i, one in enumerate(_optional(given, "cavity"), 1)
         ),
+        SelfContactTable(**table("[self_contact]", given["self_contact"], SELF_CONTACT_KEYS))
+        if "self_contact" in given
+        else None,
     )
     check(file)
     return file

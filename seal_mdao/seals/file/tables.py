@@ -137,6 +137,16 @@ class CavityTable:
 
 
 @dataclass(frozen=True)
+class SelfContactTable:
+    """``[self_contact]``: edges that may touch each other or themselves; penalties in kPa/mm."""
+
+    edges: tuple
+    friction: float
+    normal_penalty: float
+    tangent_penalty: float
+
+
+@dataclass(frozen=True)
 class DesignTable:
     """``[[design]]``: edges that may move, parameters of each, and their bound, mm."""
 
@@ -188,6 +198,7 @@ class SealFile:
         Those of the file, and those that ``[optimize]`` names by their type.
     optimize : OptimizeTable or None
     cavities : tuple of CavityTable
+    self_contact : SelfContactTable or None
     """
 
     path: Path
@@ -200,6 +211,7 @@ class SealFile:
     measures: tuple[MeasureTable, ...] = ()
     optimize: OptimizeTable | None = None
     cavities: tuple[CavityTable, ...] = ()
+    self_contact: SelfContactTable | None = None
 
     @property
     def n_steps(self) -> int:

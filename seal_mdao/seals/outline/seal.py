@@ -20,6 +20,7 @@ from seal_mdao.seals.outline.cloud import OutlineCloud, cloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.extension import harmonic_extension
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
+from seal_mdao.seals.outline.self_touch import SelfTouch
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
 
@@ -117,8 +118,8 @@ class OutlineSeal(AssembledSeal):
 
 def outline_seal(
     boundaries, spacing: float | Rays, material, *, n_steps: int, fixed=(), planes=(), contacts=(),
-    sealed=(), designs=(), cuts=(), regions=(), prefix: str = "", support: float = SUPPORT, standard=(),
-    inputs=(), newton: NewtonOptions | None = None,
+    sealed=(), touching: SelfTouch | None = None, designs=(), cuts=(), regions=(), prefix: str = "",
+    support: float = SUPPORT, standard=(), inputs=(), newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
     """A seal from the boundary of its section.
 
@@ -137,6 +138,8 @@ def outline_seal(
         Edges that slide along their plane, and the component across it, in which they are held.
     contacts : sequence of EdgeContact
     sealed : sequence of SealedHole
+    touching : SelfTouch, optional
+        Edges that may touch each other.
     designs : sequence of EdgeDesign
         Their parameters are the ``boundary_offsets``, mm along the drawn normals.
     cuts : sequence of ndarray, shape (k, 2)
@@ -162,6 +165,8 @@ def outline_seal(
     checked_names([name for name, _ in planes], known, "planes")
     for contact in contacts:
         checked_names(contact.edges, known, f"profile {contact.label!r}")
+    if touching is not None:
+        checked_names(touching.edges, known, touching.label)
     filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
@@ -176,6 +181,8 @@ def outline_seal(
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
     loads = (*(contact.on(body) for contact in contacts), *(h.on(filled.loops) for h in sealed))
+    if touching is not None:
+        loads = (*loads, touching.on(body, filled.loops))
     return OutlineSeal(
         filled.particles, velocity, body, (elastic, *loads), n_steps, tuple(standard), tuple(inputs),
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,
