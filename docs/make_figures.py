@@ -32,6 +32,7 @@ GROUPS = {
     "optimisation": "figures.optimisation",
     "materials": "figures.materials",
     "seal_files": "figures.seal_files",
+    "air": "figures.air",
     "seal": "figures.seal",
     "theory": "figures.theory",
     "drivers": "figures.drivers",

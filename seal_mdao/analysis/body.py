@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.analysis.couplings import Link
 from seal_mdao.analysis.equations import TangentLayout, equation_numbers, tangent_layout
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.rkpm.basis import BASIS_SIZE
@@ -166,6 +168,8 @@ class Discretization:
         Which of them couple the equations.
     layout : TangentLayout
         Equation numbers and where each entry of the tangent goes.
+    first_column : tuple of int
+        Where the tangent's parts of rank one begin that belong to a term.
     """
 
     body: Body
@@ -176,6 +180,7 @@ class Discretization:
     tables: tuple
     couples: tuple
     layout: TangentLayout
+    first_column: tuple = ()
 
     @cached_property
     def scatters(self) -> tuple:
@@ -243,8 +248,21 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     equations = body.equations
     if equations is None:
         equations = equation_numbers(body.fixed, raw_tables, transformation)
-    layout = tangent_layout(equations, raw_tables, transformation, body.solver)
-    return Discretization(body, cloud, transformation, rows, cells, tables, couples, layout)
+    layout = tangent_layout(
+        equations, raw_tables, transformation, body.solver, _links(terms, tables),
+        sum(term.n_columns for term in terms),
+    )  # fmt: skip
+    return Discretization(
+        body, cloud, transformation, rows, cells, tables, couples, layout,
+        tuple(accumulate((term.n_columns for term in terms), initial=0)),
+    )  # fmt: skip
+
+
+def _links(terms, tables) -> list:
+    """What couples points of a term with each other."""
+    pairs = [term.pairs() for term in terms]
+    linked = zip(tables, pairs, strict=True)
+    return [Link(table.raw, own) for table, own in linked if own is not None]
 
 
 def _essential(body: Body, particles: np.ndarray):

@@ -11,8 +11,6 @@ from typing import NamedTuple
 import numba as nb
 import numpy as np
 
-from seal_mdao.rkpm.essential import EssentialTransformation
-
 
 class Condensation(NamedTuple):
     """Rows and columns of the constrained particles, and where their products with T go.
@@ -41,17 +39,6 @@ class Condensation(NamedTuple):
     first_equation: int
     first_row: int
     first_column: int
-
-
-def coupled_particles(transformation: EssentialTransformation, tables) -> np.ndarray:
-    """Sorted particles that share a group with a constrained one, and the union."""
-    found = [transformation.union]
-    for table in tables:
-        group = np.repeat(np.arange(table.n_groups), np.diff(table.start))
-        seen = np.zeros(table.n_groups, bool)
-        seen[group[np.isin(table.neighbours, transformation.constrained)]] = True
-        found.append(table.neighbours[seen[group]])
-    return np.unique(np.concatenate(found))
 
 
 @nb.njit(cache=True, error_model="numpy")

@@ -12,12 +12,9 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
 
-from seal_mdao.analysis.condensation import (
-    Condensation,
-    condense_force,
-    condense_tangent,
-    coupled_particles,
-)
+from seal_mdao.analysis.condensation import Condensation, condense_force, condense_tangent
+from seal_mdao.analysis.corrected_factor import CorrectedFactor
+from seal_mdao.analysis.couplings import couplings
 from seal_mdao.analysis.linear_solver import storage_for
 from seal_mdao.analysis.storage import Scheme, Storage
 
@@ -59,6 +56,11 @@ class TangentLayout:
     storage : Storage
     condensation : Condensation, optional
         None where no particle is constrained.
+    places : _Places
+        What decides where an entry goes.
+    n_columns : int
+        Parts of rank one beside the stored pattern: sums over many points, such as the pressure of
+        trapped air, couple all of their equations.
     """
 
     equations: np.ndarray
@@ -68,6 +70,8 @@ class TangentLayout:
     scatter: tuple
     storage: Storage
     condensation: Condensation | None
+    places: NamedTuple
+    n_columns: int = 0
 
     @property
     def force_scatter(self) -> Scatter:
@@ -89,13 +93,55 @@ class TangentLayout:
         """Bring the rows and columns of constrained particles to the equations."""
         if self.condensation is not None:
             condense_tangent(self.condensation, values)
+            for column in self.columns(values)[0]:
+                condense_force(self.condensation, column)
+
+    def columns(self, values: np.ndarray):
+        """Views of the parts of rank one in a tangent's buffer: sum of size g g^T.
+
+        Returns
+        -------
+        columns : ndarray, shape (n_columns, force_size)
+            g, as forces are assembled.
+        sizes : ndarray, shape (n_columns,)
+        """
+        end = self.size - self.n_columns
+        first = end - self.n_columns * self.force_size
+        return values[first:end].reshape(self.n_columns, self.force_size), values[end : self.size]
 
     def factorize(self, values: np.ndarray):
         """Factor of the matrix in the buffer ``values``, which may be overwritten by it.
 
         The factor is good until the buffer is filled again; ``factor.kept()`` stays.
         """
-        return self.storage.factorize(values)
+        factor = self.storage.factorize(values)
+        if not self.n_columns:
+            return factor
+        columns, sizes = self.columns(values)
+        return CorrectedFactor(factor, columns[:, : self.n_equations].copy(), np.diag(sizes))
+
+    def pair_slots(self, table, pairs: np.ndarray):
+        """Where the entries of pairs of points go.
+
+        Parameters
+        ----------
+        table : ShapeTable
+            Raw shape functions of the points, one a group.
+        pairs : ndarray of int, shape (m, 2)
+            Point of the rows, point of the columns; all within the pattern.
+
+        Returns
+        -------
+        start : ndarray of int, shape (m + 1,)
+        slots : ndarray of int32
+            Flat (pair, column, row), each ordered (component, neighbour).
+        """
+        count = np.diff(table.start)
+        sizes = 4 * count[pairs[:, 0]] * count[pairs[:, 1]]
+        start = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+        slots = np.empty(start[-1], np.int32)
+        _fill_pair_slots(table, pairs, self.places, start, slots)
+        return start, slots
 
     @property
     def uncoupled(self) -> Scatter:
@@ -113,27 +159,6 @@ class TangentLayout:
         """Spread a solution (n_equations, ...) to particles (n, 2, ...), zero where imposed."""
         padded = np.concatenate([vector, np.zeros((1, *vector.shape[1:]))])
         return padded[self.equations]
-
-
-def _coupling(n_particles, tables, transformation, coupled):
-    """Particles whose equations are coupled, as a CSR pattern."""
-    pattern = csr_array((n_particles, n_particles), dtype=np.int32)
-    raw = np.ones(n_particles, np.int32)
-    if transformation is not None:
-        raw[transformation.constrained] = 0
-        rows = np.repeat(transformation.union, coupled.size)
-        columns = np.tile(coupled, transformation.union.size)
-        clique = csr_array((np.ones(rows.size, np.int32), (rows, columns)), shape=pattern.shape)
-        pattern = pattern + clique + clique.T
-    for table in tables:
-        group = np.repeat(np.arange(table.n_groups), np.diff(table.start))
-        kept = raw[table.neighbours] > 0
-        at = group[kept], table.neighbours[kept]
-        sees = csr_array((np.ones(at[0].size, np.int32), at), shape=(table.n_groups, n_particles))
-        pattern = pattern + sees.T @ sees
-    pattern = csr_array(pattern)
-    pattern.sort_indices()
-    return pattern
 
 
 @nb.njit(cache=True, error_model="numpy")
@@ -268,6 +293,22 @@ def _fill_slots(table, places, begin, slots):
 
 
 @nb.njit(cache=True, error_model="numpy")
+def _fill_pair_slots(table, pairs, places, begin, slots):
+    """Slots of pairs of points."""
+    for m in range(len(pairs)):
+        rows = table.neighbours[table.start[pairs[m, 0]] : table.start[pairs[m, 0] + 1]]
+        columns = table.neighbours[table.start[pairs[m, 1]] : table.start[pairs[m, 1] + 1]]
+        at = begin[m]
+        for j in range(2 * columns.size):
+            for i in range(2 * rows.size):
+                slots[at] = _slot(
+                    places, rows[i % rows.size], i // rows.size, columns[j % columns.size],
+                    j // columns.size,
+                )  # fmt: skip
+                at += 1
+
+
+@nb.njit(cache=True, error_model="numpy")
 def _fill_block(places, rows, columns, slots):
     """``slots`` (2, r, 2, s) of the equations ``rows`` (2, r) and ``columns`` (2, s)."""
     for i in range(2):
@@ -277,20 +318,12 @@ def _fill_block(places, rows, columns, slots):
                     slots[i, a, k, b] = _stored(places, rows[i, a], columns[k, b])
 
 
-def _couplings(n_particles: int, tables, transformation):
-    """Particles coupled with constrained ones, and the pattern of all couplings."""
-    coupled = np.empty(0, int)
-    if transformation is not None:
-        coupled = coupled_particles(transformation, tables)
-    return coupled, _coupling(n_particles, tables, transformation, coupled)
-
-
 def equation_numbers(fixed: np.ndarray, tables, transformation=None) -> np.ndarray:
     """Equation numbers (n, 2) that keep the band of the given raw shape tables narrow.
 
     They do not depend on the design by necessity: those of the drawn body serve all designs.
     """
-    coupled, coupling = _couplings(len(fixed), tables, _effective(transformation))
+    coupled, coupling = couplings(len(fixed), tables, _effective(transformation))
     return number_equations(fixed, coupling, coupled)[0]
 
 
@@ -302,7 +335,7 @@ def _effective(transformation):
 
 
 def tangent_layout(
-    equations: np.ndarray, tables, transformation=None, solver: str = "auto"
+    equations: np.ndarray, tables, transformation=None, solver: str = "auto", links=(), n_columns=0
 ) -> TangentLayout:
     """Storage of the tangent, and where everything goes, for the given raw shape tables.
 
@@ -313,11 +346,15 @@ def tangent_layout(
     tables : sequence of ShapeTable
     transformation : EssentialTransformation, optional
     solver : {"auto", "banded", "superlu", "pardiso"}
+    links : sequence of Link
+        Points that act on each other.
+    n_columns : int
+        Parts of rank one beside the stored pattern.
     """
     transformation, constrained = _effective(transformation), np.empty(0, int)
     if transformation is not None:
         constrained = transformation.constrained
-    coupled, coupling = _couplings(len(equations), tables, transformation)
+    coupled, coupling = couplings(len(equations), tables, transformation, links)
     width = _half_width(coupling.indptr, coupling.indices, equations)
     n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
     storage = storage_for(solver, n, width, equations, coupling)
@@ -338,8 +375,9 @@ def tangent_layout(
         if transformation is None
         else _condensation(transformation, coupled, equations, places)
     )
+    size = places.dump + 1 + n_columns * (n + 2 * c + 2)
     return TangentLayout(
-        equations, n, places.dump + 1, n + 2 * c + 1, tuple(scatter), storage, condensation
+        equations, n, size, n + 2 * c + 1, tuple(scatter), storage, condensation, places, n_columns
     )
 
 

@@ -16,11 +16,13 @@ the body has turned by a hundredth. Its factor is therefore
 import numpy as np
 from scipy.linalg import block_diag
 
+from seal_mdao.analysis.corrected_factor import CorrectedFactor
 from seal_mdao.analysis.equations import TangentLayout
 from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
 from seal_mdao.structure.deformation import particle_gradients
+from seal_mdao.terms.point_term import PointTerm
 
 # Most need 6 to 10 iterations; what is not halved within PATIENCE of them will not converge soon.
 LIMIT, PATIENCE = 25, 6
@@ -46,30 +48,6 @@ class CarriedFactor:
         back = np.einsum("pji,pj->pi", self.gradients, self.layout.gather(rhs))
         old = self.layout.gather(self.factor.solve(self.layout.reduce(back)))
         return self.layout.reduce(np.einsum("pij,pj->pi", self.gradients, old))
-
-
-class CorrectedFactor:
-    """(K + P D P^T)^-1 with the inverse of K given; P few columns.
-
-    Parameters
-    ----------
-    factor : object
-        Solves with K.
-    columns : ndarray, shape (m, n)
-        The columns of P.
-    change : ndarray, shape (m, m)
-        D, which may be singular.
-    """
-
-    def __init__(self, factor, columns: np.ndarray, change: np.ndarray):
-        self.factor, self.columns = factor, columns
-        self.solved = np.array([factor.solve(column) for column in columns])
-        compliance = columns @ self.solved.T
-        self.small = np.linalg.solve(np.eye(len(change)) + change @ compliance, change)
-
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        solution = self.factor.solve(rhs)
-        return solution - (self.small @ (self.columns @ solution)) @ self.solved
 
 
 class BroydenSteps:
@@ -112,11 +90,14 @@ def _unit_loads(problem: PathProblem, term, points: np.ndarray) -> list:
     return loads
 
 
-def _new_contacts(problem: PathProblem, last: ConvergedStep) -> list:
-    """Terms at points, with the points on another branch than in the factorised tangent."""
+def _new_contacts(problem: PathProblem, last: ConvergedStep) -> list | None:
+    """Terms at single points, with the points on another branch than in the factorised tangent; None
+    where a term that couples points is on another one."""
     found = []
     for term, now, then in zip(problem.terms, problem.responses, last.responses, strict=True):
         points = np.flatnonzero(now.branch != then.branch)
+        if points.size and not isinstance(term, PointTerm):
+            return None
         if points.size:
             found.append((term, points, (now.tangent - then.tangent)[points]))
     return found
@@ -174,7 +155,7 @@ def quasi_newton(
             break
         if inverse is None:
             changed = _new_contacts(problem, last)
-            if sum(points.size for _, points, _ in changed) > MOST_NEW_CONTACTS:
+            if changed is None or sum(at.size for _, at, _ in changed) > MOST_NEW_CONTACTS:
                 break
             try:
                 inverse = _inverse(problem, d, last, changed)

@@ -56,9 +56,12 @@ class TermDefinition:
         Unique among the terms of a problem; measures find the term by it.
     couples : bool
         Whether its force depends on displacements: the equations of its points are coupled then.
+    n_columns : int
+        Parts of rank one of its tangent, which couple all of its points through one number.
     """
 
     couples = True
+    n_columns = 0
 
     @property
     def scalars(self) -> dict:
@@ -71,6 +74,9 @@ class TermDefinition:
 
     def point_set(self) -> PointSet | None:
         """Points through whose shape functions it acts, those of a group all coupled; or None."""
+
+    def pairs(self) -> np.ndarray | None:
+        """Pairs (m, 2) of its points that may act on each other, both ways; or None."""
 
     def on(self, discretization, place: int) -> "Term":
         """The term on one design, the ``place``-th one: ``discretization.tables[place]`` holds the

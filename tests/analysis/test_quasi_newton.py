@@ -6,9 +6,10 @@ from bodies import dense, internal, square, wave
 
 import seal_mdao as sm
 from seal_mdao.analysis import load_path, quasi_newton
+from seal_mdao.analysis.corrected_factor import CorrectedFactor
 from seal_mdao.analysis.linear_solver import SparseStorage
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.quasi_newton import BroydenSteps, CarriedFactor, CorrectedFactor
+from seal_mdao.analysis.quasi_newton import BroydenSteps, CarriedFactor
 from seal_mdao.analysis.result import Status
 from seal_mdao.structure.deformation import particle_gradients
 from seal_mdao.verification.differences import contact_states, same_sequence

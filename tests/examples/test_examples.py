@@ -50,7 +50,7 @@ def beside(text):
 def states(result):
     """Stick, slip and open points of all profiles at all steps."""
     return np.hstack([
-        [response.state for response in result.path.responses(term.label)]
+        [response.branch for response in result.path.responses(term.label)]
         for term in result.seal.terms()[1:]
     ])  # fmt: skip
 

@@ -10,7 +10,7 @@ from pressed_block import pressed_block
 
 import seal_mdao as sm
 from seal_mdao import plotting
-from seal_mdao.measures.shape import polygon_area
+from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.plotting import field, section
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.structure.elastic_body import ElasticBody, Region

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seal_mdao.measures.shape import polygon_area
+from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.plotting import field
 
 

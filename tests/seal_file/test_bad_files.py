@@ -21,6 +21,8 @@ WIDTH = 'type = "contact_width"\nprofile = "door"'
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
 FIXED = '[fixed]\nedges = ["base"]\n'
 SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
+CAVITY = "[[cavity]]\nhole = 1\n"
+TOUCH = '[self_contact]\nfriction = 0.3\nedges = ["second"]\n'
 REGION = """[material.foot]
 law = "neo_hookean"
 c10 = 300.0
@@ -68,6 +70,22 @@ BAD = {
                        "[[section.region]] 1: material = 'foo', but there is no such material"),
     "region of its own": (FIXED, REGION.replace('"foot"', '"rubber"') + FIXED,
                           "[[section.region]] 1: material = 'rubber', which [section] has already"),
+    "no such hole": (FIXED, FIXED + CAVITY.replace("1", "2"),
+                     "[[cavity]] 1: hole = 2, but the section has 1 hole"),
+    "cavity of hole zero": (FIXED, FIXED + CAVITY.replace("1", "0"), "[[cavity]] 1: hole = 0, but"),
+    "sealed twice": (FIXED, FIXED + 2 * CAVITY, "[[cavity]] 2: hole = 1, which [[cavity]] 1 has"),
+    "air named as a profile": (FIXED, FIXED + CAVITY + 'name = "door"\n',
+                               "[[cavity]] 1: name = 'door', but a profile has it; give every cavity"),
+    "no pressure outside": (FIXED, FIXED + CAVITY + "pressure = 0.0\n",
+                            "[[cavity]] 1: pressure = 0.0, but it must be a number above 0"),
+    "pressure of no cavity": (WIDTH, 'type = "cavity_pressure"',
+                              "cavity = 'air', but there is no such [[cavity]]; there are none"),
+    "self-contact of no edge": (FIXED, FIXED + TOUCH,
+                                "[self_contact]: edges = 'second', but there is no such edge"),
+    "self-contact named twice": (FIXED, FIXED + TOUCH.replace('["second"]', '["seal", "seal"]'),
+                                 "[self_contact]: edges has 'seal' twice"),
+    "rough self-contact": (FIXED, FIXED + TOUCH.replace("0.3", "-0.3"),
+                           "[self_contact]: friction = -0.3, but it must be a number"),
     "no profile": (*without(PROFILE), "[[profile]] is missing"),
     "unknown table": ("[fixed]", "[fixd]", "unknown table or key 'fixd' (did you mean 'fixed'?)"),
     "unknown key on top": ("[material", "speed = 1\n[material", "unknown table or key 'speed'; known"),

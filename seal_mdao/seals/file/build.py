@@ -10,7 +10,7 @@ from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.seals.file.cross_checks import ROUNDING, contact_order, gap_at_start
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
-from seal_mdao.seals.file.tables import ProfileTable, SealFile
+from seal_mdao.seals.file.tables import ProfileTable, SealFile, SelfContactTable
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded
 from seal_mdao.seals.outline.cloud_file import GivenCloud
@@ -21,10 +21,12 @@ from seal_mdao.seals.outline.seal import (
     SUPPORT,
     EdgeContact,
     OutlineSeal,
+    SealedHole,
     SectionRegion,
     outline_seal,
 )
 from seal_mdao.seals.outline.section import Outline, sampled
+from seal_mdao.seals.outline.self_touch import SelfTouch
 
 
 def build_seal(file: SealFile) -> OutlineSeal:
@@ -56,6 +58,8 @@ def build_seal(file: SealFile) -> OutlineSeal:
             support=RAY_SUPPORT if by_rays else SUPPORT,
             prefix=f"{section.material}_" if section.regions else "",
             contacts=[_contact(profile, file) for profile in file.profiles],
+            sealed=[SealedHole(c.name, c.hole, c.pressure, c.gamma) for c in file.cavities],
+            touching=_self_touch(file.self_contact),
             designs=[EdgeDesign(design.edges, design.parameters) for design in file.designs],
         )
     except ValueError as error:
@@ -140,6 +144,13 @@ def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:
         profile.name, edges, GivenShape(rigid_profile_of(profile)),
         motion_of(placed, file.n_steps), law, f"{profile.name}_",
     )  # fmt: skip
+
+
+def _self_touch(given: SelfContactTable | None) -> SelfTouch | None:
+    if given is None:
+        return None
+    law = ContactLaw(given.normal_penalty, given.tangent_penalty, given.friction, True)
+    return SelfTouch("self_contact", given.edges, law)
 
 
 def _clear_start(profile: ProfileTable, outline: Outline) -> tuple:

@@ -37,6 +37,8 @@ def check(file: SealFile) -> None:
     _check_regions(file)
     _check_held(file)
     _check_designs(file)
+    _check_cavities(file)
+    _check_self_contact(file)
     _check_measures(file)
     _check_steps(file)
     gaps = []
@@ -135,6 +137,40 @@ def _check_designs(file):
             seen[name] = where
 
 
+def _check_cavities(file):
+    holes, names = len(file.section.outline.holes), {p.name: "a profile" for p in file.profiles}
+    names["structure"], seen = "the body itself", {}
+    for number, cavity in enumerate(file.cavities, 1):
+        where = f"[[cavity]] {number}"
+        if cavity.hole > holes:
+            raise SealFileError(
+                f"{where}: hole = {cavity.hole}, but the section has "
+                + ("no hole" if not holes else f"{holes} hole{'s' if holes > 1 else ''}")
+            )
+        if cavity.hole in seen:
+            raise SealFileError(
+                f"{where}: hole = {cavity.hole}, which {seen[cavity.hole]} has already"
+            )
+        if cavity.name in names:
+            raise SealFileError(
+                f"{where}: name = {cavity.name!r}, but {names[cavity.name]} has it; give every cavity a "
+                "name of its own"
+            )
+        seen[cavity.hole], names[cavity.name] = where, where
+
+
+def _check_self_contact(file):
+    if file.self_contact is None:
+        return
+    where = "[self_contact]"
+    _check_edges(where, "edges", file.self_contact.edges, file.section.outline)
+    for table, owner in ((file.profiles, "a profile"), (file.cavities, "a [[cavity]]")):
+        if any(one.name == "self_contact" for one in table):
+            raise SealFileError(
+                f"{where}: {owner} has the name 'self_contact'; give it another one"
+            )
+
+
 def _check_measures(file):
     outline = file.section.outline
     holes = {hole.edge_names[0]: hole for hole in outline.holes if len(hole.edge_names) == 1}
@@ -152,6 +188,9 @@ def _check_measures(file):
             raise SealFileError(
                 f"{where}: places are numbers of particles, which are known beside [section] cloud alone"
             )
+        if measure.type == "cavity_pressure":
+            airs = [cavity.name for cavity in file.cavities]
+            known(where, "cavity", measure.arguments["cavity"], airs, "[[cavity]]")
         if measure.type == "cavity_area":
             edge = measure.arguments["edge"]
             known(where, "edge", edge, outline.edge_names, "edge")

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.errors import SealFileError
+from seal_mdao.measures.cavity import CavityPressure
 from seal_mdao.measures.contact import (
     ContactPressure,
     ContactWidth,
@@ -85,6 +86,9 @@ def _nearest(arguments, particles):
 KINDS = {
     "section_area": Kind(lambda a, particles: SectionArea(), {}),
     "cavity_area": Kind(lambda a, particles: CavityArea(a["edge"]), {"edge": Key(TEXT)}),
+    "cavity_pressure": Kind(
+        lambda a, particles: CavityPressure(a["cavity"]), {"cavity": Key(TEXT, "air")}
+    ),
     "contact_width": Kind(_of_profile(ContactWidth), _PROFILE),
     "peak_pressure": Kind(_pressure(PeakPressure), _PROFILE | _ORDER),
     "contact_pressure": Kind(

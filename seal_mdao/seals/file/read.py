@@ -4,7 +4,9 @@ import tomllib
 from pathlib import Path
 
 from seal_mdao.errors import SealFileError
+from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE
 from seal_mdao.seals.file.checks import (
+    NAME,
     NAMES,
     Check,
     Key,
@@ -21,17 +23,39 @@ from seal_mdao.seals.file.cross_checks import check
 from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import read_profile
+from seal_mdao.seals.file.profiles import NORMAL_PENALTY, TANGENT_PENALTY, read_profile
 from seal_mdao.seals.file.sections import read_section
-from seal_mdao.seals.file.tables import DesignTable, FixedTable, SealFile, SymmetryTable
+from seal_mdao.seals.file.tables import (
+    CavityTable,
+    DesignTable,
+    FixedTable,
+    SealFile,
+    SelfContactTable,
+    SymmetryTable,
+)
 
-TABLES = ("material", "section", "profile", "fixed", "symmetry", "design", "measure", "optimize")
+TABLES = (
+    "material", "section", "profile", "fixed", "symmetry", "cavity", "self_contact", "design", "measure",
+    "optimize",
+)  # fmt: skip
 NEEDED = TABLES[:3]
 MOST_PARAMETERS = 1000
 
 DIRECTIONS = Check('a list of "x", "y" or both', many(one_of("x", "y"), "").convert)
 FIXED_KEYS = {"edges": Key(NAMES), "directions": Key(DIRECTIONS, ("x", "y"))}
 SYMMETRY_KEYS = {"edges": Key(NAMES), "normal": Key(one_of("x", "y"))}
+CAVITY_KEYS = {
+    "hole": Key(whole(1, 1000)),
+    "name": Key(NAME, "air"),
+    "pressure": Key(number(above=0.0), ATMOSPHERE),
+    "gamma": Key(number(above=0.0), ADIABATIC),
+}
+SELF_CONTACT_KEYS = {
+    "edges": Key(NAMES),
+    "friction": Key(number(least=0.0)),
+    "normal_penalty": Key(number(above=0.0), NORMAL_PENALTY),
+    "tangent_penalty": Key(number(above=0.0), TANGENT_PENALTY),
+}
 DESIGN_KEYS = {
     "edges": Key(NAMES),
     "parameters": Key(whole(1, MOST_PARAMETERS)),
@@ -120,6 +144,13 @@ def _read(given, path) -> SealFile:
         ),
         measures,
         optimize,
+        tuple(
+            CavityTable(**table(f"[[cavity]] {i}", one, CAVITY_KEYS))
+            for i, one in enumerate(_optional(given, "cavity"), 1)
+        ),
+        SelfContactTable(**table("[self_contact]", given["self_contact"], SELF_CONTACT_KEYS))
+        if "self_contact" in given
+        else None,
     )
     check(file)
     return file

@@ -119,6 +119,36 @@ class ProfileTable:
 
 
 @dataclass(frozen=True)
+class CavityTable:
+    """``[[cavity]]``: a hole that does not let its air out.
+
+    Attributes
+    ----------
+    hole : int
+        From 1.
+    name : str
+    pressure : float
+        Absolute pressure outside, kPa.
+    gamma : float
+    """
+
+    hole: int
+    name: str
+    pressure: float
+    gamma: float
+
+
+@dataclass(frozen=True)
+class SelfContactTable:
+    """``[self_contact]``: edges that may touch each other or themselves; penalties in kPa/mm."""
+
+    edges: tuple
+    friction: float
+    normal_penalty: float
+    tangent_penalty: float
+
+
+@dataclass(frozen=True)
 class DesignTable:
     """``[[design]]``: edges that may move, parameters of each, and their bound, mm."""
 
@@ -169,6 +199,8 @@ class SealFile:
     measures : tuple of MeasureTable
         Those of the file, and those that ``[optimize]`` names by their type.
     optimize : OptimizeTable or None
+    cavities : tuple of CavityTable
+    self_contact : SelfContactTable or None
     """
 
     path: Path
@@ -180,6 +212,8 @@ class SealFile:
     designs: tuple[DesignTable, ...] = ()
     measures: tuple[MeasureTable, ...] = ()
     optimize: OptimizeTable | None = None
+    cavities: tuple[CavityTable, ...] = ()
+    self_contact: SelfContactTable | None = None
 
     @property
     def n_steps(self) -> int:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.measures.shape import polygon_area
+from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
 from seal_mdao.seals.outline.mesher import triangulate
 from seal_mdao.seals.outline.quadrilaterals import halved, paired

@@ -12,6 +12,7 @@ from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.shape import Shape
+from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE, TrappedAir
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.assembled import AssembledSeal
@@ -20,6 +21,7 @@ from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.extension import harmonic_extension
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
+from seal_mdao.seals.outline.self_touch import SelfTouch
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
 
@@ -52,6 +54,28 @@ class EdgeContact(NamedTuple):
         """The contact term."""
         where = points_on(body, self.edges)
         return RigidContact(self.label, where, self.shape, self.motion, self.law, self.prefix)
+
+
+class SealedHole(NamedTuple):
+    """A hole that does not let its air out.
+
+    Attributes
+    ----------
+    label : str
+    hole : int
+        From 1, in the order of the boundaries.
+    pressure, gamma : float
+        As of ``TrappedAir``.
+    """
+
+    label: str
+    hole: int
+    pressure: float = ATMOSPHERE
+    gamma: float = ADIABATIC
+
+    def on(self, loops) -> TrappedAir:
+        """The term."""
+        return TrappedAir(self.label, loops[self.hole], self.pressure, self.gamma)
 
 
 class SectionRegion(NamedTuple):
@@ -101,8 +125,9 @@ class OutlineSeal(AssembledSeal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | GivenCloud, material, *, n_steps: int, fixed=(), planes=(),
-    contacts=(), designs=(), cuts=(), regions=(), prefix: str = "", support: float = SUPPORT,
-    standard=(), inputs=(), newton: NewtonOptions | None = None,
+    contacts=(), sealed=(), touching: SelfTouch | None = None, designs=(), cuts=(), regions=(),
+    prefix: str = "", support: float = SUPPORT, standard=(), inputs=(),
+    newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
     """A seal from the boundary of its section.
 
@@ -121,6 +146,9 @@ def outline_seal(
     planes : sequence of (str, int)
         Edges that slide along their plane, and the component across it, in which they are held.
     contacts : sequence of EdgeContact
+    sealed : sequence of SealedHole
+    touching : SelfTouch, optional
+        Edges that may touch each other.
     designs : sequence of EdgeDesign
         Their parameters are the ``boundary_offsets``, mm along the drawn normals.
     cuts : sequence of ndarray, shape (k, 2)
@@ -146,6 +174,8 @@ def outline_seal(
     checked_names([name for name, _ in planes], known, "planes")
     for contact in contacts:
         checked_names(contact.edges, known, f"profile {contact.label!r}")
+    if touching is not None:
+        checked_names(touching.edges, known, touching.label)
     filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
@@ -159,9 +189,11 @@ def outline_seal(
     body = _body(filled, support, held, edges)
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
-    terms = (elastic, *(contact.on(body) for contact in contacts))
+    loads = (*(contact.on(body) for contact in contacts), *(h.on(filled.loops) for h in sealed))
+    if touching is not None:
+        loads = (*loads, touching.on(body, filled.loops))
     return OutlineSeal(
-        filled.particles, velocity, body, terms, n_steps, tuple(standard), tuple(inputs),
+        filled.particles, velocity, body, (elastic, *loads), n_steps, tuple(standard), tuple(inputs),
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,
         cuts=tuple(np.asarray(cut, float) for cut in cuts),
     )  # fmt: skip

@@ -1,0 +1,57 @@
+"""Sherman-Morrison-Woodbury: a factor of a matrix serves one that differs in few directions."""
+
+import numpy as np
+
+
+class CorrectedFactor:
+    """(K + P D P^T)^-1 with the inverse of K given; P few columns.
+
+    Parameters
+    ----------
+    factor : object
+        Solves with K.
+    columns : ndarray, shape (m, n)
+        The columns of P.
+    change : ndarray, shape (m, m)
+        D, which may be singular.
+    """
+
+    def __init__(self, factor, columns: np.ndarray, change: np.ndarray):
+        self.factor, self.columns, self.change = factor, columns, change
+        self.solved = np.array([factor.solve(column) for column in columns])
+        self.small = self._small(self.solved, change)
+        self._transposed = None
+
+    def _small(self, solved, change) -> np.ndarray:
+        """(1 + D P^T K^-1 P)^-1 D.
+
+        Raises
+        ------
+        LinAlgError
+            The corrected matrix is singular.
+        """
+        compliance = self.columns @ solved.T
+        return np.linalg.solve(np.eye(len(change)) + change @ compliance, change)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory."""
+        return self.factor.nbytes + 3 * self.columns.nbytes
+
+    def kept(self) -> "CorrectedFactor":
+        """One that survives the next factorisation in the same storage."""
+        other = object.__new__(CorrectedFactor)
+        other.__dict__.update(self.__dict__, factor=self.factor.kept())
+        return other
+
+    def solve(self, rhs: np.ndarray, transposed: bool = False) -> np.ndarray:
+        """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
+        if not transposed:
+            solution = self.factor.solve(rhs)
+            return solution - self.solved.T @ (self.small @ (self.columns @ solution))
+        if self._transposed is None:
+            solved = np.array([self.factor.solve(column, True) for column in self.columns])
+            self._transposed = solved, self._small(solved, self.change.T)
+        solved, small = self._transposed
+        solution = self.factor.solve(rhs, True)
+        return solution - solved.T @ (small @ (self.columns @ solution))

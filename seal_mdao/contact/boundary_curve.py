@@ -1,0 +1,194 @@
+"""The deformed boundary as a curve: cubic splines near its particles, and places near it.
+
+    x_c(xi) = sum_b N_b(s) x_(a-2+b),    xi = a + s,  0 <= s < 1,  b = 0 ... 5
+
+Uniform cubic B-splines, whose control points are those of quasi-interpolation, (-1, 8, -1)/6 of three
+particles: C. de Boor, A Practical Guide to Splines, Springer 2001, chapter XII. Curvature is continuous,
+so friction does not jump where a point goes from one segment to the next, and the curve errs by the
+fourth power of the distance of particles. A boundary is walked with the body on the left, so e_n, e_t
+turned clockwise, leads out of it. Formulas are those of ``contact.kinematics`` with
+V_c = sum N_b V_(a-2+b): the curve is a profile whose shape parameters are the places of its particles.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+_B_SPLINES = np.array([
+    [1.0, 4.0, 1.0, 0.0], [-3.0, 0.0, 3.0, 0.0], [3.0, -6.0, 3.0, 0.0], [-1.0, 3.0, -3.0, 1.0]
+]) / 6.0  # fmt: skip
+"""Coefficients of 1, s, s^2, s^3 of the four splines."""
+
+_CONTROL = np.array([np.roll([-1.0, 8.0, -1.0, 0.0, 0.0, 0.0], by) for by in range(4)]) / 6.0
+"""Their control points by the particles."""
+
+_CUBICS = _B_SPLINES @ _CONTROL
+
+NODES = 7
+"""A point and the particles of its segment."""
+
+N_PLACES = 2 * NODES
+
+_ITERATIONS = 60
+"""Of the bisection that Newton's method falls back to; it ends at rounding."""
+
+
+class Rings(NamedTuple):
+    """Closed boundaries, their points numbered one after the other.
+
+    Attributes
+    ----------
+    first, size : ndarray of int, shape (k,)
+        Of every point's own ring: where it begins, how many points it has.
+    """
+
+    first: np.ndarray
+    size: np.ndarray
+
+    def step(self, points: np.ndarray, by: int) -> np.ndarray:
+        """Points so many places further along their rings."""
+        first = self.first[points]
+        return first + (points - first + by) % self.size[points]
+
+    def way(self, xi: np.ndarray, before: np.ndarray) -> np.ndarray:
+        """xi - xi0 the shorter way round; nan from one ring to another."""
+        k = len(self.first)
+        own, its = (np.minimum(value.astype(int), k - 1) for value in (xi, before))
+        size = self.size[own]
+        way = xi - before
+        way = way - size * np.round(way / size)
+        return np.where(self.first[own] == self.first[its], way, np.nan)
+
+
+def rings(sizes) -> Rings:
+    """Rings of so many points."""
+    sizes = np.asarray(sizes, int)
+    first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    return Rings(np.repeat(first, sizes), np.repeat(sizes, sizes))
+
+
+def cubics(s: np.ndarray, order: int) -> np.ndarray:
+    """N_0 ... N_5 or a derivative of them at s (m,), shape (m, 6)."""
+    coefficients = _CUBICS
+    for _ in range(order):
+        coefficients = coefficients[1:] * np.arange(1, len(coefficients))[:, None]
+    return s[:, None] ** np.arange(len(coefficients)) @ coefficients
+
+
+def outward(x: np.ndarray, ring: Rings) -> np.ndarray:
+    """Unit normals at the points of the boundary, out of the body, shape (k, 2)."""
+    every = np.arange(len(x))
+    along = x[ring.step(every, 1)] - x[ring.step(every, -1)]
+    return np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
+
+
+def masters(segments: np.ndarray, ring: Rings) -> np.ndarray:
+    """The six particles of segments that begin at the given points, shape (m, 6)."""
+    return np.column_stack([ring.step(segments, by) for by in range(-2, 4)])
+
+
+def _slope(x, places, segments, s, ring):
+    """(x - x_c) . t and its derivative by s."""
+    nodes = x[masters(segments, ring)]
+    r, t, bend = (np.einsum("mb,mbi->mi", cubics(s, order), nodes) for order in range(3))
+    r = places - r
+    return (r * t).sum(axis=1), (r * bend).sum(axis=1) - (t * t).sum(axis=1)
+
+
+def project(x, places, nearest, ring: Rings):
+    """Closest points of the curve near its particles ``nearest`` (m,) to ``places`` (m, 2).
+
+    Returns
+    -------
+    segments : ndarray of int, shape (m,)
+    s : ndarray, shape (m,)
+    found : ndarray of bool, shape (m,)
+        Whether (x - x_c) . t = 0 within two segments of the nearest particle.
+    """
+    zero = np.zeros(len(nearest))
+    ahead = _slope(x, places, nearest, zero, ring)[0] >= 0.0
+    segments = np.where(ahead, nearest, ring.step(nearest, -1))
+    one, found = np.ones(len(nearest)), np.zeros(len(nearest), bool)
+    for _ in range(2):
+        first = _slope(x, places, segments, zero, ring)[0]
+        last = _slope(x, places, segments, one, ring)[0]
+        found = (first >= 0.0) & (last <= 0.0)
+        on = np.where(ahead, ring.step(segments, 1), ring.step(segments, -1))
+        segments = np.where(found, segments, on)
+    s, low, high = 0.5 * one, zero.copy(), one.copy()
+    for _ in range(_ITERATIONS):
+        value, rate = _slope(x, places, segments, s, ring)
+        low, high = np.where(value > 0.0, s, low), np.where(value > 0.0, high, s)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = s - value / rate
+        step = np.where((step > low) & (step < high), step, 0.5 * (low + high))
+        step = np.where(value == 0.0, s, step)
+        done = np.abs(step - s).max(initial=0.0) <= 1e-16
+        s = step
+        if done:
+            break
+    return segments, s, found
+
+
+class Kinematics(NamedTuple):
+    """Gap, natural coordinate and |t| of m points near the curve, with their derivatives by the places
+    of the point itself and of the six particles of its segment, (7, 2) each.
+
+    Attributes
+    ----------
+    gap, xi, size : ndarray, shape (m,)
+    gap_1, xi_1, size_1 : ndarray, shape (m, 14)
+    gap_2, xi_2 : ndarray, shape (m, 14, 14)
+    """
+
+    gap: np.ndarray
+    xi: np.ndarray
+    size: np.ndarray
+    gap_1: np.ndarray
+    xi_1: np.ndarray
+    size_1: np.ndarray
+    gap_2: np.ndarray
+    xi_2: np.ndarray
+
+
+def kinematics(x, nodes, segments, s) -> Kinematics:
+    """Kinematics of points ``nodes[:, 0]`` at s (m,) of ``segments``, whose particles are
+    ``nodes[:, 1:]`` (m, 7)."""
+    weights = [np.column_stack([np.full(len(s), 1.0 if i == 0 else 0.0), -cubics(s, i)])
+               for i in range(4)]  # fmt: skip
+    r, *along = (np.einsum("ma,mai->mi", w, x[nodes]) for w in weights)
+    t, bend, twist = (-part for part in along)
+    size = np.hypot(*t.T)
+    e_t = t / size[:, None]
+    e_n = np.column_stack([e_t[:, 1], -e_t[:, 0]])
+    gap, alpha, beta, gamma = (
+        (a * b).sum(axis=1) for a, b in ((r, e_n), (e_n, bend), (e_t, bend), (e_n, twist))
+    )
+    c = size**2 - gap * alpha
+
+    def spread(order, direction):
+        return np.einsum("ma,mi->mai", weights[order], direction).reshape(len(s), N_PLACES)
+
+    def times(number, vector):
+        return number[:, None] * vector
+
+    def outer(a, b):
+        return a[:, :, None] * b[:, None, :]
+
+    on_t, on_n, on_t1, on_n1, on_n2 = (
+        spread(0, e_t), spread(0, e_n), spread(1, e_t), spread(1, e_n), spread(2, e_n)
+    )  # fmt: skip
+    xi_1 = times(size / c, on_t) - times(gap / c, on_n1)
+    turn = times(alpha / c, on_t) - times(size / c, on_n1)
+    size_1 = times(beta, xi_1) - on_t1
+    alpha_1 = times(gamma, xi_1) - times(beta, turn) - on_n2
+    c_1 = times(2.0 * size, size_1) - times(alpha, on_n) - times(gap, alpha_1)
+    size_over_c = times(1.0 / c, size_1) - times(size / c**2, c_1)
+    gap_over_c = times(1.0 / c, on_n) - times(gap / c**2, c_1)
+    part = size[:, None, None] / c[:, None, None], gap[:, None, None] / c[:, None, None]
+    xi_2 = (
+        outer(on_t, size_over_c) + part[0] * (outer(on_n, turn) + outer(on_t1, xi_1))
+        - outer(on_n1, gap_over_c) - part[1] * (outer(on_n2, xi_1) - outer(on_t1, turn))
+    )  # fmt: skip
+    gap_2 = outer(on_n1, xi_1) - outer(on_t, turn)
+    return Kinematics(gap, segments + s, size, on_n, xi_1, size_1, gap_2, xi_2)

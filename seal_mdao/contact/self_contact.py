@@ -1,0 +1,299 @@
+"""Contact of a section with itself, with friction: any of its boundaries on any other, or on itself.
+
+Every point is a slave of the deformed boundary and every stretch of that is a master, so each pair of
+touching walls meets twice, with half of the penalties and half of the friction each. Which is called
+slave does not matter.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from seal_mdao import values
+from seal_mdao.contact.boundary_curve import (
+    N_PLACES,
+    NODES,
+    kinematics,
+    masters,
+    outward,
+    project,
+    rings,
+)
+from seal_mdao.contact.friction import OPEN, SLIP, STICK, ContactHistory, ContactLaw
+from seal_mdao.contact.rigid_contact import LAW_SCALARS
+from seal_mdao.contact.self_friction import (
+    LENGTH,
+    UNKNOWN,
+    XI_0,
+    Before,
+    Touch,
+    forces,
+    linearized,
+    slip_of,
+    touch,
+)
+from seal_mdao.errors import GeometryError
+from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
+from seal_mdao.terms.points import MaterialPoints, boundary_particles
+from seal_mdao.terms.term import Scalar, TermDefinition
+
+SHARED = 0.5
+"""Share of the penalties that either side has."""
+
+FARTHEST_WAY = 3.0
+"""Segments: a point that was farther away along the other wall has touched another one since."""
+
+
+@dataclass(frozen=True, eq=False)
+class SelfContact(TermDefinition):
+    """Boundaries of a section that may touch each other.
+
+    Attributes
+    ----------
+    label : str
+        Before the names of its parameters.
+    loops : tuple of ndarray of int
+        Particles of closed boundaries, each walked with the body on the left.
+    touching : ndarray of bool, shape (k,)
+        Which of the particles of all loops, one after the other, may touch.
+    drawn : ndarray, shape (n, 2)
+        Particles of the drawn body, which decide what is near along the boundary.
+    law : ContactLaw
+    apart : float
+        Along a drawn boundary, two points nearer than that do not touch each other, mm.
+
+    Raises
+    ------
+    ValueError
+        For a law, a distance or arrays that are not admissible.
+    """
+
+    label: str
+    loops: tuple
+    touching: np.ndarray
+    drawn: np.ndarray
+    law: ContactLaw
+    apart: float
+
+    def __post_init__(self):
+        for name in ("normal_penalty", "tangent_penalty"):
+            values.real(f"{name} of {self.label!r}", getattr(self.law, name), above=0.0)
+        values.real(f"friction of {self.label!r}", self.law.friction, 0.0)
+        values.real(f"apart of {self.label!r}", self.apart, above=0.0)
+        if min(map(len, self.loops), default=0) < NODES:
+            raise ValueError(f"every loop of {self.label!r} needs at least {NODES} particles")
+        if len(self.touching) != sum(map(len, self.loops)):
+            raise ValueError(f"touching of {self.label!r} must have an entry for every particle")
+
+    @property
+    def where(self) -> MaterialPoints:
+        """Points: the particles of all loops with half the length of the sides at each."""
+        neighbours = [np.column_stack([np.roll(p, 1), np.roll(p, -1)]) for p in self.loops]
+        return boundary_particles(np.concatenate(self.loops), np.concatenate(neighbours))
+
+    @property
+    def scalars(self) -> dict:
+        """Penalties and friction."""
+        return {
+            f"{self.label}_{name}": Scalar(getattr(self.law, name), *rest)
+            for name, rest in LAW_SCALARS.items()
+        }
+
+    def with_parameters(self, values: dict) -> "SelfContact":
+        """The contact with another law."""
+        own = {name.removeprefix(f"{self.label}_"): value for name, value in values.items()}
+        return replace(self, law=self.law._replace(**own))
+
+    def point_set(self):
+        """The particles of all loops."""
+        return self.where.points
+
+    def may_touch(self) -> np.ndarray:
+        """Which point may touch near which, shape (k, k)."""
+        found = np.outer(self.touching, self.touching)
+        first = 0
+        for loop in self.loops:
+            side = np.linalg.norm(self.drawn[loop] - self.drawn[np.roll(loop, 1)], axis=1)
+            along, whole = np.cumsum(side), side.sum()
+            way = np.abs(along[:, None] - along)
+            own = slice(first, first + len(loop))
+            found[own, own] &= np.minimum(way, whole - way) > self.apart
+            first += len(loop)
+        return found
+
+    def reach(self) -> float:
+        """Penetration that is still one, mm: half of the thinnest drawn wall that touches both ways."""
+        x, ring = self.drawn[np.concatenate(self.loops)], rings([len(loop) for loop in self.loops])
+        normal = outward(x, ring)
+        behind = np.einsum("ijc,jc->ij", x[:, None] - x, normal) < 0.0
+        through = self.may_touch() & behind & behind.T & (normal @ normal.T < 0.0)
+        i, j = np.nonzero(through)
+        return 0.5 * float(np.hypot(*(x[i] - x[j]).T).min(initial=2.0 * self.apart))
+
+    def pairs(self):
+        """Points with the particles of all segments on which they may come to lie, and those with each
+        other."""
+        ring = rings([len(loop) for loop in self.loops])
+        every, allowed = np.arange(len(self.touching)), self.may_touch()
+        reached = allowed.copy()
+        for by in range(-4, 5):  # two segments to either side of the nearest particle
+            reached |= allowed[:, ring.step(every, by)]
+        near = reached.any(axis=0)
+        for by in range(1, NODES - 1):
+            reached[every, ring.step(every, by)] |= near
+        return np.argwhere(reached)
+
+    def on(self, discretization, place) -> "SelfContactTerm":
+        """The term on one design."""
+        return SelfContactTerm(self, discretization, place)
+
+
+class SelfContactTerm(CoupledTerm):
+    """A ``SelfContact`` on one design; forces are those that join the residual."""
+
+    history_size = 3
+
+    def __init__(self, definition: SelfContact, discretization, place: int):
+        super().__init__(
+            definition.label, definition.scalars, definition.where, discretization, place
+        )
+        self.law = definition.law._replace(
+            normal_penalty=SHARED * definition.law.normal_penalty,
+            tangent_penalty=SHARED * definition.law.tangent_penalty,
+        )
+        self.reach, self.allowed = definition.reach(), definition.may_touch()
+        self.ring = rings([len(loop) for loop in definition.loops])
+        # a point opposite must be this near to be followed before it touches
+        self.near = 4.0 * self.length.max()
+        self.rounding = definition.law.normal_penalty * float(np.abs(self.reference).max())
+        self._direction = np.zeros(len(self.where), int)
+
+    @property
+    def remembers(self) -> bool:
+        """Without friction nothing depends on the history."""
+        return self.law.friction != 0.0
+
+    def begin(self):
+        self._direction[:] = 0
+
+    def no_history(self) -> ContactHistory:
+        k = len(self.where)
+        return ContactHistory(np.full(k, UNKNOWN), np.zeros((k, 3)))
+
+    # ---- which points are near which stretch ----
+
+    def _followed(self, x):
+        """Points that face another stretch near them, its particles, and the kinematics."""
+        normal = outward(x, self.ring)
+        allowed = self.allowed & (normal @ normal.T < 0.0)
+        square = ((x[:, None] - x) ** 2).sum(axis=2)
+        square[~allowed] = np.inf
+        nearest = square.argmin(axis=1)
+        points = np.flatnonzero(square[np.arange(len(x)), nearest] < self.near**2)
+        segments, s, found = project(x, x[points], nearest[points], self.ring)
+        points, segments, s = points[found], segments[found], s[found]
+        nodes = np.column_stack([points, masters(segments, self.ring)])
+        now = kinematics(x, nodes, segments, s)
+        deep = now.gap > -self.reach
+        return points[deep], nodes[deep], type(now)(*(part[deep] for part in now))
+
+    def _before(self, points, now, history) -> Before:
+        state = history.state[points]
+        xi_0, size, carried = history.variables[points].T
+        way = self.ring.way(now.xi, xi_0)
+        lost = (state == UNKNOWN) | ~(np.abs(way) <= FARTHEST_WAY)
+        return Before(
+            np.where(lost, UNKNOWN, state), np.where(lost, 0.0, way), np.where(lost, now.size, size),
+            carried,
+        )  # fmt: skip
+
+    # ---- what a coupled term gives ----
+
+    def respond(self, x, fraction, history) -> CoupledResponse:
+        points, nodes, now = self._followed(x)
+        before = self._before(points, now, history)
+        found, made_to_stick = self._without_reversal(points, now, before)
+        closed = found.state != OPEN
+        local = linearized(self.law, now, before, found, self.length[points])
+        force = np.zeros_like(x)
+        q = forces(self.law, now, before.size, found.tau, self.length[points])[closed]
+        np.add.at(force, nodes[closed], q.reshape(-1, NODES, 2))
+        loaded, branch = np.zeros(len(x), int), np.zeros(len(x), int)
+        loaded[nodes[closed]], branch[points] = 1, found.state
+        pairs, tangent = _merged(nodes[closed], local[closed][:, :N_PLACES, :N_PLACES], len(x))
+        return CoupledResponse(
+            x, force, loaded, pairs, tangent, np.empty((0, *x.shape)), np.empty(0), branch,
+            self._handed_on(points, now, found), np.empty((1, 0)), made_to_stick,
+        )  # fmt: skip
+
+    def _without_reversal(self, points, now, before):
+        """Let points stick that would slip the other way round than one Newton iteration before."""
+        found = touch(self.law, now, before)
+        way = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
+        turned = way * self._direction[points] < 0
+        self._direction[:] = 0
+        self._direction[points] = np.where(turned, 0, way)
+        stuck = self.law.tangent_penalty * slip_of(now, before)[0]
+        state = np.where(turned, STICK, found.state)
+        return Touch(state, np.where(turned, stuck, found.tau), found.share), int(turned.sum())
+
+    def _handed_on(self, points, now, found) -> ContactHistory:
+        history = self.no_history()
+        history.state[points] = found.state
+        carried = np.where(found.state == OPEN, now.gap, found.tau / self.law.tangent_penalty)
+        history.variables[points] = np.column_stack([now.xi, now.size, carried])
+        return history
+
+    def linearize(self, response, fraction, history) -> LocalMap:
+        points, nodes, now = self._followed(response.x)
+        before = self._before(points, now, history)
+        found = touch(self.law, now, before)
+        local = linearized(self.law, now, before, found, self.length[points])
+        lost = before.state == UNKNOWN
+        # |t| stands for |t0| there, and without slip it does not matter
+        local[lost, :, XI_0:LENGTH] = 0.0
+        local[:, :, LENGTH + 1 : LENGTH + 3] *= SHARED
+        return self._scattered(points, nodes, local)
+
+    def _scattered(self, points, nodes, local) -> LocalMap:
+        history, (x, remembered, measure, parameters, reference) = self.rows[1], self.inputs
+        places = (2 * nodes[:, :, None] + np.arange(2)).reshape(-1, N_PLACES)
+        own = 3 * points[:, None] + np.arange(3)
+        rows = np.column_stack([places, history.start + own])
+        columns = np.column_stack([
+            x.start + places, remembered.start + own, measure.start + points,
+            np.tile(np.arange(parameters.start, parameters.stop), (len(points), 1)),
+        ])  # fmt: skip
+        at = [np.broadcast_to(part, local.shape).ravel()
+              for part in (rows[:, :, None], columns[:, None, :])]  # fmt: skip
+        shape = self.rows[-1].stop, reference.stop
+        sparse = coo_array((local.ravel(), tuple(at)), shape=shape).tocsr()
+        return LocalMap(sparse, np.zeros((shape[0], 0)), np.zeros((0, shape[1])))
+
+    def uses_history(self, following):
+        if not self.remembers:
+            return np.empty(0, int)
+        return (3 * np.flatnonzero(following.branch)[:, None] + np.arange(3)).ravel()
+
+    # ---- the path ----
+
+    def check_start(self, response):
+        if response.branch.any():
+            x, y = response.x[int(np.flatnonzero(response.branch)[0])]
+            raise GeometryError(
+                f"the undeformed section already overlaps itself near x = {x:.4g}, y = {y:.4g} "
+                f"({self.label!r}); draw its walls apart, or let fewer edges touch"
+            )
+
+
+def _merged(nodes, tangent, k):
+    """Pairs of points (p, 2) and their summed tangents (p, 2, 2), from those (m, 14, 14) of m points
+    with their segments."""
+    m = len(nodes)
+    keys = (nodes[:, :, None] * k + nodes[:, None, :]).ravel()
+    blocks = tangent.reshape(m, NODES, 2, NODES, 2).transpose(0, 1, 3, 2, 4).reshape(-1, 2, 2)
+    unique, at = np.unique(keys, return_inverse=True)
+    summed = np.zeros((unique.size, 2, 2))
+    np.add.at(summed, at, blocks)
+    return np.column_stack(np.divmod(unique, k)), summed

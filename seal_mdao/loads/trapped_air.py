@@ -1,0 +1,170 @@
+"""Air trapped in a hole: its pressure follows the area that is left of it.
+
+    p = p_a ((A0 / A)^gamma - 1),    A = 1/2 sum_j x_j x x_{j+1},    f_j = -p dA/dx_j
+
+with p over the pressure p_a outside. The residual gets f_j. The area of the undeformed hole, A0, moves
+with the design. The sides turn, so the tangent couples neighbours; that p falls with A is one more part
+of rank one, gamma (p_a + p) / A g g^T with g = dA/dx, over the whole hole.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from seal_mdao import values
+from seal_mdao.geometry.polygon import polygon_area
+from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
+from seal_mdao.terms.points import MaterialPoints, fixed_points, single_points
+from seal_mdao.terms.term import Scalar, TermDefinition
+
+ATMOSPHERE = 101.325
+"""kPa."""
+
+ADIABATIC = 1.4
+"""Exponent of air that has no time to give off its heat; 1 is that of air that has."""
+
+_NO_BRANCH = np.empty(0, int)
+
+
+@dataclass(frozen=True, eq=False)
+class TrappedAir(TermDefinition):
+    """Air that a hole does not let out.
+
+    Attributes
+    ----------
+    label : str
+        Before the names of its parameters.
+    ring : ndarray of int, shape (k,)
+        Particles all round the hole, either way.
+    pressure : float
+        Absolute pressure p_a outside, and inside at the start, kPa.
+    gamma : float
+        Exponent: 1.4 adiabatic, 1 isothermal.
+
+    Raises
+    ------
+    ValueError
+        For a pressure or an exponent that is not positive, or fewer than three particles.
+    """
+
+    label: str
+    ring: np.ndarray
+    pressure: float = ATMOSPHERE
+    gamma: float = ADIABATIC
+    n_columns = 1
+
+    def __post_init__(self):
+        values.real(f"pressure of {self.label!r}", self.pressure, above=0.0)
+        values.real(f"gamma of {self.label!r}", self.gamma, above=0.0)
+        if len(self.ring) < 3:
+            raise ValueError(f"the hole of {self.label!r} needs at least three particles")
+
+    @property
+    def where(self) -> MaterialPoints:
+        """The points: the particles themselves."""
+        return fixed_points(single_points(self.ring), 0.0)
+
+    @property
+    def scalars(self) -> dict:
+        """Pressure outside and exponent."""
+        return {
+            f"{self.label}_pressure": Scalar(self.pressure, "kPa", "Absolute pressure outside."),
+            f"{self.label}_gamma": Scalar(self.gamma, None, "Exponent of the trapped air."),
+        }
+
+    def with_parameters(self, values: dict) -> "TrappedAir":
+        """The air with another pressure or exponent."""
+        own = {name.removeprefix(f"{self.label}_"): value for name, value in values.items()}
+        return replace(self, **own)
+
+    def point_set(self):
+        """The particles round the hole."""
+        return self.where.points
+
+    def pairs(self):
+        """Neighbours: the pressure on the sides of a point turns with them."""
+        at = np.arange(len(self.ring))
+        return np.column_stack([at, np.roll(at, -1)])
+
+    def on(self, discretization, place) -> "TrappedAirTerm":
+        """The term on one design."""
+        return TrappedAirTerm(self, discretization, place)
+
+
+class TrappedAirTerm(CoupledTerm):
+    """``TrappedAir`` in one design; what it gives are the pressure over that outside, kPa, and the
+    area, mm^2."""
+
+    output_names = ("pressure", "area")
+
+    def __init__(self, definition: TrappedAir, discretization, place: int):
+        super().__init__(
+            definition.label, definition.scalars, definition.where, discretization, place
+        )
+        self.outside, self.gamma = definition.pressure, definition.gamma
+        area, by_place = polygon_area(self.reference)
+        self.way = 1.0 if area > 0.0 else -1.0
+        self.drawn_area, self.by_reference = self.way * area, self.way * by_place
+        self.rounding = self.outside * float(np.abs(self.reference).max())
+        self._pairs, self._turn = self._sides()
+
+    def _sides(self):
+        """Pairs of neighbours and d^2 A / dx dx, shapes (2 k, 2), (2 k, 2, 2)."""
+        at = np.arange(len(self.where))
+        quarter = 0.5 * self.way * np.array([[0.0, 1.0], [-1.0, 0.0]])
+        pairs = np.concatenate([
+            np.column_stack([at, np.roll(at, -1)]), np.column_stack([at, np.roll(at, 1)])
+        ])  # fmt: skip
+        return pairs, np.concatenate(
+            [np.tile(turn, (len(at), 1, 1)) for turn in (quarter, -quarter)]
+        )
+
+    def _state(self, x):
+        """Area, its gradient, and pressure over that outside; None where no area is left."""
+        area, by_place = polygon_area(x)
+        area *= self.way
+        if area <= 0.0:
+            return None
+        pressure = self.outside * np.expm1(self.gamma * np.log(self.drawn_area / area))
+        return area, self.way * by_place, pressure
+
+    def respond(self, x, fraction, history):
+        state = self._state(x)
+        if state is None:
+            return None
+        area, by_place, pressure = state
+        every = np.ones(len(x), np.int64)
+        stiffness = self.gamma * (self.outside + pressure) / area
+        return CoupledResponse(
+            x, -pressure * by_place, every, self._pairs, -pressure * self._turn, by_place[None],
+            np.array([stiffness]), _NO_BRANCH, None, np.array([[pressure, area]]),
+        )  # fmt: skip
+
+    def linearize(self, response, fraction, history):
+        area, by_place, pressure = self._state(response.x)
+        k, (at_x, _, _, at_parameters, at_reference) = len(self.where), self.inputs
+        absolute, shrunk = self.outside + pressure, np.log(self.drawn_area / area)
+        # the two outputs by what they depend on; the force turns with the places beside
+        by_inputs = np.zeros((2, at_reference.stop))
+        by_inputs[0, at_x] = -self.gamma * absolute / area * by_place.ravel()
+        by_inputs[0, at_reference] = (
+            self.gamma * absolute / self.drawn_area * self.by_reference.ravel()
+        )
+        by_inputs[0, at_parameters] = pressure / self.outside, absolute * shrunk
+        by_inputs[1, at_x] = by_place.ravel()
+        left = np.zeros((2 * k + 2, 2))
+        left[: 2 * k, 0], left[2 * k :] = -by_place.ravel(), np.eye(2)
+        shape = (2 * k + 2, at_reference.stop)
+        return LocalMap(self._scattered(-pressure * self._turn, shape), left, by_inputs)
+
+    def _scattered(self, tangent, shape) -> csr_array:
+        """Tangents of the pairs as a matrix over places."""
+        rows = 2 * self._pairs[:, 0, None, None] + np.arange(2)[None, :, None]
+        columns = 2 * self._pairs[:, 1, None, None] + np.arange(2)[None, None, :]
+        at = tuple(np.broadcast_to(part, tangent.shape).ravel() for part in (rows, columns))
+        return coo_array((tangent.ravel(), at), shape=shape).tocsr()
+
+    def describe(self, response, fraction) -> str:
+        pressure, area = response.outputs[0]
+        return f"{self.label}: {pressure:.4g} kPa over the outside, {area:.4g} mm^2 left"

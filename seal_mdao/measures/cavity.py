@@ -1,0 +1,25 @@
+"""Measures of what a hole holds."""
+
+from dataclasses import dataclass
+
+from seal_mdao.measures.measure import Measure
+
+
+@dataclass(frozen=True)
+class CavityPressure(Measure):
+    """Pressure of trapped air over that outside, at the end of the path.
+
+    Attributes
+    ----------
+    air : str
+        Label of the ``TrappedAir``.
+    """
+
+    air: str
+    name: str = "cavity_pressure"
+    units = "kPa"
+    text = "Pressure of the air in a hole over that outside."
+
+    def evaluate(self, result, partials):
+        partials.output(self.air, "pressure")[0] += 1.0
+        return result.response(self.air).outputs[0, 0]

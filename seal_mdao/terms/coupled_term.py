@@ -1,0 +1,217 @@
+"""Terms at material points whose forces depend on where other points are: trapped air, self-contact.
+
+A term of this kind gives the forces at its points, their derivatives for pairs of points, and one
+sparse matrix of all derivatives of a converged step. Assembly, tangent, history, and both kinds of
+sensitivities are done here. What couples all points through one number, such as a pressure, is a part
+of rank one.
+"""
+
+from typing import NamedTuple
+
+import numba as nb
+import numpy as np
+from scipy.sparse import csr_array
+
+from seal_mdao.terms.coupled_forward import CoupledForward
+from seal_mdao.terms.coupled_reverse import CoupledReverse
+from seal_mdao.terms.point_assembly import assemble_points, interpolate
+from seal_mdao.terms.point_forward import PointSeeds
+from seal_mdao.terms.points import MaterialPoints
+from seal_mdao.terms.term import Term
+
+
+class CoupledResponse(NamedTuple):
+    """What a term answers at k points.
+
+    Attributes
+    ----------
+    x, force : ndarray, shape (k, 2)
+        Deformed places, and forces that join the residual as they are.
+    loaded : ndarray of int, shape (k,)
+        Zero where neither a force nor its rates can be.
+    pairs : ndarray of int, shape (m, 2)
+        Points of which the force of the first depends on the place of the second.
+    tangent : ndarray, shape (m, 2, 2)
+        d force / d x of the pairs.
+    columns, sizes : ndarray, shapes (r, k, 2), (r,)
+        Further parts of rank one, sum of size g g^T.
+    branch : ndarray of int
+        Which branch of its law every point is on.
+    history : object
+        Handed on to the next step.
+    outputs : ndarray, shape (places, o)
+        What measures may take besides the force.
+    unsettled : int
+        Points that have not answered with the term's own law yet.
+    """
+
+    x: np.ndarray
+    force: np.ndarray
+    loaded: np.ndarray
+    pairs: np.ndarray
+    tangent: np.ndarray
+    columns: np.ndarray
+    sizes: np.ndarray
+    branch: np.ndarray
+    history: object
+    outputs: np.ndarray
+    unsettled: int = 0
+
+    def kept(self):
+        """Itself: every answer has arrays of its own."""
+        return self
+
+    @property
+    def total(self) -> np.ndarray:
+        """Sum of the forces, shape (2,)."""
+        return self.force.sum(axis=0)
+
+
+class LocalMap(NamedTuple):
+    """Derivatives of what a term gives by what it takes: sparse + left right.
+
+    Rows: force (2k), history handed on, outputs; columns: x (2k), history, measure (k), parameters,
+    X (2k), all point by point.
+
+    Attributes
+    ----------
+    sparse : csr_array
+    left, right : ndarray, shapes (rows, r), (r, columns)
+    """
+
+    sparse: csr_array
+    left: np.ndarray
+    right: np.ndarray
+
+    def forward(self, rates: np.ndarray) -> np.ndarray:
+        """Rates of what is given, from those (columns, P) of what is taken."""
+        return self.sparse @ rates + self.left @ (self.right @ rates)
+
+    def reverse(self, seeds: np.ndarray) -> np.ndarray:
+        """Seeds on what is taken, from those (rows, M) on what is given."""
+        return self.sparse.T @ seeds + self.right.T @ (self.left.T @ seeds)
+
+
+class CoupledTerm(Term):
+    """Base class. A subclass gives ``respond`` and ``linearize``.
+
+    Parameters
+    ----------
+    label : str
+    names : tuple of str
+        Scalar parameters, in the order of their columns in ``linearize``.
+    where : MaterialPoints
+        Points that lie at particles or between them, one a group.
+    discretization : Discretization
+    place : int
+        Which of the discretisation's tables holds the shape functions at the points.
+
+    Attributes
+    ----------
+    history_size : int
+        Variables that a point hands on.
+    output_names : tuple of str
+        The columns of ``CoupledResponse.outputs``.
+    output_places : int
+        Its rows.
+    """
+
+    history_size = 0
+    output_names: tuple = ()
+    output_places = 1
+
+    def __init__(self, label, names, where: MaterialPoints, discretization, place: int):
+        self.label, self.names, self.where, self.place = label, tuple(names), where, place
+        self.discretization, self.table = discretization, discretization.tables[place]
+        self.reference = self.table.coordinates
+        self.length = where.lengths(discretization.particles)
+        self._x, self._slots = np.empty((len(where), 2)), None
+
+    # ---- what a subclass gives ----
+
+    def respond(self, x, fraction, history) -> CoupledResponse | None:
+        """Forces at the deformed places ``x`` (k, 2); None where the term has no answer."""
+        raise NotImplementedError
+
+    def linearize(self, response, fraction, history) -> LocalMap:
+        """Derivatives at a converged step, which began with ``history``."""
+        raise NotImplementedError
+
+    def uses_history(self, following: CoupledResponse) -> np.ndarray:
+        """Which of the history's variables, point by point, a step used."""
+        return np.empty(0, int)
+
+    # ---- the contract of a term ----
+
+    @property
+    def remembers(self) -> bool:
+        """Whether a step depends on the one before at all."""
+        return self.history_size > 0
+
+    @property
+    def rows(self) -> tuple:
+        """Where force, history and outputs are among the rows of a ``LocalMap``."""
+        k, h = len(self.where), self.history_size
+        ends = 2 * k, (2 + h) * k, (2 + h) * k + self.output_places * len(self.output_names)
+        return slice(0, ends[0]), slice(ends[0], ends[1]), slice(ends[1], ends[2])
+
+    @property
+    def inputs(self) -> tuple:
+        """Where x, history, measure, parameters and X are among its columns."""
+        k, h, n = len(self.where), self.history_size, len(self.names)
+        ends = np.cumsum([0, 2 * k, h * k, k, n, 2 * k]).tolist()
+        return tuple(map(slice, ends, ends[1:]))
+
+    def add(self, d, raw, fraction, history, force, values):
+        x = self._x
+        interpolate(self.table.raw, raw, x)
+        x += self.reference
+        response = self.respond(x.copy(), fraction, history)
+        if response is None:
+            return None
+        layout = self.discretization.layout
+        self._add_force(response.force, response.loaded, force)
+        if values.size:
+            slots = self._pair_slots(response.pairs)
+            assemble_pairs(self.table.raw, response.pairs, response.tangent, *slots, values)
+            columns, sizes = layout.columns(values)
+            first = self.discretization.first_column[self.place]
+            for i, (column, size) in enumerate(zip(response.columns, response.sizes, strict=True)):
+                self._add_force(column, response.loaded, columns[first + i])
+                sizes[first + i] = size
+        return response
+
+    def _add_force(self, point_force, loaded, force) -> None:
+        uncoupled, unused = self.discretization.layout.uncoupled, np.empty((0, 2, 2))
+        assemble_points(self.table.raw, point_force, unused, loaded, uncoupled, force, np.empty(0))
+
+    def _pair_slots(self, pairs) -> tuple:
+        """Slots of pairs, kept as long as the pairs are the same."""
+        if self._slots is None or not np.array_equal(self._slots[0], pairs):
+            self._slots = pairs, self.discretization.layout.pair_slots(self.table.raw, pairs)
+        return self._slots[1]
+
+    def forward(self, shape, rates) -> CoupledForward:
+        return CoupledForward(self, shape, rates)
+
+    def reverse(self, n_measures: int, wanted: set) -> CoupledReverse:
+        return CoupledReverse(self, n_measures)
+
+    def no_seeds(self, n_measures: int) -> PointSeeds:
+        outputs = np.zeros((n_measures, self.output_places, len(self.output_names)))
+        return PointSeeds(np.zeros((n_measures, len(self.where), 2)), outputs)
+
+
+@nb.njit(cache=True, error_model="numpy")
+def assemble_pairs(table, pairs, tangent, start, slots, values):
+    """Add the tangents (m, 2, 2) of pairs of points (m, 2) through their rows of Phi."""
+    for m in range(len(pairs)):
+        i, j, at = table.start[pairs[m, 0]], table.start[pairs[m, 1]], start[m]
+        rows, columns = table.start[pairs[m, 0] + 1] - i, table.start[pairs[m, 1] + 1] - j
+        for e in range(2):
+            for b in range(columns):
+                for c in range(2):
+                    weight = tangent[m, c, e] * table.phi[j + b]
+                    for a in range(rows):
+                        values[slots[at]] += weight * table.phi[i + a]
+                        at += 1

@@ -1,0 +1,200 @@
+"""Contact of a section with itself: a ring pressed flat, a lip folded on its body."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from squeezed_ring import itself, ring, ring_body
+
+import seal_mdao as sm
+from seal_mdao.contact.friction import SLIP, ContactLaw
+from seal_mdao.contact.self_contact import SelfContact
+from seal_mdao.measures.contact import Reaction
+
+LIP = Path(__file__).parent / "folded_lip.toml"
+RAYS, STEPS = 96, 23
+QUOTIENT = np.array([1, -8, 8, -1])
+
+
+def squeezed(kind, **options):
+    found = sm.analyze(ring(kind, **{"rays": RAYS, "steps": STEPS, "bulk": 1000.0, **options}))
+    assert found.converged, found.failure
+    return found
+
+
+def reactions(result):
+    return result.path.reaction("plate")[:, 1]
+
+
+def touching_steps(result):
+    """Nominal steps from the first self-touch on."""
+    return [i for i, r in enumerate(result.path.at_nominal("hole")) if r.branch.any()]
+
+
+def states(result, labels):
+    return np.hstack([[r.branch for r in result.path.responses(label)] for label in labels])
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    return squeezed("itself")
+
+
+def test_a_ring_pressed_flat_is_two_halves_on_a_line(pressed):
+    """The same particles, so the bound is that of the contact alone."""
+    after = touching_steps(pressed)
+    assert len(after) >= 2
+    lines = reactions(squeezed("lines"))
+    np.testing.assert_allclose(reactions(pressed)[after], lines[after], rtol=1e-3)
+    assert (pressed.response("hole").branch != 0).sum() >= 6
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_ring_pressed_flat_is_its_half_on_a_line(friction):
+    """The cut of the half changes kernels there, which goes down with the distance of particles."""
+    whole = squeezed("itself", rays=256, steps=46, friction=friction, bulk=8000.0)
+    after, half = touching_steps(whole), squeezed("half", rays=256, steps=46, bulk=8000.0)
+    np.testing.assert_allclose(reactions(whole)[after], reactions(half)[after], rtol=1e-3)
+
+
+def test_walls_that_meet_without_sliding_do_not_rub(pressed):
+    rubbing = squeezed("itself", friction=0.5)
+    assert not (rubbing.response("hole").branch == SLIP).any()
+    np.testing.assert_allclose(reactions(rubbing), reactions(pressed), rtol=1e-5)
+
+
+def test_no_point_is_far_through_the_other_wall(pressed):
+    """By symmetry the walls meet on the mid-plane."""
+    x = pressed.response("hole").x
+    upper = pressed.term("hole").reference[:, 1] > 1e-9
+    assert 0.0 < -2.0 * x[upper, 1].min() <= 0.02
+
+
+def test_which_wall_is_called_master_does_not_matter(pressed):
+    """The term alone at the same places, for equilibrium has Newton's tolerance."""
+    body, term = ring_body(RAYS), pressed.term("hole")
+    x = pressed.response("hole").x
+    problem = pressed.path.problem
+    own = term.respond(x, 1.0, term.no_history())
+    turned = itself(body, 0.0, turned=True).on(problem.discretization, term.place)
+    order = [int(np.flatnonzero(turned_hole(body) == p)[0]) for p in term.where.at_particles]
+    back = np.argsort(order)
+    other = turned.respond(x[back], 1.0, turned.no_history())
+    size = np.abs(own.force).max()
+    np.testing.assert_allclose(other.force[order], own.force, rtol=0.0, atol=1e-10 * size)
+    np.testing.assert_allclose(own.force.sum(axis=0), 0.0, atol=1e-12 * size)
+    moment = x[:, 0] * own.force[:, 1] - x[:, 1] * own.force[:, 0]
+    assert abs(moment.sum()) <= 1e-11 * size
+
+
+def turned_hole(body):
+    return itself(body, 0.0, turned=True).loops[0]
+
+
+@pytest.fixture(scope="module")
+def lip():
+    seal = sm.build_seal(sm.read_seal_file(LIP))
+    return replace(seal, newton=sm.NewtonOptions(tolerance=1e-10))
+
+
+@pytest.fixture(scope="module")
+def folded(lip):
+    result = sm.analyze(lip, keep_factors=True)
+    assert result.converged, result.failure
+    return result
+
+
+@pytest.fixture(scope="module")
+def tables(folded):
+    names = tuple(folded.seal.scalars)
+    return [sm.differentiate(folded, names, method=method) for method in ("direct", "adjoint")]
+
+
+def test_the_tip_slides_along_the_body(folded):
+    at = [r.branch for r in folded.path.at_nominal("self_contact")]
+    assert sum((branch == SLIP).any() for branch in at) >= 3
+
+
+def test_direct_and_adjoint_agree(folded, tables):
+    direct, adjoint = tables
+    for measure in folded.seal.standard:
+        size = np.abs(direct[measure.name]).max()
+        assert np.abs(direct[measure.name] - adjoint[measure.name]).max() <= 1e-9 * size
+
+
+@pytest.mark.parametrize("shape", [True, False])
+def test_derivatives_against_central_differences(folded, tables, shape, rng):
+    """Along a random way through all offsets or all constants, with the same contact sequence. Newton's
+    tolerance over the step is 1e-6 of a measure at the worst, here below the tenth part of the bound."""
+    seal, names = folded.seal, tuple(folded.seal.scalars)
+    values = np.array([scalar.value for scalar in seal.scalars.values()])
+    way = rng.uniform(-1.0, 1.0, seal.n_offsets + len(names))
+    way[: seal.n_offsets] *= shape
+    way[seal.n_offsets :] *= values * (not shape)
+    h, labels = 1e-4, ("rod", "self_contact")
+
+    def moved(share):
+        given = values + share * h * way[seal.n_offsets :]
+        found = sm.analyze(
+            seal, share * h * way[: seal.n_offsets], dict(zip(names, given, strict=True))
+        )
+        assert np.array_equal(states(found, labels), states(folded, labels))
+        return np.array([found.value(measure)[0] for measure in seal.standard])
+
+    quotient = QUOTIENT @ [moved(share) for share in (-2, -1, 1, 2)] / (12.0 * h)
+    exact = np.array([tables[0][measure.name][0] @ way for measure in seal.standard])
+    np.testing.assert_allclose(exact, quotient, rtol=1e-5)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["c10", "depth", "hole_normal_penalty"])
+def test_derivatives_of_the_ring_against_central_differences(name):
+    seal = ring("itself", rays=64, friction=0.5, tolerance=1e-10, bulk=1000.0)
+    base, value = sm.analyze(seal), seal.scalars[name].value
+    h = 1e-4 * (value or 1.0)
+    direct, adjoint = (
+        sm.differentiate(base, (name,), method=method)["reaction"][1, -1]
+        for method in ("direct", "adjoint")
+    )
+    assert direct == pytest.approx(adjoint, rel=1e-9)
+
+    def moved(share):
+        found = sm.analyze(seal, None, {name: value + share * h})
+        assert np.array_equal(states(found, ("plate", "hole")), states(base, ("plate", "hole")))
+        return found.value(Reaction("plate"))[1]
+
+    quotient = QUOTIENT @ [moved(share) for share in (-2, -1, 1, 2)] / (12.0 * h)
+    assert direct == pytest.approx(quotient, rel=1e-6)
+
+
+def test_a_section_that_overlaps_itself_is_refused():
+    """The inside of the ring turned over: each wall is where the other one was."""
+    body = ring_body(32)
+    contact = itself(body, 0.0)
+    seal = ring("itself", rays=32)
+    particles = seal.drawn_particles.copy()
+    particles[contact.loops[0], 1] *= -0.02
+    term = sm.analyze(ring("itself", rays=32, depth=0.05, steps=1)).term("hole")
+    response = term.respond(particles[contact.loops[0]], 0.0, term.no_history())
+    with pytest.raises(sm.GeometryError, match="overlaps itself"):
+        term.check_start(response)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"apart": 0.0}, "apart of 'hole'"), ({"loops": (np.arange(5),)}, "at least 7 particles"),
+        ({"touching": np.ones(3, bool)}, "an entry for every particle"),
+        ({"law": ContactLaw(0.0, 1.0, 0.0, True)}, "normal_penalty of 'hole'"),
+        ({"law": ContactLaw(1.0, 1.0, -1.0, True)}, "friction of 'hole'"),
+    ],
+)  # fmt: skip
+def test_a_bad_contact_is_refused(changed, words):
+    good = {
+        "label": "hole", "loops": (np.arange(20),), "touching": np.ones(20, bool),
+        "drawn": np.zeros((20, 2)), "law": ContactLaw(1.0, 1.0, 0.0, True), "apart": 1.0,
+    }  # fmt: skip
+    with pytest.raises(ValueError, match=words):
+        SelfContact(**{**good, **changed})

@@ -1,0 +1,65 @@
+"""A ring held at its foot, pressed and sheared by a plate that may go back; its hole sealed or open."""
+
+import numpy as np
+
+import seal_mdao as sm
+from seal_mdao.analysis.body import Body, Edge
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.geometry.motion import Stage, staged_motion
+from seal_mdao.geometry.profile import flat_profile
+from seal_mdao.geometry.shape import GivenShape
+from seal_mdao.loads.trapped_air import TrappedAir
+from seal_mdao.measures.cavity import CavityPressure
+from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.shape import CavityArea
+from seal_mdao.structure.elastic_body import elastic_body
+
+RAYS, LAYERS, INNER, OUTER = 24, 3, 4.0, 6.0
+
+
+def ring_particles():
+    """Layer by layer from the inside, rays counter-clockwise from straight down, shape (n, 2)."""
+    angle = np.linspace(0.0, 2.0 * np.pi, RAYS, endpoint=False) - 0.5 * np.pi
+    radius = np.linspace(INNER, OUTER, LAYERS)
+    return (radius[:, None, None] * np.column_stack([np.cos(angle), np.sin(angle)])).reshape(-1, 2)
+
+
+def ring_body(solver="auto"):
+    at = np.arange(RAYS * LAYERS).reshape(LAYERS, RAYS)
+    following = np.roll(at, -1, axis=1)
+    corners = at[:-1], at[1:], following[1:], following[:-1]
+    fixed = np.zeros((at.size, 2), bool)
+    fixed[at[-1, [-2, -1, 0, 1, 2]]] = True
+    edges = {"outer": Edge(at[-1, 3:-2], False), "cavity": Edge(at[0, ::-1], True)}
+    cells = np.column_stack([c.ravel() for c in corners])
+    drawn = ring_particles()
+    return Body(cells, np.full(at.size, 2.4), fixed, edges, drawn=drawn, solver=solver)
+
+
+def air_ring(sealed=True, friction=0.3, back=False, solver="auto", depth=1.2, **air):
+    """Design: thickness of the wall, an egg-shaped hole, one side of the hole."""
+    particles, body = ring_particles(), ring_body(solver)
+    radius = np.hypot(*particles.T)[:, None]
+    away, (x, y) = particles / radius, particles.T
+    share = (OUTER - radius) / (OUTER - INNER)
+    velocity = np.stack(
+        [share * away, share * away * (y**2 / 16)[:, None], share * away * x[:, None]]
+    )
+    stages = [Stage(4, (0.0, -depth), rates={"depth": (0.0, -1.0, 0.0)}), Stage(3, (0.4, -0.2))]
+    if back:
+        stages += [Stage(3, (-0.4, 0.2)), Stage(4, (0.0, depth))]
+    plate = RigidContact(
+        "plate", body.edge_points("outer"), GivenShape(flat_profile()),
+        staged_motion(stages, start=(0.0, OUTER + 0.013)), ContactLaw(1e4, 1e3, friction, True),
+    )  # fmt: skip
+    trapped = (TrappedAir("air", body.edge("cavity").particles, **air),) if sealed else ()
+    return sm.AssembledSeal(
+        particles, velocity, body,
+        (elastic_body(sm.MooneyRivlin(80.0, 20.0, 20_000.0)), plate, *trapped),
+        sum(stage.steps for stage in stages),
+        standard=(
+            *((CavityPressure("air"),) if sealed else ()), CavityArea("cavity"), Reaction("plate"),
+        ),
+        newton=sm.NewtonOptions(tolerance=1e-12),
+    )  # fmt: skip
