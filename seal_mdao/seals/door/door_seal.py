@@ -37,7 +37,9 @@ OFFSET_BOUND = 0.5
 OF_THE_CLOUD = ("grid", "splines", "drawn_particles", "design_velocity", "body")
 """What follows from the section and the cloud alone, which no scalar parameter changes."""
 
-PATH_SCALARS = ("normal_penalty", "tangent_penalty", "friction", "depth")
+PATH_SCALARS = (
+    "normal_penalty", "tangent_penalty", "friction", "depth", "door_shift", "door_angle",
+)  # fmt: skip
 SCALARS = {
     "door_radius": ("mm", "Corner radius of the door."),
     "c10": ("kPa", "Mooney-Rivlin constant C10."),
@@ -45,6 +47,8 @@ SCALARS = {
     "bulk_modulus": ("kPa", "Bulk modulus K."),
     "friction": (None, "Coulomb friction coefficient."),
     "depth": ("mm", "Final depth of the door below the top of the drawn seal."),
+    "door_shift": ("mm", "Horizontal misplacement of the door."),
+    "door_angle": ("deg", "Misalignment of the door, counter-clockwise about the seal's axis."),
     "normal_penalty": ("kPa/mm", "Normal penalty w_n."),
     "tangent_penalty": ("kPa/mm", "Tangential penalty w_t."),
 }
@@ -66,7 +70,10 @@ LEAST_RADIUS = 0.01
 FARTHEST_CORNER = 50.0
 FARTHEST_START = 100.0
 LEAST_DEPTH = 0.001
+FARTHEST_SHIFT = 50.0
 """mm."""
+LARGEST_ANGLE = 30.0
+"""Degrees."""
 
 
 def _require(condition: bool, message: str) -> None:
@@ -118,6 +125,11 @@ class DoorSeal(Seal):
         Height of the door's flat at the start, up to 100 mm above the top of the drawn seal.
     depth : float
         Final depth of the door below the top of the drawn seal, from 0.001 mm to its outer diameter.
+    door_shift : float
+        Horizontal misplacement of the door, -50 to 50 mm.
+    door_angle : float
+        Misalignment of the door in degrees, -30 to 30, counter-clockwise about the point of its flat
+        above the axis of the drawn seal (before the shift).
     n_steps : int
         Load steps from start to depth.
     step_ends : tuple of float, or None
@@ -148,6 +160,8 @@ class DoorSeal(Seal):
     tangent_penalty: float = 1e2
     start: float = 10.0
     depth: float = 10.0
+    door_shift: float = 0.0
+    door_angle: float = 0.0
     n_steps: int = 105
     step_ends: tuple | None = None
     newton: NewtonOptions = field(default_factory=NewtonOptions)
@@ -228,6 +242,8 @@ class DoorSeal(Seal):
         top = self.section.outer_radius
         self._set("start", values.real, above=top, high=top + FARTHEST_START)
         self._set("depth", values.real, LEAST_DEPTH, below=2 * top)
+        self._set("door_shift", values.real, -FARTHEST_SHIFT, FARTHEST_SHIFT)
+        self._set("door_angle", values.real, -LARGEST_ANGLE, LARGEST_ANGLE)
         if self.step_ends is None:
             return
         ends = values.numbers("step_ends", self.step_ends)
@@ -370,12 +386,13 @@ class DoorSeal(Seal):
 
     @property
     def motion(self) -> Motion:
-        """Of the door, straight down; the parameter ``depth`` moves its end."""
+        """Of the door, straight down; ``depth`` moves its end, shift and angle all of it."""
         end = self.section.outer_radius - self.depth
-        ways = (0.0, self.start), (0.0, end)
-        if self.step_ends is None:
-            return straight_motion(*ways, self.n_steps, {"depth": (0.0, -1.0)})
-        return straight_motion(*ways, 1, {"depth": (0.0, -1.0)}).with_ends(self.step_ends)
+        steps = self.n_steps if self.step_ends is None else 1
+        drawn = straight_motion((0.0, self.start), (0.0, end), steps, {"depth": (0.0, -1.0)})
+        placed = drawn.with_placement(x="door_shift", angle="door_angle")
+        placed = placed.moved({"door_shift": self.door_shift, "door_angle": self.door_angle})
+        return placed if self.step_ends is None else placed.with_ends(self.step_ends)
 
     def terms(self) -> tuple:
         grid, top = self.grid, self.layers - 1
