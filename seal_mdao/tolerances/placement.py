@@ -1,0 +1,27 @@
+"""Rigid profiles that are not where the drawing says."""
+
+from dataclasses import replace
+
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.seals.assembled import AssembledSeal
+from seal_mdao.seals.seal import Seal
+
+
+def placeable(seal: Seal) -> Seal:
+    """The seal with parameters that place every profile: ``<label>_x``, ``<label>_y`` (mm) and
+    ``<label>_angle`` (degrees about its pivot), zero where they are drawn.
+
+    They move a profile along its whole path: one that touches the seal at the start would begin inside
+    of it, and such a sample fails. The door seal has ``door_shift``, ``door_angle`` and ``depth`` of its
+    own and stays as it is.
+    """
+    if not isinstance(seal, AssembledSeal):
+        return seal
+    definitions = []
+    for definition in seal.definitions:
+        if isinstance(definition, RigidContact):
+            label = definition.label
+            motion = definition.motion.with_placement(f"{label}_x", f"{label}_y", f"{label}_angle")
+            definition = replace(definition, motion=motion)
+        definitions.append(definition)
+    return replace(seal, definitions=tuple(definitions))
