@@ -4,7 +4,7 @@ from seal_mdao.dsa.sensitivity import METHODS
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.measure import Measure
 from seal_mdao.seals.result import FACTOR_MEMORY
-from seal_mdao.seals.seal import Seal
+from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
 
 CONTACT_OPTIONS = (
     "seal", "measures", "parameters", "sensitivity", "factor_memory", "kept", "callback",
@@ -51,6 +51,16 @@ def declare_measures(options) -> None:
         recordable=False,
         check_valid=_check_measures,
         desc="Outputs: measures, or names of those that the seal knows; its standard ones for None.",
+    )
+
+
+def declare_settings(options) -> None:
+    """Declare what a group tells of its seal to recorder files."""
+    options.declare(
+        SETTINGS_OPTION,
+        default="",
+        types=str,
+        desc="The seal's attributes as JSON, filled in by setup for recorder files.",
     )
 
 

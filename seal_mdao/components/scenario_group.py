@@ -4,8 +4,10 @@ import openmdao.api as om
 
 from seal_mdao.components.aggregate_comp import AggregateComp
 from seal_mdao.components.area_comp import AreaComp
+from seal_mdao.components.options import declare_settings
 from seal_mdao.components.scenario_comp import ScenarioComp, declare_scenario_options
 from seal_mdao.seals.result import frozen_measures, is_empty
+from seal_mdao.seals.seal import SETTINGS_OPTION
 from seal_mdao.values import real
 
 SHARED = ("seal", "scenarios", "measures", "parameters", "sensitivity", "failed", "workers")
@@ -36,9 +38,11 @@ class ScenarioGroup(om.Group):
             check_valid=_check_levels,
             desc="Levels of quantiles between 0 and 1, such as (0.95,).",
         )
+        declare_settings(self.options)
 
     def setup(self):
         seal, scenarios = self.options["seal"], self.options["scenarios"]
+        self.options[SETTINGS_OPTION] = seal.settings()
         measures = frozen_measures(seal, self.options["measures"])
         measures = tuple(measure for measure in measures if not is_empty(measure, seal))
         shared = {name: self.options[name] for name in SHARED} | {"measures": measures}
