@@ -51,9 +51,11 @@ def main(arguments) -> int:
     seal = with_room(seal_from(arguments))
     tolerances = read_tolerances(arguments.tolerances or OF_THE_DOOR)
     with checked_arguments():
-        goal = RobustGoal(arguments.minimize, arguments.deviations, arguments.band)
+        goal = RobustGoal(
+            arguments.minimize, arguments.deviations, arguments.band, widen=arguments.widen
+        )
         tolerances.middle(seal).check(seal)
-        scenarios = tolerances.samples(seal, arguments.scenarios, seed=arguments.seed)
+        scenarios = goal.scenarios(tolerances, seal, arguments.scenarios, arguments.seed)
         kept = KeptAnalyses()
     announce(seal)
     cases = robust_file(arguments)
@@ -205,7 +207,7 @@ def comparison(designs: dict, band):
 
 
 def settings_of(arguments) -> dict:
-    names = ("optimizer", "scenarios", "samples", "seed", "minimize", "deviations", "band")
+    names = ("optimizer", "scenarios", "samples", "seed", "minimize", "deviations", "band", "widen")
     return {name: getattr(arguments, name) for name in names}
 
 
@@ -234,6 +236,10 @@ def arguments_parser():
     add(
         "--band", type=float, default=goal.band, metavar="SHARE",
         help="relative change of the drawn seal's reaction that is allowed",
+    )  # fmt: skip
+    add(
+        "--widen", type=float, default=goal.widen, metavar="FACTOR",
+        help="how many times as far as the tolerances the scenarios scatter",
     )  # fmt: skip
     names = list(OPTIMIZERS)
     add("--optimizer", choices=names, default=names[0], help="method")
