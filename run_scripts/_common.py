@@ -23,6 +23,8 @@ SEAL_OPTIONS = (
 
 CASES = "cases.sql"
 """Recorder file in the output folder."""
+SAMPLES = "samples.sqlite"
+"""Samples of a tolerance study there."""
 
 
 class WrongArgumentError(Exception):
@@ -171,7 +173,7 @@ def _cause(error: Exception, out: Path) -> str:
 
 def _saved(out: Path) -> str:
     """What a run that ends early leaves behind."""
-    names = [name for name in (CASES, "summary.json") if (out / name).is_file()]
+    names = [name for name in (CASES, SAMPLES, "summary.json") if (out / name).is_file()]
     return f"{' and '.join(names)} in {out} is as written last" if names else f"nothing is in {out}"
 
 

@@ -185,7 +185,7 @@ def seal_problem(
     limits = problem_limits(drawn, measures)
     group = SealGroup(seal=seal, callback=callback, measures=(*STANDARD, *measures), kept=kept)
     problem = new_problem(group, driver, work_dir, reports)
-    _add_variables(problem.model, limits)
+    add_variables(problem.model, limits)
     _add_responses(problem.model, limits)
     if keep_force:
         _add_band(problem.model, "reaction", drawn.reaction[-1, 1:], indices=[1])
@@ -211,7 +211,8 @@ def set_up(problem: om.Problem, settings: dict, recorder) -> None:
     problem.setup()
 
 
-def _add_variables(group: om.Group, limits: Limits) -> None:
+def add_variables(group: om.Group, limits: Limits) -> None:
+    """Boundary offsets and door radius as design variables."""
     low, high = limits.door_radius
     middle = 0.5 * (low + high)
     group.add_design_var("boundary_offsets", lower=-OFFSET_BOUND, upper=OFFSET_BOUND)

@@ -25,7 +25,7 @@ import importlib, pkgutil, json
 import seal_mdao
 names = []
 for folder in ("analysis", "calibration", "contact", "dsa", "geometry", "loads", "materials",
-               "measures", "rkpm", "seals", "structure", "terms"):
+               "measures", "rkpm", "scenarios", "seals", "structure", "terms", "tolerances"):
     package = importlib.import_module("seal_mdao." + folder)
     for module in pkgutil.walk_packages(package.__path__, f"seal_mdao.{folder}."):
         names.append(importlib.import_module(module.name).__name__)

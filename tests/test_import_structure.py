@@ -9,7 +9,7 @@ import seal_mdao
 PACKAGE = Path(seal_mdao.__file__).parent
 NUMERICS = (
     "analysis", "calibration", "contact", "dsa", "geometry", "loads", "materials", "measures", "rkpm",
-    "seals", "structure", "terms", "errors",
+    "scenarios", "seals", "structure", "terms", "tolerances", "errors",
 )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from seal_mdao.dsa.sensitivity import METHODS
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.measure import Measure
 from seal_mdao.seals.result import FACTOR_MEMORY
-from seal_mdao.seals.seal import Seal
+from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
 
 CONTACT_OPTIONS = (
     "seal", "measures", "parameters", "sensitivity", "factor_memory", "kept", "callback",
@@ -15,26 +15,8 @@ CONTACT_OPTIONS = (
 def declare_seal_options(options) -> None:
     """Declare the options of an analysis."""
     options.declare("seal", types=Seal, recordable=False, desc="The seal.")
-    options.declare(
-        "measures",
-        default=None,
-        allow_none=True,
-        recordable=False,
-        check_valid=_check_measures,
-        desc="Outputs: measures, or names of those that the seal knows; its standard ones for None.",
-    )
-    options.declare(
-        "parameters",
-        default=(),
-        check_valid=_check_names,
-        desc="Scalar parameters that become inputs beside those that the seal always has.",
-    )
-    options.declare(
-        "sensitivity",
-        default="auto",
-        values=METHODS,
-        desc="Method of the partials: auto takes the one with fewer right-hand sides.",
-    )
+    declare_measures(options)
+    declare_parameters(options)
     options.declare(
         "factor_memory",
         default=FACTOR_MEMORY,
@@ -57,6 +39,44 @@ def declare_seal_options(options) -> None:
         recordable=False,
         check_valid=_check_callable,
         desc="Called with every converged load step.",
+    )
+
+
+def declare_measures(options) -> None:
+    """Declare which outputs there are."""
+    options.declare(
+        "measures",
+        default=None,
+        allow_none=True,
+        recordable=False,
+        check_valid=_check_measures,
+        desc="Outputs: measures, or names of those that the seal knows; its standard ones for None.",
+    )
+
+
+def declare_settings(options) -> None:
+    """Declare what a group tells of its seal to recorder files."""
+    options.declare(
+        SETTINGS_OPTION,
+        default="",
+        types=str,
+        desc="The seal's attributes as JSON, filled in by setup for recorder files.",
+    )
+
+
+def declare_parameters(options) -> None:
+    """Declare which scalar parameters are inputs, and how partials are made."""
+    options.declare(
+        "parameters",
+        default=(),
+        check_valid=_check_names,
+        desc="Scalar parameters that become inputs beside those that the seal always has.",
+    )
+    options.declare(
+        "sensitivity",
+        default="auto",
+        values=METHODS,
+        desc="Method of the partials: auto takes the one with fewer right-hand sides.",
     )
 
 

@@ -3,7 +3,7 @@
 import openmdao.api as om
 
 from seal_mdao.components.area_comp import AreaComp
-from seal_mdao.components.options import CONTACT_OPTIONS, declare_seal_options
+from seal_mdao.components.options import CONTACT_OPTIONS, declare_seal_options, declare_settings
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
 from seal_mdao.seals.seal import SETTINGS_OPTION
@@ -21,12 +21,7 @@ class SealGroup(om.Group):
 
     def initialize(self):
         declare_seal_options(self.options)
-        self.options.declare(
-            SETTINGS_OPTION,
-            default="",
-            types=str,
-            desc="The seal's attributes as JSON, filled in by setup for recorder files.",
-        )
+        declare_settings(self.options)
 
     def setup(self):
         seal = self.options["seal"]

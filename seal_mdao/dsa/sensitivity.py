@@ -71,7 +71,13 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
     seal = result.seal
     names = seal.inputs if parameters is None else tuple(parameters)
     _check_names(result, names)
-    wanted = Wanted(result, result.measures(measures))
+    return sensitivities(result, names, result.measures(measures), method)
+
+
+@one_blas_thread
+def sensitivities(result, names, measures, method: str = "auto") -> Sensitivities:
+    """As ``differentiate``, of measures that have their places, and parameters that are known."""
+    seal, wanted = result.seal, Wanted(result, measures)
     velocity = seal.design_velocity
     count = len(velocity) + len(names)
     if method == "auto":

@@ -98,6 +98,28 @@ class Motion:
             self, positions=self.positions + change[:, :2], angles=self.angles + change[:, 2]
         )
 
+    def with_placement(self, x: str = "", y: str = "", angle: str = "") -> "Motion":
+        """The motion with further parameters that place all of it, by the names that are given.
+
+        Parameters
+        ----------
+        x, y : str
+            Of a translation of every waypoint.
+        angle : str
+            Of a rotation of the profile about its pivot, degrees.
+
+        Raises
+        ------
+        ValueError
+            For names that repeat.
+        """
+        units = {x: (1.0, 0.0, 0.0), y: (0.0, 1.0, 0.0), angle: (0.0, 0.0, np.pi / 180.0)}
+        units.pop("", None)
+        every = [np.tile(unit, (1, len(self.angles), 1)) for unit in units.values()]
+        return replace(
+            self, rates=np.concatenate([self.rates, *every]), names=(*self.names, *units)
+        )
+
     def with_ends(self, ends) -> "Motion":
         """The same motion with its load steps ending elsewhere: every step becomes a stage.
 

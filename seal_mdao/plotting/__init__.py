@@ -24,6 +24,9 @@ _LAZY = {
     "step_study": "seal_mdao.plotting.sensitivity",
     "material_fit": "seal_mdao.plotting.fitted_material",
     "calibration_figure": "seal_mdao.plotting.calibration",
+    "distributions": "seal_mdao.plotting.tolerances",
+    "correlations": "seal_mdao.plotting.tolerances",
+    "designs_compared": "seal_mdao.plotting.tolerances",
     "RecordedOptimization": "seal_mdao.plotting.recorded",
     "read_optimization": "seal_mdao.plotting.recorded",
 }

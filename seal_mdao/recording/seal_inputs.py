@@ -1,7 +1,7 @@
 """What the seals of a model really used at each recorded point.
 
-The inputs of a ``SealGroup`` in its own units, wherever they come from: recorded as such (which
-``RestartRecorder`` always does), or as the output to which OpenMDAO has connected them.
+The inputs of a ``SealGroup`` or ``ScenarioGroup`` in its own units, wherever they come from: recorded
+as such (which ``RestartRecorder`` always does), or as the output to which OpenMDAO has connected them.
 """
 
 from dataclasses import dataclass
@@ -15,12 +15,14 @@ from seal_mdao.seals.seal import SETTINGS_OPTION
 
 CONTACT, GEOMETRY = "contact.", "geometry."
 """The components of a ``SealGroup`` whose inputs are its design."""
+SCENARIOS = "scenarios."
+"""That of a ``ScenarioGroup``."""
 ARRAYS = {"particles": "mm", "boundary_offsets": "mm"}
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedSeal:
-    """One ``SealGroup`` of a recorded model.
+    """One ``SealGroup`` or ``ScenarioGroup`` of a recorded model.
 
     Attributes
     ----------
@@ -64,20 +66,21 @@ class RecordedSeal:
 
 def inputs_of_seals(model) -> list[str]:
     """Absolute names of the inputs of all seals of a model."""
-    return _of_seals(model, "input")
+    return _of_seals(model, "input", (CONTACT, GEOMETRY, SCENARIOS))
 
 
 def outputs_of_seals(model) -> list[str]:
-    """Absolute names of the outputs of all seals of a model."""
-    return _of_seals(model, "output")
+    """Absolute names of the outputs of all seals of a model, but those of scenarios: there NaN may
+    stand for a scenario that was left out."""
+    return _of_seals(model, "output", (CONTACT, GEOMETRY))
 
 
-def _of_seals(model, kind: str) -> list[str]:
+def _of_seals(model, kind: str, components: tuple) -> list[str]:
     names = []
     for group in model.system_iter(include_self=True, recurse=True, typ=om.Group):
         if SETTINGS_OPTION in group.options:
             path = f"{group.pathname}." if group.pathname else ""
-            wanted = path + CONTACT, path + GEOMETRY
+            wanted = tuple(path + own for own in components)
             names += [n for n, _ in group.abs_meta_iter(kind) if n.startswith(wanted)]
     return names
 
@@ -101,11 +104,9 @@ def read_seals(reader: om.CaseReader, cases: list, given: dict | None = None) ->
 
 def _recorded_seal(name, seal, links, cases, given) -> RecordedSeal:
     path = f"{name}." if name else ""
-    shape = [path + CONTACT + "particles"]
-    if links.get(shape[0]) == f"{path}{GEOMETRY}particles":  # else the offsets are not its design
-        shape.append(f"{path}{GEOMETRY}boundary_offsets")
+    component, shape = _design_inputs(path, links)
     known = {} if seal is None else seal.scalars
-    scalars = [path + CONTACT + own for own in known if path + CONTACT + own in links]
+    scalars = [component + own for own in known if component + own in links]
     units = ARRAYS | {own: scalar.units for own, scalar in known.items()}
     values = []
     for case in cases:
@@ -115,6 +116,17 @@ def _recorded_seal(name, seal, links, cases, given) -> RecordedSeal:
     gaps = [_recorded(case.outputs, f"{path}{CONTACT}gap_square_sum") for case in cases]
     gaps = None if any(gap is None for gap in gaps) else np.array(gaps)[:, 0]
     return RecordedSeal(name, seal, values, assumed, gaps)
+
+
+def _design_inputs(path: str, links: dict) -> tuple[str, list[str]]:
+    """The component that has the scalar inputs of a seal, and the inputs that are its shape."""
+    component, of_scenarios = path + CONTACT, path + SCENARIOS
+    if f"{of_scenarios}boundary_offsets" in links:
+        return of_scenarios, [f"{of_scenarios}boundary_offsets"]
+    shape = [f"{component}particles"]
+    if links.get(shape[0]) == f"{path}{GEOMETRY}particles":  # else the offsets are not its design
+        shape.append(f"{path}{GEOMETRY}boundary_offsets")
+    return component, shape
 
 
 def _value(case, target, links, units, given) -> np.ndarray | None:

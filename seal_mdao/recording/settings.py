@@ -56,7 +56,7 @@ def open_cases(path) -> om.CaseReader:
 
 
 def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:
-    """The problem of a recorder file; None when there is no ``SealGroup`` in it.
+    """The problem of a recorder file; None when there is no seal in it.
 
     Raises
     ------
@@ -71,8 +71,8 @@ def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:
 
 
 def recorded_seals(reader: om.CaseReader) -> dict[str, DoorSeal | None]:
-    """The seal of every ``SealGroup`` by the group's path, empty for the model itself; None for a seal
-    that cannot be made again from the file.
+    """The seal of every ``SealGroup`` and ``ScenarioGroup`` by the group's path, empty for the model
+    itself; None for a seal that cannot be made again from the file.
 
     Raises
     ------

@@ -64,7 +64,11 @@ class ShownSeal:
 
 
 def render(
-    history: RecordedOptimization, source: str, seals: list[ShownSeal], numbers: list[int]
+    history: RecordedOptimization,
+    source: str,
+    seals: list[ShownSeal],
+    numbers: list[int],
+    further: str = "",
 ) -> str:
     """The page as text.
 
@@ -77,6 +81,8 @@ def render(
         None when no shapes are known.
     numbers : list of int
         Which points of the history these are.
+    further : str
+        HTML of further sections.
 
     Returns
     -------
@@ -106,6 +112,7 @@ def render(
         last=last,
         through=through,
         limits=tables.limits_table(history),
+        further=further,
         analyses="".join(
             tables.analysis_table(
                 *seal.ends, seal.recorded.gap_square_sum, seal.name if len(seals) > 1 else ""

@@ -17,7 +17,11 @@ DESIGNS = 40
 
 
 def write_report(
-    cases, outfile=None, given: dict | None = None, kept: KeptAnalyses | None = None
+    cases,
+    outfile=None,
+    given: dict | None = None,
+    kept: KeptAnalyses | None = None,
+    further: str = "",
 ) -> Path:
     """Write the HTML report of an optimisation.
 
@@ -28,13 +32,15 @@ def write_report(
     ----------
     cases : str or Path
         File of a ``RestartRecorder`` or ``SqliteRecorder`` of the driver. Of a problem without a
-        ``SealGroup`` the report shows the histories only.
+        ``SealGroup`` or ``ScenarioGroup`` the report shows the histories only.
     outfile : str or Path, optional
         ``report.html`` beside the recorder file when left out.
     given : dict of str to ndarray, optional
         Inputs of seals that are the same at all points and may not be in the file, by absolute names.
     kept : KeptAnalyses, optional
         Analyses of the run that wrote the file.
+    further : str
+        HTML of further sections, such as ``report.samples.samples_section``.
 
     Returns
     -------
@@ -53,7 +59,7 @@ def write_report(
     seals = [seal for seal in history.seals if seal.drawable]
     numbers = chosen_points(len(history.objective)) if seals else []
     shown = [ShownSeal(seal, analyze_points(seal, numbers, kept)) for seal in seals]
-    text = render(history, cases.name, shown, numbers)
+    text = render(history, cases.name, shown, numbers, further)
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(text, encoding="utf-8")

@@ -37,7 +37,9 @@ OFFSET_BOUND = 0.5
 OF_THE_CLOUD = ("grid", "splines", "drawn_particles", "design_velocity", "body")
 """What follows from the section and the cloud alone, which no scalar parameter changes."""
 
-PATH_SCALARS = ("normal_penalty", "tangent_penalty", "friction", "depth")
+PATH_SCALARS = (
+    "normal_penalty", "tangent_penalty", "friction", "depth", "door_shift", "door_angle",
+)  # fmt: skip
 SCALARS = {
     "door_radius": ("mm", "Corner radius of the door."),
     "c10": ("kPa", "Mooney-Rivlin constant C10."),
@@ -45,6 +47,8 @@ SCALARS = {
     "bulk_modulus": ("kPa", "Bulk modulus K."),
     "friction": (None, "Coulomb friction coefficient."),
     "depth": ("mm", "Final depth of the door below the top of the drawn seal."),
+    "door_shift": ("mm", "Horizontal misplacement of the door."),
+    "door_angle": ("deg", "Misalignment of the door, counter-clockwise about the seal's axis."),
     "normal_penalty": ("kPa/mm", "Normal penalty w_n."),
     "tangent_penalty": ("kPa/mm", "Tangential penalty w_t."),
 }
@@ -66,7 +70,10 @@ LEAST_RADIUS = 0.01
 FARTHEST_CORNER = 50.0
 FARTHEST_START = 100.0
 LEAST_DEPTH = 0.001
+FARTHEST_SHIFT = 50.0
 """mm."""
+LARGEST_ANGLE = 30.0
+"""Degrees."""
 
 
 def _require(condition: bool, message: str) -> None:
@@ -122,6 +129,11 @@ class DoorSeal(Seal):
         would without it.
     depth : float
         Final depth of the door below the top of the drawn seal, from 0.001 mm to its outer diameter.
+    door_shift : float
+        Horizontal misplacement of the door, -50 to 50 mm.
+    door_angle : float
+        Misalignment of the door in degrees, -30 to 30, counter-clockwise about the point of its flat
+        above the axis of the drawn seal (before the shift).
     n_steps : int
         Load steps from start to depth.
     step_ends : tuple of float, or None
@@ -153,6 +165,8 @@ class DoorSeal(Seal):
     start: float = 10.0
     room: float = 0.1
     depth: float = 10.0
+    door_shift: float = 0.0
+    door_angle: float = 0.0
     n_steps: int = 105
     step_ends: tuple | None = None
     newton: NewtonOptions = field(default_factory=NewtonOptions)
@@ -234,6 +248,8 @@ class DoorSeal(Seal):
         self._set("start", values.real, above=top, high=top + FARTHEST_START)
         self._set("room", values.real, 0.0, FARTHEST_START)
         self._set("depth", values.real, LEAST_DEPTH, below=2 * top)
+        self._set("door_shift", values.real, -FARTHEST_SHIFT, FARTHEST_SHIFT)
+        self._set("door_angle", values.real, -LARGEST_ANGLE, LARGEST_ANGLE)
         if self.step_ends is None:
             return
         ends = values.numbers("step_ends", self.step_ends)
@@ -376,10 +392,12 @@ class DoorSeal(Seal):
 
     @property
     def motion(self) -> Motion:
-        """Of the door, straight down from above ``start``; the parameter ``depth`` moves its end."""
+        """Straight down from above ``start``; ``depth`` moves its end, shift and angle all of it."""
         end = self.section.outer_radius - self.depth
         steps = self.n_steps if self.step_ends is None else 1
         way = straight_motion((0.0, self.start), (0.0, end), steps, {"depth": (0.0, -1.0)})
+        way = way.with_placement(x="door_shift", angle="door_angle")
+        way = way.moved({"door_shift": self.door_shift, "door_angle": self.door_angle})
         if self.step_ends is not None:
             way = way.with_ends(self.step_ends)
         return replace(way, room=(0.0, self.room))

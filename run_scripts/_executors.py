@@ -1,0 +1,78 @@
+"""Who runs the scenarios of a script: processes of this machine, MPI, or Dask."""
+
+import argparse
+from contextlib import contextmanager
+
+from _common import WrongArgumentError
+
+from seal_mdao.scenarios.processes import Processes
+from seal_mdao.scenarios.running import usual_workers
+
+EXECUTORS = ("processes", "mpi", "dask")
+
+
+def add_executor_arguments(made: argparse.ArgumentParser) -> None:
+    """Options of who runs the scenarios."""
+    group = made.add_argument_group("running")
+    group.add_argument(
+        "--workers", type=_count, metavar="N",
+        help="processes, or Dask workers on this machine; 0: one after the other in this process; one a "
+        "core when left out",
+    )  # fmt: skip
+    group.add_argument(
+        "--executor", choices=EXECUTORS, default=EXECUTORS[0],
+        help="mpi: start with mpiexec -n N python -m mpi4py.futures SCRIPT",
+    )  # fmt: skip
+    group.add_argument(
+        "--dask-address", metavar="HOST:PORT", help="scheduler of a Dask cluster that is there"
+    )
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 on")
+    return int(text)
+
+
+@contextmanager
+def executor(arguments: argparse.Namespace):
+    """What ``scenarios.running.run_scenarios`` takes as ``workers``."""
+    if arguments.dask_address and arguments.executor != "dask":
+        raise WrongArgumentError("--dask-address needs --executor dask")
+    count = usual_workers() if arguments.workers is None else arguments.workers
+    if arguments.executor == "mpi":
+        with _library("mpi4py.futures", "mpi").MPIPoolExecutor() as workers:
+            yield workers
+    elif arguments.executor == "dask":
+        with _dask_client(arguments.dask_address, max(count, 1)) as client:
+            yield client.get_executor()
+    elif count:
+        with Processes(count) as workers:
+            yield workers
+    else:
+        yield 0
+
+
+@contextmanager
+def _dask_client(address, count):
+    distributed = _library("dask.distributed", "dask")
+    if address:
+        with distributed.Client(address) as client:
+            yield client
+        return
+    cluster = distributed.LocalCluster(
+        n_workers=count, threads_per_worker=1, dashboard_address=None
+    )
+    with cluster, distributed.Client(cluster) as client:
+        yield client
+
+
+def _library(name: str, extra: str):
+    from importlib import import_module
+
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise WrongArgumentError(
+            f"--executor {extra} needs {name}: pip install seal_mdao[{extra}] ({error})"
+        ) from error

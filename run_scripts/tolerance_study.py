@@ -1,0 +1,209 @@
+"""What tolerances do to a seal: samples analysed and recorded, distributions, correlations, estimate."""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from _common import (
+    SAMPLES,
+    SEAL_OPTIONS,
+    WrongArgumentError,
+    add_seal_arguments,
+    announce,
+    checked_arguments,
+    design_from,
+    existing_file,
+    parser,
+    positive_integer,
+    run,
+    seal_from,
+    write_summary,
+)
+from _executors import add_executor_arguments, executor
+from _seal_file import file_errors, seal_of
+from tqdm import tqdm
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.progress import hidden
+from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
+from seal_mdao.tolerances.placement import placeable
+from seal_mdao.tolerances.statistics import described, rank_correlations
+from seal_mdao.tolerances.study import Sampled, ToleranceStudy
+from seal_mdao.tolerances.tolerances import METHODS
+
+OF_THE_DOOR_SEAL = ("gap_square_integral", "reaction", "patch_pressure", "stress_norm")
+"""Measures of the door seal that are sampled."""
+
+
+def main(arguments) -> int:
+    study, file = study_of(arguments), samples_file(arguments)
+    announce(study.seal)
+    with checked_arguments():
+        study.seal.with_parameters(study.nominal)
+        estimate = study.first_order()
+    begun = time.perf_counter()
+    with (
+        executor(arguments) as workers,
+        checked_arguments(),
+        tqdm(total=arguments.samples, unit="sample", disable=hidden(), leave=False) as bar,
+    ):
+        sampled = study.run(
+            file, arguments.samples, method=arguments.method, seed=arguments.seed,
+            workers=workers, callback=lambda *_: bar.update(),
+        )  # fmt: skip
+    wall = time.perf_counter() - begun
+    if not sampled.completed.any():
+        raise sm.LoadPathError(f"no sample could be analysed; the first: {sampled.messages[0]}")
+    summary = summarize(study, sampled, estimate)
+    write_summary(arguments.out, summary | {"wall_s": wall})
+    draw(study, sampled, estimate, arguments.out)
+    report(summary, sampled, wall, arguments.out)
+    return 0
+
+
+def study_of(arguments) -> ToleranceStudy:
+    """The seal, its tolerances and the measures that are sampled."""
+    if arguments.file is None:
+        seal = seal_from(arguments)
+        tolerances = read_tolerances(arguments.tolerances or OF_THE_DOOR)
+        design = (None, None)
+        if arguments.design is not None:
+            design = design_from(arguments.design, seal)
+        measures, label = OF_THE_DOOR_SEAL, ""
+    else:
+        seal, tolerances, label = of_file(arguments)
+        measures, design = None, (None, None)
+    study = ToleranceStudy(seal, tolerances, measures, *design, label)
+    with checked_arguments():
+        tolerances.middle(seal).check(seal)
+        if not study.task.measures:
+            raise ValueError("the seal has no measures; its file needs a table [[measure]]")
+    return study
+
+
+def of_file(arguments):
+    """Seal, tolerances and label of a seal file."""
+    wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "design")))
+    if wrong:
+        name = wrong[0].replace("_", "-")
+        raise WrongArgumentError(f"--{name} is for the door seal, and {arguments.file} is given")
+    if arguments.tolerances is None:
+        raise WrongArgumentError("a seal file needs tolerances of its own: --tolerances FILE.toml")
+    with file_errors(arguments.file):
+        seal = placeable(seal_of(arguments.file)[1])
+        label = arguments.file.read_text(encoding="utf-8")
+    return seal, read_tolerances(arguments.tolerances), label
+
+
+def samples_file(arguments) -> Path:
+    """The file of the samples, which this run may write."""
+    path = arguments.out / SAMPLES
+    if path.exists() and not arguments.resume:
+        raise WrongArgumentError(
+            f"{path} is there already; --resume goes on with it, another --out begins anew"
+        )
+    if arguments.resume and not path.exists():
+        raise WrongArgumentError(f"--resume: there is no {path} to go on with")
+    return path
+
+
+def summarize(study: ToleranceStudy, sampled: Sampled, estimate) -> dict:
+    """summary.json: every measure sampled, estimated, and how far apart these are."""
+    there = sampled.completed
+    inputs = np.hstack([sampled.scenarios.numbers, sampled.scenarios.offsets])[there]
+    inputs = inputs[:, : len(study.inputs)]
+    values, linear = sampled.values[there], estimate.at(sampled.scenarios)[there]
+    ranks = rank_correlations(inputs, values)
+    shares = estimate.variances / np.maximum(estimate.variances.sum(axis=1), 1e-300)[:, None]
+    names = [variation.name for variation in study.tolerances.variations]
+    found = {}
+    for m, name in enumerate(study.outputs):
+        own, line = described(values[:, m]), described(linear[:, m])
+        found[name] = {
+            "unit": study.units[m],
+            "middle": estimate.values[m],
+            "sampled": own,
+            "first_order": line | {"std_from_gradient": estimate.std[m]},
+            "difference": {key: line[key] - own[key] for key in own},
+            "rank_correlation": dict(zip(study.inputs, ranks[m], strict=True)),
+            "share_of_first_order_variance": dict(
+                zip([*names, "boundary"], shares[m], strict=True)
+            ),
+        }
+    failures = [
+        {"sample": number, "message": message}
+        for number, message in enumerate(sampled.messages) if message
+    ]  # fmt: skip
+    return {
+        "samples": len(there), "failed": len(failures), "share_failed": float(np.mean(~there)),
+        "measures": found, "failures": failures,
+        "seconds_per_analysis": {"mean": sampled.seconds.mean(), "longest": sampled.seconds.max()},
+    }  # fmt: skip
+
+
+def draw(study: ToleranceStudy, sampled: Sampled, estimate, out: Path) -> None:
+    there = sampled.completed
+    values, linear = sampled.values[there], estimate.at(sampled.scenarios)[there]
+    figure = plotting.distributions(values, study.outputs, study.units, linear)
+    plotting.save(figure, out / "distributions.png")
+    names, table = correlation_table(study, sampled, estimate)
+    plotting.save(plotting.correlations(table, study.outputs, names), out / "correlations.png")
+
+
+def correlation_table(study: ToleranceStudy, sampled: Sampled, estimate):
+    """Names of what varies, and rank correlations: with the boundary through what it does to each
+    measure to first order."""
+    there = sampled.completed
+    values = sampled.values[there]
+    names = [variation.name for variation in study.tolerances.variations]
+    table = rank_correlations(sampled.scenarios.numbers[there], values)
+    if study.tolerances.boundary is not None:
+        effect = sampled.scenarios.offsets[there] @ estimate.by_offset.T
+        table = np.column_stack([table, np.diag(rank_correlations(effect, values))])
+        names = [*names, "boundary"]
+    return names, table
+
+
+def report(summary: dict, sampled: Sampled, wall: float, out: Path) -> None:
+    print(
+        f"{summary['samples']} samples, {summary['failed']} failed, {wall:.1f} s "
+        f"({summary['seconds_per_analysis']['mean']:.2f} s an analysis)"
+    )
+    for name, found in summary["measures"].items():
+        own, line = found["sampled"], found["first_order"]
+        print(
+            f"{name}: mean {own['mean']:.4g}, std {own['std']:.3g}, 5 to 95 % {own['q05']:.4g} to "
+            f"{own['q95']:.4g} {found['unit'] or ''}; first order: mean {line['mean']:.4g}, std "
+            f"{line['std']:.3g}, 5 to 95 % {line['q05']:.4g} to {line['q95']:.4g}"
+        )
+    print(f"{SAMPLES}, summary.json, distributions.png and correlations.png in {out}")
+
+
+def arguments_parser():
+    made = parser(__doc__, "out/tolerances", "[FILE]")
+    made.add_argument(
+        "file", type=Path, nargs="?", metavar="FILE", help="seal file (TOML); the door seal without"
+    )
+    made.add_argument(
+        "--tolerances", type=existing_file, metavar="FILE",
+        help="tolerances (TOML); without, those of the door seal",
+    )  # fmt: skip
+    made.add_argument(
+        "--samples", type=positive_integer, default=1000, metavar="N", help="how many"
+    )
+    made.add_argument("--method", choices=METHODS, default=METHODS[0], help="how they are spread")
+    made.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples")
+    made.add_argument("--resume", action="store_true", help="go on with the samples in --out")
+    made.add_argument(
+        "--design", type=existing_file, metavar="FILE",
+        help="summary.json of an optimisation whose design is studied",
+    )  # fmt: skip
+    add_executor_arguments(made)
+    add_seal_arguments(made)
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(run(arguments_parser(), main))

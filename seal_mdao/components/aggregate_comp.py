@@ -1,0 +1,82 @@
+"""Mean, deviation, worst cases and quantiles of measures over scenarios."""
+
+from functools import partial
+
+import numpy as np
+import openmdao.api as om
+
+from seal_mdao.scenarios import aggregates
+
+ALWAYS = {
+    "mean": (aggregates.mean, "Mean"),
+    "std": (aggregates.deviation, "Standard deviation"),
+    "highest": (aggregates.highest, "Smooth largest value (KS)"),
+    "lowest": (aggregates.lowest, "Smooth smallest value (KS)"),
+}
+"""By the ending of the output's name: function and description."""
+CHECK_STEP = 1e-6
+"""Of ``check_partials``, relative."""
+
+
+class AggregateComp(om.ExplicitComponent):
+    """Aggregates over scenarios, with exact partials; complex step works as well.
+
+    Of the input ``<measure>_scenarios`` (S, m): ``<measure>_mean``, ``_std``, ``_highest``, ``_lowest``,
+    and ``_q95`` for the quantile 0.95, each (m,). Rows that are NaN, scenarios that failed, are left
+    out; ``share_failed`` is how many those are.
+    """
+
+    def initialize(self):
+        self.options.declare("shapes", types=dict, desc="(S, m) of every measure by name.")
+        self.options.declare("units", types=dict, desc="Of every measure by name.")
+        self.options.declare("quantiles", default=(), desc="Levels between 0 and 1.")
+
+    def setup(self):
+        self._functions = dict(ALWAYS)
+        for level in self.options["quantiles"]:
+            own = partial(aggregates.quantile, level=level)
+            self._functions[quantile_name(level)] = own, f"Smooth {100 * level:g} % quantile"
+        self.add_output("share_failed", val=0.0, desc="Share of scenarios that failed.")
+        for name, shape in self.options["shapes"].items():
+            units = self.options["units"][name]
+            self.add_input(f"{name}_scenarios", shape=shape, units=units)
+            for ending, (_, text) in self._functions.items():
+                self.add_output(f"{name}_{ending}", shape=shape[1], units=units, desc=f"{text}.")
+
+    def setup_partials(self):
+        for name, (scenarios, count) in self.options["shapes"].items():
+            rows = np.tile(np.arange(count), scenarios)
+            for ending in self._functions:
+                self.declare_partials(
+                    f"{name}_{ending}", f"{name}_scenarios", rows=rows, cols=np.arange(rows.size)
+                )
+        self.set_check_partial_options(
+            wrt="*", method="fd", form="central", step=CHECK_STEP, step_calc="rel_avg"
+        )
+
+    def compute(self, inputs, outputs):
+        for name in self.options["shapes"]:
+            values = inputs[f"{name}_scenarios"]
+            there = _there(values)
+            for ending, (function, _) in self._functions.items():
+                outputs[f"{name}_{ending}"] = function(values[there])[0]
+
+        outputs["share_failed"] = 1.0 - np.mean(there)
+
+    def compute_partials(self, inputs, partials):
+        for name, shape in self.options["shapes"].items():
+            values = inputs[f"{name}_scenarios"]
+            there = _there(values)
+            for ending, (function, _) in self._functions.items():
+                gradient = np.zeros(shape, values.dtype)
+                gradient[there] = function(values[there])[1]
+                partials[f"{name}_{ending}", f"{name}_scenarios"] = gradient.ravel()
+
+
+def quantile_name(level: float) -> str:
+    """Ending of the output's name: q95 for 0.95, q97_5 for 0.975."""
+    return f"q{100 * level:.10g}".replace(".", "_")
+
+
+def _there(values) -> np.ndarray:
+    return ~np.isnan(values).any(axis=1)

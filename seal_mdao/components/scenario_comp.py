@@ -1,0 +1,162 @@
+"""One design in many scenarios as an explicit component with exact partials."""
+
+from concurrent.futures import Executor
+
+import numpy as np
+import openmdao.api as om
+
+from seal_mdao.components.options import check_parameters, declare_measures, declare_parameters
+from seal_mdao.scenarios.evaluate import evaluate
+from seal_mdao.scenarios.processes import Processes
+from seal_mdao.scenarios.running import usual_workers
+from seal_mdao.scenarios.task import SealTask
+from seal_mdao.scenarios.variation import Scenarios
+from seal_mdao.seals.result import frozen_measures, is_empty
+from seal_mdao.seals.seal import Seal
+
+POLICIES = ("raise", "leave_out")
+LEAST_LEFT = 2
+"""Scenarios without which there is no standard deviation."""
+CHECK_STEP = 1e-5
+"""Of ``check_partials``: offsets in mm, parameters relative."""
+
+
+def declare_scenario_options(options) -> None:
+    """Declare what the component and the group around it share."""
+    options.declare("seal", types=Seal, recordable=False, desc="The seal.")
+    options.declare("scenarios", types=Scenarios, recordable=False, desc="What varies, and how.")
+    declare_measures(options)
+    declare_parameters(options)
+    options.declare(
+        "failed",
+        default="raise",
+        values=POLICIES,
+        desc="A scenario that cannot be analysed: an AnalysisError, or left out and counted.",
+    )
+    options.declare(
+        "workers",
+        default=None,
+        allow_none=True,
+        types=(int, Processes, Executor),
+        recordable=False,
+        desc="0: in line; a number of processes, one a core for None; or any executor of "
+        "concurrent.futures.",
+    )
+
+
+class ScenarioComp(om.ExplicitComponent):
+    """Measures of one design in S scenarios.
+
+    Inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs, those of ``parameters``; what a
+    scenario replaces, shifts or multiplies is their value. Outputs: ``<measure>_scenarios``, (S, m);
+    rows of scenarios that failed and are left out are NaN, and their partials zero.
+
+    Values and partials are made together, for making partials alone would repeat the analyses.
+    Processes are started with the first evaluation and stay until this one ends.
+    """
+
+    def initialize(self):
+        declare_scenario_options(self.options)
+
+    def setup(self):
+        seal, scenarios = self.options["seal"], self.options["scenarios"]
+        check_parameters(seal, self.options["parameters"])
+        scenarios.check(seal)
+        measures = frozen_measures(seal, self.options["measures"])
+        inputs = dict.fromkeys((*seal.inputs, *self.options["parameters"]))
+        names = tuple(dict.fromkeys((*inputs, *scenarios.parameters)))
+        kept = tuple(measure for measure in measures if not is_empty(measure, seal))
+        self._task = SealTask(seal, kept, names, self.options["sensitivity"], derivatives=True)
+        self._named, self._workers, self._last = tuple(inputs), _workers(self.options), None
+        self._check_admissible()
+        self.add_input(
+            "boundary_offsets", val=np.zeros(seal.n_offsets), units="mm",
+            desc="Spline control values along the rays: outer, then inner boundary.",
+        )  # fmt: skip
+        for name in inputs:
+            value, units, text = seal.scalars[name]
+            self.add_input(name, val=value, units=units, desc=text)
+        for measure in kept:
+            self.add_output(
+                f"{measure.name}_scenarios", shape=(len(scenarios), measure.size(seal)),
+                units=measure.units, desc=measure.text,
+            )  # fmt: skip
+
+    def setup_partials(self):
+        self.declare_partials("*", "*")
+        check = {"method": "fd", "form": "central", "step": CHECK_STEP}
+        self.set_check_partial_options(wrt="boundary_offsets", directional=True, **check)
+        for name in self._named:
+            self.set_check_partial_options(wrt=name, step_calc="rel_avg", **check)
+
+    def _check_admissible(self):
+        """Raise ValueError for numbers that the seal cannot have, before anything is analysed."""
+        scenarios, design = self.options["scenarios"], self._design({})
+        for number in range(len(scenarios)):
+            try:
+                self._task.seal.with_parameters(scenarios.values(number, design))
+            except ValueError as error:
+                raise ValueError(f"scenario {number}: {error}") from error
+
+    def _design(self, inputs) -> dict:
+        """Scalar parameters of the design by name, those that only scenarios vary among them."""
+        seal = self._task.seal
+        return {
+            name: float(inputs[name][0]) if name in inputs else float(seal.scalars[name].value)
+            for name in self._task.parameters
+        }
+
+    def compute(self, inputs, outputs):
+        found = self._evaluated(inputs)
+        too_many = self._too_many(found.failures)
+        if too_many:
+            # what the last design has left would pass for values of this one in a recorder file
+            for name in outputs:
+                outputs[name] = np.nan
+            raise om.AnalysisError(too_many)
+        for name, values in self._task.by_measure(found.values).items():
+            outputs[f"{name}_scenarios"] = values
+
+    def compute_partials(self, inputs, partials):
+        found, task = self._evaluated(inputs), self._task
+        gradients = found.gradients * (np.nan if self._too_many(found.failures) else 1.0)
+        n = task.seal.n_offsets
+        places = {"boundary_offsets": slice(0, n)} | {
+            name: slice(n + task.parameters.index(name), n + task.parameters.index(name) + 1)
+            for name in self._named
+        }
+        for name, columns in places.items():
+            parts = task.by_measure(np.moveaxis(gradients[:, :, columns], 2, 0))
+            for measure, part in parts.items():  # (columns, S, m)
+                partials[f"{measure}_scenarios", name] = part.reshape(len(part), -1).T
+
+    def _evaluated(self, inputs):
+        if self.under_complex_step:
+            raise RuntimeError(
+                f"{self.msginfo}: complex steps cannot pass through the contact analysis. Its partials "
+                "are exact: approximate with method='fd' where that is needed"
+            )
+        offsets, design = np.array(inputs["boundary_offsets"], float), self._design(inputs)
+        key = offsets.tobytes(), tuple(design.values())
+        if self._last is None or self._last[0] != key:
+            scenarios = self.options["scenarios"]
+            self._last = key, evaluate(self._task, scenarios, offsets, design, self._workers)
+        return self._last[1]
+
+    def _too_many(self, failures) -> str:
+        """What to say where more scenarios failed than the policy allows; else empty."""
+        failed = [number for number, text in enumerate(failures) if text]
+        if not failed:
+            return ""
+        first = f"scenario {failed[0]} of {len(failures)} failed: {failures[failed[0]]}"
+        if self.options["failed"] == "raise":
+            return first
+        enough = len(failures) - len(failed) >= LEAST_LEFT
+        return "" if enough else f"{len(failed)} scenarios failed, too many; {first}"
+
+
+def _workers(options) -> int | Processes | Executor:
+    """The option as what stays from one evaluation to the next."""
+    chosen = options["workers"]
+    chosen = usual_workers() if chosen is None else chosen
+    return Processes(chosen) if isinstance(chosen, int) and chosen else chosen

@@ -1,0 +1,64 @@
+"""One design of a seal in many scenarios: their measures, and what they say together."""
+
+import openmdao.api as om
+
+from seal_mdao.components.aggregate_comp import AggregateComp
+from seal_mdao.components.area_comp import AreaComp
+from seal_mdao.components.options import declare_settings
+from seal_mdao.components.scenario_comp import ScenarioComp, declare_scenario_options
+from seal_mdao.seals.result import frozen_measures, is_empty
+from seal_mdao.seals.seal import SETTINGS_OPTION
+from seal_mdao.values import real
+
+SHARED = ("seal", "scenarios", "measures", "parameters", "sensitivity", "failed", "workers")
+"""What the group hands to its scenario component."""
+
+
+class ScenarioGroup(om.Group):
+    """A seal from its design parameters to aggregates of its measures over scenarios.
+
+    Promoted inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs (``door_radius`` of the door
+    seal) and those named in ``parameters``. Promoted outputs: ``area`` (mm**2) of the design itself, and
+    of every measure ``<measure>_scenarios`` (S, m), ``<measure>_mean``, ``<measure>_std``,
+    ``<measure>_highest``, ``<measure>_lowest`` and quantiles such as ``<measure>_q95``, each (m,);
+    ``share_failed``.
+
+    Examples
+    --------
+    >>> import numpy as np, seal_mdao as sm
+    >>> friction = sm.Scenarios((sm.Variation("friction"),), np.array([[0.15], [0.25], [0.35]]))
+    >>> group = sm.ScenarioGroup(seal=sm.door_seal(), scenarios=friction, quantiles=(0.95,))
+    """
+
+    def initialize(self):
+        declare_scenario_options(self.options)
+        self.options.declare(
+            "quantiles",
+            default=(),
+            check_valid=_check_levels,
+            desc="Levels of quantiles between 0 and 1, such as (0.95,).",
+        )
+        declare_settings(self.options)
+
+    def setup(self):
+        seal, scenarios = self.options["seal"], self.options["scenarios"]
+        self.options[SETTINGS_OPTION] = seal.settings()
+        measures = frozen_measures(seal, self.options["measures"])
+        measures = tuple(measure for measure in measures if not is_empty(measure, seal))
+        shared = {name: self.options[name] for name in SHARED} | {"measures": measures}
+        self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
+        self.add_subsystem("scenarios", ScenarioComp(**shared), promotes=["*"])
+        aggregate = AggregateComp(
+            shapes={m.name: (len(scenarios), m.size(seal)) for m in measures},
+            units={m.name: m.units for m in measures},
+            quantiles=tuple(self.options["quantiles"]),
+        )
+        self.add_subsystem("aggregates", aggregate, promotes=["*"])
+        for name in seal.inputs:
+            value, units, _ = seal.scalars[name]
+            self.set_input_defaults(name, value, units=units)
+
+
+def _check_levels(name, value):
+    for level in value:
+        real(f"a level in {name!r}", level, above=0.0, below=1.0)

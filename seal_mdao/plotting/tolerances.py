@@ -1,0 +1,129 @@
+"""Scattered measures: their distributions, what drives them, designs side by side."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION, styled, subplots
+
+BINS = 30
+MOST_COLUMNS = 3
+SIGNED_MAP = "RdBu_r"
+LOUD = 0.6
+"""Correlation from which on white letters are legible."""
+
+
+@styled
+def distributions(values, names, units, linear=None) -> Figure:
+    """A histogram for every measure.
+
+    Parameters
+    ----------
+    values : ndarray, shape (S, M)
+        Of samples that were completed.
+    names, units : sequence of str
+        Of the measures.
+    linear : ndarray, shape (S, M), optional
+        What the first-order estimate says about the same samples.
+    """
+    count = values.shape[1]
+    columns = min(count, MOST_COLUMNS)
+    rows = -(-count // columns)
+    figure, grid = subplots(
+        rows, columns, width=3.4 * columns, height=2.7 * rows + 0.4, squeeze=False
+    )
+    for axes in grid.ravel()[count:]:
+        axes.set_visible(False)
+    for number, axes in enumerate(grid.ravel()[:count]):
+        own = values[:, number]
+        both = own if linear is None else np.concatenate([own, linear[:, number]])
+        edges = np.histogram_bin_edges(both, BINS)
+        axes.hist(own, edges, color=BLUE, alpha=0.55, label="sampled")
+        if linear is not None:
+            axes.hist(
+                linear[:, number], edges, histtype="step", color=VERMILION, linewidth=1.4,
+                label="first order",
+            )  # fmt: skip
+        for level, style in ((0.5, "-"), (0.95, "--")):
+            axes.axvline(np.quantile(own, level), color=GREY, linestyle=style, linewidth=1.1)
+        axes.set_xlabel(_labelled(names[number], units[number]))
+        axes.locator_params(axis="x", nbins=5)
+    for axes in grid[:, 0]:
+        axes.set_ylabel("samples")
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    handles += grid[0, 0].get_lines()[-2:]
+    figure.legend(handles, [*labels, "median", "95 %"], loc="outside upper center", ncols=4)
+    return figure
+
+
+def _labelled(name: str, unit: str | None) -> str:
+    text = name.replace("_", " ")
+    return f"{text} ({unit.replace('**', '^')})" if unit else text
+
+
+@styled
+def correlations(table, measures, inputs) -> Figure:
+    """Rank correlations (M, K) of measures with what varies, as a map."""
+    wide = len(inputs) > 12
+    figure, axes = subplots(
+        width=2.6 + (0.3 if wide else 0.75) * len(inputs), height=1.9 + 0.34 * len(measures)
+    )
+    image = axes.imshow(table, cmap=SIGNED_MAP, vmin=-1.0, vmax=1.0, aspect="auto")
+    axes.set_xticks(
+        range(len(inputs)), inputs, rotation=90 if wide else 30, ha="center" if wide else "right"
+    )
+    axes.set_yticks(range(len(measures)), measures)
+    axes.grid(False)
+    if not wide:
+        for (row, column), value in np.ndenumerate(table):
+            color = "white" if abs(value) > LOUD else "black"
+            axes.text(
+                column, row, f"{value:.2f}".replace("-", "\u2212"), ha="center", va="center",
+                color=color, fontsize=8.5,
+            )  # fmt: skip
+    figure.colorbar(image, ax=axes, label="rank correlation", pad=0.02)
+    return figure
+
+
+LOOKS = ((GREY, "-"), (BLUE, "-"), (VERMILION, "-"))
+
+
+@styled
+def designs_compared(samples: dict, name: str, unit: str, reaction: dict, band) -> Figure:
+    """Cumulative distributions of a cost, and reactions in their band, for several designs.
+
+    Parameters
+    ----------
+    samples : dict of str to ndarray, shape (S,)
+        The cost by the label of the design.
+    name, unit : str
+        Of the cost.
+    reaction : dict of str to ndarray, shape (S,)
+        Reaction by the label, N/m.
+    band : pair of float
+        Lower and upper limit of the reaction, N/m.
+    """
+    figure, (cost, force) = subplots(1, 2, width=9.2, height=3.7)
+    for (label, values), (color, style) in zip(
+        samples.items(), LOOKS[-len(samples) :], strict=True
+    ):
+        share = (np.arange(values.size) + 0.5) / values.size
+        cost.plot(np.sort(values), 100.0 * share, color=color, linestyle=style, label=label)
+        cost.plot(np.quantile(values, 0.95), 95.0, "o", color=color)
+    cost.axhline(95.0, color=GREY, linewidth=0.8, linestyle=":")
+    cost.set_xlabel(_labelled(name, unit))
+    cost.set_ylabel("share of samples below (%)")
+    cost.set_ylim(0.0, 100.0)
+    cost.set_xlim(left=0.0)
+    cost.legend(loc="lower right")
+    force.axvspan(*band, color=GREY, alpha=0.15, linewidth=0.0)
+    edges = np.histogram_bin_edges(np.concatenate([*reaction.values()]), BINS)
+    for (label, values), (color, style) in zip(
+        reaction.items(), LOOKS[-len(reaction) :], strict=True
+    ):
+        force.hist(
+            values, edges, histtype="step", color=color, linestyle=style, linewidth=1.5, label=label
+        )
+    force.set_xlabel("reaction of the door (N/m)")
+    force.set_ylabel("samples")
+    force.set_title("grey: the band that is asked for")
+    return figure

@@ -1,0 +1,167 @@
+"""Scenarios on any executor: the same bits whoever runs them, and in whatever order."""
+
+import os
+import pickle
+from collections.abc import Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from hashlib import sha256
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.scenarios.processes import Processes
+from seal_mdao.scenarios.remote import perform
+from seal_mdao.scenarios.task import Outcome, SealTask
+
+AHEAD = 2
+"""Scenarios that each process has been given: one that it works on, one that waits for it."""
+DIED = "its worker process ended twice, without a word: out of memory?"
+
+
+class Point(NamedTuple):
+    """Where a task is run.
+
+    Attributes
+    ----------
+    index : int
+        Its place among all.
+    offsets : ndarray, shape (P,)
+        mm.
+    parameters : ndarray, shape (N,)
+    """
+
+    index: int
+    offsets: np.ndarray
+    parameters: np.ndarray
+
+
+def usual_workers() -> int:
+    """Processes for this machine: one a core; none, which is in line, where there is one core."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return cores if cores and cores > 1 else 0
+
+
+def run_scenarios(
+    task: SealTask, points: Iterable[Point], workers: int | Processes | Executor = 0
+) -> Iterator[tuple[int, Outcome]]:
+    """Run a task at many points; gives their indices and outcomes as they finish.
+
+    Every point is run by itself from its own numbers, so its outcome is the same to the last bit
+    wherever and whenever that is done.
+
+    Parameters
+    ----------
+    task : SealTask
+    points : iterable of Point
+    workers : int, Processes or Executor
+        0: in line. A number of processes, started for this call. Processes that stay. Anything with
+        the interface of ``concurrent.futures.Executor``, such as those of ``mpi4py.futures`` and Dask.
+        ``Processes`` that die are replaced and their scenarios repeated once; they are ended by any
+        exception in this process.
+
+    Raises
+    ------
+    RuntimeError
+        When worker processes end before they have done anything.
+    ValueError
+        For a task that cannot be sent to another process.
+    """
+    if isinstance(workers, int):
+        if workers == 0:
+            yield from ((point.index, task.run(*point[1:])) for point in points)
+            return
+        with Processes(workers) as own:
+            yield from run_scenarios(task, points, own)
+        return
+    run = _Run(task, workers)
+    try:
+        yield from run.outcomes(iter(points))
+    except BaseException:
+        run.stop()
+        raise
+
+
+class _Run:
+    """One task on one executor."""
+
+    def __init__(self, task, workers):
+        self._workers, self._nothing = workers, np.full(task.count, np.nan)
+        self._running, self._dead = {}, []
+        self._replaceable = isinstance(workers, Processes)
+        self._ahead = AHEAD * workers.count if self._replaceable else None
+        try:
+            self._packed = pickle.dumps(task)
+        except Exception as error:  # whatever a part of it raises
+            raise ValueError(
+                f"the seal or a measure cannot be sent to another process ({error}); run the scenarios "
+                "in line, workers=0"
+            ) from error
+        self._key = sha256(self._packed).hexdigest()
+
+    def stop(self) -> None:
+        """Nothing that still runs is wanted any more."""
+        for future in self._running:
+            future.cancel()
+        if self._replaceable:
+            self._workers.end()
+
+    def outcomes(self, points) -> Iterator[tuple[int, Outcome]]:
+        """As ``run_scenarios``."""
+        while True:
+            room = None if self._ahead is None else self._ahead - len(self._running)
+            for point in islice(points, room):
+                self._give(point)
+            yield from self._finished()
+            if self._dead:
+                yield from self._repeated()
+            elif not self._running:
+                return
+
+    def _give(self, point: Point, packed=None) -> None:
+        """Submit a point, the first time without the task."""
+        try:
+            self._running[self._submitted(point, packed)] = point
+        except BrokenExecutor:
+            if not self._replaceable:
+                raise
+            self._dead.append(point)
+
+    def _submitted(self, point: Point, packed) -> Future:
+        return self._workers.submit(perform, self._key, packed, *point[1:])
+
+    def _finished(self) -> list:
+        """Outcomes that have come; points whose worker may have died are noted."""
+        done, _ = wait(self._running, return_when=FIRST_COMPLETED)
+        finished = []
+        for future in done:
+            point = self._running.pop(future)
+            if self._replaceable and isinstance(future.exception(), BrokenExecutor):
+                self._dead.append(point)
+                continue
+            outcome = future.result()
+            if self._replaceable:
+                self._workers.answered = True
+            if outcome is None:  # a worker that does not know the task yet
+                self._give(point, self._packed)
+            else:
+                finished.append((point.index, outcome))
+        return finished
+
+    def _repeated(self) -> Iterator[tuple[int, Outcome]]:
+        """Replace the processes and repeat what died with them, one by one: nobody else to blame."""
+        while self._running:  # all end with the pool
+            yield from self._finished()
+        if not self._workers.answered:
+            raise RuntimeError(
+                "the worker processes ended before they had done anything; a script that starts some "
+                'must keep what it runs under  if __name__ == "__main__":'
+            )
+        dead, self._dead = self._dead, []
+        self._workers.end()
+        for point in dead:
+            try:
+                yield point.index, self._submitted(point, self._packed).result()
+            except BrokenExecutor:
+                self._workers.end()
+                yield point.index, Outcome(self._nothing, None, DIED, 0.0)

@@ -1,0 +1,108 @@
+"""One scenario: a seal analysed with its own numbers, in whatever process that happens."""
+
+import time
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.analysis.threads import one_blas_thread
+from seal_mdao.dsa.sensitivity import METHODS, sensitivities
+from seal_mdao.errors import LoadPathError
+from seal_mdao.seals.result import FACTOR_MEMORY, analyze_particles
+from seal_mdao.seals.seal import Seal
+from seal_mdao.values import one_of
+
+
+class Outcome(NamedTuple):
+    """What came of one scenario.
+
+    Attributes
+    ----------
+    values : ndarray, shape (M,)
+        Of all measures, one after the other; NaN for a scenario that failed.
+    gradient : ndarray, shape (M, P + N), or None
+        In the boundary offsets, then in the parameters of the task.
+    failure : str
+        Why there are no values; empty where there are.
+    seconds : float
+    """
+
+    values: np.ndarray
+    gradient: np.ndarray | None
+    failure: str
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class SealTask:
+    """All that scenarios have in common; pickled once for every worker.
+
+    Attributes
+    ----------
+    seal : Seal
+    measures : tuple of Measure
+        With their places.
+    parameters : tuple of str
+        Scalar parameters that every scenario gives.
+    method : {"auto", "direct", "adjoint"}
+        Of the gradients.
+    derivatives : bool
+        Whether gradients are wanted.
+    """
+
+    seal: Seal
+    measures: tuple
+    parameters: tuple
+    method: str = "auto"
+    derivatives: bool = False
+
+    def __post_init__(self):
+        one_of("method", self.method, METHODS)
+
+    @property
+    def sizes(self) -> list:
+        """Number of values of every measure."""
+        return [measure.size(self.seal) for measure in self.measures]
+
+    @property
+    def count(self) -> int:
+        """Values of all measures."""
+        return sum(self.sizes)
+
+    def by_measure(self, array: np.ndarray) -> dict:
+        """The columns (..., M) of the measures by name, each (..., m)."""
+        ends = np.cumsum(self.sizes)[:-1]
+        parts = np.split(array, ends, axis=-1)
+        return {m.name: part for m, part in zip(self.measures, parts, strict=True)}
+
+    @one_blas_thread
+    def run(self, offsets: np.ndarray, parameters: np.ndarray) -> Outcome:
+        """Analyse one scenario; a failure is an outcome, not an exception.
+
+        Parameters
+        ----------
+        offsets : ndarray, shape (P,)
+            mm.
+        parameters : ndarray, shape (N,)
+        """
+        begun = time.perf_counter()
+        try:
+            found = self._analyzed(offsets, parameters)
+        except (ValueError, LoadPathError) as error:  # values that are not admissible, too
+            nothing = np.full(self.count, np.nan), None
+            return Outcome(*nothing, " ".join(str(error).split()), time.perf_counter() - begun)
+        return Outcome(*found, "", time.perf_counter() - begun)
+
+    def _analyzed(self, offsets, parameters):
+        seal = self.seal.with_parameters(dict(zip(self.parameters, parameters, strict=True)))
+        offsets = seal.check_offsets(offsets)
+        memory = FACTOR_MEMORY if self.derivatives else 0.0
+        result = analyze_particles(seal, seal.particles(offsets), offsets, factor_memory=memory)
+        result.require_possible()
+        values = np.concatenate([result.value(measure) for measure in self.measures])
+        if not self.derivatives:
+            return values, None
+        rates = sensitivities(result, self.parameters, self.measures, self.method)
+        rows = [np.atleast_2d(rates[measure.name]) for measure in self.measures]
+        return values, np.vstack(rows)

@@ -1,0 +1,142 @@
+"""What differs between scenarios: parameters that are replaced, shifted or multiplied."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from seal_mdao import values
+from seal_mdao.seals.seal import Seal
+
+VALUE, SHIFT, FACTOR = KINDS = ("value", "shift", "factor")
+
+
+@dataclass(frozen=True)
+class Variation:
+    """Something that has a number in every scenario.
+
+    Attributes
+    ----------
+    name : str
+    kind : {"value", "shift", "factor"}
+        The number takes the place of the design's value, is added to it, or multiplies it.
+    parameters : tuple of str
+        Scalar parameters of the seal; ``(name,)`` when left out. A hardness may be a factor of all
+        constants of a rubber but the bulk modulus.
+    """
+
+    name: str
+    kind: str = VALUE
+    parameters: tuple = ()
+
+    def __post_init__(self):
+        values.one_of(f"kind of {self.name!r}", self.kind, KINDS)
+        object.__setattr__(self, "parameters", tuple(self.parameters) or (self.name,))
+
+    def applied(self, value: float, number: float) -> float:
+        """A parameter with this number."""
+        return {VALUE: number, SHIFT: value + number, FACTOR: value * number}[self.kind]
+
+    def rates(self, value: float, number: float) -> tuple[float, float]:
+        """Derivatives of ``applied`` in the value of the design and in the number."""
+        return {VALUE: (0.0, 1.0), SHIFT: (1.0, 1.0), FACTOR: (number, value)}[self.kind]
+
+
+@dataclass(frozen=True, eq=False)
+class Scenarios:
+    """S scenarios of a seal.
+
+    Attributes
+    ----------
+    variations : tuple of Variation
+    numbers : ndarray, shape (S, len(variations))
+    offsets : ndarray, shape (S, P), optional
+        Added to the boundary offsets of the design, mm; none when left out.
+
+    Raises
+    ------
+    ValueError
+        For arrays that do not fit each other, numbers that are not finite, names that repeat.
+    """
+
+    variations: tuple
+    numbers: np.ndarray
+    offsets: np.ndarray | None = field(default=None)
+
+    def __post_init__(self):
+        object.__setattr__(self, "variations", tuple(self.variations))
+        names = [variation.name for variation in self.variations]
+        if len(set(names)) < len(names):
+            raise ValueError(f"names of variations repeat: {', '.join(names)}")
+        numbers = values.numbers("numbers of scenarios", self.numbers)
+        if numbers.ndim != 2 or numbers.shape[1] != len(names) or not len(numbers):
+            raise ValueError(
+                f"numbers of scenarios must have shape (S, {len(names)}), got {numbers.shape}"
+            )
+        object.__setattr__(self, "numbers", numbers)
+        if self.offsets is not None:
+            offsets = values.numbers("offsets of scenarios", self.offsets)
+            if offsets.ndim != 2 or len(offsets) != len(numbers):
+                raise ValueError(
+                    f"offsets of scenarios must have shape ({len(numbers)}, P), got {offsets.shape}"
+                )
+            object.__setattr__(self, "offsets", offsets)
+        for array in (numbers, self.offsets):
+            if array is not None and not np.isfinite(array).all():
+                raise ValueError("numbers and offsets of scenarios must be finite")
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @property
+    def parameters(self) -> tuple:
+        """Names of all parameters that vary, each once."""
+        return tuple(dict.fromkeys(name for own in self.variations for name in own.parameters))
+
+    def check(self, seal: Seal) -> None:
+        """Raise ValueError where a seal has no such parameters, or other offsets."""
+        unknown = [name for name in self.parameters if name not in seal.scalars]
+        if unknown:
+            raise ValueError(
+                f"scenarios vary the unknown parameter {unknown[0]!r}; known are "
+                f"{', '.join(seal.scalars)}"
+            )
+        if self.offsets is not None and self.offsets.shape[1] != seal.n_offsets:
+            raise ValueError(
+                f"offsets of scenarios must have shape ({len(self)}, {seal.n_offsets}), got "
+                f"{self.offsets.shape}"
+            )
+
+    def values(self, number: int, design: dict) -> dict:
+        """Parameters of one scenario by name, from those of the design."""
+        found = dict(design)
+        for variation, own in zip(self.variations, self.numbers[number].tolist(), strict=True):
+            for name in variation.parameters:
+                found[name] = variation.applied(found[name], own)
+        return found
+
+    def boundary(self, number: int, offsets: np.ndarray) -> np.ndarray:
+        """Boundary offsets of one scenario from those of the design, (P,)."""
+        return offsets if self.offsets is None else offsets + self.offsets[number]
+
+    def design_rates(self, number: int, design: dict) -> dict:
+        """Derivative of every parameter of one scenario in its own value of the design, by name."""
+        return self._rates(number, design)[0]
+
+    def number_rates(self, number: int, design: dict) -> np.ndarray:
+        """Derivatives of the parameters (in the order of ``design``) in the numbers of a scenario,
+        shape (len(design), len(variations))."""
+        by_number = self._rates(number, design)[1]
+        return np.array([by_number[name] for name in design]).reshape(-1, len(self.variations))
+
+    def _rates(self, number: int, design: dict):
+        found, rates = dict(design), dict.fromkeys(design, 1.0)
+        by_number = {name: np.zeros(len(self.variations)) for name in design}
+        for k, variation in enumerate(self.variations):
+            own = float(self.numbers[number, k])
+            for name in variation.parameters:
+                by_value, by_own = variation.rates(found[name], own)
+                rates[name] *= by_value
+                by_number[name] *= by_value
+                by_number[name][k] += by_own
+                found[name] = variation.applied(found[name], own)
+        return rates, by_number

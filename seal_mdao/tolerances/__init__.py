@@ -1,0 +1,1 @@
+"""What tolerances of parts and of assembly do to a seal: samples, records of them, estimates."""

@@ -1,0 +1,39 @@
+"""Rigid profiles that are not where the drawing says."""
+
+from dataclasses import replace
+from math import ceil
+
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.seals.assembled import AssembledSeal
+from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.seal import Seal
+
+ROOM = 0.5
+"""mm by which a door starts farther away, so that none of its samples begins inside of a seal."""
+
+
+def placeable(seal: Seal) -> Seal:
+    """The seal with parameters that place every profile: ``<label>_x``, ``<label>_y`` (mm) and
+    ``<label>_angle`` (degrees about its pivot), zero where they are drawn.
+
+    They move a profile along its whole path: one that touches the seal at the start would begin inside
+    of it, and such a sample fails. The door seal has ``door_shift``, ``door_angle`` and ``depth`` of its
+    own and stays as it is.
+    """
+    if not isinstance(seal, AssembledSeal):
+        return seal
+    definitions = []
+    for definition in seal.definitions:
+        if isinstance(definition, RigidContact):
+            label = definition.label
+            motion = definition.motion.with_placement(f"{label}_x", f"{label}_y", f"{label}_angle")
+            definition = replace(definition, motion=motion)
+        definitions.append(definition)
+    return replace(seal, definitions=tuple(definitions))
+
+
+def with_room(seal: DoorSeal) -> DoorSeal:
+    """The door seal with a door that starts 0.5 mm farther away, in steps that are no longer than
+    before: room for boundaries that are off and for a door that is turned."""
+    step = (seal.start - seal.section.outer_radius + seal.depth) / seal.n_steps
+    return seal.with_(start=seal.start + ROOM, n_steps=seal.n_steps + ceil(ROOM / step - 1e-9))

@@ -1,0 +1,123 @@
+"""Samples and what came of them in one SQLite file, a row as soon as it is known."""
+
+import sqlite3
+import time
+from pathlib import Path
+
+import numpy as np
+
+from seal_mdao.recording.claim import claim
+from seal_mdao.scenarios.task import Outcome
+
+COMPLETED, FAILED = "completed", "failed"
+
+
+class StudyFileError(ValueError):
+    """A file of samples that cannot be gone on with."""
+
+
+class StudyRecord:
+    """The file of a tolerance study.
+
+    Table ``study``: how it was set up (key, value). Table ``samples``: the number of a sample and all
+    that it varies. Table ``results``: of every finished sample its status, the message of a failure, the
+    seconds it took, when it was finished (Unix time), and its measures; numbers as floats of 8 bytes,
+    exactly as they were computed. Every row is committed at once: whatever is there survives a kill.
+
+    Parameters
+    ----------
+    path : str or Path
+    settings : dict of str to str
+        How the study was set up; a file with other settings is refused.
+    inputs, measures : tuple of str
+        Names of the columns.
+
+    Raises
+    ------
+    StudyFileError
+        For a file of another study, or one that is no such file.
+    RecorderBusyError
+        When another process writes it.
+    """
+
+    def __init__(self, path, settings: dict, inputs: tuple, measures: tuple):
+        self.path, self._inputs, self._measures = Path(path), tuple(inputs), tuple(measures)
+        self._lock = claim(self.path)
+        try:
+            self._file = sqlite3.connect(self.path)
+            self._file.execute("PRAGMA journal_mode = WAL")
+            self._begin(settings)
+        except sqlite3.DatabaseError as error:
+            self._lock.release()
+            raise StudyFileError(f"{path} is no file of a tolerance study: {error}") from None
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def _begin(self, settings) -> None:
+        columns = {
+            "samples": [f'"{name}" REAL NOT NULL' for name in self._inputs],
+            "results": ["status TEXT", "message TEXT", "seconds REAL", "finished REAL"]
+            + [f'"{name}" REAL' for name in self._measures],
+        }
+        with self._file:
+            self._file.execute(
+                "CREATE TABLE IF NOT EXISTS study (key TEXT PRIMARY KEY, value TEXT)"
+            )
+            there = dict(self._file.execute("SELECT key, value FROM study"))
+            different = [key for key, value in settings.items() if there.get(key, value) != value]
+            if different:
+                raise StudyFileError(
+                    f"{self.path} was made with another {different[0]}; resume with the same, or "
+                    "give this study a file of its own"
+                )
+            for name, own in columns.items():
+                text = ", ".join(["number INTEGER PRIMARY KEY", *own])
+                self._file.execute(f"CREATE TABLE IF NOT EXISTS {name} ({text})")
+            self._file.executemany(
+                "INSERT OR IGNORE INTO study VALUES (?, ?)", list(settings.items())
+            )
+
+    def samples(self, made: np.ndarray) -> np.ndarray:
+        """The samples of the file, shape (S, len(inputs)); ``made`` where it has none yet."""
+        with self._file:
+            if not self._file.execute("SELECT COUNT(*) FROM samples").fetchone()[0]:
+                marks = ", ".join("?" * (1 + len(self._inputs)))
+                rows = [(number, *row) for number, row in enumerate(made.tolist())]
+                self._file.executemany(f"INSERT INTO samples VALUES ({marks})", rows)
+        return np.array([row[1:] for row in self._rows("samples")], float)
+
+    def add(self, number: int, outcome: Outcome) -> None:
+        """Write down a sample that has finished."""
+        values = [None if np.isnan(value) else float(value) for value in outcome.values]
+        marks = ", ".join("?" * (5 + len(values)))
+        status = FAILED if outcome.failure else COMPLETED
+        row = (number, status, outcome.failure, outcome.seconds, time.time(), *values)
+        with self._file:
+            self._file.execute(f"INSERT OR REPLACE INTO results VALUES ({marks})", row)
+
+    @property
+    def finished(self) -> set:
+        """Numbers of the samples with results."""
+        return {row[0] for row in self._file.execute("SELECT number FROM results")}
+
+    def results(self):
+        """Numbers (n,), messages, seconds (n,) and measures (n, M) of what has finished, in order."""
+        rows = self._rows("results")
+        numbers = np.array([row[0] for row in rows], int)
+        values = np.array([row[5:] for row in rows], float).reshape(-1, len(self._measures))
+        return numbers, [row[2] for row in rows], np.array([row[3] for row in rows]), values
+
+    def _rows(self, table) -> list:
+        return self._file.execute(f"SELECT * FROM {table} ORDER BY number").fetchall()
+
+    def close(self) -> None:
+        """Give the file back."""
+        self._file.close()
+        self._lock.release()
+
+    def __enter__(self) -> "StudyRecord":
+        return self
+
+    def __exit__(self, *exception) -> None:
+        self.close()

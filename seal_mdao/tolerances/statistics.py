@@ -1,0 +1,38 @@
+"""Numbers that describe scattered measures."""
+
+import numpy as np
+from scipy.stats import rankdata
+
+LEVELS = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+
+
+def described(values: np.ndarray) -> dict:
+    """Mean, standard deviation, ends and quantiles of one measure's samples (S,)."""
+    found = {
+        "mean": values.mean(),
+        "std": values.std(ddof=1) if len(values) > 1 else 0.0,
+        "lowest": values.min(),
+        "highest": values.max(),
+    }
+    quantiles = np.quantile(values, LEVELS)
+    return found | {level_name(p): q for p, q in zip(LEVELS, quantiles, strict=True)}
+
+
+def level_name(level: float) -> str:
+    """q05 for 0.05."""
+    return f"q{round(100 * level):02d}"
+
+
+def rank_correlations(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
+    """Spearman's rank correlation of every output with every input, shape (M, K).
+
+    Zero where one of them does not vary.
+    """
+    x, y = (_standardised(rankdata(table, axis=0)) for table in (inputs, outputs))
+    return y.T @ x
+
+
+def _standardised(ranks: np.ndarray) -> np.ndarray:
+    away = ranks - ranks.mean(axis=0)
+    size = np.linalg.norm(away, axis=0)
+    return away / np.where(size == 0.0, 1.0, size)

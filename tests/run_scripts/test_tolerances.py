@@ -1,0 +1,133 @@
+"""tolerance_study.py and optimize_robust.py: what they write, and going on where they were stopped."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from coarse_seal import written
+
+import seal_mdao as sm
+from seal_mdao.tolerances.placement import placeable
+
+QUICK = ("--n-steps", 21, "--depth", 8.0, "--workers", 0)
+FRICTION = '[vary.friction]\ndistribution = "uniform"\nlow = 0.2\nhigh = 0.3\n'
+
+
+@pytest.fixture(scope="module")
+def studied(run_script, tmp_path_factory):
+    out = tmp_path_factory.mktemp("studied")
+    return out, *run_script("tolerance_study", out, "--samples", 8, *QUICK)
+
+
+def test_study_of_the_door_seal(studied, assert_drawn):
+    out, code, s = studied
+    assert code == 0
+    assert (s["samples"], s["failed"]) == (8, 0)
+    assert_drawn(out, "distributions", "correlations")
+    for name in ("gap_square_integral", "reaction[1]", "patch_pressure[0]", "stress_norm"):
+        found = s["measures"][name]
+        assert found["sampled"]["lowest"] < found["sampled"]["mean"] < found["sampled"]["highest"]
+        assert found["first_order"]["std_from_gradient"] > 0.0
+        assert sum(found["share_of_first_order_variance"].values()) == pytest.approx(1.0)
+        own, line = found["sampled"]["q50"], found["first_order"]["q50"]
+        assert found["difference"]["q50"] == pytest.approx(line - own)
+        assert all(abs(value) <= 1.0 for value in found["rank_correlation"].values())
+    # stress is proportional to the constants: their share is the largest
+    shares = s["measures"]["stress_norm"]["share_of_first_order_variance"]
+    assert max(shares, key=shares.get) == "hardness"
+
+
+def test_study_goes_on_with_resume_only(studied, run_script, capsys):
+    out, _, s = studied
+    with pytest.raises(SystemExit):
+        run_script("tolerance_study", out, "--samples", 8, *QUICK)
+    assert "--resume goes on with it" in capsys.readouterr().err
+    code, again = run_script("tolerance_study", out, "--samples", 8, "--resume", *QUICK)
+    assert code == 0
+    assert again["measures"] == s["measures"]
+    with pytest.raises(SystemExit):
+        run_script("tolerance_study", out, "--samples", 9, "--resume", *QUICK)
+    assert "another number of samples" in capsys.readouterr().err
+
+
+def test_nothing_to_resume(run_script, tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        run_script("tolerance_study", tmp_path, "--resume", *QUICK)
+    assert "there is no" in capsys.readouterr().err
+
+
+def test_study_of_a_seal_file_needs_tolerances(run_script, tmp_path, capsys):
+    file = written(tmp_path)
+    with pytest.raises(SystemExit):
+        run_script("tolerance_study", tmp_path / "out", file)
+    assert "--tolerances FILE.toml" in capsys.readouterr().err
+
+
+def test_study_of_a_seal_file_with_a_profile_that_is_displaced(run_script, tmp_path):
+    pytest.importorskip("netgen")
+    file, tolerances = written(tmp_path), tmp_path / "tolerances.toml"
+    seal = placeable(sm.build_seal(sm.read_seal_file(file)))
+    placed = [name for name in seal.scalars if name.endswith("_x")]
+    assert placed
+    tolerances.write_text(
+        FRICTION.replace("friction", placed[0]).replace("0.2", "-0.1").replace("0.3", "0.1")
+    )
+    code, s = run_script(
+        "tolerance_study", tmp_path / "out", file, "--tolerances", tolerances, "--samples", 3,
+        "--workers", 0,
+    )  # fmt: skip
+    assert code == 0
+    assert s["samples"] == 3
+
+
+@pytest.fixture(scope="module")
+def robust(run_script, tmp_path_factory):
+    out = tmp_path_factory.mktemp("robust")
+    nominal = out / "nominal.json"
+    nominal.write_text(json.dumps({"boundary_offsets": [0.0] * 25, "door_radius": 4.0}))
+    arguments = ("--nominal", nominal, "--scenarios", 3, "--samples", 6, *QUICK)
+    code, s = run_script("optimize_robust", out, "--max-iterations", 2, *arguments)
+    return out, code, s, arguments
+
+
+def test_robust_optimum_on_fresh_samples(robust, assert_drawn):
+    """Two iterations leave the gap of the drawn seal, which stands for the nominal optimum here,
+    smaller on all cars."""
+    out, code, s, _ = robust
+    assert code == 1
+    nominal, best = (s["compared"][f"{name} optimum"] for name in ("nominal", "robust"))
+    assert nominal["samples"] == best["samples"] == 6
+    ratio = best["gap_square_integral"]["q95"] / nominal["gap_square_integral"]["q95"]
+    assert s["ratio_of_95_percent_gaps"] == pytest.approx(ratio)
+    assert ratio < 1.0
+    assert 0.0 <= best["share_in_reaction_band"] <= 1.0
+    assert np.shape(s["boundary_offsets"]) == (25,)
+    assert_drawn(out, "comparison")
+
+
+def test_the_report_has_the_table_and_the_figure(robust):
+    out, _, s, _ = robust
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "On 6 fresh samples of all tolerances" in page
+    assert page.count("data:image/png;base64,") == 1
+    row = re.search(r"95 % of the samples are below</th><td>(.*?)</td>", page)[1]
+    own = s["compared"]["nominal optimum"]["gap_square_integral"]["q95"]
+    assert row.startswith(f"{own:.3g}"[:4])
+    shapes = json.loads(re.search(r'id="report-data">(.*?)</script>', page, re.DOTALL)[1])["shapes"]
+    assert shapes is not None
+
+
+def test_robust_run_goes_on(robust, run_script, capsys):
+    out, _, s, arguments = robust
+    code, again = run_script("optimize_robust", out, "--max-iterations", 2, "--restart", *arguments)
+    assert code == 1
+    assert again["reused_evaluations"] > 0
+    assert again["compared"] == s["compared"]
+    assert again["boundary_offsets"] == s["boundary_offsets"]
+    with pytest.raises(SystemExit):
+        run_script("optimize_robust", out, "--restart", "--band", 0.2, *arguments)
+    assert "other scenarios or another goal" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        run_script("optimize_robust", out, *arguments)
+    assert "--overwrite" in capsys.readouterr().err

@@ -1,0 +1,178 @@
+"""Workers that die, Ctrl-C, a parent that is killed: nothing hangs, nothing is lost."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import BrokenExecutor
+from contextlib import suppress
+
+import numpy as np
+import psutil
+import pytest
+
+from seal_mdao.scenarios.evaluate import evaluate, points_of
+from seal_mdao.scenarios.processes import Processes
+from seal_mdao.scenarios.running import AHEAD, DIED, Point, run_scenarios
+from seal_mdao.scenarios.task import Outcome
+
+OFFSETS = np.zeros(25)
+
+
+class Deadly:
+    """A task whose point 3 kills its process, always or until a file is there."""
+
+    count = 1
+
+    def __init__(self, mark=None):
+        self.mark = mark
+
+    def run(self, offsets, parameters):
+        deadly = parameters[0] == 3.0
+        if deadly and self.mark is not None and os.path.exists(self.mark):
+            deadly = False
+        elif deadly and self.mark is not None:
+            open(self.mark, "w").close()
+        if deadly:
+            time.sleep(0.1)  # others are on their way
+            os.kill(os.getpid(), signal.SIGKILL)
+        return Outcome(10.0 * parameters, None, "", 0.0)
+
+
+def points(count):
+    return [Point(i, OFFSETS, np.array([float(i)])) for i in range(count)]
+
+
+def test_a_worker_that_dies_is_replaced_and_its_scenario_repeated(tmp_path):
+    with Processes(2) as workers:
+        found = dict(run_scenarios(Deadly(tmp_path / "died"), points(9), workers))
+    assert sorted(found) == list(range(9))
+    assert all(outcome.values[0] == 10.0 * i for i, outcome in found.items())
+
+
+def test_a_scenario_that_kills_every_worker_fails_alone():
+    with Processes(2) as workers:
+        found = dict(run_scenarios(Deadly(), points(9), workers))
+        again = dict(run_scenarios(Deadly(), points(2), workers))
+    assert [i for i, outcome in sorted(found.items()) if outcome.failure] == [3]
+    assert found[3].failure == DIED
+    assert np.isnan(found[3].values).all()
+    assert all(found[i].values[0] == 10.0 * i for i in range(9) if i != 3)
+    assert len(again) == 2
+
+
+def workers_of(process):
+    """Spawned worker processes of a process, without the resource tracker."""
+    found = []
+    for child in psutil.Process(process).children():
+        with suppress(psutil.NoSuchProcess):  # ended meanwhile
+            if "spawn_main" in " ".join(child.cmdline()):
+                found.append(child)
+    return found
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("moment", [0.05, 0.4, 1.0])
+def test_sigkill_of_a_worker_at_any_moment_changes_no_bit(task, scenarios, design, moment):
+    expected = evaluate(task, scenarios, OFFSETS, design)
+    with Processes(2) as workers:
+        evaluate(task, scenarios, OFFSETS, design, workers)  # they have started
+        before = workers_of(os.getpid())
+        code = f"import os, time; time.sleep({moment}); os.kill({before[0].pid}, 9)"
+        killer = subprocess.Popen([sys.executable, "-c", code])
+        points = points_of(scenarios, OFFSETS, design) * 4
+        found = list(run_scenarios(task, points, workers))
+        killer.wait()
+        assert not before[0].is_running()
+    assert sorted(number for number, _ in found) == sorted([*range(len(scenarios))] * 4)
+    for number, outcome in found:
+        np.testing.assert_array_equal(outcome.values, expected.values[number])
+
+
+SCRIPT = """
+import sys, time
+from test_bad_days import Slow, points
+from seal_mdao.scenarios.processes import Processes
+from seal_mdao.scenarios.running import run_scenarios
+
+if __name__ == "__main__":
+    workers = Processes(2)
+    for number, _ in run_scenarios(Slow(), points(1000), workers):
+        print(number, flush=True)
+"""
+
+
+class Slow:
+    """A task of a tenth of a second."""
+
+    count = 1
+
+    def run(self, offsets, parameters):
+        time.sleep(0.1)
+        return Outcome(parameters, None, "", 0.1)
+
+
+def started(tmp_path, script):
+    """A script in a process of its own that has given its first two results."""
+    path = tmp_path / "script.py"
+    path.write_text(script)
+    folders = os.pathsep.join([os.path.dirname(__file__), os.getcwd()])
+    process = subprocess.Popen(
+        [sys.executable, path], env=os.environ | {"PYTHONPATH": folders}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    for _ in range(2):
+        assert process.stdout.readline().strip().isdigit(), process.stderr.read()
+    return process
+
+
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGKILL])
+def test_all_workers_end_with_the_script(tmp_path, ending):
+    """Ctrl-C, and a kill that leaves no time for anything."""
+    process = started(tmp_path, SCRIPT)
+    workers = workers_of(process.pid)
+    assert len(workers) == 2
+    process.send_signal(ending)
+    process.communicate(timeout=30)
+    _, alive = psutil.wait_procs(workers, timeout=10)
+    assert not alive
+    assert process.returncode != 0
+
+
+def test_a_script_without_its_guard_is_told(tmp_path):
+    path = tmp_path / "script.py"
+    path.write_text(SCRIPT.replace('if __name__ == "__main__":', "if True:"))
+    folders = os.pathsep.join([os.path.dirname(__file__), os.getcwd()])
+    done = subprocess.run(
+        [sys.executable, path], env=os.environ | {"PYTHONPATH": folders}, text=True,
+        capture_output=True, check=False, timeout=60,
+    )  # fmt: skip
+    assert done.returncode != 0
+    assert 'must keep what it runs under  if __name__ == "__main__":' in done.stderr
+
+
+def test_processes_are_given_little_ahead():
+    """So that few scenarios are repeated when one of them dies."""
+    given = []
+
+    def counted():
+        for point in points(20):
+            given.append(point.index)
+            yield point
+
+    with Processes(2) as workers:
+        finished = []
+        for number, _ in run_scenarios(Slow(), counted(), workers):
+            finished.append(number)
+            assert len(given) - len(finished) <= 2 * AHEAD
+    assert sorted(finished) == given
+
+
+def test_a_broken_executor_of_others_is_theirs():
+    class Broken:
+        def submit(self, *arguments):
+            raise BrokenExecutor("gone")
+
+    with pytest.raises(BrokenExecutor, match="gone"):
+        list(run_scenarios(Deadly(), points(3), Broken()))

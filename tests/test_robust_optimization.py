@@ -1,0 +1,97 @@
+"""The robust problem: its scenarios, limits and gradients."""
+
+import numpy as np
+import pytest
+from scipy.special import ndtr, ndtri
+
+import seal_mdao as sm
+from seal_mdao.optimization import PRESSURE_SHARE, STRESS_SHARE
+from seal_mdao.robust_optimization import COST, GOALS, RobustGoal, drawn_numbers, robust_problem
+from seal_mdao.scenarios.variation import Variation
+from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
+from seal_mdao.tolerances.placement import with_room
+
+DRAWN = {"friction": 0.25, "hardness": 1.0, "depth": 0.0}
+
+
+@pytest.fixture(scope="module")
+def seal():
+    """Short, with large steps; its middle opens."""
+    return sm.door_seal(depth=8.0, n_steps=18, start=10.1)
+
+
+@pytest.fixture(scope="module")
+def tolerances():
+    return read_tolerances(OF_THE_DOOR)
+
+
+def test_scenarios_are_the_drawing_and_wide_ones(seal, tolerances):
+    goal = RobustGoal(widen=1.5)
+    made, narrow = goal.scenarios(tolerances, seal, 8, 3), tolerances.samples(seal, 8, seed=3)
+    assert len(made) == 9
+    names = [variation.name for variation in made.variations]
+    for name, number in DRAWN.items():
+        assert made.numbers[0, names.index(name)] == number
+    assert not made.offsets[0].any()
+    np.testing.assert_allclose(made.offsets[1:], 1.5 * narrow.offsets, rtol=1e-14)
+    away = made.numbers[1:] - tolerances.means
+    np.testing.assert_allclose(away, 1.5 * (narrow.numbers - tolerances.means), atol=1e-14)
+
+
+def test_levels_are_those_of_the_narrow_distribution():
+    """Of a normal distribution 1.5 times as wide, its own quantiles."""
+    assert RobustGoal(widen=1.0).levels == pytest.approx((0.025, 0.975))
+    low, high = RobustGoal(widen=1.5).levels
+    assert 1.5 * ndtri(high) == pytest.approx(ndtri(0.975))
+    assert low == pytest.approx(1.0 - high)
+    assert high == pytest.approx(ndtr(1.959964 / 1.5), abs=1e-6)
+
+
+@pytest.mark.parametrize("minimize", GOALS)
+def test_limits_are_those_of_the_drawn_seal_and_gradients_exist(
+    seal, tolerances, minimize, tmp_path
+):
+    goal = RobustGoal(minimize)
+    problem = robust_problem(
+        seal, goal.scenarios(tolerances, seal, 2, 0), goal, workers=0, work_dir=tmp_path
+    )
+    problem.run_model()
+    drawn = sm.analyze(seal)
+    norm, pressures = (drawn.value(m) for m in drawn.measures(["stress_norm", "patch_pressure"]))
+    constraints = problem.model.get_constraints()
+    by_name = {meta["name"].split(".")[-1]: meta for meta in constraints.values()}
+    stress = by_name["stress_norm_scenarios"]
+    assert stress["upper"] == pytest.approx(max(STRESS_SHARE * norm[0], 100.0))
+    at_drawing = problem.get_val("stress_norm_scenarios")[0, 0]
+    assert at_drawing == pytest.approx(norm[0], rel=1e-12)
+    floor = by_name["patch_pressure_mean"]
+    np.testing.assert_allclose(floor["lower"], PRESSURE_SHARE * pressures)
+    objective = "robust_cost" if minimize == "mean_std" else f"{COST}_highest"
+    if minimize == "mean_std":
+        parts = (problem.get_val(f"{COST}_{ending}")[0] for ending in ("mean", "std"))
+        mean, std = parts
+        assert problem.get_val(objective)[0] == pytest.approx(mean + 2.0 * std)
+    totals = problem.compute_totals([objective], ["boundary_offsets"])
+    assert np.abs(totals[objective, "boundary_offsets"]).max() > 0.0
+
+
+def test_numbers_that_change_nothing(seal):
+    of = (Variation("friction"), Variation("c10", "factor"), Variation("depth", "shift"))
+    np.testing.assert_array_equal(drawn_numbers(of, seal), [0.25, 1.0, 0.0])
+    with pytest.raises(ValueError, match="make it a factor or a shift"):
+        drawn_numbers((Variation("both", "value", ("c10", "c01")),), seal)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"minimize": "best"}, {"band": 0.0}, {"share": 0.4}, {"widen": 0.5}]
+)
+def test_goals_that_make_no_sense_are_refused(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        RobustGoal(**wrong)
+
+
+def test_room_keeps_the_steps(seal):
+    wide = with_room(seal)
+    assert wide.start == pytest.approx(seal.start + 0.5)
+    step = (seal.start - 9.5 + seal.depth) / seal.n_steps
+    assert (wide.start - 9.5 + wide.depth) / wide.n_steps <= step * (1.0 + 1e-12)

@@ -1,0 +1,126 @@
+"""Samples have the distributions and the correlations that were asked for."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import seal_mdao as sm
+from seal_mdao.tolerances.boundary import (
+    BoundaryTolerance,
+    boundary_covariance,
+    boundary_loops,
+    square_root,
+)
+from seal_mdao.tolerances.distributions import Normal, Triangular, Uniform, mean_and_std, scattered
+from seal_mdao.tolerances.hardness import hardness_factor, shore_modulus
+from seal_mdao.tolerances.tolerances import METHODS, Tolerances
+
+COUNT = 4096
+EXACT = {
+    Uniform(2.0, 5.0): (3.5, 3.0 / np.sqrt(12.0)),
+    Triangular(0.0, 1.0, 3.0): (4.0 / 3.0, np.sqrt(7.0 / 18.0)),
+    # the variance of a normal distribution cut at 3: 1 - 6 phi(3) / (2 Phi(3) - 1)
+    Normal(1.0, 0.5): (1.0, 0.5 * np.sqrt(1.0 - 6.0 * stats.norm.pdf(3.0) / 0.9973002039367398)),
+}
+
+
+@pytest.mark.parametrize("distribution", EXACT, ids=lambda d: type(d).__name__)
+def test_moments_are_those_of_the_text_books(distribution):
+    assert mean_and_std(distribution) == pytest.approx(EXACT[distribution], rel=1e-9)
+    shares = (np.arange(COUNT) + 0.5) / COUNT
+    numbers = scattered(distribution, shares)
+    assert np.all(np.diff(numbers) > 0.0)
+    # of midpoints: the error falls faster than their number
+    assert numbers.mean() == pytest.approx(EXACT[distribution][0], rel=1e-3)
+    assert numbers.std() == pytest.approx(EXACT[distribution][1], rel=1e-3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_samples_keep_to_their_tolerances(seal, tolerances, method):
+    made = tolerances.samples(seal, COUNT, method)
+    means, deviations = tolerances.means, tolerances.deviations
+    np.testing.assert_allclose(made.numbers.mean(axis=0), means, atol=0.02 * deviations.max())
+    np.testing.assert_allclose(made.numbers.std(axis=0), deviations, rtol=0.02)
+    numbers = np.corrcoef(made.numbers.T)
+    assert np.abs(numbers - np.eye(3)).max() < 3.0 / np.sqrt(COUNT)
+    exact = tolerances.offsets_covariance(seal)
+    found = np.cov(made.offsets.T)
+    # four standard errors of a covariance of two normal numbers
+    allowed = 4.0 * np.sqrt(2.0 / COUNT) * exact.diagonal().max()
+    assert np.abs(found - exact).max() < allowed
+
+
+def test_the_same_seed_gives_the_same_samples(seal, tolerances):
+    first, again, other = (tolerances.samples(seal, 20, seed=seed) for seed in (3, 3, 4))
+    np.testing.assert_array_equal(first.numbers, again.numbers)
+    np.testing.assert_array_equal(first.offsets, again.offsets)
+    assert not np.array_equal(first.numbers, other.numbers)
+
+
+def test_the_boundary_has_its_error_and_its_correlation():
+    """Of the moved particles: mean square, and the correlation of neighbours along the arc."""
+    seal, tolerance = sm.door_seal(), BoundaryTolerance(0.1, 8.0)
+    covariance = boundary_covariance(seal, tolerance)
+    assert np.linalg.eigvalsh(covariance).min() > -1e-12 * np.trace(covariance)
+    velocity = seal.design_velocity
+    for loop in boundary_loops(seal):
+        moved = velocity[:, loop]
+        if np.abs(moved).max() == 0.0:
+            continue
+        square = np.einsum("pni,pq,qni->n", moved, covariance, moved)
+        free = np.abs(moved).max(axis=(0, 2)) > 0.0
+        assert square[free].mean() == pytest.approx(0.1**2, rel=1e-9)
+    root = square_root(covariance)
+    np.testing.assert_allclose(root @ root, covariance, atol=1e-9 * covariance.max())
+
+
+def test_correlation_falls_as_a_gaussian_of_the_distance():
+    """Its logarithm: four times at twice the distance, but for the chords (1 % and 3 % shorter than the
+    arcs of 4 and 8 mm around 60 mm); a quarter at twice the length."""
+    seal = sm.door_seal()
+    logs = {}
+    for length in (4.0, 8.0):
+        c = boundary_covariance(seal, BoundaryTolerance(0.1, length))
+        correlation = c / np.sqrt(np.outer(c.diagonal(), c.diagonal()))
+        logs[length] = np.log(correlation[5, 6]), np.log(correlation[5, 7])
+    assert logs[8.0][0] == pytest.approx(logs[4.0][0] / 4.0, rel=1e-9)
+    assert 3.7 < logs[8.0][1] / logs[8.0][0] < 4.0
+
+
+def test_inner_and_outer_boundary_are_extruded_apart():
+    seal = sm.door_seal()
+    covariance = boundary_covariance(seal, BoundaryTolerance(0.1, 8.0))
+    outer = seal.outer_parameters
+    assert np.abs(covariance[:outer, outer:]).max() == 0.0
+    assert np.diagonal(covariance).min() > 0.0
+
+
+def test_without_a_boundary_only_numbers_vary(seal, tolerances):
+    bare = Tolerances(tolerances.scattered)
+    made = bare.samples(seal, 8)
+    assert made.numbers.shape == (8, 3)
+    assert not made.offsets.any()
+    with pytest.raises(ValueError, match="nothing varies"):
+        Tolerances(()).samples(seal, 8)
+
+
+def test_hardness_after_gent():
+    """E(50 Shore A) of Gent's formula is 2.46 MPa; five Shore are a fifth of it."""
+    assert shore_modulus(50.0) == pytest.approx(2455.0, rel=2e-3)
+    assert hardness_factor(50.0, 5.0) == pytest.approx(1.208, abs=1e-3)
+    with pytest.raises(ValueError, match="Shore hardness"):
+        shore_modulus(10.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "match"),
+    [
+        (lambda: Uniform(1.0, 1.0), "high"),
+        (lambda: Normal(0.0, 0.0), "std"),
+        (lambda: Triangular(0.0, 2.0, 1.0), "likely"),
+        (lambda: BoundaryTolerance(0.1, 0.0), "length"),
+    ],
+)
+def test_impossible_distributions_are_refused(make, match):
+    with pytest.raises(ValueError, match=match):
+        make()

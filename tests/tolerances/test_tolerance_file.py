@@ -1,0 +1,50 @@
+"""Tolerances from TOML: what is read, and one line for what is wrong."""
+
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.tolerances.boundary import BoundaryTolerance
+from seal_mdao.tolerances.distributions import Normal, Triangular
+from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
+
+FRICTION = '[vary.friction]\ndistribution = "uniform"\nlow = 0.1\nhigh = 0.3\n'
+
+
+def test_those_of_the_door_fit_the_door_seal():
+    found = read_tolerances(OF_THE_DOOR)
+    found.middle(sm.door_seal()).check(sm.door_seal())
+    by_name = {t.variation.name: t for t in found.scattered}
+    assert by_name["hardness"].variation.parameters == ("c10", "c01")
+    assert by_name["hardness"].distribution == Triangular(0.83, 1.0, 1.21)
+    assert by_name["depth"].variation.kind == "shift"
+    assert by_name["depth"].distribution == Normal(0.0, 0.25)
+    assert found.boundary == BoundaryTolerance(0.1, 8.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("", "nothing varies"),
+        ("vary = 3", r"each written \[vary.name\]"),
+        ("[bounds]\nx = 1", "bounds"),
+        ("[vary.a", "this is not TOML"),
+        (FRICTION.replace('"uniform"', '"even"'), r"\[vary.friction\].*distribution"),
+        (FRICTION.replace("low = 0.1", ""), r"\[vary.friction\].*low"),
+        (FRICTION.replace("0.3", "0.1"), r"\[vary.friction\].*high"),
+        (FRICTION.replace("high", "hihg"), "hihg"),
+        (FRICTION + 'kind = "percent"', "kind"),
+        (FRICTION + "[boundary]\nstd = -1.0\nlength = 2.0", r"\[boundary\].*std"),
+    ],
+)
+def test_one_line_says_what_is_wrong(tmp_path, text, match):
+    path = tmp_path / "wrong.toml"
+    path.write_text(text)
+    with pytest.raises(sm.SealFileError, match=match) as caught:
+        read_tolerances(path)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(sm.SealFileError, match="cannot be read"):
+        read_tolerances(tmp_path / "none.toml")
