@@ -6,12 +6,17 @@ from functools import partial
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.seals.result import SealResult, analyze_particles, analyzed_with
 from seal_mdao.seals.seal import Seal
 
 KEPT_MEMORY = 0.5
 """GiB for kept analyses without their factors: some 190 of the door seal."""
+
+
+MOST_MEMORY = 1e6
+"""GiB."""
 
 
 class KeptAnalyses:
@@ -24,7 +29,7 @@ class KeptAnalyses:
     Parameters
     ----------
     memory : float
-        GiB; the newest analysis stays whatever its size.
+        GiB, 0 to 1e6; the newest analysis stays whatever its size.
 
     Attributes
     ----------
@@ -34,7 +39,7 @@ class KeptAnalyses:
 
     def __init__(self, memory: float = KEPT_MEMORY):
         self.made = 0
-        self._memory = memory * 2**30
+        self._memory = values.real("memory of KeptAnalyses, GiB,", memory, 0.0, MOST_MEMORY) * 2**30
         self._results, self._sizes, self._newest = {}, {}, None
 
     def analyze(

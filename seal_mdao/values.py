@@ -31,7 +31,7 @@ def real(name: str, value, low=-math.inf, high=math.inf, *, above=None, below=No
         allowed = number < below
     if not allowed:
         raise ValueError(
-            f"{name} must be a number{_range(low, high, above, below)}, got {_short(value)}"
+            f"{name} must be a number{_range(low, high, above, below)}, got {shown(value)}"
         )
     return number
 
@@ -70,7 +70,7 @@ def integer(name: str, value, low: int, high: int | None = None) -> int:
     is_one = isinstance(value, Integral) and not isinstance(value, bool | np.bool_)
     if not is_one or value < low or (high is not None and value > high):
         upper = "" if high is None else f" and at most {high}"
-        raise ValueError(f"{name} must be an integer of at least {low}{upper}, got {_short(value)}")
+        raise ValueError(f"{name} must be an integer of at least {low}{upper}, got {shown(value)}")
     return int(value)
 
 
@@ -83,7 +83,7 @@ def one_of(name: str, value, choices: tuple) -> str:
         When it is not.
     """
     if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{name} must be one of {choices}, got {_short(value)}")
+        raise ValueError(f"{name} must be one of {choices}, got {shown(value)}")
     return str(value)
 
 
@@ -96,8 +96,32 @@ def flag(name: str, value) -> bool:
         When it is something else.
     """
     if not isinstance(value, bool | np.bool_):
-        raise ValueError(f"{name} must be True or False, got {_short(value)}")
+        raise ValueError(f"{name} must be True or False, got {shown(value)}")
     return bool(value)
+
+
+def instance(name: str, value, kind: type) -> None:
+    """Refuse what is not of a class.
+
+    Raises
+    ------
+    TypeError
+        With the class that it has to be of.
+    """
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} must be a {kind.__name__}, got {shown(value)}")
+
+
+def callback(name: str, value) -> None:
+    """Refuse what is neither None nor can be called.
+
+    Raises
+    ------
+    TypeError
+        When it is something else.
+    """
+    if value is not None and not callable(value):
+        raise TypeError(f"{name} must be callable or None, got {shown(value)}")
 
 
 def numbers(name: str, values) -> np.ndarray:
@@ -117,11 +141,11 @@ def numbers(name: str, values) -> np.ndarray:
         if None not in found:
             return np.array(found, float).reshape(array.shape)
     if array.dtype.kind not in "iuf":
-        raise ValueError(f"{name} must be real numbers, got {_short(values)}")
+        raise ValueError(f"{name} must be real numbers, got {shown(values)}")
     return np.asarray(array, float)
 
 
-def _short(value) -> str:
+def shown(value) -> str:
     """A value in an error message, in one line of some length."""
     try:
         text = " ".join(repr(value).split())

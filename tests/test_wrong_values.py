@@ -1,11 +1,15 @@
 """Values that are no good are refused by name, in one line, before anything is computed."""
 
+import re
+from dataclasses import fields
 from fractions import Fraction
 
 import numpy as np
+import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.seals.door.measures import ReactionCurve
 
 SEAL = [
     ("friction", 10**400), ("friction", 11.0), ("friction", np.array([0.1, 0.2])), ("friction", 0.1j),
@@ -87,3 +91,158 @@ def test_fractions_and_numpy_numbers_are_numbers():
     assert seal == sm.door_seal()
     assert sm.DoorSeal.from_settings(seal.settings()) == seal
     assert seal.check_offsets([Fraction(0)] * 25).tolist() == [0.0] * 25
+
+
+OF_TERMS = {"mu": (100.0,), "alpha": (2.0,)}
+CONSTRUCTORS = {
+    "DoorSeal": (sm.door_seal, {}), "Section": (sm.Section, {}), "NewtonOptions": (sm.NewtonOptions, {}),
+    "MooneyRivlin": (sm.MooneyRivlin, {}), "NeoHookean": (sm.NeoHookean, {}), "Yeoh": (sm.Yeoh, {}),
+    "Gent": (sm.Gent, {}), "Ogden": (sm.Ogden, OF_TERMS),
+    "Hyperfoam": (sm.Hyperfoam, OF_TERMS | {"nu": (0.3,)}),
+}  # fmt: skip
+KEYWORDS = [(name, field.name) for name in CONSTRUCTORS for field in fields(getattr(sm, name))]
+FREE_TO_BE_NONE = {"door_radius", "segments", "step_ends"}
+
+
+@pytest.mark.parametrize(("kind", "keyword"), KEYWORDS, ids=map("-".join, KEYWORDS))
+def test_every_keyword_has_bounds(kind, keyword):
+    """Those to come as well: what is no value is refused by name, in one line of some length."""
+    make, others = CONSTRUCTORS[kind]
+    wrong = [
+        np.nan,
+        np.inf,
+        -np.inf,
+        1e300,
+        -1e300,
+        10**400,
+        "text",
+        [1, [2, 3]],
+        {},
+        1j,
+        b"no",
+        object(),
+    ]
+    for value in wrong if keyword in FREE_TO_BE_NONE else [*wrong, None]:
+        with pytest.raises((ValueError, TypeError), match=re.escape(keyword)) as error:
+            make(**(others | {keyword: value}))
+        assert len(str(error.value)) < 300, value
+        assert "\n" not in str(error.value)
+
+
+STATED = [
+    (name, field) for name, field in KEYWORDS if name in ("DoorSeal", "Section", "NewtonOptions")
+]
+
+
+@pytest.mark.parametrize(("kind", "keyword"), STATED, ids=map("-".join, STATED))
+def test_every_keyword_is_described(kind, keyword):
+    described = re.findall(r"^    ([a-z_0-9, ]+) : ", getattr(sm, kind).__doc__, re.MULTILINE)
+    assert keyword in ", ".join(described).split(", ")
+
+
+@pytest.mark.parametrize("memory", [-1.0, np.nan, 1e300, "much", None, [1, 2]])
+def test_wrong_memory_is_named(memory):
+    """A list used to be repeated 2**30 times."""
+    with pytest.raises(ValueError, match="memory"):
+        sm.KeptAnalyses(memory)
+    with pytest.raises(ValueError, match="factor_memory"):
+        sm.SealGroup(seal=sm.door_seal(), factor_memory=memory)
+
+
+SHORT = {"depth": 0.5, "n_steps": 5}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "keywords", "word"),
+    [(("drawn",), {}, "seal"), ((None,), {}, "seal"), ((sm.Section(),), {}, "seal"),
+     ((sm.door_seal(**SHORT), None, [4.0]), {}, "parameters"),
+     ((sm.door_seal(**SHORT), None, "friction"), {}, "parameters"),
+     ((sm.door_seal(**SHORT), None, {"fiction": 0.1}), {}, "fiction"),
+     ((sm.door_seal(**SHORT), None, {1: 0.1}), {}, "1"),
+     ((sm.door_seal(**SHORT),), {"keep_factors": "no"}, "keep_factors"),
+     ((sm.door_seal(**SHORT),), {"callback": 3}, "callback")],
+)  # fmt: skip
+def test_wrong_argument_of_an_analysis_is_named(arguments, keywords, word):
+    with pytest.raises((ValueError, TypeError), match=word):
+        sm.analyze(*arguments, **keywords)
+
+
+@pytest.mark.parametrize("call", [sm.estimate, sm.measure_points, sm.differentiate])
+def test_what_is_no_seal_or_result_is_refused(call):
+    with pytest.raises(TypeError, match="must be"):
+        call("drawn")
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [({"parameters": "friction"}, "parameters"), ({"parameters": ("fiction",)}, "fiction"),
+     ({"measures": ("gaps",)}, "gaps"), ({"measures": (3,)}, "measure"), ({"method": None}, "method")],
+)  # fmt: skip
+def test_wrong_argument_of_sensitivities_is_named(options, word):
+    result = sm.analyze(sm.door_seal(**SHORT))
+    with pytest.raises((ValueError, TypeError), match=word):
+        sm.differentiate(result, **options)
+
+
+@pytest.mark.parametrize("tolerance", [-1.0, 0.0, np.nan, 2.0, "small", None])
+def test_wrong_step_tolerance_is_named_at_once(tolerance):
+    """It used to take all rounds of halving."""
+    with pytest.raises(ValueError, match="step_tolerance"):
+        sm.door_seal(steps="auto", step_tolerance=tolerance)
+
+
+@pytest.mark.parametrize(
+    "options", [{"accuracy": ["paper"]}, {"accuracy": None}, {"steps": 3}, {"steps": ["auto"]}]
+)
+def test_wrong_choice_of_the_discretisation_is_named(options):
+    with pytest.raises(ValueError, match=next(iter(options))):
+        sm.door_seal(**options)
+
+
+@pytest.mark.parametrize(
+    "travels", [(10**400,), "far", (np.nan,), (-1.0,), 1j, ((1.0,), (1.0, 2.0))]
+)
+def test_wrong_travels_are_named(travels):
+    with pytest.raises(ValueError, match="travels"):
+        ReactionCurve(travels=travels)
+
+
+def test_one_travel_is_a_list_of_one():
+    assert (
+        ReactionCurve(travels=2.0) == ReactionCurve(travels=[2.0]) == ReactionCurve(travels=(2.0,))
+    )
+
+
+@pytest.mark.parametrize("value", [np.nan, -1, 1e300, 10**400, "many", None, 1j, [1]])
+@pytest.mark.parametrize(
+    "option", ["tol", "feas_tol", "maxiter", "max_failures", "singular_jac_tol", "trust_radius"]
+)
+def test_wrong_option_of_a_driver_is_named(option, value):
+    with pytest.raises(ValueError, match=option):
+        sm.UnoDriver(**{option: value})
+
+
+@pytest.mark.parametrize("option", [{"tol": np.nan}, {"maxiter": 10**12}])
+def test_wrong_option_of_slsqp_is_named_before_the_model_runs(option):
+    problem = om.Problem(driver=sm.SlsqpDriver(**option), reports=None)
+    problem.model.add_subsystem("c", om.ExecComp("f = x**2", x=3.0), promotes=["*"])
+    problem.model.add_design_var("x")
+    problem.model.add_objective("f")
+    problem.setup()
+    with pytest.raises(ValueError, match=next(iter(option))):
+        problem.run_driver()
+    assert problem.get_val("x")[0] == 3.0
+
+
+@pytest.mark.parametrize("path", ["", ".", 3, None])
+def test_recorder_without_a_file_name_is_refused(path):
+    with pytest.raises(ValueError, match="filepath"):
+        sm.RestartRecorder(path)
+
+
+@pytest.mark.parametrize("changes", [{"alpha": (500.0,)}, {"alpha": (1e-9,)}, {"mu": (1e20,)}])
+@pytest.mark.parametrize("law", ["Ogden", "Hyperfoam"])
+def test_powers_without_numbers_are_refused(law, changes):
+    make, others = CONSTRUCTORS[law]
+    with pytest.raises(ValueError, match=next(iter(changes))):
+        make(**(others | changes))

@@ -1,7 +1,8 @@
 """Options that the contact component and the group around it share."""
 
+from seal_mdao import values
 from seal_mdao.dsa.sensitivity import METHODS
-from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.kept_analyses import MOST_MEMORY, KeptAnalyses
 from seal_mdao.measures.measure import Measure
 from seal_mdao.seals.result import FACTOR_MEMORY
 from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
@@ -20,8 +21,7 @@ def declare_seal_options(options) -> None:
     options.declare(
         "factor_memory",
         default=FACTOR_MEMORY,
-        types=(int, float),
-        lower=0.0,
+        check_valid=_check_memory,
         desc="GiB for factors of converged tangents; those beyond are made again for the partials.",
     )
     options.declare(
@@ -113,6 +113,9 @@ def _check_measures(name, value):
         )
 
 
+def _check_memory(name, value):
+    values.real(f"option {name!r}", value, 0.0, MOST_MEMORY)
+
+
 def _check_callable(name, value):
-    if value is not None and not callable(value):
-        raise TypeError(f"option {name!r} must be callable or None, got {value!r}")
+    values.callback(f"option {name!r}", value)

@@ -16,6 +16,7 @@ from seal_mdao.drivers.evaluation import ModelEvaluator
 from seal_mdao.drivers.interrupt import InterruptGuard
 from seal_mdao.drivers.layout import flat, read_layout
 from seal_mdao.drivers.optimality import Optimality
+from seal_mdao.drivers.option_checks import count, positive_count, tolerance
 from seal_mdao.recording import run_log
 from seal_mdao.recording.evaluations import RecordedEvaluations
 
@@ -107,25 +108,33 @@ class OptimizerDriver(access.DriverHooks):
 
     def declare_options(self, declare) -> None:
         """Declare the options that the drivers share."""
-        declare("tol", default=1e-3, lower=0.0, desc="Optimality tolerance, in driver scaling.")
         declare(
-            "feas_tol", default=1e-6, lower=0.0,
+            "tol",
+            default=1e-3,
+            check_valid=tolerance,
+            desc="Optimality tolerance, in driver scaling.",
+        )
+        declare(
+            "feas_tol", default=1e-6, check_valid=tolerance,
             desc="Largest constraint violation of a feasible point, in driver scaling.",
         )  # fmt: skip
-        declare("maxiter", default=200, lower=0, desc="Maximum number of iterations.")
+        declare("maxiter", default=200, check_valid=count, desc="Maximum number of iterations.")
         declare(
             "disp", default=None, values=[None, True, False],
             desc="Print a line per iteration; None: where the output is a terminal.",
         )  # fmt: skip
         declare(
-            "max_failures", default=15, lower=1,
+            "max_failures", default=15, check_valid=positive_count,
             desc="Failed analyses after which the run is stopped; a good one makes up for one.",
         )  # fmt: skip
         declare(
             "singular_jac_behavior", default="warn", values=["error", "warn", "ignore"],
             desc="What to do about zero rows or columns of the first total Jacobian.",
         )  # fmt: skip
-        declare("singular_jac_tol", default=1e-16, desc="Tolerance for zero rows and columns.")
+        declare(
+            "singular_jac_tol", default=1e-16, check_valid=tolerance,
+            desc="Tolerance for zero rows and columns.",
+        )  # fmt: skip
         declare(
             "hotstart_file", default=None, allow_none=True, types=(str, Path),
             desc="Recorder file of an earlier run: at its designs the values and derivatives in "

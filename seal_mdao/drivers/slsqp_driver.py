@@ -7,6 +7,7 @@ import sys
 import openmdao.api as om
 from tqdm import tqdm
 
+from seal_mdao.drivers.option_checks import count, tolerance
 from seal_mdao.openmdao_access import FailedCases
 
 FAILED_OBJECTIVE = 1e20
@@ -36,7 +37,15 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         super().__init__(**{"optimizer": "SLSQP", "disp": sys.stdout.isatty(), **kwargs})
 
     def run(self) -> bool:
-        """Optimise; see ScipyOptimizeDriver."""
+        """Optimise; see ScipyOptimizeDriver.
+
+        Raises
+        ------
+        ValueError
+            For a tolerance or an iteration limit that is no such number.
+        """
+        tolerance("tol", self.options["tol"])
+        count("maxiter", self.options["maxiter"])
         self.failed_analyses, self.case_failure = 0, ""
         model = self._model = self.find_model()
         self._good = None

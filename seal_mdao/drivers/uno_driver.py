@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
+from seal_mdao.drivers.option_checks import positive
 from seal_mdao.drivers.solver_library import import_library, set_option
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ class UnoDriver(OptimizerDriver):
         """Declare the options."""
         super().declare_options(declare)
         declare(
-            "trust_radius", default=0.3, lower=0.0,
+            "trust_radius", default=0.3, check_valid=positive,
             desc="Largest change of a design variable in the first iteration, in driver scaling.",
         )  # fmt: skip
 

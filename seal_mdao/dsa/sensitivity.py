@@ -67,8 +67,12 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
         For a path that was not completed.
     """
     _check_method(method)
+    if not hasattr(result, "require_converged"):
+        raise TypeError(f"result must be what analyze returns, got a {type(result).__name__}")
     result.require_converged()
     seal = result.seal
+    if isinstance(parameters, str):
+        raise ValueError(f"parameters must be a sequence of names, got the string {parameters!r}")
     names = seal.inputs if parameters is None else tuple(parameters)
     _check_names(result, names)
     return sensitivities(result, names, result.measures(measures), method)

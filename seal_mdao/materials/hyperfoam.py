@@ -25,7 +25,7 @@ class Hyperfoam(StretchPowers):
     mu : tuple of float
         Moduli; their sum, the initial shear modulus, must be positive.
     alpha : tuple of float
-        Exponents, not zero.
+        Exponents, 1e-6 to 200 in size.
     nu : tuple of float
         Poisson's ratios, above -1 and below 1/2; the initial bulk modulus is
         sum 2 mu (1/3 + nu / (1 - 2 nu)). At zero a stretch gives no stress across it.

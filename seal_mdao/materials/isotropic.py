@@ -24,6 +24,8 @@ STEP = 1e-30
 """Of complex steps."""
 MOST_BULK = 1e7
 """Bulk over shear modulus: rounding leaves 1e-16 of the bulk modulus times a strain."""
+MOST_CONSTANT = 1e12
+"""Of any constant in size: squares of stresses are finite numbers."""
 
 
 class Isotropic(ABC):
@@ -282,7 +284,8 @@ def _over(slope, value):
 
 
 def checked(material, positive=(), nonnegative=(), real=()) -> None:
-    """Make the named fields of a law floats; refuse what is not finite or has the wrong sign.
+    """Make the named fields of a law floats; refuse what is no number up to ``MOST_CONSTANT`` in size,
+    or has the wrong sign.
 
     Raises
     ------
@@ -291,7 +294,7 @@ def checked(material, positive=(), nonnegative=(), real=()) -> None:
     """
     for name in (*positive, *nonnegative, *real):
         where = f"{name} of {type(material).__name__}"
-        value = values.real(where, getattr(material, name))
+        value = values.real(where, getattr(material, name), -MOST_CONSTANT, MOST_CONSTANT)
         if name in positive and value <= 0.0:
             raise ValueError(f"{where} must be positive, got {value}")
         if name in nonnegative and value < 0.0:

@@ -21,7 +21,7 @@ class Ogden(StretchPowers):
     mu : tuple of float
         Moduli, of either sign; the initial shear modulus sum mu alpha / 2 must be positive.
     alpha : tuple of float
-        Exponents, not zero.
+        Exponents, 1e-6 to 200 in size.
     bulk_modulus : float
         Of the projected volumetric energy, positive.
     """

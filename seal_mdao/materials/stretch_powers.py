@@ -15,7 +15,10 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.materials.chebyshev import stretch_power
-from seal_mdao.materials.isotropic import NO_VALUE, STEP, Isotropic
+from seal_mdao.materials.isotropic import MOST_CONSTANT, NO_VALUE, STEP, Isotropic
+
+LEAST_POWER, MOST_POWER = 1e-6, 200.0
+"""Exponents in size: beyond them powers of moderate stretches are lost in rounding, or no numbers."""
 
 
 class PowerTerm(NamedTuple):
@@ -172,10 +175,12 @@ def checked_terms(material, names: tuple[str, ...]) -> None:
         constants = tuple(given.ravel().tolist())
         object.__setattr__(material, name, constants)
         for i, value in enumerate(constants, 1):
-            if not np.isfinite(value):
-                raise ValueError(f"{name}_{i} of {kind} must be a finite number, got {value}")
-            if name == "alpha" and value == 0.0:
-                raise ValueError(f"alpha_{i} of {kind} must not be zero")
+            values.real(f"{name}_{i} of {kind}", value, -MOST_CONSTANT, MOST_CONSTANT)
+            if name == "alpha" and not LEAST_POWER <= abs(value) <= MOST_POWER:
+                raise ValueError(
+                    f"alpha_{i} of {kind} must be between {LEAST_POWER:g} and {MOST_POWER:g} in size, "
+                    f"got {value:g}"
+                )
     counts = {name: len(getattr(material, name)) for name in names}
     if len(set(counts.values())) > 1 or 0 in counts.values():
         raise ValueError(f"{kind} needs as many {' as '.join(names)}, at least one; got {counts}")

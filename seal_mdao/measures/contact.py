@@ -9,6 +9,7 @@ from seal_mdao.geometry.motion import ROUNDING
 from seal_mdao.measures.aggregates import MEAN_ORDER, lehmer_mean, opened_square_integral
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.selection import contact_patches, opened_points, touching_stretch
+from seal_mdao.values import numbers
 
 
 @dataclass(frozen=True)
@@ -268,7 +269,10 @@ class Reaction(Measure):
     text = "Force of the seal on the profile: horizontal, vertical."
 
     def __post_init__(self):
-        travels = () if self.travels is None else np.asarray(self.travels, float)
+        given = () if self.travels is None else self.travels
+        travels = numbers(f"travels of {self.name!r}", given).ravel()
+        if self.travels is not None:
+            object.__setattr__(self, "travels", tuple(travels.tolist()))
         if not all(0.0 <= travel < np.inf for travel in travels):
             raise ValueError(
                 f"travels of {self.name!r} must be numbers from 0 mm on, got {travels}"

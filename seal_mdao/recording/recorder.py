@@ -39,6 +39,10 @@ class RestartRecorder(SqliteHooks):
     """
 
     def __init__(self, filepath, append: bool = False, **options):
+        if not isinstance(filepath, str | Path) or not Path(filepath).name:
+            raise ValueError(
+                f"filepath of {type(self).__name__} must name a file, got {filepath!r}"
+            )
         super().__init__(filepath, **options)
         self._append = append
         self._unpublished = None

@@ -1,10 +1,11 @@
 """A seal analysed: from design parameters to the path and its measures, without OpenMDAO."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.cost import Cost, analysis_cost, announce, require_means
 from seal_mdao.analysis.load_path import solve_path
@@ -175,6 +176,7 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
     chosen = []
     for measure in seal.measures() if measures is None else measures:
         chosen += seal.measures((measure,)) if isinstance(measure, str) else [measure]
+        values.instance("a measure", chosen[-1], Measure)
     if not any(measure.takes_places for measure in chosen):
         return tuple(chosen)
     drawn = (analyze if analysis is None else analysis)(seal.as_drawn())
@@ -224,6 +226,7 @@ def analyze(
         support, an analysis that does not fit into the machine's memory or takes longer than 24 hours
         by its estimate (``TooLargeError``; ``analysis.cost``).
     """
+    values.instance("seal", seal, Seal)
     return seal.completed(
         analyzed_with(analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback)
     )
@@ -234,6 +237,10 @@ def analyzed_with(
 ) -> SealResult:
     """A design and parameters as the particles and the seal that ``analysis`` takes."""
     offsets = seal.check_offsets(boundary_offsets)
+    if parameters is not None:
+        values.instance("parameters", parameters, Mapping)
+    values.callback("callback", callback)
+    keep_factors = values.flag("keep_factors", keep_factors)
     return analysis(
         seal.with_parameters(parameters or {}), seal.particles(offsets), offsets,
         factor_memory=FACTOR_MEMORY if keep_factors else 0.0, callback=callback,
@@ -242,6 +249,7 @@ def analyzed_with(
 
 def estimate(seal: Seal) -> Cost:
     """Time and memory that one analysis of a seal takes, roughly (``analysis.cost``)."""
+    values.instance("seal", seal, Seal)
     return analysis_cost(seal.body, seal.drawn_particles, seal.n_steps)
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures
 
 FINER = 4
@@ -41,7 +42,7 @@ def choose_steps(seal_with: Callable, tolerance: float, first: int = FIRST) -> S
     seal_with : callable
         ``seal_with(ends)`` gives the drawn seal with load steps that end at these shares of the path.
     tolerance : float
-        Relative, as ``StepChoice.error``.
+        Relative, at most 1, as ``StepChoice.error``.
     first : int
         Equal steps to begin with.
 
@@ -50,8 +51,9 @@ def choose_steps(seal_with: Callable, tolerance: float, first: int = FIRST) -> S
     LoadPathError
         When a path cannot be completed.
     ValueError
-        When the tolerance is not reached after ``ROUNDS`` rounds of halving.
+        When the tolerance is no such number, or is not reached after ``ROUNDS`` rounds of halving.
     """
+    values.real("step_tolerance", tolerance, above=0.0, high=1.0)
     ends = np.arange(1, first + 1) / first
     for _ in range(ROUNDS):
         coarse, fine = (analyze(seal_with(tuple(e.tolist()))) for e in (ends, divided(ends, FINER)))

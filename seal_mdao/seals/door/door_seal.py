@@ -184,9 +184,7 @@ class DoorSeal(Seal):
             ("section", Section),
             ("newton", NewtonOptions),
         ):
-            value = getattr(self, name)
-            if not isinstance(value, kind):
-                raise TypeError(f"{name} must be a {kind.__name__}, got {value!r}")
+            values.instance(name, getattr(self, name), kind)
 
     def _set(self, name: str, check, *bounds, **more) -> None:
         """Put the checked value in the place of the one given."""
@@ -214,14 +212,14 @@ class DoorSeal(Seal):
             )
 
     def _check_support(self):
-        if np.ndim(self.support) == 0:
+        pair = values.numbers("support", self.support)
+        if pair.ndim == 0:
             self._set("support", values.real, above=0.0, high=MOST_SUPPORT)
             return
-        pair = values.numbers("support", self.support)
         _require(
             pair.shape == (2,) and bool(np.all((pair > 1.0) & (pair <= MOST_SUPPORT))),
             f"support must be a positive number, or two above 1 and at most {MOST_SUPPORT} (around and "
-            f"across the wall), got {self.support!r}",
+            f"across the wall), got {values.shown(self.support)}",
         )
         object.__setattr__(self, "support", tuple(pair.tolist()))
 
@@ -258,7 +256,7 @@ class DoorSeal(Seal):
             and ends[-1] == 1.0
             and bool(np.all(np.diff(ends, prepend=0.0) > 0.0)),
             f"step_ends must be {self.n_steps} increasing shares of the way (n_steps), the last one 1; "
-            f"got {self.step_ends!r}",
+            f"got {values.shown(self.step_ends)}",
         )
         object.__setattr__(self, "step_ends", tuple(ends.tolist()))
 
@@ -530,10 +528,11 @@ def door_seal(
     unknown = sorted(set(changes) - set(known))
     if unknown:
         raise TypeError(f"unknown option {unknown[0]!r}; known options are {', '.join(known)}")
+    values.one_of("accuracy", accuracy, tuple(ACCURACIES))
     _require(
-        accuracy in ACCURACIES, f"accuracy must be one of {tuple(ACCURACIES)}, got {accuracy!r}"
+        steps is None or (isinstance(steps, str) and steps == "auto"),
+        f'steps must be None or "auto", got {values.shown(steps)}',
     )
-    _require(steps in (None, "auto"), f'steps must be None or "auto", got {steps!r}')
     seal = DoorSeal(**{**ACCURACIES[accuracy], **changes})
     return seal if steps is None else _with_chosen_steps(seal, step_tolerance)
 

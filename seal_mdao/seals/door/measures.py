@@ -20,6 +20,8 @@ from seal_mdao.measures.selection import (
 )
 from seal_mdao.measures.stress import STRESS_COUNT, StressNorm, VonMises
 from seal_mdao.seals.result import analyze
+from seal_mdao.seals.seal import Seal
+from seal_mdao.values import instance
 
 DOOR = "door"
 """Label of the contact with the door."""
@@ -105,6 +107,7 @@ def measure_points(seal) -> MeasurePoints:
     LoadPathError
         When the drawn seal's path cannot be completed.
     """
+    instance("seal", seal, Seal)
     return _points_of(seal.as_drawn())
 
 
