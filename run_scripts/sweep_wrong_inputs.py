@@ -1,4 +1,4 @@
-"""Try 200 wrong inputs, each in a process of its own; print what became of each one."""
+"""Try some 400 wrong inputs, each in a process of its own; print what became of each one."""
 
 import multiprocessing
 import resource
@@ -7,13 +7,17 @@ import time
 import warnings
 from collections import Counter
 
+import openmdao.api as om
+import psutil
 from _common import parser, run, write_summary
 from _wrong_inputs import cases
 
 import seal_mdao as sm
 
 SECONDS, GIB = 10.0, 2.0
-"""Within which each has to end."""
+"""Of the processor and of memory, within which each has to end."""
+PATIENCE = 120.0
+"""Seconds after which one that takes nothing of the processor hangs, too."""
 FAIR = ("clear error", "checked result", "failed path")
 """Endings that surprise nobody."""
 
@@ -21,46 +25,65 @@ FAIR = ("clear error", "checked result", "failed path")
 def main(arguments) -> int:
     context = multiprocessing.get_context("fork")
     sm.analyze(sm.door_seal())  # compiles, once for all
-    rows = [tried(context, *case, arguments.out) for case in cases(arguments.out)]
+    rows = [tried(context, *case) for case in cases(arguments.out)]
     for kind, text, seconds, memory, name in rows:
         print(f"{kind:15s} {seconds:6.2f} s {memory:5.2f} GiB  {name:58s} {text}")
     counts = Counter(row[0] for row in rows)
     print(f"{len(rows)} inputs: {', '.join(f'{n} {kind}' for kind, n in counts.most_common())}")
+    longest, largest = (max(rows, key=lambda row, at=at: row[at]) for at in (2, 3))
+    print(f"longest: {longest[2]:.2f} s, {longest[4]}; largest: {largest[3]:.2f} GiB, {largest[4]}")
     write_summary(arguments.out, {"counts": dict(counts), "rows": rows})
     return 0 if set(counts) <= set(FAIR) else 1
 
 
-def tried(context, name: str, action, out) -> tuple:
-    """Kind of ending, text, seconds, GiB, and name of one input."""
+def tried(context, name: str, action) -> tuple:
+    """Kind of ending, text, seconds of the processor, GiB, and name of one input."""
     mine, theirs = context.Pipe(duplex=False)
     child = context.Process(target=outcome, args=(action, theirs))
     begun = time.perf_counter()
     child.start()
-    kind, text, memory = "hangs", "", 0.0
-    if mine.poll(SECONDS):
+    theirs.close()
+    spent = (0.0, 0.0)
+    while not mine.poll(0.02):
+        spent = taken(child.pid, spent)
+        if spent[0] > SECONDS or spent[1] > GIB or time.perf_counter() - begun > PATIENCE:
+            child.terminate()
+            break
+    kind, text = ("large", "") if spent[1] > GIB else ("hangs", "")
+    if mine.poll():
         try:
-            kind, text, memory = mine.recv()
+            kind, text, *spent = mine.recv()
         except EOFError:
             kind, text = "died", "the process ended without a word"
-    seconds = time.perf_counter() - begun
-    child.terminate()
     child.join()
-    if memory > GIB:
+    if spent[1] > GIB:
         kind = "large"
-    return kind, text, round(seconds, 3), round(memory, 3), name
+    return kind, text, round(spent[0], 3), round(spent[1], 3), name
+
+
+def taken(pid: int, before: tuple) -> tuple:
+    """Seconds of the processor and GiB that a process has taken; as before when it has ended."""
+    try:
+        process = psutil.Process(pid)
+        times = process.cpu_times()
+        return times.user + times.system, process.memory_info().rss / 2**30
+    except psutil.NoSuchProcess:
+        return before
 
 
 def outcome(action, pipe) -> None:
     """Run one input and send what came of it."""
     warnings.simplefilter("ignore")
     try:
-        pipe.send((*judged(action()), peak()))
+        pipe.send((*judged(action()), *spent()))
     except (ValueError, TypeError, ImportError) as error:
         text = str(error)
         clear = text and "\n" not in text and len(text) < 500
-        pipe.send(("clear error" if clear else "unclear error", text[:160], peak()))
+        pipe.send(("clear error" if clear else "unclear error", text[:160], *spent()))
+    except (sm.LoadPathError, om.AnalysisError) as error:
+        pipe.send(("failed path", str(error)[:160], *spent()))
     except BaseException as error:
-        pipe.send(("traceback", f"{type(error).__name__}: {error}"[:160], peak()))
+        pipe.send(("traceback", f"{type(error).__name__}: {error}"[:160], *spent()))
 
 
 def judged(result) -> tuple[str, str]:
@@ -75,9 +98,9 @@ def judged(result) -> tuple[str, str]:
     ]
 
 
-def peak() -> float:
-    """Largest memory of this process, GiB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+def spent() -> tuple[float, float]:
+    """Seconds of the processor and the largest memory of this process, GiB."""
+    return time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 
 
 def arguments_parser():

@@ -167,14 +167,14 @@ def _inside_profiles(samples: Samples):
             continue
         gap = term.gaps(samples.places[which], path.steps[-1].fraction)
         worst = int(np.argmin(gap))
-        if gap[worst] < -SLIGHT * wall:
+        if not gap[worst] >= -SLIGHT * wall:  # NaN is no gap either
             place = samples.places[which[worst]]
             yield Finding(
                 f"the seal lies {-gap[worst]:.3g} mm inside the rigid profile {term.label!r} near "
                 f"{_at(place)}, {-100.0 * gap[worst] / wall:.2g} % of its wall: there is contact at the "
                 "contact points only, with a penalty; use more particles along the boundary, a rounder "
                 "profile, a larger normal penalty, or a smaller depth",
-                bool(gap[worst] < -DEEP * wall),
+                not gap[worst] >= -DEEP * wall,
             )
 
 

@@ -1,6 +1,13 @@
 """Same inputs, same bits, whatever was computed in between."""
 
+import gc
+import os
+import subprocess
+import sys
+
 import numpy as np
+import psutil
+import pytest
 
 import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp  # noqa: F401
@@ -56,3 +63,64 @@ def test_sensitivities_with_and_without_kept_factors_have_the_same_bits(
         without = sm.differentiate(bare, method=method)
         np.testing.assert_array_equal(with_factors.von_mises, without.von_mises)
         np.testing.assert_array_equal(with_factors.gap, without.gap)
+
+
+BITS = """
+import hashlib
+import numpy as np
+import seal_mdao as sm
+for solver in ("banded", "superlu"):
+    seal = sm.door_seal(depth=3.0, n_steps=35, solver=solver)
+    result = sm.analyze(seal, np.linspace(-0.1, 0.1, 25), {"door_radius": 4.1})
+    rates = sm.differentiate(result)
+    parts = result.deformed(), result.reaction, result.von_mises, result.gap, rates.von_mises, rates.gap
+    print(hashlib.sha256(b"".join(np.ascontiguousarray(x).tobytes() for x in parts)).hexdigest())
+"""
+
+
+def test_number_of_blas_threads_changes_no_bit():
+    found = set()
+    for number in ("1", "2", "8"):
+        threads = dict.fromkeys(
+            ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), number
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", BITS], env={**os.environ, **threads}, check=True,
+            capture_output=True, text=True,
+        )  # fmt: skip
+        assert len(done.stdout.split()) == 2
+        found.add(done.stdout)
+    assert len(found) == 1
+
+
+def test_memory_stays_flat_over_many_analyses():
+    """Of designs that differ, with what OpenMDAO's component keeps: one result stays, not all."""
+    seal, rng = sm.door_seal(depth=0.5, n_steps=10), np.random.default_rng(3)
+    kept = sm.KeptAnalyses(memory=0.0)
+
+    def grown(count):
+        for _ in range(count):
+            offsets = rng.uniform(-0.1, 0.1, seal.n_offsets)
+            assert kept.analyze(seal, offsets, keep_factors=True).converged
+        gc.collect()
+        return psutil.Process().memory_info().rss
+
+    before = grown(10)
+    # a result with the factors of its ten steps has 9 MB; forty of them would be 360
+    assert grown(40) - before < 20e6
+
+
+@pytest.mark.long
+def test_random_designs_complete_and_their_order_changes_no_bit():
+    """Up to the bounds of the designs, +-0.5 mm, some near +-0.2 mm."""
+    rng, seal = np.random.default_rng(71), sm.door_seal()
+    designs = [
+        size * rng.uniform(-1.0, 1.0, seal.n_offsets) for size in (0.2, 0.5) for _ in range(20)
+    ]
+    found = [sm.analyze(seal, offsets) for offsets in designs]
+    assert sum(result.converged for result in found) >= len(designs) - 1
+    for result, offsets in zip(reversed(found), reversed(designs), strict=True):
+        again = sm.analyze(seal, offsets)
+        assert again.converged == result.converged
+        if again.converged:
+            assert bits(again) == bits(result)

@@ -215,3 +215,19 @@ def test_subclass_of_the_group(tmp_path):
     np.testing.assert_array_equal(offsets, problem.get_val("mine.boundary_offsets", units="mm"))
     assert title(history) == "Optimisation of mine.cost.cost"
     assert 'class="warning"' not in shapes(path)[0]
+
+
+def test_design_whose_result_is_not_right_is_pointed_out(tmp_path):
+    """Equilibrium is met, and the section lies in itself."""
+    seal = sm.door_seal(depth=14.6, n_steps=150)
+
+    def build(model):
+        model.add_subsystem("deep", sm.SealGroup(seal=seal))
+        model.add_design_var("deep.door_radius", lower=3.5, upper=4.5)
+        model.add_objective("deep.gap_square_sum")
+
+    path, _ = ran(build, tmp_path, driver=Driver())
+    warned = re.findall(r'<p class="warning">(.*?)</p>', shapes(path)[0])
+    for design in ("First", "Last"):
+        text = f"{design} design of deep: the boundary crosses itself"
+        assert any(line.startswith(text) for line in warned)

@@ -1,8 +1,14 @@
 """The report in headless Chromium: no console errors, and the sliders move the pictures."""
 
 import re
+import shutil
+import sqlite3
+import zlib
+from contextlib import closing
 
 import pytest
+
+from seal_mdao.report.write import write_report
 
 PIXELS = """
 const canvas = document.getElementById(arguments[0]), copy = document.createElement("canvas");
@@ -189,4 +195,23 @@ def test_problem_that_is_no_seal(browser, other_page):
     browser.execute_script(MOVE, "iteration", 0)
     assert text_of(browser, "iteration-value").startswith("0 of")
     assert "</script><b>&" in browser.find_element("css selector", "table").text
+    assert browser.get_log("browser") == []
+
+
+@pytest.fixture
+def markup_page(seal_page, tmp_path):
+    """The seal's report with a unit after which a browser takes all that follows for data."""
+    cases = shutil.copy(seal_page.cases, tmp_path / "cases.sql")
+    with closing(sqlite3.connect(cases)) as connection, connection:
+        (packed,) = connection.execute("SELECT abs2meta FROM metadata").fetchone()
+        unit = zlib.decompress(packed).replace(b'"mm**2"', b'"<!--<script>"')
+        connection.execute("UPDATE metadata SET abs2meta=?", (zlib.compress(unit),))
+    return write_report(cases)
+
+
+def test_markup_as_a_unit_does_not_disable_the_page(browser, markup_page):
+    browser.get(markup_page.as_uri())
+    assert "\\u003c!--\\u003cscript>" in markup_page.read_text(encoding="utf-8")
+    assert browser.execute_script("return document.documentElement.dataset.ready") == "true"
+    assert "<!--<script>" in browser.find_element("tag name", "body").text
     assert browser.get_log("browser") == []

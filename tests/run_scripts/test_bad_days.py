@@ -1,10 +1,13 @@
 """What goes wrong beside the mechanics: one line, exit status 1 or 2, nothing lost."""
 
 import shutil
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
-from script_runs import CHEAP
+from script_runs import CHEAP, SCRIPTS
 
 from seal_mdao.recording.claim import claim
 
@@ -86,6 +89,22 @@ def test_disk_that_is_full(tmp_path, run_script, capsys, monkeypatch):
     assert "summary.json" in error
 
 
+def test_ctrl_c_ends_a_long_analysis_at_once(tmp_path):
+    """A real one, after it has said how long it is going to take."""
+    command = [sys.executable, SCRIPTS / "analyze_door_seal.py", "--out", tmp_path]
+    size = ["--rays", "1160", "--layers", "9", "--n-steps", "1000"]
+    with subprocess.Popen([*command, *size], stderr=subprocess.PIPE, text=True) as process:
+        for line in process.stderr:
+            if "will take about" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        said = process.stderr.read().splitlines()
+        assert process.wait(60) == 130
+    assert "10440 particles in 1000 load steps" in line
+    assert said[-1] == f"analyze_door_seal.py: interrupted; nothing is in {tmp_path}"
+    assert not any("Traceback" in text for text in said)
+
+
 def test_ctrl_c_ends_an_analysis_in_one_line(tmp_path, run_script, capsys, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
@@ -120,7 +139,7 @@ def test_sweep_of_wrong_inputs_has_no_surprise(tmp_path, run_script, capsys):
     assert code == 0
 
 
-def test_wrong_inputs_of_the_sweep_are_two_hundred(tmp_path, run_script):
+def test_wrong_inputs_of_the_sweep_are_hundreds(tmp_path, run_script):
     """And no two have one name."""
     from _wrong_inputs import cases
 

@@ -244,6 +244,11 @@ BAD = {
     "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "lies on the left when walked; is it "
                   "walked the wrong way?)"),
     "start a number": ("start = [0.0, 14.5]", "start = 14.5", "start = 14.5, but it must be a point"),
+    "start beyond all": ("start = [0.0, 14.5]", "start = [0.0, 1e300]", "must be a point [x, y] of two "
+                         "numbers, at most 100000 in size"),
+    "huge penalty": (DOOR, DOOR + "\nnormal_penalty = 1e300", "a number above 0 and at most 1e+12"),
+    "huge friction": ("friction = 0.25", "friction = 1e300", "a number of at least 0 and at most 10"),
+    "many turns": ("rotate = 0.0", "rotate = 1e9", "a number of at least -3600 and at most 3600"),
     "no penalty": (DOOR, DOOR + "\nnormal_penalty = 0.0", "normal_penalty = 0.0, but it must be a numb"),
     "no stage": (*without(STAGES), "[[profile]]: none has a [[profile.stage]]; at least one has to mo"),
     "stage no list": (STAGES, "[profile.stage]\nsteps = 3\n", "profile.stage must be a list of tables"),

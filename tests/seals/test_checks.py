@@ -1,6 +1,7 @@
 """A result checks itself: what equilibrium alone would let pass as a good answer."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import openmdao.api as om
@@ -78,6 +79,16 @@ def test_soft_penalty_is_told_and_softer_is_no_result():
     told, wrong = (analysed(normal_penalty=w_n, n_steps=40) for w_n in (100.0, 20.0))
     assert any("inside the rigid profile" in text for text in told.warnings)
     assert any("inside the rigid profile" in text for text in impossible(wrong))
+
+
+def test_places_without_a_gap_are_no_result(drawn, monkeypatch):
+    """NaN is not taken for a gap that is open."""
+    path = replace(drawn.path)
+    monkeypatch.setattr(
+        type(path.problem.term("door")), "gaps", lambda self, x, _: np.full(len(x), np.nan)
+    )
+    found = [found for found in findings(path) if found.impossible]
+    assert any("inside the rigid profile 'door'" in one.text for one in found)
 
 
 def test_iterations_that_rounding_ended_are_no_result():

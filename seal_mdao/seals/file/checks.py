@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from difflib import get_close_matches
-from math import isfinite
+from math import inf, isfinite
 from typing import NamedTuple
 
 from seal_mdao.errors import GeometryError, SealFileError
@@ -38,14 +38,17 @@ def _number(value) -> float:
     return float(value)
 
 
-def number(above: float | None = None, least: float | None = None) -> Check:
-    """A finite number, above or not below a bound."""
+def number(above: float | None = None, least: float | None = None, most: float = inf) -> Check:
+    """A finite number, above or not below a bound, and at most another one."""
     limit = "" if above is None else f" above {above:g}"
     limit += "" if least is None else f" of at least {least:g}"
+    limit += f" and at most {most:g}" if most < inf else ""
 
     def convert(value):
         found = _number(value)
         if (above is not None and found <= above) or (least is not None and found < least):
+            raise ValueError
+        if found > most:
             raise ValueError
         return found
 
@@ -99,6 +102,18 @@ def _point(value):
 
 
 POINT = Check("a point [x, y] of two numbers", _point)
+
+
+def point(most: float) -> Check:
+    """A point with coordinates up to ``most`` in size."""
+
+    def convert(value):
+        found = _point(value)
+        if max(map(abs, found)) > most:
+            raise ValueError
+        return found
+
+    return Check(f"a point [x, y] of two numbers, at most {most:g} in size", convert)
 
 
 def many(one: Check, what: str, least: int = 1) -> Check:

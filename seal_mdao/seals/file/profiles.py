@@ -10,9 +10,9 @@ from seal_mdao.seals.file.checks import (
     LIST,
     NAME,
     NAMES,
-    POINT,
     Key,
     number,
+    point,
     table,
     tables,
     whole,
@@ -24,25 +24,29 @@ from seal_mdao.seals.outline.crossings import check_simple
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Line, Spline
 
 MOST_STEPS = 100_000
+MOST_FRICTION, MOST_PENALTY, MOST_TURN = 10.0, 1e12, 3600.0
+"""Coefficient, kPa/mm, degrees."""
+PLACE = point(1e5)
+"""mm."""
 NORMAL_PENALTY, TANGENT_PENALTY = 1e4, 1e2
 """kPa/mm, of the door seal: about 3e-3 mm of penetration for rubber of 100 kPa."""
 
 PROFILE_KEYS = {
     "name": Key(NAME),
-    "friction": Key(number(least=0.0)),
+    "friction": Key(number(least=0.0, most=MOST_FRICTION)),
     "contact": Key(NAMES),
     **KEYS,
     "segment": Key(LIST, None),
-    "start": Key(POINT, (0.0, 0.0)),
-    "angle": Key(number(), 0.0),
-    "pivot": Key(POINT, (0.0, 0.0)),
-    "normal_penalty": Key(number(above=0.0), NORMAL_PENALTY),
-    "tangent_penalty": Key(number(above=0.0), TANGENT_PENALTY),
+    "start": Key(PLACE, (0.0, 0.0)),
+    "angle": Key(number(least=-MOST_TURN, most=MOST_TURN), 0.0),
+    "pivot": Key(PLACE, (0.0, 0.0)),
+    "normal_penalty": Key(number(above=0.0, most=MOST_PENALTY), NORMAL_PENALTY),
+    "tangent_penalty": Key(number(above=0.0, most=MOST_PENALTY), TANGENT_PENALTY),
     "stage": Key(LIST, None),
 }
 STAGE_KEYS = {
-    "translate": Key(POINT, (0.0, 0.0)),
-    "rotate": Key(number(), 0.0),
+    "translate": Key(PLACE, (0.0, 0.0)),
+    "rotate": Key(number(least=-MOST_TURN, most=MOST_TURN), 0.0),
     "steps": Key(whole(1, MOST_STEPS)),
 }
 
