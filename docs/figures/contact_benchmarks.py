@@ -1,20 +1,28 @@
-"""Benchmarks of contact and friction: Hertz, a dragged block, a belt."""
+"""Benchmarks of contact and friction: Hertz, an O-ring, a dragged block, a belt."""
 
 from pathlib import Path
 
 import numpy as np
 
+import seal_mdao as sm
 from figures.tables import percent, power, table
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
 from seal_mdao.verification.hertz import press_cylinder
+from seal_mdao.verification.o_ring import (
+    lindley_force,
+    small_force,
+    small_squeeze,
+    squeeze_ring,
+)
 from seal_mdao.verification.sliding import drag_block, pull_belt
 
 FRICTION = 0.3
+RING = Path(__file__).resolve().parents[2] / "examples" / "o_ring.toml"
 
 
 def make(out: Path, reduced: bool) -> dict:
     """Pictures, tables and numbers."""
-    return _hertz(out, reduced) | _drag(out) | _belt(out, reduced)
+    return _hertz(out, reduced) | _o_ring(out, reduced) | _drag(out) | _belt(out, reduced)
 
 
 def _hertz(out: Path, reduced: bool) -> dict:
@@ -43,6 +51,53 @@ def hertz_picture(found: list):
     axes.set_xlabel("place / half-width")
     axes.set_ylabel("pressure / peak pressure")
     axes.legend(loc="lower center")
+    return figure
+
+
+def _o_ring(out: Path, reduced: bool) -> dict:
+    file, chosen = sm.read_seal_file(RING), (1, 3, 5, 7, 15, 23, 31, 39)
+    spacings = (0.4,) if reduced else (0.4, 0.25, 0.15)
+    rings = [squeeze_ring(file, spacing) for spacing in spacings]
+    rows = []
+    for step in chosen:
+        c, size = rings[0].squeeze[step], (rings[0].diameter, rings[0].modulus)
+        known = [law(c, *size) for law in (small_force, lindley_force)]
+        rows.append([percent(c), f"{rings[-1].force[step]:.0f}", *(f"{x:.0f}" for x in known)])
+        law = known[0] if c <= 0.05 else known[1]
+        rows[-1] += [percent(ring.force[step] / law - 1.0) for ring in rings]
+        peak = small_squeeze(rings[-1].force[step], *size)[2]
+        rows[-1].append(percent(rings[-1].peak[step] / peak - 1.0) if c <= 0.05 else "")
+    save(o_ring_picture(rings[-1]), out / "o_ring_force.png")
+    head = [
+        "squeeze", "force (N/m)", "closed form", "Lindley",
+        *(f"error at {spacing:g} mm" for spacing in spacings), "error of the peak pressure",
+    ]  # fmt: skip
+    size = rings[-1].diameter, rings[-1].modulus
+    small, large = (
+        max(abs(rings[-1].force[k] / law(rings[-1].squeeze[k], *size) - 1.0) for k in steps)
+        for law, steps in ((small_force, chosen[:4]), (lindley_force, chosen[4:]))
+    )
+    return {
+        "o_ring_table": table(head, rows), "o_ring_small": percent(small),
+        "o_ring_large": percent(large),
+    }  # fmt: skip
+
+
+@styled
+def o_ring_picture(ring):
+    figure, axes = subplots(width=5.6, height=3.5)
+    squeeze, size = np.linspace(1e-3, ring.squeeze[-1], 200), (ring.diameter, ring.modulus)
+    for law, label, line in (
+        (small_force, "closed form, small squeeze", "--"), (lindley_force, "Lindley", "-"),
+    ):  # fmt: skip
+        forces = np.array([law(c, *size) for c in squeeze])
+        axes.plot(100 * squeeze, 1e-3 * forces, line, color=GREY, label=label)
+    axes.plot(
+        100 * ring.squeeze, 1e-3 * ring.force, "o", color=BLUE, markersize=3.5, label="seal_mdao"
+    )
+    axes.set_xlabel("squeeze (% of the diameter)")
+    axes.set_ylabel("force (N/mm)")
+    axes.legend()
     return figure
 
 

@@ -213,11 +213,13 @@ def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation,
 
 def untransformed_seeds(raw: ShapeTable, table: ShapeTable, phi_bar, grad_bar, transformation):
     """Transpose of ``transformed_rates``: seeds on the raw table (phi, grad), and on T or None."""
-    if transformation is None or transformation.constrained.size == 0:
+    if transformation is None:
         return phi_bar, grad_bar, None
     c, u, matrix = transformation.constrained, transformation.union, transformation.matrix
     m = phi_bar.shape[1]
     matrix_bar = np.zeros((*matrix.shape, m))
+    if c.size == 0:
+        return phi_bar, grad_bar, matrix_bar
     raw_phi, raw_grad = np.empty((raw.phi.size, m)), np.empty((raw.grad.size, m))
     _transform_seeds(raw, table, c, u, matrix, raw.phi, 1, phi_bar, raw_phi, matrix_bar)
     _transform_seeds(raw, table, c, u, matrix, raw.grad, 2, grad_bar, raw_grad, matrix_bar)

@@ -1,5 +1,6 @@
 """The paper's seal out of its file is the door seal."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,9 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.measures.contact import GapSquareIntegral
+from seal_mdao.seals.outline.section import Line
 from seal_mdao.seals.result import frozen_measures
+from seal_mdao.verification.flat_door_reference import REACTION
 
 FILE = Path(__file__).parents[2] / "examples" / "paper_seal.toml"
 
@@ -50,3 +53,21 @@ def test_the_path_is_that_of_the_door_seal(both):
     for result_of in (lambda r: r.response("door").total, lambda r: r.response("door").gap):
         mine, known = result_of(seal), result_of(door)
         assert np.abs(mine - known).max() < 1e-12 * np.abs(known).max()
+
+
+@pytest.mark.parametrize(
+    ("spacing", "limit"), [(0.9, 0.03), pytest.param(0.45, 0.01, marks=pytest.mark.long)]
+)
+def test_other_particles_under_a_flat_door(spacing, limit):
+    """With a spacing in place of rays: the independent finite elements at 2, 4, 6, 8 and 10 mm."""
+    pytest.importorskip("netgen")
+    file = sm.read_seal_file(FILE)
+    flat = replace(file.profiles[0], segments=(Line((-40.0, 0.0), (40.0, 0.0)),))
+    section = replace(file.section, spacing=spacing)
+    result = sm.analyze(
+        sm.build_seal(replace(file, section=section, profiles=(flat,), measures=(), optimize=None))
+    )
+    travel = 0.1 * np.arange(1, 106) - 0.5
+    at = np.abs(travel - REACTION[:, :1]).argmin(axis=1)
+    reaction = result.path.reaction("door")[at, 1]
+    assert np.abs(reaction / REACTION[:, 1] - 1.0).max() < limit

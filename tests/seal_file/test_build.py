@@ -113,6 +113,68 @@ line = [[9.0, 30.0], [9.0, 0.0]]
     assert not side.motion.coordinates(5.0).any()
 
 
+RING = """[material.rubber]
+law = "neo_hookean"
+c10 = 500.0
+bulk_modulus = 400000.0
+[section]
+material = "rubber"
+spacing = 0.5
+[[section.outer]]
+edge = "right"
+arc = { start = [0.3, 0.015037688680139993], through = [3.0, 3.0], end = [-0.3, 5.98496231131986] }
+[[section.outer]]
+edge = "left"
+arc = { start = [-0.3, 5.98496231131986], through = [-3.0, 3.0], end = [0.3, 0.015037688680139993] }
+[[profile]]
+name = "lid"
+friction = 0.2
+contact = ["right", "left"]
+line = [[-9.0, 0.0], [9.0, 0.0]]
+start = [0.0, 6.0]
+stage = [{ translate = [0.0, -0.3], steps = 4 }]
+[[profile]]
+name = "bottom"
+friction = 0.2
+contact = ["right", "left"]
+line = [[9.0, 0.0], [-9.0, 0.0]]
+[[design]]
+edges = ["right"]
+parameters = 4
+bound = 0.2
+[[measure]]
+type = "reaction"
+profile = "lid"
+[[measure]]
+type = "strain_energy"
+"""
+
+
+def test_a_ring_that_nothing_holds_but_two_planes(tmp_path):
+    """They touch it within segments, not at ends of them; gradients with no particle held."""
+    seal = build_seal(read(tmp_path, RING))
+    assert not seal.body.fixed.any()
+    result = sm.analyze(seal)
+    assert result.converged
+    direct, adjoint = (sm.differentiate(result, (), None, way) for way in ("direct", "adjoint"))
+    for name in ("reaction", "strain_energy"):
+        size = np.abs(direct[name]).max()
+        assert size > 0.0
+        np.testing.assert_allclose(direct[name], adjoint[name], rtol=0.0, atol=1e-9 * size)
+
+
+@pytest.mark.parametrize(("start", "clear"), [(6.0, True), (6.0 - 2e-6, False), (6.1, True)])
+def test_the_least_gap_is_found_between_the_points_that_are_looked_at(tmp_path, start, clear):
+    text = RING.replace("start = [0.0, 6.0]", f"start = [0.0, {start!r}]")
+    if clear:
+        assert read(tmp_path, text).profiles[0].start == (0.0, start)
+    else:
+        with pytest.raises(
+            sm.SealFileError, match=r"'(right|left)' 2e-06 mm inside the rigid body"
+        ):
+            read(tmp_path, text)
+
+
 @pytest.mark.parametrize(("old", "new", "words"), [
     ("parameters = 5", "parameters = 1", "needs at least"),
     ("radius = 4.5", "radius = 6.9999", "seal.toml: "),

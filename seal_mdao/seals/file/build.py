@@ -7,7 +7,12 @@ import numpy as np
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.seals.file.cross_checks import ROUNDING, contact_order, gap_at_start
+from seal_mdao.seals.file.cross_checks import (
+    ROUNDING,
+    contact_order,
+    gap_at_start,
+    nearest_at_start,
+)
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.tables import ProfileTable, SealFile, SelfContactTable
@@ -159,12 +164,9 @@ def _clear_start(profile: ProfileTable, outline: Outline) -> tuple:
     A profile that is drawn to touch would begin within the section or outside of it by chance.
     """
     clear, h = ROUNDING * outline.size, 1e-3 * outline.size
-    gap = gap_at_start(profile)
-    ends = [
-        s.points([share])[0] for n in profile.contact for s in outline.edge(n) for share in (0, 1)
-    ]
-    x, y = min(ends, key=lambda point: gap(*point))
-    if abs(gap(x, y)) > clear:
+    least, (x, y), _ = nearest_at_start(profile, outline)
+    if least > clear:
         return profile.start
+    gap = gap_at_start(profile)
     away = np.array([gap(x + h, y) - gap(x - h, y), gap(x, y + h) - gap(x, y - h)]) / (2.0 * h)
     return tuple((np.array(profile.start) - 2.0 * clear * away).tolist())

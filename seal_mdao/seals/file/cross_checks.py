@@ -1,6 +1,9 @@
 """Whether the tables of a seal file fit each other, before anything is computed."""
 
+from typing import NamedTuple
+
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from seal_mdao.contact.kinematics import closest_point
 from seal_mdao.errors import SealFileError
@@ -254,24 +257,51 @@ def gap_at_start(profile):
     return lambda x, y: closest_point(curve, *in_frame(pose, x, y))[2]
 
 
+class Nearest(NamedTuple):
+    """Where a section is nearest to a profile at the start: gap (mm), place, edge."""
+
+    gap: float
+    place: np.ndarray
+    edge: str
+
+
+def nearest_at_start(profile, outline) -> Nearest:
+    """The place of the edges that may touch a profile where their gap at the start is least."""
+    gap = gap_at_start(profile)
+    segments = [segment for name in profile.contact for segment in outline.edge(name)]
+    return min(
+        (_nearest_of(segment, gap, _LOOK * outline.size) for segment in segments),
+        key=lambda found: found.gap,
+    )
+
+
+def _nearest_of(segment, gap, sagitta) -> Nearest:
+    """By points close enough to see every part of a segment, then between those beside the nearest."""
+
+    def at(share):
+        return gap(*segment.points([share])[0])
+
+    shares = segment.chords(sagitta)
+    gaps = [at(share) for share in shares]
+    k = int(np.argmin(gaps))
+    beside = shares[max(k - 1, 0)], shares[min(k + 1, len(shares) - 1)]
+    between = minimize_scalar(at, bounds=beside, method="bounded", options={"xatol": 1e-10}).x
+    share = min(shares[k], between, key=at)
+    return Nearest(at(share), segment.points([share])[0], segment.edge)
+
+
 def _check_start(where, profile, file) -> float:
     """The least gap at the start, which must not be negative."""
     outline = file.section.outline
-    segments = [segment for name in profile.contact for segment in outline.edge(name)]
-    points = np.concatenate([s.points(s.chords(_LOOK * outline.size)) for s in segments])
-    gap = gap_at_start(profile)
-    gaps = np.array([gap(x, y) for x, y in points])
-    worst = int(gaps.argmin())
-    if gaps[worst] < -ROUNDING * outline.size:
-        edge = next(
-            s.edge
-            for s in segments
-            if (s.points(s.chords(_LOOK * outline.size)) == points[worst]).any()
-        )
-        turned = "; is it walked the wrong way?" if (gaps < 0.0).all() else ""
+    least, place, edge = nearest_at_start(profile, outline)
+    if least < -ROUNDING * outline.size:
+        gap = gap_at_start(profile)
+        edges = [segment for name in profile.contact for segment in outline.edge(name)]
+        every = np.concatenate([s.points(s.chords(_LOOK * outline.size)) for s in edges])
+        turned = "; is it walked the wrong way?" if all(gap(*x) < 0.0 for x in every) else ""
         raise SealFileError(
-            f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-gaps[worst]:.3g} mm "
-            f"inside the rigid body at {pair(points[worst])}; start it farther away (the rigid body "
+            f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
+            f"inside the rigid body at {pair(place)}; start it farther away (the rigid body "
             f"lies on the left when walked{turned})"
         )
-    return gaps[worst]
+    return least
