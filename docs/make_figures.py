@@ -33,6 +33,7 @@ GROUPS = {
     "materials": "figures.materials",
     "seal_files": "figures.seal_files",
     "air": "figures.air",
+    "self_contact": "figures.self_contact",
     "seal": "figures.seal",
     "theory": "figures.theory",
     "drivers": "figures.drivers",

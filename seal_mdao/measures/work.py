@@ -56,3 +56,22 @@ def _travels(places: np.ndarray) -> np.ndarray:
     one has none after it."""
     following = np.concatenate([places[2:], places[-1:]])
     return 0.5 * (following - places[:-1])
+
+
+@dataclass(frozen=True)
+class FrictionWork(Measure):
+    """Work of all profiles that the body has not stored as elastic energy at the end of the path.
+
+    Over a path that ends open it is what friction took, against profiles and of the body on itself.
+    While profiles press it holds the elastic energy of the penalties and of trapped air besides.
+    """
+
+    name: str = "friction_work"
+    units = "mJ/m"
+    text = "Work of all profiles that is not stored in the body, per unit depth."
+
+    def evaluate(self, result, partials):
+        profiles = [term.label for term in result.path.problem.terms if hasattr(term, "motion")]
+        works = [ProfileWork(label).evaluate(result, partials) for label in profiles]
+        partials.energy()[0] -= 1.0
+        return sum(works) - result.term("structure").energy(result.end.d)

@@ -37,7 +37,9 @@ def ring_body(solver="auto"):
     return Body(cells, np.full(at.size, 2.4), fixed, edges, drawn=drawn, solver=solver)
 
 
-def air_ring(sealed=True, friction=0.3, back=False, solver="auto", depth=1.2, **air):
+def air_ring(
+    sealed=True, friction=0.3, back=False, solver="auto", depth=1.2, finer=1, shear=0.4, **air
+):
     """Design: thickness of the wall, an egg-shaped hole, one side of the hole."""
     particles, body = ring_particles(), ring_body(solver)
     radius = np.hypot(*particles.T)[:, None]
@@ -46,9 +48,12 @@ def air_ring(sealed=True, friction=0.3, back=False, solver="auto", depth=1.2, **
     velocity = np.stack(
         [share * away, share * away * (y**2 / 16)[:, None], share * away * x[:, None]]
     )
-    stages = [Stage(4, (0.0, -depth), rates={"depth": (0.0, -1.0, 0.0)}), Stage(3, (0.4, -0.2))]
+    stages = [
+        Stage(4 * finer, (0.0, -depth), rates={"depth": (0.0, -1.0, 0.0)}),
+        Stage(3 * finer, (shear, -0.2)),
+    ]
     if back:
-        stages += [Stage(3, (-0.4, 0.2)), Stage(4, (0.0, depth))]
+        stages += [Stage(3 * finer, (-shear, 0.2)), Stage(4 * finer, (0.0, depth))]
     plate = RigidContact(
         "plate", body.edge_points("outer"), GivenShape(flat_profile()),
         staged_motion(stages, start=(0.0, OUTER + 0.013)), ContactLaw(1e4, 1e3, friction, True),

@@ -21,7 +21,7 @@ from seal_mdao.measures.energy import StrainEnergy
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import StressNorm, VonMises
-from seal_mdao.measures.work import ProfileWork
+from seal_mdao.measures.work import FrictionWork, ProfileWork
 from seal_mdao.seals.file.checks import (
     NAME,
     POINT,
@@ -106,6 +106,7 @@ KINDS = {
     ),
     "gap_square_integral": Kind(_at_places(GapSquareIntegral), _PROFILE | _PLACES),
     "profile_work": Kind(_of_profile(ProfileWork), _PROFILE),
+    "friction_work": Kind(lambda a, particles: FrictionWork(), {}),
     "strain_energy": Kind(lambda a, particles: StrainEnergy(), {}),
     "stress_norm": Kind(lambda a, particles: StressNorm(**_given(a, "order")), _ORDER),
     "von_mises": Kind(
