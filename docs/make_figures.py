@@ -38,6 +38,7 @@ GROUPS = {
     "theory": "figures.theory",
     "drivers": "figures.drivers",
     "performance": "figures.performance",
+    "tolerance_study": "figures.tolerance_study",
 }
 """Module of every group, the slowest first; its ``make(out, reduced)`` returns the numbers."""
 

@@ -90,8 +90,12 @@ def test_goals_that_make_no_sense_are_refused(wrong):
         RobustGoal(**wrong)
 
 
-def test_room_keeps_the_steps(seal):
-    wide = with_room(seal)
-    assert wide.start == pytest.approx(seal.start + 0.5)
-    step = (seal.start - 9.5 + seal.depth) / seal.n_steps
-    assert (wide.start - 9.5 + wide.depth) / wide.n_steps <= step * (1.0 + 1e-12)
+def test_room_is_enough_for_a_boundary_that_is_off(seal):
+    """Half a millimetre above the bounds of the designs; the steps end where they did."""
+    offsets = np.concatenate([np.full(14, 0.9), np.zeros(11)])
+    with pytest.raises(sm.GeometryError, match="inside"):
+        sm.analyze(seal, offsets)
+    roomy = with_room(seal)
+    assert sm.analyze(roomy, offsets).path.steps
+    ends = [own.motion.coordinates(own.n_steps) for own in (seal, roomy)]
+    np.testing.assert_array_equal(*ends)

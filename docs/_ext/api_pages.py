@@ -17,6 +17,8 @@ TITLES = {
     "analysis": "Analysis",
     "measures": "Measures",
     "dsa": "Design sensitivity analysis",
+    "scenarios": "Scenarios",
+    "tolerances": "Tolerances",
     "components": "OpenMDAO components",
     "drivers": "OpenMDAO drivers",
     "recording": "Recorder files",

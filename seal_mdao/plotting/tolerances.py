@@ -57,7 +57,7 @@ def distributions(values, names, units, linear=None) -> Figure:
 
 def _labelled(name: str, unit: str | None) -> str:
     text = name.replace("_", " ")
-    return f"{text} ({unit.replace('**', '^')})" if unit else text
+    return f"{text} ({unit.replace('**2', '²').replace('**3', '³')})" if unit else text
 
 
 @styled
@@ -69,19 +69,27 @@ def correlations(table, measures, inputs) -> Figure:
     )
     image = axes.imshow(table, cmap=SIGNED_MAP, vmin=-1.0, vmax=1.0, aspect="auto")
     axes.set_xticks(
-        range(len(inputs)), inputs, rotation=90 if wide else 30, ha="center" if wide else "right"
+        range(len(inputs)),
+        [_labelled(name, None) for name in inputs],
+        rotation=90 if wide else 30,
+        ha="center" if wide else "right",
     )
-    axes.set_yticks(range(len(measures)), measures)
+    axes.set_yticks(range(len(measures)), [_labelled(name, None) for name in measures])
     axes.grid(False)
     if not wide:
         for (row, column), value in np.ndenumerate(table):
             color = "white" if abs(value) > LOUD else "black"
             axes.text(
-                column, row, f"{value:.2f}".replace("-", "\u2212"), ha="center", va="center",
+                column, row, _rounded(value), ha="center", va="center",
                 color=color, fontsize=8.5,
             )  # fmt: skip
     figure.colorbar(image, ax=axes, label="rank correlation", pad=0.02)
     return figure
+
+
+def _rounded(value: float) -> str:
+    """Two digits, and no minus before a zero."""
+    return f"{round(value, 2) + 0.0:.2f}".replace("-", "\u2212")
 
 
 LOOKS = ((GREY, "-"), (BLUE, "-"), (VERMILION, "-"))

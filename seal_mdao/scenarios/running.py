@@ -112,11 +112,11 @@ class _Run:
             room = None if self._ahead is None else self._ahead - len(self._running)
             for point in islice(points, room):
                 self._give(point)
+            if not (self._running or self._dead):  # nothing was left to give
+                return
             yield from self._finished()
             if self._dead:
                 yield from self._repeated()
-            elif not self._running:
-                return
 
     def _give(self, point: Point, packed=None) -> None:
         """Submit a point, the first time without the task."""

@@ -15,6 +15,7 @@ RUN = {
     "guide_report.md",
     "material_tests.md",
     "openmdao.md",
+    "tolerances.md",
 }
 """Pages with Python blocks, each of which a test below runs."""
 
@@ -71,6 +72,14 @@ def test_fit_of_a_rubber(run_page, capsys):
     found, printed = names["found"], capsys.readouterr().out
     assert f"{found.errors['uniaxial'].rms_kPa}" in printed
     assert printed.count("stable from") == 3
+
+
+def test_scenarios_in_a_model(run_page, capsys):
+    (names,) = run_page("tolerances.md")
+    values = names["prob"].get_val("gap_square_integral_scenarios")
+    assert values.shape == (4, 1)
+    assert f"{names['prob'].get_val('gap_square_integral_mean')}" in capsys.readouterr().out
+    assert names["prob"].get_val("gap_square_integral_mean")[0] == pytest.approx(values.mean())
 
 
 def test_extensions(run_page, docs, capsys):
