@@ -3,6 +3,7 @@
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
 Where a term gives two estimates of how its force changes, the one with the smaller residual is taken.
 Where the smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
+Where equilibrium is not stable, the path goes on to a stable one (``stability``).
 
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
 same bits whatever was computed before.
@@ -18,6 +19,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import quasi_newton
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
+from seal_mdao.analysis.stability import flagged, leave, pass_limit
 from seal_mdao.analysis.threads import one_blas_thread
 
 # Share of the step that the Euler predictor may miss if its miss is to predict the next one.
@@ -62,11 +64,26 @@ def _correct(problem, guess, target, last, options):
     return status, d, tried + residuals
 
 
+def _equilibrium(problem, guess, target, last, options, note):
+    """Equilibrium on the branch that is wanted, as ``newton`` returns it, and the point where another
+    one was left; None for none."""
+    status, d, residuals = _correct(problem, guess, target, last, options)
+    if status is not Status.CONVERGED or problem.factor.positive or not _stable(problem, options):
+        return status, d, residuals, None
+    status, d, more, point = leave(problem, d, target, last, options, note)
+    return status, d, residuals + more, point
+
+
+def _stable(problem: PathProblem, options: NewtonOptions) -> bool:
+    return options.branch == "stable" and problem.symmetric
+
+
 def _record(problem, nominal, fraction, d, before, residuals, factor) -> ConvergedStep:
     responses = tuple(response.kept() for response in problem.responses)
     return ConvergedStep(
-        nominal, fraction, d, before, responses, len(residuals) - 1, residuals, factor
-    )
+        nominal, fraction, d, before, responses, len(residuals) - 1, residuals, factor,
+        problem.factor.positive,
+    )  # fmt: skip
 
 
 @one_blas_thread
@@ -104,6 +121,7 @@ def solve_path(
     options = NewtonOptions() if options is None else options
     start = last = _initial_step(problem)
     steps, cuts, bend, memory = [], 0, None, factor_memory * 2**30
+    points, note = [], getattr(callback, "damped", None)
     for nominal in range(n_steps):
         pending = [1.0]
         while pending:
@@ -112,7 +130,7 @@ def solve_path(
             euler = problem.predict(last, problem.factor, target)
             guesses = euler if bend is None else euler + (target - last.fraction) ** 2 * bend
             guess = problem.closest(guesses, target, last.after)
-            status, d, residuals = _correct(problem, guess, target, last, options)
+            status, d, residuals, point = _equilibrium(problem, guess, target, last, options, note)
             if status is not Status.CONVERGED and share * 0.5 >= 0.5**options.max_cuts:
                 cuts, bend = cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
@@ -121,26 +139,36 @@ def solve_path(
                 continue
             if status is not Status.CONVERGED:
                 failure = _describe(problem, status, nominal, target, residuals)
+                passed = Status.NOT_CONVERGED
+                if _stable(problem, options):
+                    passed, d, residuals, point = pass_limit(
+                        problem, guess, target, last, options, note
+                    )
+            if status is not Status.CONVERGED and passed is not Status.CONVERGED:
                 pending, target = [], nominal + 1.0
                 euler = problem.predict(last, problem.factorize_at(last), target)
                 guess = problem.closest(euler, target, last.after)
-                note = getattr(callback, "damped", None)
                 relaxed, d, residuals = relax(problem, guess, target, last.after, options, note)
                 if relaxed is not Status.CONVERGED:
                     # nothing is differentiated; an exception that holds the path stays small
                     steps = [replace(step, factor=None) for step in steps]
                     damped = ending(relaxed, options)
-                    return PathResult(problem, start, steps, status, cuts, failure, damped)
+                    return PathResult(
+                        problem, start, steps, status, cuts, failure, damped, tuple(points)
+                    )
             before = last
             memory -= problem.factor.nbytes
             kept = problem.factor.kept() if memory >= 0.0 else None
             end = -1 if pending else nominal
             last = _record(problem, end, target, d, before.after, residuals, kept)
             bend = _bend(last, before, euler[0])
+            if point is None and before.stable and not last.stable:
+                point = flagged(problem, last, before)
+            points += [] if point is None else [point]
             steps.append(last)
         if callback is not None:
             callback(last)
-    return PathResult(problem, start, steps, Status.CONVERGED, cuts)
+    return PathResult(problem, start, steps, Status.CONVERGED, cuts, critical_points=tuple(points))
 
 
 def _describe(problem, status, nominal, target, residuals) -> str:

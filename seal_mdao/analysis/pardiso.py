@@ -5,12 +5,14 @@ The ordering is found once for a design; each factorisation then is numerical on
 
 import os
 import sys
+from functools import cached_property
 from threading import Lock, local
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from seal_mdao.analysis.compressed_columns import CompressedColumns
+from seal_mdao.analysis.modes import nearest_mode
 from seal_mdao.analysis.threads import one_blas_thread
 
 # Phases, and the matrix type: real, structurally symmetric.
@@ -39,8 +41,8 @@ def import_pypardiso():
 class PardisoFactor:
     """Factors that live in a PARDISO handle, which is freed with them."""
 
-    def __init__(self, handle, matrix):
-        self.handle, self.matrix = handle, matrix
+    def __init__(self, handle, matrix, symmetric=False):
+        self.handle, self.matrix, self.symmetric = handle, matrix, symmetric
 
     @property
     def nbytes(self) -> int:
@@ -49,7 +51,12 @@ class PardisoFactor:
     def kept(self):
         """This factor, with a matrix of its own; the next factorisation takes another handle."""
         self.handle.shared = False
-        return PardisoFactor(self.handle, self.matrix.copy())
+        return PardisoFactor(self.handle, self.matrix.copy(), self.symmetric)
+
+    @cached_property
+    def positive(self) -> bool:
+        """Whether the eigenvalues nearest to zero are positive: PARDISO tells no signs of pivots."""
+        return nearest_mode(self, len(self.matrix.indptr) - 1, self.symmetric)[0] > 0.0
 
     def solve(self, rhs, transposed=False):
         """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
@@ -78,7 +85,7 @@ class PardisoStorage(CompressedColumns):
             self._of_thread.handle = handle
         return handle
 
-    def factorize(self, values):
+    def factorize(self, values, symmetric=False):
         matrix = csr_array(
             (values[: self.size], self.indices, self.pointers), shape=(self.n, self.n)
         )
@@ -88,7 +95,7 @@ class PardisoStorage(CompressedColumns):
             handle._call_pardiso(matrix, np.zeros(self.n))
         except self._module.PyPardisoError as error:
             raise np.linalg.LinAlgError(f"the tangent is singular (PARDISO: {error})") from None
-        return PardisoFactor(handle, matrix)
+        return PardisoFactor(handle, matrix, symmetric)
 
 
 def _handle_class(module):
