@@ -10,7 +10,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from seal_mdao.analysis.compressed_columns import CompressedColumns, dof_pattern
+from seal_mdao.analysis.compressed_columns import CompressedColumns, dof_pattern, rounding
 from seal_mdao.analysis.pardiso import PardisoStorage
 from seal_mdao.analysis.storage import Scheme, Storage
 
@@ -20,7 +20,6 @@ SOLVERS = ("auto", "banded", "superlu", "pardiso")
 # factorisation of about n^1.5 and a few quasi-Newton iterations. Measured on one core with 300 to
 # 6,000 unknowns, the band wins up to a half-width of some 26 n^(1/4), that is to about 600 unknowns.
 WIDEST_BAND = 26.0
-EPS = np.finfo(float).eps
 
 
 class BandedFactor:
@@ -64,6 +63,7 @@ class BandedStorage(NamedTuple):
     n: int
     width: int
     reuses_factors = False
+    tells_sign = True
 
     @property
     def rows(self):
@@ -87,7 +87,7 @@ class BandedStorage(NamedTuple):
         if symmetric:
             # the exchanges of rows below lose the inertia; Cholesky's factor is found, or is not
             lower = band[2 * self.width :].copy(order="F")
-            lower[0] += self.n * EPS * np.abs(lower[0]).max()
+            lower[0] += rounding(lower[0])
             _, info = lapack.dpbtrf(lower, lower=1, overwrite_ab=True)
             definite = info == 0
         lu, pivots, info = lapack.dgbtrf(band, self.width, self.width, overwrite_ab=True)
@@ -116,7 +116,7 @@ class SparseFactor:
         """Whether a symmetric matrix is positive definite, another's determinant positive."""
         pivots = self.lu.U.diagonal()
         if self.symmetric and np.array_equal(self.lu.perm_r, self.lu.perm_c):
-            return bool((pivots > 0.0).all())
+            return bool((pivots > -rounding(pivots)).all())
         odd = np.count_nonzero(pivots < 0.0) + exchanges(self.lu.perm_r) + exchanges(self.lu.perm_c)
         return odd % 2 == 0
 

@@ -1,9 +1,11 @@
 """Modes of a tangent whose eigenvalues are next to zero, from its factor alone."""
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigs, eigsh
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 
 ACCURACY = 1e-6
+POWERS = 100
+"""Of the inverse, where the better methods do not converge."""
 
 
 def nearest_mode(factor, n: int, symmetric: bool, negative: bool = False):
@@ -26,9 +28,16 @@ def nearest_mode(factor, n: int, symmetric: bool, negative: bool = False):
     # without any symmetry, and always the same
     start = 1.0 + np.cos(np.arange(n) ** 2)
     inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
-    if symmetric:
-        found, modes = eigsh(inverse, 1, which="SA" if negative else "LM", v0=start, tol=ACCURACY)
-    else:
-        found, modes = eigs(inverse, 1, which="SR" if negative else "LM", v0=start, tol=ACCURACY)
-    mode = np.ascontiguousarray(modes[:, 0].real)
-    return float(1.0 / found[0].real), mode / np.linalg.norm(mode)
+    solver, wanted = (eigsh, "SA") if symmetric else (eigs, "SR")
+    try:
+        found, modes = solver(
+            inverse, 1, which=wanted if negative else "LM", v0=start, tol=ACCURACY
+        )
+        value, mode = found[0].real, np.ascontiguousarray(modes[:, 0].real)
+    except ArpackNoConvergence:
+        mode = start
+        for _ in range(POWERS):
+            before = mode / np.linalg.norm(mode)
+            mode = factor.solve(before)
+        value = before @ mode
+    return float(1.0 / value), mode / np.linalg.norm(mode)

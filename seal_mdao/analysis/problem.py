@@ -183,6 +183,14 @@ class PathProblem:
             d = d + increment
         return d - layout.gather(factor.solve(load))
 
+    def held_work(self, d, fraction: float, target: float) -> float:
+        """Work of the forces at ``d`` on imposed displacements from one loading to another, mJ/m."""
+        if self.imposed is None:
+            return 0.0
+        moved = self.imposed.at(target) - self.imposed.at(fraction)
+        held = self.discretization.layout.equations < 0
+        return float(np.sum((self.term("structure").forces(d) * moved)[held]))
+
     def _held_rate(self, d, increment, share=1e-6) -> np.ndarray:
         """Change of the internal force with imposed displacements; only the predictor uses it."""
         structure, layout = self.term("structure"), self.discretization.layout

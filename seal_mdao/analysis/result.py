@@ -18,6 +18,8 @@ class Status(Enum):
     INVERTED = "a quadrature point is turned inside out (det F <= 0)"
     SINGULAR = "the tangent is singular"
     MOVED_OFF = "the body moves off for ever"
+    UNSTABLE = "equilibrium is not stable"
+    JUMPED = "the body moved much farther than predicted"
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,20 +9,20 @@ and led down the potential at the same loading (``descent``). The push is a plac
 of it is in the equilibrium that is found.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.modes import nearest_mode
-from seal_mdao.analysis.newton import NewtonOptions, newton
+from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
 
 # The push along the critical mode, over the size of the body.
 PUSH = 1e-3
-# The critical loading is found between two steps by so many bisections.
-BISECTIONS = 5
+# Farther from the prediction than that share of its size a body is perhaps on another branch.
+FAR_AWAY = 0.01
 # What is less than that share of the largest counts as zero where the sense of a mode is chosen.
 SENSELESS = 1e-3
 # Step of the path parameter in the difference that gives the force of the loading.
@@ -73,8 +73,35 @@ def critical_mode(problem: PathProblem, factor, way, negative: bool) -> np.ndarr
     return mode
 
 
-def leave(problem: PathProblem, d, target, last: ConvergedStep, options: NewtonOptions, note):
-    """From the unstable equilibrium ``d``, whose factor is in the problem, to a stable one.
+def is_stable(problem: PathProblem, at_any_cost: bool = False) -> bool:
+    """Whether the tangent factorised last says so; True where asking an unsymmetric one costs much."""
+    cheap = problem.symmetric or problem.discretization.layout.storage.tells_sign
+    return problem.factor.positive if cheap or at_any_cost else True
+
+
+def follows_stable(problem: PathProblem, options: NewtonOptions) -> bool:
+    """Whether the path goes on to stable equilibria."""
+    return options.branch == "stable" and problem.symmetric
+
+
+def jumped(problem: PathProblem, d, guess, last: ConvergedStep) -> bool:
+    """Whether equilibrium was found far from its prediction: on another branch, perhaps."""
+    far = max(np.abs(guess - last.d).max(), FAR_AWAY * _extent(problem))
+    return bool(np.abs(d - guess).max() > far)
+
+
+def _extent(problem: PathProblem) -> float:
+    return float(np.ptp(problem.discretization.particles, axis=0).max())
+
+
+def leave(problem, status: Status, d, target, last: ConvergedStep, options: NewtonOptions, note):
+    """From the end of a stable branch, a little behind ``last``, to the next stable equilibrium.
+
+    Parameters
+    ----------
+    status : Status
+        UNSTABLE for an unstable equilibrium ``d``, whose factor is in the problem; another one where
+        Newton's method found none near the prediction ``d``.
 
     Returns
     -------
@@ -83,52 +110,38 @@ def leave(problem: PathProblem, d, target, last: ConvergedStep, options: NewtonO
     point : CriticalPoint
         None where no stable equilibrium was found.
     """
-    mode = critical_mode(problem, problem.factor, d - last.d, negative=True)
-    above = problem.potential(d, target, last.after)
-    fraction = _onset(problem, target, last, options)
-    size = PUSH * np.ptp(problem.discretization.particles, axis=0).max()
-    status, found, residuals = descend(problem, d + size * mode, target, last.after, options, note)
+    kind = "branch" if status is Status.UNSTABLE else "limit"
+    if kind == "limit":
+        problem.factorize_at(last)
+    mode = critical_mode(problem, problem.factor, d - last.d, negative=kind == "branch")
+    available = _available(problem, d if kind == "branch" else None, target, last)
+    push = PUSH * _extent(problem) * mode if kind == "branch" else 0.0
+    status, found, residuals = descend(problem, d + push, target, last.after, options, note)
     if status is not Status.CONVERGED:
         return status, d, residuals, None
-    released = above - problem.potential(found, target, last.after)
-    moved = float(np.abs(found - d).max())
-    return status, found, residuals, CriticalPoint(fraction, "branch", mode, moved, released)
+    released = available - problem.potential(found, target, last.after)
+    point = limit_point(last, found, mode, released)
+    if kind == "branch":
+        point = replace(point, kind=kind, fraction=0.5 * (last.fraction + target))
+    return status, found, residuals, point
 
 
-def _onset(problem: PathProblem, target, last: ConvergedStep, options: NewtonOptions) -> float:
-    """Path parameter at which the branch of ``last`` loses its stability, before ``target``."""
-    low, high = last.fraction, target
-    factor = problem.factorize_at(last).kept()
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        guess = problem.predict(last, factor, middle)[0]
-        status, *_ = newton(problem, guess, middle, last.after, options)
-        if status is not Status.CONVERGED:
-            break
-        low, high = (middle, high) if problem.factor.positive else (low, middle)
-    return 0.5 * (low + high)
-
-
-def pass_limit(problem: PathProblem, guess, target, last: ConvergedStep, options, note):
-    """From ``last``, beyond which Newton's method finds no way, to a stable equilibrium at ``target``.
-
-    Returns
-    -------
-    status, d, residuals, point
-        As of ``leave``.
-    """
-    mode = critical_mode(problem, problem.factorize_at(last), guess - last.d, negative=False)
-    status, found, residuals = descend(problem, guess, target, last.after, options, note)
-    if status is not Status.CONVERGED:
-        return status, guess, residuals, None
-    work = 0.5 * (target - last.fraction) * (
-        _driving(problem, last.d, last.fraction, last.before)
-        + _driving(problem, found, target, last.after)
-    )  # fmt: skip
-    stored = problem.potential(last.d, last.fraction, last.before)
-    released = stored + work - problem.potential(found, target, last.after)
+def limit_point(last: ConvergedStep, found, mode, released=np.nan) -> CriticalPoint:
+    """The end of a branch at ``last``, from where the body went to ``found``."""
     moved = float(np.abs(found - last.d).max())
-    return status, found, residuals, CriticalPoint(last.fraction, "limit", mode, moved, released)
+    return CriticalPoint(last.fraction, "limit", mode, moved, released)
+
+
+def _available(problem: PathProblem, unstable, target, last: ConvergedStep) -> float:
+    """Potential of the branch that is left at ``target``: of the ``unstable`` equilibrium there.
+
+    Where there is none that of ``last`` and the work of the loading on it.
+    """
+    if unstable is not None:
+        return problem.potential(unstable, target, last.after)
+    work = _driving(problem, last.d, last.fraction, last.before) * (target - last.fraction)
+    work += problem.held_work(last.d, last.fraction, target)
+    return problem.potential(last.d, last.fraction, last.before) + work
 
 
 def _driving(problem: PathProblem, d, fraction, history) -> float:

@@ -57,12 +57,15 @@ class Storage(Protocol):
     reuses_factors : bool
         Whether a factorisation costs so many solutions that quasi-Newton iterations, which reuse one,
         are to be tried before Newton's.
+    tells_sign : bool
+        Whether its factors tell the sign of the determinant at no cost.
     scheme : Scheme
     """
 
     n: int
     size: int
     reuses_factors: bool
+    tells_sign: bool
     scheme: Scheme
 
     def diagonal(self) -> np.ndarray:
