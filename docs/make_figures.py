@@ -28,6 +28,7 @@ GROUPS = {
     "accuracy": "figures.accuracy",
     "examples": "figures.examples",
     "exact": "figures.exact",
+    "stability": "figures.stability",
     "contact": "figures.contact_benchmarks",
     "optimisation": "figures.optimisation",
     "materials": "figures.materials",

@@ -209,6 +209,23 @@ def print_warnings(result, label: str = "") -> None:
         print(f"WARNING{label}: {text}")
 
 
+def print_critical_points(result) -> None:
+    """Where the seal lost its stability, a line each."""
+    for point in result.critical_points:
+        print(f"STABILITY: {point.text}")
+
+
+def critical_table(result) -> list[dict]:
+    """The same for summary.json."""
+    return [
+        {
+            "travel_mm": point.travel, "kind": point.kind, "moved_mm": point.moved,
+            "released_mJ_per_m": point.released,
+        }
+        for point in result.critical_points
+    ]  # fmt: skip
+
+
 def plain(value):
     """Numbers and containers of numpy as those of JSON; nan and infinity as None."""
     if isinstance(value, dict):

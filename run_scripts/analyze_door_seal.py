@@ -9,8 +9,10 @@ from _common import (
     add_seal_arguments,
     announce,
     checked_arguments,
+    critical_table,
     design_from,
     parser,
+    print_critical_points,
     print_warnings,
     run,
     seal_from,
@@ -58,6 +60,7 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
         "wall_s": wall,
         "area_mm2": result.area,
         "reaction_N_per_m": travel_table(result),
+        "critical_points": critical_table(result),
         "failure": result.path.failure or None,
         "warnings": result.warnings,
     }
@@ -91,6 +94,8 @@ def draw(result: DoorSealResult, arguments) -> None:
         "reaction": plotting.reaction_curve(result),
         "gap_profile": plotting.gap_profile(result, result.door_travel[-1] * np.array([0.5, 0.75])),
     }
+    if result.critical_points:
+        figures["critical_modes"] = plotting.critical_modes(result)
     for name, figure in figures.items():
         plotting.save(figure, arguments.out / f"{name}.png")
 
@@ -104,6 +109,7 @@ def report(result: DoorSealResult, summary: dict, out: Path) -> None:
     if steps:
         travel, horizontal, vertical = summary["reaction_N_per_m"][-1]
         print(f"force at {travel:.1f} mm: {vertical:.2f} N/m down, {horizontal:.2f} N/m across")
+    print_critical_points(result)
     if result.converged:
         print(
             f"{summary['n_contact']} points in contact ({summary['n_stick']} stick), "

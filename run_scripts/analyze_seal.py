@@ -6,7 +6,15 @@ import time
 from pathlib import Path
 
 import numpy as np
-from _common import announce, parser, print_warnings, run, write_summary
+from _common import (
+    announce,
+    critical_table,
+    parser,
+    print_critical_points,
+    print_warnings,
+    run,
+    write_summary,
+)
 from _seal_file import file_errors, seal_of
 
 import seal_mdao as sm
@@ -57,6 +65,7 @@ def summarize(result: SealResult) -> dict:
         "min_det_F": lowest_jacobian(result.path),
         "newton_iterations": result.newton_iterations,
         "step_cuts": result.step_cuts,
+        "critical_points": critical_table(result),
         "failure": result.failure or None,
         "warnings": result.warnings if result.converged else None,
         "profiles": {history.label: at_profile(result, history) for history in histories},
@@ -124,6 +133,8 @@ def draw(result: SealResult, out: Path) -> None:
         "contact_pressure": plotting.contact_pressure,
         "contact_width": plotting.contact_width,
     }
+    if result.critical_points:
+        figures["critical_modes"] = plotting.critical_modes
     for name, figure in figures.items():
         plotting.save(figure(result), out / f"{name}.png")
 
@@ -155,6 +166,7 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
         if found:
             value = ", ".join(f"{v:.6g}" for v in np.atleast_1d(found["value"]))
             print(f"{name} = {value} {found['unit'] or ''}".rstrip())
+    print_critical_points(result)
     if not result.converged:
         print(f"NOT CONVERGED: {summary['failure']}")
     else:

@@ -16,6 +16,7 @@ class CompressedColumns:
     """
 
     reuses_factors = True
+    tells_sign = False
 
     def __init__(self, n, pointers, indices):
         self.n, self.pointers, self.indices = n, pointers, indices
@@ -32,6 +33,11 @@ class CompressedColumns:
         """Where the diagonal entries are, shape (n,)."""
         columns = np.repeat(np.arange(self.n), np.diff(self.pointers))
         return np.flatnonzero(self.indices == columns)
+
+
+def rounding(diagonal: np.ndarray) -> float:
+    """What rounding makes of an eigenvalue that is zero, where the body is free to move."""
+    return diagonal.size * np.finfo(float).eps * float(np.abs(diagonal).max())
 
 
 def dof_pattern(equations, n, coupling):

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from seal_mdao.analysis.modes import nearest_mode
+
 
 class CorrectedFactor:
     """(K + P D P^T)^-1 with the inverse of K given; P few columns.
@@ -14,10 +16,13 @@ class CorrectedFactor:
         The columns of P.
     change : ndarray, shape (m, m)
         D, which may be singular.
+    symmetric : bool
+        K was factorised as symmetric, and D is.
     """
 
-    def __init__(self, factor, columns: np.ndarray, change: np.ndarray):
+    def __init__(self, factor, columns: np.ndarray, change: np.ndarray, symmetric: bool = False):
         self.factor, self.columns, self.change = factor, columns, change
+        self.symmetric = symmetric
         self.solved = np.array([factor.solve(column) for column in columns])
         self.small = self._small(self.solved, change)
         self._transposed = None
@@ -37,6 +42,19 @@ class CorrectedFactor:
     def nbytes(self) -> int:
         """Memory."""
         return self.factor.nbytes + 3 * self.columns.nbytes
+
+    @property
+    def positive(self) -> bool:
+        """Of a symmetric matrix whether it is positive definite, of another one its determinant."""
+        stiffens = np.linalg.eigvalsh(self.change)[0] >= 0.0 if self.symmetric else False
+        if self.symmetric and self.factor.positive and stiffens:
+            return True
+        if self.symmetric:
+            n = self.columns.shape[1]
+            return nearest_mode(self, n, symmetric=True, negative=True)[0] > 0.0
+        compliance = self.columns @ self.solved.T
+        sign = np.linalg.slogdet(np.eye(len(self.change)) + self.change @ compliance)[0]
+        return self.factor.positive == (sign > 0.0)
 
     def kept(self) -> "CorrectedFactor":
         """One that survives the next factorisation in the same storage."""

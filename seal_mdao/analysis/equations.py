@@ -109,16 +109,17 @@ class TangentLayout:
         first = end - self.n_columns * self.force_size
         return values[first:end].reshape(self.n_columns, self.force_size), values[end : self.size]
 
-    def factorize(self, values: np.ndarray):
+    def factorize(self, values: np.ndarray, symmetric: bool = False):
         """Factor of the matrix in the buffer ``values``, which may be overwritten by it.
 
         The factor is good until the buffer is filled again; ``factor.kept()`` stays.
         """
-        factor = self.storage.factorize(values)
+        factor = self.storage.factorize(values, symmetric)
         if not self.n_columns:
             return factor
         columns, sizes = self.columns(values)
-        return CorrectedFactor(factor, columns[:, : self.n_equations].copy(), np.diag(sizes))
+        columns, change = columns[:, : self.n_equations].copy(), np.diag(sizes)
+        return CorrectedFactor(factor, columns, change, symmetric)
 
     def pair_slots(self, table, pairs: np.ndarray):
         """Where the entries of pairs of points go.

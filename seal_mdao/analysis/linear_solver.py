@@ -1,14 +1,16 @@
 """Storage of the tangent and its factorisation: banded LAPACK, SuperLU, or PARDISO when installed."""
 
+from functools import cached_property
 from importlib.util import find_spec
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse import csc_array
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from seal_mdao.analysis.compressed_columns import CompressedColumns, dof_pattern
+from seal_mdao.analysis.compressed_columns import CompressedColumns, dof_pattern, rounding
 from seal_mdao.analysis.pardiso import PardisoStorage
 from seal_mdao.analysis.storage import Scheme, Storage
 
@@ -23,8 +25,9 @@ WIDEST_BAND = 26.0
 class BandedFactor:
     """LU factors of a banded matrix (LAPACK gbtrf)."""
 
-    def __init__(self, storage, band, pivots):
+    def __init__(self, storage, band, pivots, definite=None):
         self.storage, self.band, self.pivots = storage, band, pivots
+        self.definite = definite
 
     @property
     def nbytes(self) -> int:
@@ -32,7 +35,16 @@ class BandedFactor:
 
     def kept(self):
         """A copy that does not share the buffer of the matrix."""
-        return BandedFactor(self.storage, self.band.copy(order="F"), self.pivots)
+        return BandedFactor(self.storage, self.band.copy(order="F"), self.pivots, self.definite)
+
+    @property
+    def positive(self) -> bool:
+        """Whether a symmetric matrix is positive definite, another's determinant positive."""
+        if self.definite is not None:
+            return self.definite
+        exchanges = np.count_nonzero(self.pivots != np.arange(self.storage.n))
+        negative = np.count_nonzero(self.band[2 * self.storage.width] < 0.0)
+        return (exchanges + negative) % 2 == 0
 
     def solve(self, rhs, transposed=False):
         """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
@@ -51,6 +63,7 @@ class BandedStorage(NamedTuple):
     n: int
     width: int
     reuses_factors = False
+    tells_sign = True
 
     @property
     def rows(self):
@@ -68,19 +81,26 @@ class BandedStorage(NamedTuple):
         """Where the diagonal entries are, shape (n,)."""
         return 2 * self.width + self.rows * np.arange(self.n)
 
-    def factorize(self, values):
+    def factorize(self, values, symmetric=False):
         band = values[: self.rows * self.n].reshape((self.rows, self.n), order="F")
+        definite = None
+        if symmetric:
+            # the exchanges of rows below lose the inertia; Cholesky's factor is found, or is not
+            lower = band[2 * self.width :].copy(order="F")
+            lower[0] += rounding(lower[0])
+            _, info = lapack.dpbtrf(lower, lower=1, overwrite_ab=True)
+            definite = info == 0
         lu, pivots, info = lapack.dgbtrf(band, self.width, self.width, overwrite_ab=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"the tangent is singular (dgbtrf {info})")
-        return BandedFactor(self, lu, pivots)
+        return BandedFactor(self, lu, pivots, definite)
 
 
 class SparseFactor:
     """SuperLU factors."""
 
-    def __init__(self, lu):
-        self.lu = lu
+    def __init__(self, lu, symmetric=False):
+        self.lu, self.symmetric = lu, symmetric
 
     @property
     def nbytes(self) -> int:
@@ -91,15 +111,31 @@ class SparseFactor:
         """The factor itself: SuperLU has its own memory."""
         return self
 
+    @cached_property
+    def positive(self) -> bool:
+        """Whether a symmetric matrix is positive definite, another's determinant positive."""
+        pivots = self.lu.U.diagonal()
+        if self.symmetric and np.array_equal(self.lu.perm_r, self.lu.perm_c):
+            return bool((pivots > -rounding(pivots)).all())
+        odd = np.count_nonzero(pivots < 0.0) + exchanges(self.lu.perm_r) + exchanges(self.lu.perm_c)
+        return odd % 2 == 0
+
     def solve(self, rhs, transposed=False):
         """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
         return self.lu.solve(np.ascontiguousarray(rhs), trans="T" if transposed else "N")
 
 
+def exchanges(permutation: np.ndarray) -> int:
+    """How many exchanges make a permutation: its length without its cycles."""
+    n = permutation.size
+    links = csc_array((np.ones(n, np.int8), (np.arange(n), permutation)), shape=(n, n))
+    return n - connected_components(links, directed=False, return_labels=False)
+
+
 class SparseStorage(CompressedColumns):
     """Factorised by SuperLU."""
 
-    def factorize(self, values):
+    def factorize(self, values, symmetric=False):
         matrix = csc_array(
             (values[: self.size], self.indices, self.pointers), shape=(self.n, self.n)
         )
@@ -110,7 +146,7 @@ class SparseStorage(CompressedColumns):
             )  # fmt: skip
         except RuntimeError as error:
             raise np.linalg.LinAlgError(f"the tangent is singular ({error})") from None
-        return SparseFactor(lu)
+        return SparseFactor(lu, symmetric)
 
 
 def storage_for(solver: str, n: int, width: int, equations, coupling) -> Storage:

@@ -3,6 +3,7 @@
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
 Where a term gives two estimates of how its force changes, the one with the smaller residual is taken.
 Where the smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
+Where equilibrium is not stable, the path goes on to a stable one (``stability``).
 
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
 same bits whatever was computed before.
@@ -18,8 +19,19 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import quasi_newton
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
+from seal_mdao.analysis.stability import (
+    critical_mode,
+    flagged,
+    follows_stable,
+    is_stable,
+    jumped,
+    leave,
+    limit_point,
+)
 from seal_mdao.analysis.threads import one_blas_thread
 
+# A step that is not stable, or jumps, is halved that often: the path leaves its branch near the end.
+NEAR_THE_END = 5
 # Share of the step that the Euler predictor may miss if its miss is to predict the next one.
 SMALL_BEND = 0.03
 
@@ -62,11 +74,29 @@ def _correct(problem, guess, target, last, options):
     return status, d, tried + residuals
 
 
+def _equilibrium(problem, guess, target, last, options):
+    """Equilibrium as ``newton`` returns it; UNSTABLE or JUMPED where the path should not go there."""
+    status, d, residuals = _correct(problem, guess, target, last, options)
+    if status is Status.CONVERGED and follows_stable(problem, options):
+        if jumped(problem, d, guess, last):
+            status = Status.JUMPED
+        elif not problem.factor.positive:
+            status = Status.UNSTABLE
+    return status, d, residuals
+
+
+def _most_cuts(status: Status, options: NewtonOptions) -> int:
+    """How often a step that ends so is halved."""
+    near = status in (Status.UNSTABLE, Status.JUMPED)
+    return min(NEAR_THE_END, options.max_cuts) if near else options.max_cuts
+
+
 def _record(problem, nominal, fraction, d, before, residuals, factor) -> ConvergedStep:
     responses = tuple(response.kept() for response in problem.responses)
     return ConvergedStep(
-        nominal, fraction, d, before, responses, len(residuals) - 1, residuals, factor
-    )
+        nominal, fraction, d, before, responses, len(residuals) - 1, residuals, factor,
+        is_stable(problem),
+    )  # fmt: skip
 
 
 @one_blas_thread
@@ -104,6 +134,7 @@ def solve_path(
     options = NewtonOptions() if options is None else options
     start = last = _initial_step(problem)
     steps, cuts, bend, memory = [], 0, None, factor_memory * 2**30
+    points, note = [], getattr(callback, "damped", None)
     for nominal in range(n_steps):
         pending = [1.0]
         while pending:
@@ -112,35 +143,73 @@ def solve_path(
             euler = problem.predict(last, problem.factor, target)
             guesses = euler if bend is None else euler + (target - last.fraction) ** 2 * bend
             guess = problem.closest(guesses, target, last.after)
-            status, d, residuals = _correct(problem, guess, target, last, options)
-            if status is not Status.CONVERGED and share * 0.5 >= 0.5**options.max_cuts:
+            status, d, residuals = _equilibrium(problem, guess, target, last, options)
+            if status is not Status.CONVERGED and 0.5 * share >= 0.5 ** _most_cuts(status, options):
                 cuts, bend = cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
                 # the predictor needs the tangent of the last converged step again
                 problem.factorize_at(last)
                 continue
+            point = None
             if status is not Status.CONVERGED:
                 failure = _describe(problem, status, nominal, target, residuals)
-                pending, target = [], nominal + 1.0
-                euler = problem.predict(last, problem.factorize_at(last), target)
-                guess = problem.closest(euler, target, last.after)
-                note = getattr(callback, "damped", None)
-                relaxed, d, residuals = relax(problem, guess, target, last.after, options, note)
-                if relaxed is not Status.CONVERGED:
+                onward, d, residuals, point, target = _beyond(
+                    problem, status, d, guess, (target, nominal + 1.0), last, options, note
+                )
+                if onward is not Status.CONVERGED:
                     # nothing is differentiated; an exception that holds the path stays small
                     steps = [replace(step, factor=None) for step in steps]
-                    damped = ending(relaxed, options)
-                    return PathResult(problem, start, steps, status, cuts, failure, damped)
+                    damped = ending(onward, options)
+                    return PathResult(
+                        problem, start, steps, status, cuts, failure, damped, tuple(points)
+                    )
+                pending = pending if target < nominal + 1.0 else []
             before = last
             memory -= problem.factor.nbytes
             kept = problem.factor.kept() if memory >= 0.0 else None
             end = -1 if pending else nominal
             last = _record(problem, end, target, d, before.after, residuals, kept)
             bend = _bend(last, before, euler[0])
+            if nominal + 1 == n_steps and not pending:
+                last = replace(last, stable=is_stable(problem, at_any_cost=True))
+            if point is None and before.stable and not last.stable:
+                point = flagged(problem, last, before)
+            points += [] if point is None else [point]
             steps.append(last)
         if callback is not None:
             callback(last)
-    return PathResult(problem, start, steps, Status.CONVERGED, cuts)
+    return PathResult(problem, start, steps, Status.CONVERGED, cuts, critical_points=tuple(points))
+
+
+def _beyond(problem, status, d, guess, targets, last, options, note):
+    """Equilibrium beyond the smallest step, which ended with ``status`` at ``d``.
+
+    A stable one is looked for at the first of the ``targets``; damped motion leads to the second.
+
+    Returns
+    -------
+    status, d, residuals
+        As of ``newton``.
+    point : CriticalPoint
+    target : float
+        Where that is.
+    """
+    target, end = targets
+    if follows_stable(problem, options):
+        begin = d if status is Status.UNSTABLE else guess
+        left, d, residuals, point = leave(problem, status, begin, target, last, options, note)
+        if left is Status.CONVERGED:
+            return left, d, residuals, point, target
+    euler = problem.predict(last, problem.factorize_at(last), end)
+    mode = critical_mode(problem, problem.factor, euler[0] - last.d, negative=False)
+    guess = problem.closest(euler, end, last.after)
+    status, d, residuals = relax(problem, guess, end, last.after, options, note)
+    point = limit_point(last, d, mode)
+    stable = status is not Status.CONVERGED or problem.factor.positive
+    if follows_stable(problem, options) and not stable:
+        status, d, more, point = leave(problem, Status.UNSTABLE, d, end, last, options, note)
+        residuals += more
+    return status, d, residuals, point, end
 
 
 def _describe(problem, status, nominal, target, residuals) -> str:

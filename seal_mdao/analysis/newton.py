@@ -8,6 +8,8 @@ from seal_mdao import values
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 
+BRANCHES = ("stable", "primary")
+
 
 @dataclass(frozen=True)
 class NewtonOptions:
@@ -25,12 +27,16 @@ class NewtonOptions:
         Most iterations of damped motion where the smallest step fails (``pseudo_time``); 0 for none.
         Where points slide on a little 10 to 40 are needed, where the seal sways to another state
         some thousands. They end early where the seal moves off altogether.
+    branch : {"stable", "primary"}
+        Where equilibrium loses its stability, without friction: "stable" goes on to the next stable
+        equilibrium (``stability``); "primary" stays on the branch as long as Newton's method does.
     """
 
     tolerance: float = 1e-10
     max_iterations: int = 15
     max_cuts: int = 8
     damped_iterations: int = 5_000
+    branch: str = "stable"
 
     def __post_init__(self):
         object.__setattr__(
@@ -41,6 +47,7 @@ class NewtonOptions:
         ):  # fmt: skip
             value = values.integer(name, getattr(self, name), least, most)
             object.__setattr__(self, name, value)
+        object.__setattr__(self, "branch", values.one_of("branch", self.branch, BRANCHES))
 
 
 def converged(problem: PathProblem, size: float, rounding: bool, options: NewtonOptions) -> bool:
@@ -67,11 +74,12 @@ def newton(problem: PathProblem, d, target: float, history, options: NewtonOptio
         residuals.append(size)
         if not np.isfinite(size):
             return Status.DIVERGED, d, tuple(residuals)
+        done = converged(problem, size, rounding, options)
         try:
-            problem.factorize()
+            problem.factorize(check=done)
         except np.linalg.LinAlgError:
             return Status.SINGULAR, d, tuple(residuals)
-        if converged(problem, size, rounding, options):
+        if done:
             return Status.CONVERGED, d, tuple(residuals)
         if len(residuals) <= options.max_iterations:
             d = d - gather(problem.factor.solve(residual))

@@ -5,17 +5,19 @@ The ordering is found once for a design; each factorisation then is numerical on
 
 import os
 import sys
+from functools import cached_property
 from threading import Lock, local
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from seal_mdao.analysis.compressed_columns import CompressedColumns
+from seal_mdao.analysis.compressed_columns import CompressedColumns, rounding
+from seal_mdao.analysis.modes import nearest_mode
 from seal_mdao.analysis.threads import one_blas_thread
 
-# Phases, and the matrix type: real, structurally symmetric.
+# Phases, and the matrix types: real, structurally symmetric or symmetric positive definite.
 ORDER, FACTORIZE, SOLVE = 11, 22, 33
-STRUCTURALLY_SYMMETRIC = 1
+STRUCTURALLY_SYMMETRIC, POSITIVE_DEFINITE = 1, 2
 TRANSPOSE, FACTOR_KIB = 12, 17
 TRANSPOSED = 2
 
@@ -39,8 +41,8 @@ def import_pypardiso():
 class PardisoFactor:
     """Factors that live in a PARDISO handle, which is freed with them."""
 
-    def __init__(self, handle, matrix):
-        self.handle, self.matrix = handle, matrix
+    def __init__(self, handle, matrix, definite=None):
+        self.handle, self.matrix, self.definite = handle, matrix, definite
 
     @property
     def nbytes(self) -> int:
@@ -49,7 +51,15 @@ class PardisoFactor:
     def kept(self):
         """This factor, with a matrix of its own; the next factorisation takes another handle."""
         self.handle.shared = False
-        return PardisoFactor(self.handle, self.matrix.copy())
+        return PardisoFactor(self.handle, self.matrix.copy(), self.definite)
+
+    @cached_property
+    def positive(self) -> bool:
+        """Whether a symmetric matrix is positive definite; of another one whether its eigenvalue next
+        to zero is, for PARDISO tells no sign of the determinant."""
+        if self.definite is not None:
+            return self.definite
+        return nearest_mode(self, self.matrix.shape[0], symmetric=False)[0] > 0.0
 
     def solve(self, rhs, transposed=False):
         """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
@@ -66,6 +76,7 @@ class PardisoStorage(CompressedColumns):
     def __init__(self, n, pointers, indices):
         super().__init__(n, pointers, indices)
         self._module, self._of_thread = import_pypardiso(), local()
+        self._error = self._module.pardiso_wrapper.PyPardisoError
         one_blas_thread.find_libraries_again()
 
     def _ordered(self, matrix):
@@ -78,7 +89,7 @@ class PardisoStorage(CompressedColumns):
             self._of_thread.handle = handle
         return handle
 
-    def factorize(self, values):
+    def factorize(self, values, symmetric=False):
         matrix = csr_array(
             (values[: self.size], self.indices, self.pointers), shape=(self.n, self.n)
         )
@@ -86,9 +97,39 @@ class PardisoStorage(CompressedColumns):
             handle = self._ordered(matrix)
             handle.set_phase(FACTORIZE)
             handle._call_pardiso(matrix, np.zeros(self.n))
-        except self._module.PyPardisoError as error:
+        except self._error as error:
             raise np.linalg.LinAlgError(f"the tangent is singular (PARDISO: {error})") from None
-        return PardisoFactor(handle, matrix)
+        return PardisoFactor(handle, matrix, self._is_definite(values) if symmetric else None)
+
+    @cached_property
+    def _lower(self):
+        """Where the entries on and below the diagonal are, and their compressed columns."""
+        columns = np.repeat(np.arange(self.n), np.diff(self.pointers))
+        kept = np.flatnonzero(self.indices >= columns)
+        counts = np.bincount(columns[kept], minlength=self.n)
+        pointers = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+        return kept, self.indices[kept], pointers
+
+    def _is_definite(self, values) -> bool:
+        """Whether a symmetric matrix has a Cholesky factor, but for rounding."""
+        kept, indices, pointers = self._lower
+        entries = values[kept]
+        # the diagonal entry is the first of a column
+        entries[pointers[:-1]] += rounding(entries[pointers[:-1]])
+        # columns of the lower triangle are rows of the upper one
+        matrix = csr_array((entries, indices, pointers), shape=(self.n, self.n))
+        handle = getattr(self._of_thread, "cholesky", None)
+        if handle is None:
+            handle = _handle_class(self._module)(mtype=POSITIVE_DEFINITE)
+            handle.set_phase(ORDER)
+            handle._call_pardiso(matrix, np.zeros(self.n))
+            self._of_thread.cholesky = handle
+        handle.set_phase(FACTORIZE)
+        try:
+            handle._call_pardiso(matrix, np.zeros(self.n))
+        except self._error:
+            return False
+        return True
 
 
 def _handle_class(module):

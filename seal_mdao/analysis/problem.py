@@ -56,6 +56,23 @@ class PathProblem:
         )
 
     @property
+    def symmetric(self) -> bool:
+        """Whether all terms have a potential: the tangent is symmetric then."""
+        return all(term.conservative for term in self.terms)
+
+    def potential(self, d, fraction: float, history) -> float:
+        """Potential of all terms of a ``symmetric`` problem at displacements ``d``, mJ/m.
+
+        It leaves the forces and the answers of the terms there.
+        """
+        self.begin()
+        self.assemble_forces(d, fraction, history)
+        return sum(
+            term.potential(d, response)
+            for term, response in zip(self.terms, self.responses, strict=True)
+        )
+
+    @property
     def remembers(self) -> bool:
         """Whether a step depends on the one before."""
         return any(term.remembers for term in self.terms)
@@ -107,8 +124,10 @@ class PathProblem:
         """Places at which a term has not answered with its own law."""
         return sum(response.unsettled for response in self.responses)
 
-    def factorize(self):
+    def factorize(self, check: bool = False):
         """Factor of the assembled tangent; the one before is let go first, to save its memory.
+
+        With ``check`` the factor of a symmetric tangent knows whether it is definite.
 
         Raises
         ------
@@ -116,7 +135,7 @@ class PathProblem:
             The tangent is singular.
         """
         self.factor = None
-        self.factor = self.discretization.layout.factorize(self.values)
+        self.factor = self.discretization.layout.factorize(self.values, check and self.symmetric)
         return self.factor
 
     def assemble_at(self, step: ConvergedStep) -> None:
@@ -163,6 +182,14 @@ class PathProblem:
             load = load + self._held_rate(d, increment)
             d = d + increment
         return d - layout.gather(factor.solve(load))
+
+    def held_work(self, d, fraction: float, target: float) -> float:
+        """Work of the forces at ``d`` on imposed displacements from one loading to another, mJ/m."""
+        if self.imposed is None:
+            return 0.0
+        moved = self.imposed.at(target) - self.imposed.at(fraction)
+        held = self.discretization.layout.equations < 0
+        return float(np.sum((self.term("structure").forces(d) * moved)[held]))
 
     def _held_rate(self, d, increment, share=1e-6) -> np.ndarray:
         """Change of the internal force with imposed displacements; only the predictor uses it."""

@@ -97,7 +97,7 @@ def _follow(problem, d, target, history, options, note):
             if note is not None:
                 note(number, size)
             if converged(problem, size, rounding, options):
-                problem.factorize()
+                problem.factorize(check=True)
                 return Status.CONVERGED, d, tuple(residuals)
         problem.values[diagonal] += damping
         d = before - layout.gather(problem.factorize().solve(residual))

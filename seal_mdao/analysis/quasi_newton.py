@@ -170,7 +170,7 @@ def _factorize(problem, d, target, last) -> Status:
     """Factorise the tangent where the iterations converged; the forces stay, bit for bit."""
     problem.assemble(d, target, last.after)
     try:
-        problem.factorize()
+        problem.factorize(check=True)
     except np.linalg.LinAlgError:
         return Status.SINGULAR
     return Status.CONVERGED

@@ -18,6 +18,8 @@ class Status(Enum):
     INVERTED = "a quadrature point is turned inside out (det F <= 0)"
     SINGULAR = "the tangent is singular"
     MOVED_OFF = "the body moves off for ever"
+    UNSTABLE = "equilibrium is not stable"
+    JUMPED = "the body moved much farther than predicted"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +44,8 @@ class ConvergedStep:
         Relative residual before each iteration, and at the end.
     factor : object
         Factor of the converged tangent, or None when not kept.
+    stable : bool
+        Whether the tangent is positive definite; its determinant positive where it is unsymmetric.
     """
 
     nominal: int
@@ -52,6 +56,7 @@ class ConvergedStep:
     iterations: int
     residuals: tuple
     factor: object = None
+    stable: bool = True
 
     @property
     def after(self) -> tuple:
@@ -86,6 +91,8 @@ class PathResult:
         Empty, or where the path ended and in what state.
     damped : str
         Empty, or how damped motion ended there; a sentence without its full stop.
+    critical_points : tuple of CriticalPoint
+        Where equilibrium lost its stability, in order.
     """
 
     problem: object = field(repr=False)
@@ -95,6 +102,7 @@ class PathResult:
     step_cuts: int
     failure: str = ""
     damped: str = ""
+    critical_points: tuple = ()
 
     @property
     def discretization(self):

@@ -31,9 +31,14 @@ class Factor(Protocol):
     ----------
     nbytes : int
         Memory.
+
+    positive : bool
+        Of a matrix factorised as symmetric whether it is positive definite, of another one whether its
+        determinant is positive.
     """
 
     nbytes: int
+    positive: bool
 
     def kept(self) -> "Factor":
         """One that survives the next factorisation in the same storage."""
@@ -52,19 +57,24 @@ class Storage(Protocol):
     reuses_factors : bool
         Whether a factorisation costs so many solutions that quasi-Newton iterations, which reuse one,
         are to be tried before Newton's.
+    tells_sign : bool
+        Whether its factors tell the sign of the determinant at no cost.
     scheme : Scheme
     """
 
     n: int
     size: int
     reuses_factors: bool
+    tells_sign: bool
     scheme: Scheme
 
     def diagonal(self) -> np.ndarray:
         """Where the diagonal entries are, shape (n,)."""
 
-    def factorize(self, values: np.ndarray) -> Factor:
+    def factorize(self, values: np.ndarray, symmetric: bool = False) -> Factor:
         """Factor of the matrix in the buffer, which may be overwritten.
+
+        A ``symmetric`` one is solved with as any other; its factor knows whether it is definite.
 
         Raises
         ------

@@ -148,6 +148,14 @@ class ContactTerm(PointTerm):
         """Without friction nothing depends on the history."""
         return self.law.friction != 0.0
 
+    @property
+    def conservative(self) -> bool:
+        return self.law.friction == 0.0
+
+    def potential(self, d, response) -> float:
+        inside = np.minimum(response.gap, 0.0)
+        return 0.5 * self.law.normal_penalty * float(self.length @ inside**2)
+
     def begin(self):
         self._direction[:] = 0
 

@@ -73,6 +73,11 @@ class DeadLoadTerm(PointTerm):
         self.density = np.broadcast_to(definition.density, (len(self.where), 2)).astype(float)
         self._none = np.zeros((len(self.where), 2, 2)), np.ones(len(self.where), np.int64)
 
+    conservative = True
+
+    def potential(self, d, response) -> float:
+        return float(np.sum(response.force * (response.x - self.reference)))
+
     def _force(self, fraction) -> np.ndarray:
         return -at_fraction(self.ramp, fraction) * self.length[:, None] * self.density
 

@@ -97,6 +97,7 @@ class TrappedAirTerm(CoupledTerm):
     area, mm^2."""
 
     output_names = ("pressure", "area")
+    conservative = True
 
     def __init__(self, definition: TrappedAir, discretization, place: int):
         super().__init__(
@@ -140,6 +141,12 @@ class TrappedAirTerm(CoupledTerm):
             x, -pressure * by_place, every, self._pairs, -pressure * self._turn, by_place[None],
             np.array([stiffness]), _NO_BRANCH, None, np.array([[pressure, area]]),
         )  # fmt: skip
+
+    def potential(self, d, response) -> float:
+        left, rest = response.outputs[0, 1] / self.drawn_area, 1.0 - self.gamma
+        # the integral of the pressure over the area that is gone
+        squeezed = -np.log(left) if rest == 0.0 else np.expm1(rest * np.log(left)) / -rest
+        return float(self.outside * self.drawn_area * (squeezed - (1.0 - left)))
 
     def linearize(self, response, fraction, history):
         area, by_place, pressure = self._state(response.x)

@@ -11,6 +11,7 @@ _LAZY = {
     "deformed_shapes": "seal_mdao.plotting.deformation",
     "reaction_curve": "seal_mdao.plotting.reaction",
     "load_deflection": "seal_mdao.plotting.reaction",
+    "critical_modes": "seal_mdao.plotting.critical",
     "section_cloud": "seal_mdao.plotting.cloud",
     "contact_pressure": "seal_mdao.plotting.contact",
     "contact_width": "seal_mdao.plotting.contact",

@@ -31,6 +31,8 @@ def reaction_curve(result: DoorSealResult) -> Figure:
     figure, axes = subplots(width=6.4, height=4.2)
     travel, force = result.door_travel, result.reaction
     draw_forces(axes, travel, force)
+    lost = [point.fraction for point in result.critical_points]
+    mark_critical(axes, lost, np.arange(1, len(travel) + 1), travel, force)
     axes.set_xlabel("door travel from first touch of the drawn seal (mm)")
     axes.set_ylabel("force on the door (N/m)")
     axes.set_xlim(_before_touch(result), 1.1 * max([1e-3, *travel[-1:]]))
@@ -64,7 +66,12 @@ def load_deflection(result: SealResult) -> Figure:
     """
     figure, panels = course_panels(result, "force on {} (N/m)")
     for history, course, axes, last in panels:
-        draw_forces(axes, *with_start(course, history.force))
+        along, force = with_start(course, history.force)
+        draw_forces(axes, along, force)
+        ends = np.arange(course.steps.start, course.steps.stop + 1)
+        inside = [point.fraction for point in result.critical_points]
+        inside = [fraction for fraction in inside if ends[0] < fraction <= ends[-1]]
+        mark_critical(axes, inside, ends, along, force)
         if last:
             unit_seal_axis(axes)
     panels[0][2].legend(loc="best", title="component")
@@ -78,6 +85,19 @@ def draw_forces(axes, travel: np.ndarray, force: np.ndarray) -> None:
         axes.plot(travel, force[:, component], color=color, linestyle=style, label=name)
         if len(travel):
             _mark_end(axes, travel[-1], force[-1, component], color)
+
+
+def mark_critical(axes, fractions, ends, travel: np.ndarray, force: np.ndarray) -> None:
+    """Where stability was lost: ``fractions`` of the path, between the ``ends`` (n,) of load steps."""
+    if not len(fractions) or not len(travel):
+        return
+    # of a step with a jump the force before it
+    before = np.clip(np.searchsorted(ends, fractions) - 1, 0, len(ends) - 1)
+    axes.plot(
+        np.interp(fractions, ends, travel), force[before, 1], linestyle="none", marker="D",
+        markerfacecolor="white", markeredgecolor="black", markersize=5.0, zorder=5,
+        label="stability lost",
+    )  # fmt: skip
 
 
 def unit_seal_axis(axes) -> None:

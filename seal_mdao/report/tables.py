@@ -138,6 +138,7 @@ def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
         ("area of the section", "mm²", _area(result)),
         ("corner radius of the door", "mm", result.door_radius),
         ("door travel reached", "mm", float(result.door_travel[-1])),
+        ("times that stability was lost", "", len(result.critical_points)),
     ]
 
 

@@ -51,7 +51,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     """What is not right with the end of a completed path; looked for once a path."""
     if path not in _KNOWN:
         samples = Samples(path)
-        checks = (_balance, _volume, _crossing, _inside_profiles, _below_base)
+        checks = (_balance, _stability, _volume, _crossing, _inside_profiles, _below_base)
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
 
@@ -82,6 +82,24 @@ def _balance(samples: Samples):
             "iterations; use moduli nearer to each other and the default tolerance",
             not left[worst] <= NO_BALANCE,
         )
+
+
+def _stability(samples: Samples):
+    """An end that no body would keep."""
+    path = samples.path
+    if path.steps[-1].stable:
+        return
+    if path.problem.symmetric:
+        text = (
+            "equilibrium is not stable at the end: the body would move on to another one; follow the "
+            'stable branch (branch="stable" of NewtonOptions)'
+        )
+    else:
+        text = (
+            "equilibrium may not be stable at the end: the determinant of the tangent is negative; "
+            "compare with a little more load or other friction"
+        )
+    yield Finding(text, False)
 
 
 def _volume(samples: Samples):

@@ -132,6 +132,17 @@ def stage_of(motion: Motion, number: np.ndarray) -> np.ndarray:
     return 1 + np.searchsorted(np.cumsum(motion.steps), number, side="right")
 
 
+def stage_place(seal, fraction: float) -> np.ndarray | None:
+    """x, y (mm), angle (degrees) of the first profile that moves since its stage began, after any share
+    of the load steps; None without profiles."""
+    motion = leading_motion(seal)
+    if motion is None:
+        return None
+    stage = min(np.searchsorted(np.cumsum(motion.steps), fraction), len(motion.steps) - 1)
+    here = np.array(motion.coordinates(fraction)) * (1.0, 1.0, np.degrees(1.0))
+    return here - _waypoints(motion)[stage]
+
+
 def _waypoints(motion) -> np.ndarray:
     return np.column_stack([motion.positions, np.degrees(motion.angles)])
 

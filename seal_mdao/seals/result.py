@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import profiles
 from seal_mdao.seals.checks import findings
+from seal_mdao.seals.instabilities import Instability, instabilities, stage_travel
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
 
@@ -78,6 +80,15 @@ class SealResult:
         """
         return tuple(found.text for found in findings(self.path)) if self.converged else ()
 
+    @cached_property
+    def critical_points(self) -> tuple[Instability, ...]:
+        """Where equilibrium lost its stability on the path, in order."""
+        return instabilities(self)
+
+    def travel_at(self, fraction: float) -> float:
+        """Travel of the first profile that moves since its stage began, mm."""
+        return stage_travel(self, fraction)
+
     def require_possible(self) -> None:
         """Raise ``LoadPathError`` for a path that was not completed, or whose end cannot be meant."""
         self.require_converged()
@@ -93,9 +104,11 @@ class SealResult:
         if self.converged:
             return ""
         done, damped = len(self.path.nominal_steps), self.path.damped
+        lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
         return (
             f"the load path could not be completed at {self.path.failure}; {done} of "
-            f"{self.seal.n_steps} load steps converged. {damped + '. ' if damped else ''}{self.advice}"
+            f"{self.seal.n_steps} load steps converged.{lost} {damped + '. ' if damped else ''}"
+            f"{self.advice}"
         )
 
     advice = (

@@ -112,6 +112,7 @@ class StructuralTerm(Term):
     """An ``ElasticBody`` on one design."""
 
     label = ElasticBody.label
+    conservative = True
 
     def __init__(self, definition: ElasticBody, discretization):
         self.definition, self.names = definition, tuple(definition.scalars)
@@ -197,6 +198,9 @@ class StructuralTerm(Term):
         if not self._assemble(self.cells.table, d, every, force, np.empty(0)):
             return None
         return force[:-1].reshape(-1, 2)
+
+    def potential(self, d, response) -> float:
+        return self.energy(d)
 
     def energy(self, d: np.ndarray) -> float:
         """Strain energy per unit depth, mJ/m."""

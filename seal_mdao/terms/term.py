@@ -95,12 +95,15 @@ class Term:
         What rounding leaves of its forces, N/m.
     remembers : bool
         Whether a step depends on the one before.
+    conservative : bool
+        Whether its force is the derivative of its ``potential``, so that its tangent is symmetric.
     """
 
     label = ""
     names: tuple = ()
     rounding = 0.0
     remembers = False
+    conservative = False
 
     # ---- analysis ----
 
@@ -145,6 +148,10 @@ class Term:
             One estimate, or two of which the path takes the better one; none for no change.
         """
         return []
+
+    def potential(self, d, response: Response) -> float:
+        """Potential of a conservative term at displacements ``d``, where it gave ``response``, mJ/m."""
+        raise NotImplementedError
 
     def describe(self, response: Response, fraction: float) -> str:
         """A few words about a state, for messages."""

@@ -25,6 +25,7 @@ TOLERANCES = {
     "belt": 1e-2,
     "belt_limit": 2e-3,
     "belt_corrected": 3e-3,
+    "arch": 3e-2,
     "steps_reaction": 1e-4,
     "steps_gap": 5e-3,
     # places of 1e2 mm are rounded by 1e-14 mm, of a penetration of 1e-3 mm: 1e-11, at every point

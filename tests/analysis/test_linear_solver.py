@@ -6,6 +6,7 @@ from bodies import dense, internal, square, wave
 
 from seal_mdao.analysis.equations import equation_numbers, tangent_layout
 from seal_mdao.analysis.linear_solver import SOLVERS, BandedStorage
+from seal_mdao.analysis.modes import nearest_mode
 
 
 @pytest.fixture
@@ -110,3 +111,38 @@ def test_automatic_choice_takes_the_band_for_a_ring_and_compressed_columns_for_w
     wide = square(rng, n=20).layout
     assert isinstance(narrow.storage, BandedStorage)
     assert not isinstance(wide.storage, BandedStorage)
+
+
+@pytest.mark.parametrize("solver", ["banded", "superlu", "pardiso"])
+def test_factors_know_the_sign_of_eigenvalues(rng, solver):
+    """A tangent shifted past its lowest eigenvalues; the determinant of an unsymmetric one."""
+    if solver == "pardiso":
+        pytest.importorskip("pypardiso")
+    disc = square(rng, solver=solver)
+    layout, values = (
+        disc.layout,
+        internal(disc, np.where(disc.body.fixed, 0.0, wave(disc, 0.05)))[1],
+    )
+    lowest = np.linalg.eigvalsh(dense(layout, values))[:3]
+    diagonal = layout.storage.diagonal()
+
+    def shifted(shift, skew=0.0):
+        buffer = values.copy()
+        buffer[diagonal] -= shift
+        buffer[:-1] *= 1.0 + skew * rng.standard_normal(buffer.size - 1)
+        return buffer
+
+    between = np.array([0.9 * lowest[0], 0.5 * lowest[:2].sum(), 0.5 * lowest[1:].sum()])
+    for place, shift in enumerate(between):
+        factor = layout.factorize(shifted(shift), symmetric=True).kept()
+        assert factor.positive == (place == 0)
+        value, mode = nearest_mode(factor, layout.n_equations, True, negative=place > 0)
+        exact = lowest[0] - shift if place == 0 else lowest[place - 1] - shift
+        assert value == pytest.approx(exact, rel=1e-5)
+        residual = dense(layout, shifted(shift)) @ mode - value * mode
+        assert np.abs(residual).max() < 1e-4 * abs(lowest[2])
+    if layout.storage.tells_sign:
+        for shift in between:
+            unsymmetric = shifted(shift, skew=1e-3)
+            sign = np.linalg.slogdet(dense(layout, unsymmetric))[0]
+            assert layout.factorize(unsymmetric).positive == (sign > 0.0)

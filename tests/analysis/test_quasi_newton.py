@@ -49,9 +49,9 @@ def factorisations(monkeypatch):
     """A list that grows by one with every factorisation."""
     counted, factorize = [], SparseStorage.factorize
 
-    def counting(storage, values):
+    def counting(storage, *values):
         counted.append(storage.n)
-        return factorize(storage, values)
+        return factorize(storage, *values)
 
     monkeypatch.setattr(SparseStorage, "factorize", counting)
     return counted

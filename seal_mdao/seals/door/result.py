@@ -41,6 +41,9 @@ class DoorSealResult(SealResult):
         """Door travel counted from the first touch of the drawn seal, shape (n_steps,), mm."""
         return self.seal.section.outer_radius - self.door_positions
 
+    def travel_at(self, fraction: float) -> float:
+        return float(self.seal.section.outer_radius - self.seal.motion.pose(fraction).position[1])
+
     def steps_at(self, depths) -> list[int]:
         """Nominal steps whose door travel is nearest to ``depths`` (mm), each once, in order."""
         travel = self.door_travel

@@ -1,0 +1,75 @@
+"""Where a seal lost its stability on its path, in words and with physical displacements."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.seals.profiles import stage_place
+from seal_mdao.terms.point_assembly import interpolate
+
+
+@dataclass(frozen=True, eq=False)
+class Instability:
+    """Where equilibrium lost its stability.
+
+    Attributes
+    ----------
+    fraction : float
+        Path parameter, in nominal load steps.
+    travel : float
+        Of the first profile that moves, in its stage, mm; NaN without one.
+    kind : str
+        "branch": the branch of equilibria goes on, but is not stable any more; "limit": it ends;
+        "unsymmetric": under friction the determinant of the tangent has become negative.
+    mode : ndarray, shape (n, 2)
+        Critical mode: displacements of the particles, the largest component 1.
+    moved : float
+        How far a particle moved from there to the equilibrium at which the path goes on, mm; 0 where
+        the path stays on the branch.
+    released : float
+        Energy released on the way, mJ/m; NaN where friction or another term has no potential.
+    """
+
+    fraction: float
+    travel: float
+    kind: str
+    mode: np.ndarray
+    moved: float
+    released: float
+
+    @property
+    def text(self) -> str:
+        """One line."""
+        place = f"load step {self.fraction:.4g}"
+        if np.isfinite(self.travel):
+            place = f"travel {self.travel:.3f} mm"
+        if self.kind == "unsymmetric":
+            return (
+                f"equilibrium may not be stable from {place} on: the determinant of the tangent is "
+                "negative; look at the next steps, or compare with a little other friction"
+            )
+        if self.moved == 0.0:
+            return f"equilibrium is not stable from {place} on, and the path stays on that branch"
+        lost = f" and releases {self.released:.2g} mJ/m" if np.isfinite(self.released) else ""
+        why = "the branch of equilibria ends" if self.kind == "limit" else "equilibrium branches"
+        return f"{why} at {place}: the seal moves {self.moved:.2g} mm to the next stable one{lost}"
+
+
+def instabilities(result) -> tuple[Instability, ...]:
+    """All of a path, complete or not, in order."""
+    return tuple(_instability(result, point) for point in result.path.critical_points)
+
+
+def _instability(result, point) -> Instability:
+    mode = np.empty_like(point.mode)
+    interpolate(result.path.discretization.everywhere.table, point.mode, mode)
+    return Instability(
+        point.fraction, result.travel_at(point.fraction), point.kind, mode / np.abs(mode).max(),
+        point.moved, point.released,
+    )  # fmt: skip
+
+
+def stage_travel(result, fraction: float) -> float:
+    """Travel of the first profile that moves since its stage began, mm; NaN without profiles."""
+    place = stage_place(result.seal, fraction)
+    return float("nan") if place is None else float(np.hypot(*place[:2]))
