@@ -24,6 +24,7 @@ SEAL = {
     "friction": (*NUMBERS, Fraction(1, 4), 11.0), "corner_x": (np.nan, 1e300, -51.0, -20.0, HUGE, TEXT),
     "normal_penalty": (*NUMBERS, 0.0, 20.0, 100.0, 1e12), "tangent_penalty": (0.0, 1e-300, 1e30, TEXT),
     "drawn_door_radius": (0.0, 1e-300, 0.1, 0.5, 1.0, 120.0, TEXT), "door_radius": (0.0, np.nan, TEXT),
+    "door_shift": (np.nan, 51.0, TEXT), "door_angle": (np.inf, 31.0, None),
     "room": (np.nan, -0.1, 1e300, TEXT, None), "step_ends": (0.5, (0.5, 1.0), TEXT),
     "start": (9.5, -1.0, 1e300, np.nan, TEXT),
     "depth": (*NUMBERS, 0.0, 1e-12, 1e-9, 14.6, 16.0, 18.0, 19.0),

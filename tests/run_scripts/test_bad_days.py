@@ -141,8 +141,10 @@ def test_sweep_of_wrong_inputs_has_no_surprise(tmp_path, run_script, capsys):
 
 def test_wrong_inputs_of_the_sweep_are_hundreds(tmp_path, run_script):
     """And no two have one name."""
+    from _wrong_files import LINES, SOUND
     from _wrong_inputs import cases
 
+    assert all(line in SOUND for line in LINES)
     names = [name for name, _ in cases(tmp_path)]
     assert len(names) >= 200
     assert len(set(names)) == len(names)
