@@ -35,6 +35,7 @@ GROUPS = {
     "seal_files": "figures.seal_files",
     "air": "figures.air",
     "self_contact": "figures.self_contact",
+    "cycles": "figures.cycles",
     "seal": "figures.seal",
     "theory": "figures.theory",
     "drivers": "figures.drivers",

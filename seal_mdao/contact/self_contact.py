@@ -174,6 +174,16 @@ class SelfContactTerm(CoupledTerm):
         """Without friction nothing depends on the history."""
         return self.law.friction != 0.0
 
+    @property
+    def conservative(self) -> bool:
+        """Without friction its forces have a potential."""
+        return self.law.friction == 0.0
+
+    def potential(self, d, response) -> float:
+        points, _, now = self._followed(response.x)
+        inside = np.minimum(now.gap, 0.0)
+        return 0.5 * self.law.normal_penalty * float(self.length[points] @ inside**2)
+
     def begin(self):
         self._direction[:] = 0
 

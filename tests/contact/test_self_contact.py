@@ -89,6 +89,20 @@ def test_which_wall_is_called_master_does_not_matter(pressed):
     assert abs(moment.sum()) <= 1e-11 * size
 
 
+def test_without_friction_the_force_is_the_gradient_of_a_potential(pressed, rng):
+    """The step is a tenth of the smallest penetration, so that the same points touch."""
+    term, response = pressed.term("hole"), pressed.response("hole")
+    assert term.conservative
+    way, h = rng.standard_normal(response.x.shape), 1e-8
+
+    def potential(share):
+        x = response.x + share * h * way
+        return term.potential(None, term.respond(x, 1.0, term.no_history()))
+
+    quotient = np.array([1, -8, 8, -1]) @ [potential(s) for s in (-2, -1, 1, 2)] / (12 * h)
+    assert (response.force * way).sum() == pytest.approx(quotient, rel=1e-6)
+
+
 def turned_hole(body):
     return itself(body, 0.0, turned=True).loops[0]
 
