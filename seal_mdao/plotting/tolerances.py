@@ -128,7 +128,7 @@ def designs_compared(samples: dict, name: str, unit: str, reaction: dict, band) 
     cost.set_ylim(0.0, 100.0)
     cost.set_xscale("log")
     cost.set_xlim(left=least)
-    cost.legend(loc="upper left")
+    cost.legend(loc="lower right")
     force.axvspan(*band, color=GREY, alpha=0.15, linewidth=0.0)
     edges = np.histogram_bin_edges(np.concatenate([*reaction.values()]), BINS)
     for (label, values), (color, style) in zip(
