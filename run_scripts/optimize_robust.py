@@ -56,9 +56,8 @@ def main(arguments) -> int:
         )
         tolerances.middle(seal).check(seal)
         scenarios = goal.scenarios(tolerances, seal, arguments.scenarios, arguments.seed)
-        kept = KeptAnalyses()
     announce(seal)
-    cases = robust_file(arguments)
+    cases, kept = robust_file(arguments), KeptAnalyses()
     nominal = nominal_design(seal, arguments, kept)
     with executor(arguments) as workers:
         with checked_arguments():
@@ -71,26 +70,32 @@ def main(arguments) -> int:
             begin(problem, nominal, cases if arguments.restart else None)
         numbers = optimize(problem)
         history = read_optimization(cases)
-        numbers = judged(numbers, history)
         robust = history.design_at(-1)
         designs = {
             label: sampled(seal, tolerances, label, design, arguments, workers)
             for label, design in (("nominal optimum", nominal), ("robust optimum", robust))
         }
-    band, floor = limits(seal, goal, kept)
-    compared = compare(designs, band, floor)
-    write_summary(arguments.out, numbers | settings_of(arguments) | compared | {
-        "reaction_band_N_per_m": band, "pressure_floor_kPa": floor,
-        "boundary_offsets": robust[0], **robust[1], "nominal": nominal_entry(nominal),
-        "history": history_rows(history),
-    })  # fmt: skip
-    figure = comparison(designs, band)
-    plotting.save(figure, arguments.out / "comparison.png")
-    section = samples_section(list(designs.values()), band, floor, figure)
-    write_report(cases, arguments.out / "report.html", kept=kept, further=section)
+    numbers = judged(numbers, history)
+    ends = {
+        "boundary_offsets": robust[0], **robust[1],
+        "nominal": {"boundary_offsets": nominal[0], **nominal[1]}, "history": history_rows(history),
+    }  # fmt: skip
+    summary = numbers | settings_of(arguments)
+    write_comparison(arguments.out, cases, designs, limits(seal, goal, kept), summary, ends, kept)
     report_run(arguments.optimizer, numbers, arguments.restart and cases)
     print(f"report.html, comparison.png, summary.json, cases.sql and samples in {arguments.out}")
     return 0 if numbers["success"] else 1
+
+
+def write_comparison(out: Path, cases: Path, designs, within, summary, ends, kept) -> None:
+    """summary.json, figure and report of both designs."""
+    band, floor = within
+    limited = {"reaction_band_N_per_m": band, "pressure_floor_kPa": floor}
+    write_summary(out, summary | compare(designs, band, floor) | limited | ends)
+    figure = comparison(designs, band)
+    plotting.save(figure, out / "comparison.png")
+    section = samples_section(list(designs.values()), band, floor, figure)
+    write_report(cases, out / "report.html", kept=kept, further=section)
 
 
 def max_iterations(arguments) -> tuple:
@@ -209,10 +214,6 @@ def comparison(designs: dict, band):
 def settings_of(arguments) -> dict:
     names = ("optimizer", "scenarios", "samples", "seed", "minimize", "deviations", "band", "widen")
     return {name: getattr(arguments, name) for name in names}
-
-
-def nominal_entry(nominal) -> dict:
-    return {"boundary_offsets": nominal[0], **nominal[1]}
 
 
 def arguments_parser():

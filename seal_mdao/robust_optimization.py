@@ -69,10 +69,11 @@ class RobustGoal:
     def levels(self) -> tuple[float, float]:
         """Quantiles of the reaction in the scenarios that keep to the band.
 
-        As far out among the wide scenarios as those of all cars, were both normal.
+        As far out among the wide scenarios as those of all cars, were both normal; to a tenth of a per
+        cent, for they name outputs.
         """
         outside = 0.5 * (1.0 - self.share)
-        return tuple(ndtr(ndtri([outside, 1.0 - outside]) / self.widen).tolist())
+        return tuple(ndtr(ndtri([outside, 1.0 - outside]) / self.widen).round(3).tolist())
 
     def scenarios(self, tolerances: Tolerances, seal: DoorSeal, count: int, seed: int) -> Scenarios:
         """The drawing, and ``count`` scenarios around the middle of the tolerances.

@@ -50,7 +50,7 @@ def numbers(found: dict, costs: dict) -> dict:
     made = {
         "ratio": f"{robust['ratio_of_95_percent_gaps']:.2g}",
         "samples": str(robust["samples"]), "scenarios": str(robust["scenarios"]),
-        "iterations": str(robust["iterations"]), "evaluations": str(robust["model_evaluations"]),
+        "evaluations": str(robust["model_evaluations"]),
         "low": f"{robust['reaction_band_N_per_m'][0]:.1f}",
         "high": f"{robust['reaction_band_N_per_m'][1]:.1f}",
         "floors": " and ".join(f"{value:.1f}" for value in robust["pressure_floor_kPa"]),

@@ -7,6 +7,8 @@ from seal_mdao.plotting.style import BLUE, GREY, VERMILION, styled, subplots
 
 BINS = 30
 MOST_COLUMNS = 3
+SMALLEST = 1e-4
+"""Share of the largest cost below which costs are not told apart in a picture."""
 SIGNED_MAP = "RdBu_r"
 LOUD = 0.6
 """Correlation from which on white letters are legible."""
@@ -111,17 +113,21 @@ def designs_compared(samples: dict, name: str, unit: str, reaction: dict, band) 
         Lower and upper limit of the reaction, N/m.
     """
     figure, (cost, force) = subplots(1, 2, width=9.2, height=3.7)
+    # a closed gap has none: what is far below the largest is drawn at the left end
+    least = SMALLEST * max(values.max() for values in samples.values())
     for (label, values), (color, style) in zip(
         samples.items(), LOOKS[-len(samples) :], strict=True
     ):
         share = (np.arange(values.size) + 0.5) / values.size
-        cost.plot(np.sort(values), 100.0 * share, color=color, linestyle=style, label=label)
-        cost.plot(np.quantile(values, 0.95), 95.0, "o", color=color)
+        shown = np.maximum(np.sort(values), least)
+        cost.plot(shown, 100.0 * share, color=color, linestyle=style, label=label)
+        cost.plot(max(np.quantile(values, 0.95), least), 95.0, "o", color=color)
     cost.axhline(95.0, color=GREY, linewidth=0.8, linestyle=":")
     cost.set_xlabel(_labelled(name, unit))
     cost.set_ylabel("share of samples below (%)")
     cost.set_ylim(0.0, 100.0)
-    cost.set_xlim(left=0.0)
+    cost.set_xscale("log")
+    cost.set_xlim(left=least)
     cost.legend(loc="lower right")
     force.axvspan(*band, color=GREY, alpha=0.15, linewidth=0.0)
     edges = np.histogram_bin_edges(np.concatenate([*reaction.values()]), BINS)

@@ -30,7 +30,7 @@ def rounded(values: np.ndarray) -> list:
 
 def main(study: Path, robust: Path, out: Path) -> None:
     summary = json.loads((robust / "summary.json").read_text(encoding="utf-8"))
-    designs = {}
+    shapes, designs = {"nominal": summary["nominal"], "robust": summary}, {}
     for name in DESIGNS:
         names, values, times = columns(robust / f"{name}.sqlite")
         by_name = dict(zip(names, values.T, strict=True))
@@ -38,11 +38,13 @@ def main(study: Path, robust: Path, out: Path) -> None:
         designs[name] = {
             "gap": rounded(by_name["gap_square_integral"]),
             "reaction": rounded(by_name["reaction[1]"]),
+            "boundary_offsets": shapes[name]["boundary_offsets"],
+            "door_radius": shapes[name]["door_radius"],
             "both_busy": float(times[:, 0].sum() / (2.0 * wall)),
         }
     kept = (
         "reaction_band_N_per_m", "pressure_floor_kPa", "compared", "ratio_of_95_percent_gaps",
-        "scenarios", "samples", "widen", "deviations", "iterations", "model_evaluations",
+        "scenarios", "samples", "widen", "deviations", "model_evaluations",
     )  # fmt: skip
     found = {
         "study": json.loads((study / "summary.json").read_text(encoding="utf-8"))["measures"],
