@@ -12,7 +12,7 @@ from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.result import analyze
 from seal_mdao.verification.shallow_arch import critical_load, press_arch
 
-CORNERS = (0.0, 2.0, 4.0)
+CORNERS, SHOWN = (0.0, 2.0, 4.0), 2.0
 RISES = (2.0, 3.0)
 CLOUDS = ((58, 3), (116, 5), (174, 5))
 FIRST_DEPTH = 4.9
@@ -21,7 +21,7 @@ FIRST_DEPTH = 4.9
 
 def make(out: Path, reduced: bool) -> dict:
     """Pictures and numbers."""
-    return _flat(out, reduced) | _corners(reduced) | _clouds(reduced) | _arch(out, reduced)
+    return _flat(out, reduced) | _corners(out, reduced) | _clouds(reduced) | _arch(out, reduced)
 
 
 def _flat(out, reduced) -> dict:
@@ -29,7 +29,6 @@ def _flat(out, reduced) -> dict:
     stable = analyze(seal)
     upright = analyze(seal.with_(newton=NewtonOptions(branch="primary")))
     _branches(out / "stability_branches.png", stable, upright)
-    plotting.save(plotting.critical_modes(stable), out / "stability_modes.png")
     return {
         "stable_force": f"{stable.reaction[-1, 1]:.1f}",
         "upright_force": f"{upright.reaction[-1, 1]:.1f}",
@@ -56,11 +55,13 @@ def _branches(path: Path, stable, upright):
     save(figure, path)
 
 
-def _corners(reduced) -> dict:
+def _corners(out, reduced) -> dict:
     rows = []
     for corner in CORNERS[1:2] if reduced else CORNERS:
         result = analyze(door_seal(friction=0.0, corner_x=corner))
         points = result.critical_points
+        if corner == SHOWN:
+            plotting.save(plotting.critical_modes(result), out / "stability_modes.png")
         largest = max(points, key=lambda point: point.released)
         rows.append([
             f"{corner:g}", f"{points[0].travel:.2f}", str(len(points)), f"{largest.travel:.2f}",

@@ -3,7 +3,8 @@
 Newton steps with the tangent K + alpha I, alpha as small as makes it positive definite, each halved
 until the force along it has not turned against it: they lead down the potential, and end as Newton's
 method where K itself is positive definite. Where halving does not help, alpha grows for a while.
-Without friction alone; the potential is not needed.
+The potential is not needed. Under friction, where there is none, the same steps are tried where nothing
+else leads on: alpha is such that the determinant is positive and the step goes against the residual.
 
 J. Nocedal and S. J. Wright, Numerical Optimization, 2nd ed., Springer 2006, section 3.4.
 """
@@ -62,7 +63,7 @@ def descend(
             residuals.append(size)
             if note is not None:
                 note(number, size)
-            factor, stable, shift = _definite(problem, least)
+            factor, stable, shift = _definite(problem, least, residual, first)
             if stable and converged(problem, size, rounding, options):
                 return Status.CONVERGED, d, tuple(residuals)
             if np.abs(d).max() > far:
@@ -75,6 +76,7 @@ def descend(
             if least > SLOWEST * first / FIRST:
                 break
             d = d + share * problem.discretization.layout.gather(step)
+            problem.begin()  # no sliding point is held for its direction before
             problem.assemble(d, target, history)
             residual, size, rounding = problem.residual()
     except np.linalg.LinAlgError:
@@ -82,7 +84,7 @@ def descend(
     return Status.NOT_CONVERGED, d, tuple(residuals)
 
 
-def _definite(problem: PathProblem, least: float):
+def _definite(problem: PathProblem, least: float, residual, first: float):
     """Factor of the assembled tangent, shifted where it is not positive definite and by ``least``;
     whether it is so without a shift; the shift."""
     storage, values = problem.discretization.layout.storage, problem.values.copy()
@@ -90,14 +92,15 @@ def _definite(problem: PathProblem, least: float):
     stable = factor.positive
     if stable and not least:
         return factor, True, 0.0
-    if not stable:
+    if not stable and problem.symmetric:
         lowest = nearest_mode(factor, storage.n, True, negative=True)[0]
         shift = max(shift, ENOUGH * abs(lowest))
+    shift = max(shift, first)
     while True:
         problem.values[:] = values
         problem.values[storage.diagonal()] += shift
         factor = problem.factorize(check=True)
-        if factor.positive:
+        if factor.positive and (problem.symmetric or residual @ factor.solve(residual) > 0.0):
             return factor, False, shift
         shift *= MORE
 
@@ -107,6 +110,7 @@ def _share(problem, d, step, residual, target, history, whole: bool) -> float:
     no share of it leads down."""
     driven, way, share = residual @ step, problem.discretization.layout.gather(step), 1.0
     for _ in range(HALVINGS):
+        problem.begin()
         if problem.assemble_forces(d + share * way, target, history) and (
             whole or problem.residual()[0] @ step <= -TURNED * driven
         ):

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
@@ -32,6 +33,8 @@ from seal_mdao.analysis.threads import one_blas_thread
 
 # A step that is not stable, or jumps, is halved that often: the path leaves its branch near the end.
 NEAR_THE_END = 5
+# Damped motion that has found no equilibrium within so many iterations gives way to descent.
+SOON = 300
 # Share of the step that the Euler predictor may miss if its miss is to predict the next one.
 SMALL_BEND = 0.03
 
@@ -203,13 +206,26 @@ def _beyond(problem, status, d, guess, targets, last, options, note):
     euler = problem.predict(last, problem.factorize_at(last), end)
     mode = critical_mode(problem, problem.factor, euler[0] - last.d, negative=False)
     guess = problem.closest(euler, end, last.after)
-    status, d, residuals = relax(problem, guess, end, last.after, options, note)
+    status, d, residuals = _at_rest(problem, guess, end, last, options, note)
     point = limit_point(last, d, mode)
     stable = status is not Status.CONVERGED or problem.factor.positive
     if follows_stable(problem, options) and not stable:
         status, d, more, point = leave(problem, Status.UNSTABLE, d, end, last, options, note)
         residuals += more
     return status, d, residuals, point, end
+
+
+def _at_rest(problem, guess, end, last, options, note):
+    """Equilibrium by damped motion, which mostly finds it soon; by descent where it does not."""
+    few = replace(options, damped_iterations=min(SOON, options.damped_iterations))
+    status, d, residuals = relax(problem, guess, end, last.after, few, note)
+    if status is not Status.NOT_CONVERGED or few == options:
+        return status, d, residuals
+    if not problem.symmetric:
+        status, d, residuals = descend(problem, guess, end, last.after, options, note)
+        if status is Status.CONVERGED:
+            return status, d, residuals
+    return relax(problem, guess, end, last.after, options, note)
 
 
 def _describe(problem, status, nominal, target, residuals) -> str:

@@ -45,7 +45,7 @@ def critical_modes(result: SealResult) -> Figure:
     rows = -(-len(points) // columns)
     figure, axes = subplots(
         rows, columns, width=max(0.75 * width * columns + 1.0, 4.5),
-        height=rows * (0.75 * height + 0.5) + 0.4, squeeze=False, sharex=True, sharey=True,
+        height=rows * (0.75 * height + 0.7) + 0.7, squeeze=False, sharex=True, sharey=True,
     )  # fmt: skip
     for axis, point, place in zip(axes.flat, points, places, strict=False):
         _draw(axis, result, point, place, min(place + 1, last), loops)

@@ -73,8 +73,8 @@ def test_path_that_is_not_completed_is_written_as_far_as_it_went(
     tmp_path, run_script, assert_drawn, monkeypatch
 ):
     """Without friction, and without the damped motion that leads to where the seal has swayed."""
-    # dataclass defaults: tolerance, iterations, cuts, damped iterations
-    monkeypatch.setattr(NewtonOptions.__init__, "__defaults__", (1e-10, 15, 8, 0))
+    # dataclass defaults: tolerance, iterations, cuts, damped iterations, branch
+    monkeypatch.setattr(NewtonOptions.__init__, "__defaults__", (1e-10, 15, 8, 0, "stable"))
     code, s = run_script("analyze_door_seal", tmp_path, "--friction", 0, *CHEAP)
     assert code == 1
     assert s["converged"] is False
