@@ -1,12 +1,27 @@
-"""The worked examples of seal files."""
+"""The worked examples of seal files, and their optima."""
 
 import re
+import tempfile
 from dataclasses import replace
+from math import nan
 from pathlib import Path
 
+import numpy as np
+
 import seal_mdao as sm
+from figures.tables import power, table
+from seal_mdao.drivers.optimality import measure_optimality
+from seal_mdao.file_optimization import design_bounds, file_problem
 from seal_mdao.geometry.motion import Stage
-from seal_mdao.plotting import deformed_shapes, load_deflection, save, section_cloud
+from seal_mdao.optimization import major_iterations
+from seal_mdao.plotting import (
+    deformed_shapes,
+    design_comparison,
+    load_deflection,
+    save,
+    section_cloud,
+)
+from seal_mdao.plotting.recorded import label
 
 FILES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.toml"))
 SHARE = 8
@@ -14,22 +29,66 @@ SHARE = 8
 
 
 def make(out: Path, reduced: bool) -> dict:
-    """Section, deformed shapes and load-deflection of every example, and its measures."""
-    numbers = {}
+    """Section, deformed shapes, load-deflection and optimum of every example, and its measures."""
+    numbers, rows = {}, []
     for path in FILES:
         file = sm.read_seal_file(path)
-        result = sm.analyze(sm.build_seal(begun(file) if reduced else file))
+        seal = sm.build_seal(begun(file) if reduced else file)
+        result = sm.analyze(seal)
         result.require_converged()
         folder = out / "seal_files"
         save(section_cloud(result), folder / f"{path.stem}_section.png")
         save(deformed_shapes(result), folder / f"{path.stem}_shapes.png")
         save(load_deflection(result), folder / f"{path.stem}_load.png")
+        offsets, row = (sketched if reduced else optimised)(file, seal)
+        best = sm.analyze(seal, offsets)
+        best.require_converged()
+        save(design_comparison(result, best), folder / f"{path.stem}_optimum.png")
+        rows.append([f"`{path.stem}`", *row])
         numbers[path.stem] = {"particles": len(result.particles)} | {
             re.sub(r"\W", "_", measure.name): f"{result.value(measure)[0]:.4g}"
             for measure in result.measures()
             if measure.size(result.seal)
         }
-    return numbers
+    return {"examples": numbers, "optima": table(HEAD, rows)}
+
+
+HEAD = (
+    "example", "made small", "before", "after", "iterations", "analyses", "largest violation",
+    "optimality",
+)  # fmt: skip
+
+
+def optimised(file, seal) -> tuple[np.ndarray, list]:
+    """The optimum that a file asks for, and its row of the table."""
+    with tempfile.TemporaryDirectory() as folder:
+        problem = file_problem(file, seal, work_dir=folder)
+        driver, aim = problem.driver, file.optimize.minimize
+        problem.final_setup()
+        problem.run_model()
+        before = problem.get_val(aim)[0]
+        if not problem.run_driver().success:
+            raise RuntimeError(f"{file.path}: {driver.exit_message}")
+        found = measure_optimality(driver)
+        after, offsets = problem.get_val(aim)[0], problem.get_val("boundary_offsets").copy()
+        iterations, analyses = major_iterations(problem), driver.result.model_evals
+        problem.cleanup()
+    unit = (
+        next(m.units for m in seal.standard if m.name == aim)
+        .replace("**2", "²")
+        .replace("**3", "³")
+    )
+    conditions = max(found.stationarity, found.complementarity)
+    return offsets, [
+        label(aim), *(f"{value:.4g} {unit}" for value in (before, after)), iterations, analyses,
+        power(found.infeasibility), power(conditions),
+    ]  # fmt: skip
+
+
+def sketched(file, seal) -> tuple[np.ndarray, list]:
+    """For the reduced mode: a design that is none, and its row."""
+    aim, none = label(file.optimize.minimize), power(nan)
+    return 0.2 * design_bounds(file), [aim, *[none] * 6]
 
 
 def begun(file):

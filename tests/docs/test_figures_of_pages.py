@@ -80,7 +80,7 @@ def test_numbers_come_from_their_group(made, docs, pages):
             assert name in TOLERANCES, f"{path.relative_to(docs)}: {name}"
     quoted = {group for _, (group, _) in used}
     # these make pictures and text blocks only
-    assert quoted == {*groups, "tolerances"} - {"examples", "seal_files", "theory"}
+    assert quoted == {*groups, "tolerances"} - {"examples", "theory"}
 
 
 def test_tolerances_are_stated_by_the_pages(docs_module, pages):
