@@ -1,5 +1,9 @@
 """Analyses that several folders look at, and random numbers that belong to a test."""
 
+import importlib
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -86,3 +90,23 @@ def random_design(drawn_model, random_offsets):
 def rng(request):
     """Random numbers that depend on the name of the test only."""
     return np.random.default_rng(list(request.node.name.encode()))
+
+
+@pytest.fixture(scope="session")
+def refusing_script():
+    """What ``analyze_seal.py`` says of a seal file, in one line with exit status 2."""
+    scripts = str(Path(__file__).parents[1] / "run_scripts")
+    sys.path.insert(0, scripts)
+    script = importlib.import_module("analyze_seal")
+
+    def said(path, capsys):
+        out = path.parent / "out"
+        arguments = ["--out", str(out), str(path)]
+        assert script.run(script.arguments_parser(), script.main, arguments) == 2
+        assert not (out / "summary.json").exists()
+        captured = capsys.readouterr()
+        (line,) = captured.err.splitlines()
+        return line
+
+    yield said
+    sys.path.remove(scripts)

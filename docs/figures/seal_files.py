@@ -80,9 +80,13 @@ def optimised(file, seal) -> tuple[np.ndarray, list]:
     )
     conditions = max(found.stationarity, found.complementarity)
     return offsets, [
-        label(aim), *(f"{value:.4g} {unit}" for value in (before, after)), iterations, analyses,
+        label(aim), *(f"{_short(value)} {unit}" for value in (before, after)), iterations, analyses,
         power(found.infeasibility), power(conditions),
     ]  # fmt: skip
+
+
+def _short(value: float) -> str:
+    return f"{value:.4g}" if abs(value) >= 1e-3 else power(value)
 
 
 def sketched(file, seal) -> tuple[np.ndarray, list]:

@@ -10,6 +10,22 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.dxf import read_dxf
 
 ON = {"layer": "seal"}
+FILE = """[material.rubber]
+law = "neo_hookean"
+c10 = 100.0
+bulk_modulus = 8e4
+[section]
+material = "rubber"
+spacing = 0.5
+dxf = "{}"
+[[profile]]
+name = "door"
+friction = 0.2
+contact = ["seal"]
+line = [[-9.0, 0.0], [9.0, 0.0]]
+start = [0.0, 90.0]
+stage = [{{ translate = [0.0, -1.0], steps = 4 }}]
+"""
 
 
 def add(method, *arguments, units=4, box=True, **further):
@@ -198,13 +214,18 @@ def _upright(folder):
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_what_cannot_be_read_is_refused_in_one_line(tmp_path, name):
+def test_what_cannot_be_read_is_refused_in_one_line(tmp_path, name, refusing_script, capsys):
     make, words = BAD[name]
     path = make(tmp_path)
     with pytest.raises(GeometryError, match=re.escape(words)) as caught:
         read_dxf(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
+    file = tmp_path / "seal.toml"
+    file.write_text(FILE.format(path.name), encoding="utf-8")
+    line = refusing_script(file, capsys)
+    assert str(file) in line
+    assert words in line
 
 
 @pytest.mark.parametrize(("units", "words"), [

@@ -240,7 +240,7 @@ BAD = {
         "line beside [[profile.segment]]; use one of them",
     ),
     "inside": ("start = [0.0, 14.5]", "start = [0.0, 13.0]", "[[profile]] 1 ('door'): start = (0, 13) "
-               "puts the edge 'seal' 1 mm inside the rigid body at ("),
+               "puts the edge 'seal' 1 mm inside the rigid body at (0, 14); start it"),
     "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "lies on the left when walked; is it "
                   "walked the wrong way?)"),
     "start a number": ("start = [0.0, 14.5]", "start = 14.5", "start = 14.5, but it must be a point"),
@@ -302,7 +302,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_what_a_file_cannot_say_is_refused_in_one_line(tmp_path, name):
+def test_what_a_file_cannot_say_is_refused_in_one_line(tmp_path, name, refusing_script, capsys):
     old, new, words = BAD[name]
     assert old in BULB
     path = tmp_path / "seal.toml"
@@ -312,6 +312,7 @@ def test_what_a_file_cannot_say_is_refused_in_one_line(tmp_path, name):
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
     assert caught.value.__cause__ is None
+    assert refusing_script(path, capsys).endswith(str(caught.value))
 
 
 def test_files_that_are_none(tmp_path):

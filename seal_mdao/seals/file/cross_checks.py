@@ -301,7 +301,7 @@ def _check_start(where, profile, file) -> float:
         turned = "; is it walked the wrong way?" if all(gap(*x) < 0.0 for x in every) else ""
         raise SealFileError(
             f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
-            f"inside the rigid body at {pair(place)}; start it farther away (the rigid body "
-            f"lies on the left when walked{turned})"
+            f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away (the "
+            f"rigid body lies on the left when walked{turned})"
         )
     return least
