@@ -40,11 +40,12 @@ def make(out: Path, reduced: bool) -> dict:
         save(section_cloud(result), folder / f"{path.stem}_section.png")
         save(deformed_shapes(result), folder / f"{path.stem}_shapes.png")
         save(load_deflection(result), folder / f"{path.stem}_load.png")
-        offsets, row = (sketched if reduced else optimised)(file, seal)
-        best = sm.analyze(seal, offsets)
-        best.require_converged()
-        save(design_comparison(result, best), folder / f"{path.stem}_optimum.png")
-        rows.append([f"`{path.stem}`", *row])
+        if file.optimize is not None:
+            offsets, row = (sketched if reduced else optimised)(file, seal)
+            best = sm.analyze(seal, offsets)
+            best.require_converged()
+            save(design_comparison(result, best), folder / f"{path.stem}_optimum.png")
+            rows.append([f"`{path.stem}`", *row])
         numbers[path.stem] = {"particles": len(result.particles)} | {
             re.sub(r"\W", "_", measure.name): f"{result.value(measure)[0]:.4g}"
             for measure in result.measures()
@@ -92,7 +93,7 @@ def _short(value: float) -> str:
 def sketched(file, seal) -> tuple[np.ndarray, list]:
     """For the reduced mode: a design that is none, and its row."""
     aim, none = label(file.optimize.minimize), power(nan)
-    return 0.2 * design_bounds(file), [aim, *[none] * 6]
+    return -0.1 * design_bounds(file), [aim, *[none] * 6]
 
 
 def begun(file):
