@@ -240,7 +240,7 @@ BAD = {
         "line beside [[profile.segment]]; use one of them",
     ),
     "inside": ("start = [0.0, 14.5]", "start = [0.0, 13.0]", "[[profile]] 1 ('door'): start = (0, 13) "
-               "puts the edge 'seal' 1 mm inside the rigid body at ("),
+               "puts the edge 'seal' 1 mm inside the rigid body at (0, 14); start it"),
     "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "lies on the left when walked; is it "
                   "walked the wrong way?)"),
     "start a number": ("start = [0.0, 14.5]", "start = 14.5", "start = 14.5, but it must be a point"),

@@ -223,7 +223,10 @@ line = [[9.0, 0.0], [9.0, 30.0]]
 
 @pytest.mark.parametrize("name", KINDS)
 def test_every_type_becomes_a_measure_with_its_name(tmp_path, name):
-    further = {"cavity_area": 'edge = "cavity"', "displacement": "at = [0.0, 13.9]"}.get(name, "")
+    further = {
+        "cavity_area": 'edge = "cavity"', "displacement": "at = [0.0, 13.9]",
+        "cavity_pressure": '[[cavity]]\nhole = 1',
+    }.get(name, "")  # fmt: skip
     file = changed(tmp_path, ('type = "contact_width"\nprofile = "door"',
                               f'type = "{name}"\nname = "mine"\n{further}'))  # fmt: skip
     particles = np.array([(0.0, 0.0), (0.0, 14.0), (1.0, 13.0)])
