@@ -48,7 +48,7 @@ def end_numbers(
 
 def report_end(history: RecordedOptimization, numbers: dict) -> None:
     """Two lines about the last design."""
-    kind = "major iterations" if history.major else "evaluations"
+    kind = "gradients" if history.major else "evaluations"
     print(
         f"{len(history.objective) - 1} {kind}: cost at "
         f"{100 * numbers['objective_ratio']:.4f} % of its start, "

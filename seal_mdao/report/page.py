@@ -207,7 +207,7 @@ def key_figures(
     if history.kind != "optimisation":
         return _range_figures(history)
     first, last = history.objective[[0, -1]]
-    kind = "major iterations" if history.major else "evaluations"
+    kind = "gradients" if history.major else "evaluations"
     found = [
         (
             label(history.objective_name),

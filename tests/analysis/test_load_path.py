@@ -125,16 +125,6 @@ def test_without_cuts_the_path_ends_at_the_first_difficult_step(cut):
     np.testing.assert_array_equal(result.reaction, cut.reaction[: len(result.reaction)])
 
 
-def test_body_that_starts_inside_the_door_is_refused():
-    """A design that bulges by 0.2 mm, a door that starts 0.1 mm above the drawn seal."""
-    model = sm.door_seal(start=9.6)
-    offsets = np.concatenate([np.full(14, 0.2), np.zeros(11)])
-    with pytest.raises(ValueError, match="inside the rigid profile") as error:
-        sm.analyze(model, offsets)
-    depth = float(re.search(r"starts (\S+) inside", str(error.value))[1])
-    assert depth == pytest.approx(0.1, rel=1e-2)
-
-
 def test_steps_before_touching_move_nothing(drawn):
     for step in drawn.path.steps[:4]:
         assert not step.d.any()

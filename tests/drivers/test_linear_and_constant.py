@@ -68,16 +68,22 @@ def test_coloring(make_driver):
     assert driver._coloring_info.coloring.total_solves() < 8
 
 
+# OpenMDAO's own sentence on rows of zeros
+openmdao_may_warn_too = pytest.mark.filterwarnings(
+    "ignore:The following constraints or objectives cannot be impacted"
+)
+
+
 def _with_constant_constraint(driver, value):
     prob = projection_problem(driver)
     prob.model.add_subsystem("other", om.ExecComp("g = 2 * y", y=value), promotes=["*"])
     prob.model.add_constraint("g", upper=4.0)
     prob.model.add_constraint("s", indices=[0], upper=4.0)
     prob.setup()
-    driver.options["singular_jac_tol"] = -1.0
     return prob
 
 
+@openmdao_may_warn_too
 def test_constant_constraint_is_reported_and_left_out(make_driver):
     prob = _with_constant_constraint(make_driver(), 1.0)
     with pytest.warns(DriverWarning, match=r"constraint\(s\) \['g'\] do not depend on any"):
@@ -86,6 +92,7 @@ def test_constant_constraint_is_reported_and_left_out(make_driver):
     assert prob.get_val("x")[0] == pytest.approx(2.0, abs=1e-5)
 
 
+@openmdao_may_warn_too
 def test_violated_constant_constraint_is_no_success(make_driver):
     prob = _with_constant_constraint(make_driver(), 3.0)
     with pytest.warns(DriverWarning, match="do not depend on any"):

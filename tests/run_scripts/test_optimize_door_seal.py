@@ -29,7 +29,8 @@ def test_gap_closes_within_the_limits(optimised, assert_drawn):
     assert history[0]["objective_ratio"] == 1.0
     assert history[0]["max_constraint_violation"] == pytest.approx(0.25, abs=0.02)
     assert history[-1]["objective_ratio"] == s["objective_ratio"]
-    assert len(history) == s["iterations"] + 1
+    # Uno takes gradients at some points that it does not accept, too
+    assert s["iterations"] < len(history) <= s["model_evaluations"]
     assert (out / "cases.sql").stat().st_size > 0
     assert_drawn(out, *FIGURES)
 
