@@ -1,6 +1,7 @@
 """Analyses that several folders look at, and random numbers that belong to a test."""
 
 import importlib
+import signal
 import sys
 from pathlib import Path
 
@@ -110,3 +111,9 @@ def refusing_script():
 
     yield said
     sys.path.remove(scripts)
+
+
+@pytest.fixture
+def hear_ctrl_c():
+    """Preparation of a new process: jobs that a shell has put into the background ignore Ctrl-C."""
+    return lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -89,11 +89,13 @@ def test_disk_that_is_full(tmp_path, run_script, capsys, monkeypatch):
     assert "summary.json" in error
 
 
-def test_ctrl_c_ends_a_long_analysis_at_once(tmp_path):
+def test_ctrl_c_ends_a_long_analysis_at_once(tmp_path, hear_ctrl_c):
     """A real one, after it has said how long it is going to take."""
     command = [sys.executable, SCRIPTS / "analyze_door_seal.py", "--out", tmp_path]
     size = ["--rays", "1160", "--layers", "9", "--n-steps", "1000"]
-    with subprocess.Popen([*command, *size], stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        [*command, *size], stderr=subprocess.PIPE, text=True, preexec_fn=hear_ctrl_c
+    ) as process:
         for line in process.stderr:
             if "will take about" in line:
                 break

@@ -94,7 +94,7 @@ def test_sigkill_of_a_worker_at_ten_random_moments_changes_no_bit(task, scenario
 
 SCRIPT = """
 import sys, time
-from test_bad_days import Slow, points
+from test_killed_workers import Slow, points
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import run_scenarios
 
@@ -115,14 +115,14 @@ class Slow:
         return Outcome(parameters, None, "", 0.1)
 
 
-def started(tmp_path, script):
+def started(tmp_path, script, preparation):
     """A script in a process of its own that has given its first two results."""
     path = tmp_path / "script.py"
     path.write_text(script)
     folders = os.pathsep.join([os.path.dirname(__file__), os.getcwd()])
     process = subprocess.Popen(
         [sys.executable, path], env=os.environ | {"PYTHONPATH": folders}, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=preparation,
     )  # fmt: skip
     for _ in range(2):
         assert process.stdout.readline().strip().isdigit(), process.stderr.read()
@@ -130,9 +130,9 @@ def started(tmp_path, script):
 
 
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGKILL])
-def test_all_workers_end_with_the_script(tmp_path, ending):
+def test_all_workers_end_with_the_script(tmp_path, ending, hear_ctrl_c):
     """Ctrl-C, and a kill that leaves no time for anything."""
-    process = started(tmp_path, SCRIPT)
+    process = started(tmp_path, SCRIPT, hear_ctrl_c)
     workers = workers_of(process.pid)
     assert len(workers) == 2
     process.send_signal(ending)
