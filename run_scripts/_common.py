@@ -1,6 +1,8 @@
 """What the scripts share: options of the seal, output folder, errors in one line, summary.json."""
 
 import argparse
+import atexit
+import gc
 import json
 import math
 import sqlite3
@@ -14,6 +16,9 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
+
+# else Python looks for garbage among all imported modules before it ends: a quarter of a second
+atexit.register(gc.freeze)
 
 SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "support",
