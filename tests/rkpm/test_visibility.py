@@ -126,14 +126,18 @@ def test_pairs_are_those_of_a_search_over_all_radii(seed):
             assert ((particle, other) in pairs) == (other not in seen)
 
 
+def distance(x, a, b):
+    """Of a point from the side between two others."""
+    share = np.clip((x - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)
+    return np.hypot(*(a + share * (b - a) - x))
+
+
 def flooded(cells, particles, particle, within):
     """Corners of all cells joined to the particle through sides nearer than ``within``."""
     owners = {}
     for number, cell in enumerate(cells):
         for a, b in zip(cell, np.roll(cell, -1), strict=True):
-            t = np.linspace(0.0, 1.0, 2001)[:, None]
-            side = (1 - t) * particles[a] + t * particles[b]
-            if np.hypot(*(side - particles[particle]).T).min() <= within:
+            if distance(particles[particle], particles[a], particles[b]) <= within:
                 owners.setdefault(frozenset((int(a), int(b))), []).append(number)
     joined = {number for number, cell in enumerate(cells) if particle in cell}
     while True:
