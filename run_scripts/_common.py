@@ -1,7 +1,6 @@
 """What the scripts share: options of the seal, output folder, errors in one line, summary.json."""
 
 import argparse
-import atexit
 import gc
 import json
 import math
@@ -16,9 +15,6 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
-
-# else Python looks for garbage among all imported modules before it ends: a quarter of a second
-atexit.register(gc.freeze)
 
 SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "support",
@@ -132,6 +128,9 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         What ``main`` returns, 1 when an analysis could not be completed or a file not be written, 2
         for a seal file that cannot be used, 130 after Ctrl-C. Wrong arguments exit with 2.
     """
+    if gc.get_freeze_count() == 0:
+        # what is imported is no garbage, and to look at it again and again takes half a second
+        gc.freeze()
     arguments = made.parse_args(argv)
     arguments.given = _given(made, argv)
     if "out" not in arguments.given and isinstance(getattr(arguments, "restart", None), Path):

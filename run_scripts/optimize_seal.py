@@ -156,10 +156,13 @@ def write_best(file, seal, offsets, kept: KeptAnalyses, out: Path) -> tuple[str,
     try:
         measures = frozen_measures(seal, None, kept.analyze)
         paths = write_design(file, seal, offsets, measures, out, "optimum")
-        said = "".join(f", {path.name}" for path in paths)
-        result = on_new_cloud(sm.read_seal_file(paths[0]), file.section.spacing)
     except (sm.GeometryError, sm.SealFileError, ImportError) as error:
         return f" (no seal file: {error})", None
+    said = "".join(f", {path.name}" for path in paths)
+    try:
+        result = on_new_cloud(sm.read_seal_file(paths[0]), file.section.spacing)
+    except (sm.GeometryError, sm.SealFileError) as error:
+        return f"{said} (not analysed with new particles: {error})", None
     if not result.converged:
         return said, None
     return said, {measure.name: result.value(measure) for measure in result.measures()}

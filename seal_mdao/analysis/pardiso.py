@@ -142,8 +142,8 @@ def _handle_class(module):
             super().__init__(**options)
             self.lock = Lock()
 
-        def __del__(self):
-            if not sys.is_finalizing():
+        def __del__(self, ending=sys.is_finalizing):  # ``sys`` may be gone by then
+            if not ending():
                 self.free_memory(everything=True)
 
     return Handle

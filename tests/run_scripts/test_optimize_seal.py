@@ -1,6 +1,7 @@
 """optimize_seal.py: an optimum, stopped and continued, as numbers, pictures and a drawing."""
 
 import csv
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -115,3 +116,17 @@ def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
     with pytest.raises(SystemExit):
         run_script("optimize_seal", out, out / "seal.toml")
     assert "--overwrite" in capsys.readouterr().err
+
+
+def test_optimum_is_written_where_no_new_cloud_fits_it(tmp_path, run_script, monkeypatch, capsys):
+    def refusing(*_):
+        raise sm.SealFileError("optimum.toml: the mesher divides the boundary")
+
+    import_module("optimize_seal")
+    monkeypatch.setattr("optimize_seal.on_new_cloud", refusing)
+    run_script("optimize_seal", tmp_path, written(tmp_path), "--max-iterations", 1)
+    said = capsys.readouterr().out
+    assert (
+        "optimum.toml, optimum.dxf, optimum.vtu (not analysed with new particles: optimum" in said
+    )
+    assert sm.analyze(sm.build_seal(sm.read_seal_file(tmp_path / "optimum.toml"))).converged
