@@ -109,7 +109,8 @@ def instance(name: str, value, kind: type) -> None:
         With the class that it has to be of.
     """
     if not isinstance(value, kind):
-        raise TypeError(f"{name} must be a {kind.__name__}, got {shown(value)}")
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise TypeError(f"{name} must be {article} {kind.__name__}, got {shown(value)}")
 
 
 def callback(name: str, value) -> None:

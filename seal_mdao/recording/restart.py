@@ -1,6 +1,9 @@
 """Continue a recorded optimisation, of any OpenMDAO problem."""
 
+import openmdao.api as om
+
 from seal_mdao import openmdao_access as access
+from seal_mdao import values
 from seal_mdao.recording.evaluations import RecordedEvaluations
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 
@@ -24,11 +27,12 @@ def restart(problem, path) -> None:
     Raises
     ------
     TypeError
-        When the problem's driver is neither UnoDriver nor IpoptDriver.
+        For no problem, or one whose driver is neither UnoDriver nor IpoptDriver.
     RestartError
         A ValueError: when the file cannot be read, or is not that of this problem. That it is not
         that of this model shows when the run begins.
     """
+    values.instance("problem", problem, om.Problem)
     driver = problem.driver
     if "hotstart_file" not in driver.options:
         raise TypeError(

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
@@ -44,7 +45,10 @@ def build_seal(file: SealFile) -> OutlineSeal:
     ------
     SealFileError
         For a section that cannot be filled at this spacing, or a design with too few parameters.
+    TypeError
+        For anything else than what ``read_seal_file`` returns.
     """
+    values.instance("file", file, SealFile)
     section = file.section
     by_rays = isinstance(section.spacing, Rays)
     cuts = section.cuts

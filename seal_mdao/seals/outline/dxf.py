@@ -4,6 +4,7 @@ from importlib import import_module
 from math import degrees
 from pathlib import Path
 
+from seal_mdao import values
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.b_splines import b_spline_of
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, pieces_of
@@ -65,7 +66,10 @@ def write_dxf(outline: Outline, path) -> Path:
     ------
     ImportError
         Without ezdxf.
+    TypeError
+        For anything else than an outline.
     """
+    values.instance("outline", outline, Outline)
     ezdxf = _library()
     document = ezdxf.new("R2010", units=MILLIMETRES)
     for number, name in enumerate(outline.edge_names):
