@@ -184,6 +184,11 @@ class SelfContactTerm(CoupledTerm):
         inside = np.minimum(now.gap, 0.0)
         return 0.5 * self.law.normal_penalty * float(self.length[points] @ inside**2)
 
+    def gaps(self, x):
+        """Points (m,) that face another stretch near them at the places ``x``, and their gaps, mm."""
+        points, _, now = self._followed(x)
+        return points, now.gap
+
     def begin(self):
         self._direction[:] = 0
 

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from seal_mdao.analysis.result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
+from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.seals.samples import Samples
 
 SLIGHT, DEEP = 0.01, 0.1
@@ -51,7 +52,9 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     """What is not right with the end of a completed path; looked for once a path."""
     if path not in _KNOWN:
         samples = Samples(path)
-        checks = (_balance, _stability, _volume, _crossing, _inside_profiles, _below_base)
+        checks = (
+            _balance, _stability, _volume, _crossing, _inside_profiles, _inside_itself, _below_base,
+        )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
 
@@ -122,15 +125,20 @@ def _volume(samples: Samples):
 
 
 def _crossing(samples: Samples):
-    """Boundaries that cross themselves or each other: there is no contact between them."""
+    """Boundaries that cross themselves or each other where there is no contact between them.
+
+    Where there is, they cross by what its penalty gives.
+    """
     chains, x = samples.chains, samples.places
     segments = np.stack([chains[:, :-1], chains[:, 1:]], axis=2).reshape(-1, 2)
     pairs, depth = crossings(x, segments)
+    known = depth <= _allowed_depth(samples, pairs // (chains.shape[1] - 1))
+    pairs, depth = pairs[~known], depth[~known]
     if len(pairs):
         place = x[segments[pairs[int(depth.argmax())]]].mean(axis=(0, 1))
         yield Finding(
-            f"the boundary crosses itself near {_at(place)}: the model has no contact of the seal with "
-            "itself; use a smaller depth",
+            f"the boundary crosses itself near {_at(place)}: there is no contact between its parts "
+            "there; use a smaller depth, or contact of the section with itself",
             bool(depth.max() > CROSSED * samples.wall),
         )
 
@@ -176,6 +184,39 @@ def _side(a, b, c):
     return cross / np.where(length > 0.0, length, 1.0)
 
 
+def _allowed_depth(samples: Samples, sides: np.ndarray) -> np.ndarray:
+    """How deep pairs of sides (c, 2) of the boundary may cross, shape (c,), mm: 0 without contact."""
+    ends, found = samples.sides[0][sides], np.zeros(len(sides))
+    for term in _contacts_with_itself(samples):
+        number = np.full(samples.path.discretization.body.n_particles, -1)
+        number[term.where.at_particles] = np.arange(len(term.where))
+        one, other = np.moveaxis(number[ends], 1, 0)
+        one, other = one[:, :, None], other[:, None, :]
+        touch = term.allowed[one, other] & (one >= 0) & (other >= 0)
+        deepest = -term.gaps(samples.places[term.where.at_particles])[1].min(initial=0.0)
+        found[touch.any(axis=(1, 2))] = max(deepest, SLIGHT * samples.wall)
+    return found
+
+
+def _contacts_with_itself(samples: Samples):
+    return [term for term in samples.path.problem.terms if isinstance(term, SelfContactTerm)]
+
+
+def _inside_itself(samples: Samples):
+    """Walls in contact that lie in each other."""
+    for term in _contacts_with_itself(samples):
+        x = samples.places[term.where.at_particles]
+        points, gap = term.gaps(x)
+        if gap.min(initial=0.0) < -SLIGHT * samples.wall:
+            place, depth = x[points[gap.argmin()]], -gap.min()
+            yield Finding(
+                f"walls of the seal lie {depth:.3g} mm inside each other near {_at(place)}, "
+                f"{100.0 * depth / samples.wall:.2g} % of their thickness: the penalty of "
+                f"{term.label!r} gives so much; use a larger one, or a smaller depth",
+                bool(depth > DEEP * samples.wall),
+            )
+
+
 def _inside_profiles(samples: Samples):
     """Boundary that lies in a rigid profile, at its contact points, between them, or elsewhere."""
     path, wall = samples.path, samples.wall
@@ -208,6 +249,8 @@ def _below_base(samples: Samples):
     if np.abs((x - x[0]) @ outward).max() > 1e-6 * samples.wall:
         return
     which = np.unique(samples.chains)
+    # a part of the section that was drawn below is not on the base
+    which = which[(samples.undeformed[which] - x[0]) @ outward <= SLIGHT * samples.wall]
     depth = (samples.places[which] - x[0]) @ outward
     worst = int(np.argmax(depth))
     if depth[worst] > SLIGHT * samples.wall:

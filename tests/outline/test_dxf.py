@@ -203,3 +203,15 @@ def test_reading_a_hole_first_finds_the_outer_contour(tmp_path):
     assert isinstance(outline, Outline)
     assert isinstance(outline.holes[0], Contour)
     assert outline.edge_names == ("seal", "hole")
+
+
+def test_contours_outside_and_in_holes_are_further_bodies(tmp_path):
+    drawing = Drawing(tmp_path).box().box(6.0, "hole", (2.0, 2.0)).box(2.0, "core", (3.0, 3.0))
+    outline = read_dxf(drawing.box(4.0, "other", (12.0, 0.0)).box(1.0, "slot", (13.0, 1.0)).saved())
+    assert [h.edge_names for h in outline.holes] == [("hole",), ("slot",)]
+    assert [o.edge_names for o in outline.others] == [("other",), ("core",)]
+    names = [[c.edge_names[0] for c in body] for body in outline.bodies]
+    assert names == [["seal", "hole"], ["other", "slot"], ["core"]]
+    assert outline.area == pytest.approx(100 - 36 + 16 - 1 + 4, rel=1e-12)
+    again = read_dxf(write_dxf(outline, tmp_path / "again.dxf"))
+    assert (again.edge_names, again.area) == (outline.edge_names, pytest.approx(outline.area))

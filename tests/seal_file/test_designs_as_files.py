@@ -215,7 +215,9 @@ def test_the_cloud_of_a_section_with_a_hole_does_not_fill_one_without(bulb, tmp_
     hole = text[text.index("[[section.hole]]") : text.index("[fixed]")]
     text = text.replace(hole, "").replace("spacing = 1.6", 'cloud = "cloud.vtu"')
     (tmp_path / "seal.toml").write_text(text)
-    with pytest.raises(sm.SealFileError, match="number of holes: 1 in the cells, 0 in the section"):
+    with pytest.raises(
+        sm.SealFileError, match="closed boundaries: 2 in the cells, 1 in the section"
+    ):
         sm.read_seal_file(tmp_path / "seal.toml")
 
 

@@ -11,11 +11,10 @@ from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.seals.file.cross_checks import (
     ROUNDING,
     contact_order,
-    gap_at_start,
-    nearest_at_start,
 )
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
+from seal_mdao.seals.file.start import gap_at_start, nearest_at_start
 from seal_mdao.seals.file.tables import ProfileTable, SealFile, SelfContactTable
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded

@@ -1,15 +1,10 @@
 """Whether the tables of a seal file fit each other, before anything is computed."""
 
-from typing import NamedTuple
-
 import numpy as np
-from scipy.optimize import minimize_scalar
 
-from seal_mdao.contact.kinematics import closest_point
 from seal_mdao.errors import SealFileError
-from seal_mdao.geometry.pose import in_frame
 from seal_mdao.seals.file.checks import known
-from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
+from seal_mdao.seals.file.start import LOOK, gap_at_start, nearest_at_start
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.section import JOIN
@@ -23,9 +18,6 @@ TOUCHING = 1e-9
 
 MOST_PARTICLES = 200_000
 """That a section may need; more is a slip of the spacing."""
-
-_LOOK = 1e-4
-"""Sagitta of the chords whose ends are looked at, over the size of the section."""
 
 
 def check(file: SealFile) -> None:
@@ -49,12 +41,7 @@ def check(file: SealFile) -> None:
         where = f"[[profile]] {number} ({profile.name!r})"
         _check_contact(where, profile, file)
         gaps.append(_check_start(where, profile, file))
-    if not file.fixed.edges and min(gaps) > TOUCHING * file.section.outline.size:
-        raise SealFileError(
-            f"[fixed] is missing, so profiles have to hold the section, but none touches it at the "
-            f"start: the nearest one is {min(gaps):.3g} mm away (let a segment of the boundary end "
-            "where it touches, so that a particle is there)"
-        )
+    _check_bodies_held(file, gaps)
 
 
 def _check_edges(where, key, names, outline):
@@ -95,6 +82,13 @@ def _check_regions(file):
                 "give every part a material of its own name"
             )
         seen[region.material] = where
+        if region.line is None:
+            if not outline.others:
+                raise SealFileError(
+                    f"{where}: line is missing, but the section is one body; draw the line that divides "
+                    "the part from the rest"
+                )
+            continue
         for point in (region.line[0], region.line[-1]):
             if np.hypot(*(ends - point).T).min() > JOIN:
                 raise SealFileError(
@@ -117,12 +111,37 @@ def _check_held(file):
                 raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
             seen[name] = where
             axis = "xy".index(plane.normal)
-            spread = [s.points(s.chords(_LOOK * outline.size))[:, axis] for s in outline.edge(name)]
+            spread = [s.points(s.chords(LOOK * outline.size))[:, axis] for s in outline.edge(name)]
             if np.ptp(np.concatenate(spread)) > ROUNDING * outline.size:
                 raise SealFileError(
                     f"{where}: edges has {name!r}, which does not lie in one plane of constant "
                     f"{plane.normal}"
                 )
+
+
+def _check_bodies_held(file, gaps):
+    """Every body has a fixed edge or a profile that touches it at the start, with ``gaps`` there."""
+    outline = file.section.outline
+    for number, contours in enumerate(outline.bodies, 1):
+        names = {name for contour in contours for name in contour.edge_names}
+        if names & set(file.fixed.edges):
+            continue
+        own = [gap for gap, p in zip(gaps, file.profiles, strict=True) if names & set(p.contact)]
+        if min(own, default=np.inf) <= TOUCHING * outline.size:
+            continue
+        what = (
+            f"body {number} (edge {contours[0].edge_names[0]!r})"
+            if outline.others
+            else "the section"
+        )
+        missing = "[fixed] has no edge of it" if file.fixed.edges else "[fixed] is missing"
+        nearest = (
+            f"the nearest one is {min(own):.3g} mm away " if own else "no profile may touch it "
+        )
+        raise SealFileError(
+            f"{missing}, so profiles have to hold {what}, but none touches it at the start: {nearest}"
+            "(let a segment of the boundary end where it touches, so that a particle is there)"
+        )
 
 
 def _check_designs(file):
@@ -251,45 +270,6 @@ def contact_order(names, outline) -> tuple[tuple, bool]:
     return tuple(n for n in every[first:] + every[:first] if n in names), not starts
 
 
-def gap_at_start(profile):
-    """Gap of a place to a profile at the start, as a function of x and y."""
-    curve, pose = rigid_profile_of(profile), motion_of(profile, 1).pose(0.0)
-    return lambda x, y: closest_point(curve, *in_frame(pose, x, y))[2]
-
-
-class Nearest(NamedTuple):
-    """Where a section is nearest to a profile at the start: gap (mm), place, edge."""
-
-    gap: float
-    place: np.ndarray
-    edge: str
-
-
-def nearest_at_start(profile, outline) -> Nearest:
-    """The place of the edges that may touch a profile where their gap at the start is least."""
-    gap = gap_at_start(profile)
-    segments = [segment for name in profile.contact for segment in outline.edge(name)]
-    return min(
-        (_nearest_of(segment, gap, _LOOK * outline.size) for segment in segments),
-        key=lambda found: found.gap,
-    )
-
-
-def _nearest_of(segment, gap, sagitta) -> Nearest:
-    """By points close enough to see every part of a segment, then between those beside the nearest."""
-
-    def at(share):
-        return gap(*segment.points([share])[0])
-
-    shares = segment.chords(sagitta)
-    gaps = [at(share) for share in shares]
-    k = int(np.argmin(gaps))
-    beside = shares[max(k - 1, 0)], shares[min(k + 1, len(shares) - 1)]
-    between = minimize_scalar(at, bounds=beside, method="bounded", options={"xatol": 1e-10}).x
-    share = min(shares[k], between, key=at)
-    return Nearest(at(share), segment.points([share])[0], segment.edge)
-
-
 def _check_start(where, profile, file) -> float:
     """The least gap at the start, which must not be negative."""
     outline = file.section.outline
@@ -297,7 +277,7 @@ def _check_start(where, profile, file) -> float:
     if least < -ROUNDING * outline.size:
         gap = gap_at_start(profile)
         edges = [segment for name in profile.contact for segment in outline.edge(name)]
-        every = np.concatenate([s.points(s.chords(_LOOK * outline.size)) for s in edges])
+        every = np.concatenate([s.points(s.chords(LOOK * outline.size)) for s in edges])
         turned = "; is it walked the wrong way?" if all(gap(*x) < 0.0 for x in every) else ""
         raise SealFileError(
             f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "

@@ -90,10 +90,12 @@ def _from(folder, path) -> str:
 def _move_regions(regions, seal, offsets) -> None:
     """Points in regions, and the lines between them, where they are in the design."""
     particles, drawn = seal.particles(offsets), seal.drawn_particles
-    for number, (region, cut) in enumerate(zip(regions, seal.cuts, strict=True), 1):
-        along, away = _along(drawn, cut)
-        on = np.flatnonzero(away <= ON_CUT)
-        region["line"] = particles[on[np.argsort(along[on])]].tolist()
+    cuts = iter(seal.cuts)
+    for number, region in enumerate(regions, 1):
+        if "line" in region:
+            along, away = _along(drawn, next(cuts))
+            on = np.flatnonzero(away <= ON_CUT)
+            region["line"] = particles[on[np.argsort(along[on])]].tolist()
         cell = seal.body.cells[np.flatnonzero(seal.parts == number)[0]]
         region["at"] = particles[cell].mean(axis=0).tolist()
 

@@ -43,8 +43,8 @@ SECTION_KEYS = {
     "units": Key(one_of(*MODEL_UNITS), None),
     "region": Key(LIST, None),
 }
-REGION_KEYS = {"material": Key(TEXT), "at": Key(POINT), "line": Key(POINTS)}
-OUTER_KEYS = {"edge": Key(TEXT), **KEYS}
+REGION_KEYS = {"material": Key(TEXT), "at": Key(POINT), "line": Key(POINTS, None)}
+OUTER_KEYS = {"edge": Key(TEXT), "body": Key(whole(1, 1000), 1), **KEYS}
 FILLINGS = ("spacing", "rays", "cloud")
 HOLE_KEYS = {"edge": Key(TEXT), "hole": Key(whole(1, 1000), 1), **KEYS}
 
@@ -105,18 +105,21 @@ def _drawing(where, values, folder) -> Outline:
 
 
 def _segments(where, values) -> Outline:
-    outer, holes = [], defaultdict(list)
+    bodies, holes = defaultdict(list), defaultdict(list)
     for number_, given in enumerate(tables("section.outer", values["outer"]), 1):
         place, row = _row("section.outer", number_, given, OUTER_KEYS)
-        outer += segments_of(place, row, row["edge"])
+        bodies[row["body"]] += segments_of(place, row, row["edge"])
     rows = [] if values["hole"] is None else tables("section.hole", values["hole"])
     for number_, given in enumerate(rows, 1):
         place, row = _row("section.hole", number_, given, HOLE_KEYS)
         holes[row["hole"]] += segments_of(place, row, row["edge"])
-    contours = [_contour("[[section.outer]]", outer)]
-    contours += [_contour(f"[[section.hole]] of hole {n}", holes[n]) for n in sorted(holes)]
+    outer = [
+        _contour("[[section.outer]]" + (f" of body {n}" if len(bodies) > 1 else ""), bodies[n])
+        for n in sorted(bodies)
+    ]
+    inner = [_contour(f"[[section.hole]] of hole {n}", holes[n]) for n in sorted(holes)]
     try:
-        return Outline(contours[0], tuple(contours[1:]))
+        return Outline(outer[0], tuple(inner), tuple(outer[1:]))
     except GeometryError as error:
         raise SealFileError(f"{where}: {error}") from None
 

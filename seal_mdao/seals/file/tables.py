@@ -21,13 +21,13 @@ class RegionTable:
     material : str
     at : pair of float
         A point of the part, mm.
-    line : tuple of pair of float
-        Corners of the line that divides it from the rest, mm.
+    line : tuple of pair of float or None
+        Corners of the line that divides it from the rest, mm; None for a body of its own.
     """
 
     material: str
     at: tuple
-    line: tuple
+    line: tuple | None
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class SectionTable:
     @property
     def cuts(self) -> list:
         """Lines (k, 2) that divide the section."""
-        return [np.array(region.line) for region in self.regions]
+        return [np.array(region.line) for region in self.regions if region.line is not None]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
+from seal_mdao.seals.outline.crossings import nearest_around
 from seal_mdao.seals.outline.mesher import triangulate
 from seal_mdao.seals.outline.quadrilaterals import halved, paired
 
@@ -65,7 +66,7 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
     Parameters
     ----------
     loops : sequence of ndarray, shape (2 k, 2)
-        Points in order, the material on the left: outside counter-clockwise, holes clockwise. Corners
+        Points in order, the material on the left: outsides counter-clockwise, holes clockwise. Corners
         of the section have even numbers, see ``boundary.doubled``.
     spacing : float
         Wanted distance of particles inside, mm. Where the loops are finer the inside is finer too.
@@ -87,7 +88,9 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
             )
         if not np.isfinite(loop).all():
             raise ValueError(f"loop {number} has a coordinate that is not a finite number")
-        if (polygon_area(loop)[0] > 0.0) != (number == 0):
+    for number, (loop, around) in enumerate(zip(loops, nearest_around(loops), strict=True)):
+        hole = around is not None and polygon_area(loops[around])[0] > 0.0
+        if (polygon_area(loop)[0] > 0.0) == hole:
             raise ValueError(
                 f"loop {number} is walked the wrong way: the material must lie on the left"
             )

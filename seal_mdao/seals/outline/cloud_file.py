@@ -148,7 +148,7 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
     """Loops and boundaries in the order of the contours."""
     if len(loops) != len(outline.contours):
         raise GeometryError(
-            f"number of holes: {len(loops) - 1} in the cells, {len(outline.holes)} in the section"
+            f"closed boundaries: {len(loops)} in the cells, {len(outline.contours)} in the section"
         )
     found, boundaries = [], []
     for contour in outline.contours:

@@ -7,13 +7,15 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.segments import pair
 
 
-def check_apart(contours, distance: float) -> None:
+def check_apart(contours, titles, distance: float) -> None:
     """Refuse contours with sides closer than ``distance`` (mm) that are not neighbours.
 
     Parameters
     ----------
     contours : list of (points, segment, names)
         As ``Outline.labelled`` gives them.
+    titles : sequence of str
+        What to call them.
 
     Raises
     ------
@@ -42,11 +44,11 @@ def check_apart(contours, distance: float) -> None:
     line = shapely.shortest_line(sides[a], sides[b])
     at = shapely.get_coordinates(line)[0]
     raise GeometryError(
-        f"{_which(contour[a])}, edge {names[a]!r}, {way} "
+        f"{titles[contour[a]]}, edge {names[a]!r}, {way} "
         + (
             f"itself (edge {names[b]!r})"
             if contour[a] == contour[b]
-            else f"{_which(contour[b])}, edge {names[b]!r},"
+            else f"{titles[contour[b]]}, edge {names[b]!r},"
         )
         + f" at {pair(at)}"
     )
@@ -61,27 +63,38 @@ def _only_around_a_corner(sides, one, other, before, distance):
     return next_but_one & (apart > 0.0) & (length[between] < 4.0 * distance)
 
 
-def check_nested(contours) -> None:
-    """Refuse holes outside of the outer contour or inside of another hole; none cross.
+def check_nested(contours, titles, n_holes: int) -> None:
+    """Refuse holes that are not in the material of a body, and bodies that are; none cross.
+
+    Parameters
+    ----------
+    contours, titles
+        As of ``check_apart``: an outer contour, the holes, outer contours of further bodies.
 
     Raises
     ------
     GeometryError
-        With the edges and a point of the hole.
+        With the edges and a point of the contour.
     """
-    rings = [shapely.polygons(points) for points, _, _ in contours]
-    for i in range(1, len(rings)):
-        first = contours[i][0][0]
-        where = f"{_which(i)} (edge {contours[i][2][0]!r}, at {pair(first)})"
-        if not shapely.contains(rings[0], rings[i]):
-            raise GeometryError(f"{where} lies outside of the outer contour")
-        for j in range(1, len(rings)):
-            if i != j and shapely.contains(rings[j], rings[i]):
-                raise GeometryError(f"{where} lies inside of {_which(j)}")
+    holes, several = range(1, 1 + n_holes), len(contours) > 1 + n_holes
+    for i, around in enumerate(nearest_around([points for points, _, _ in contours])):
+        where = f"{titles[i]} (edge {contours[i][2][0]!r}, at {pair(contours[i][0][0])})"
+        if i in holes and around is None:
+            raise GeometryError(
+                f"{where} lies outside of {'every body' if several else 'the outer contour'}"
+            )
+        if around is not None and (i in holes) == (around in holes):
+            raise GeometryError(f"{where} lies inside of {titles[around]}")
 
 
-def _which(number: int) -> str:
-    return f"hole {number}" if number else "the outer contour"
+def nearest_around(loops) -> list:
+    """Number of the smallest of the closed loops (k, 2) around each of them; None without one."""
+    rings = np.array([shapely.polygons(points) for points in loops])
+    size, found = shapely.area(rings), []
+    for own, point in zip(size, shapely.point_on_surface(rings), strict=True):
+        around = np.flatnonzero(shapely.contains(rings, point) & (size > own))
+        found.append(int(around[size[around].argmin()]) if around.size else None)
+    return found
 
 
 def check_simple(points, closed: bool) -> None:

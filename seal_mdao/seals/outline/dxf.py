@@ -7,9 +7,18 @@ from pathlib import Path
 from seal_mdao import values
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.b_splines import b_spline_of
+from seal_mdao.seals.outline.crossings import nearest_around
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, pieces_of
 from seal_mdao.seals.outline.loops import loops
-from seal_mdao.seals.outline.section import JOIN, Arc, Circle, Contour, Line, Outline
+from seal_mdao.seals.outline.section import (
+    JOIN,
+    SAGITTA,
+    Arc,
+    Circle,
+    Contour,
+    Line,
+    Outline,
+)
 
 MILLIMETRES = 4
 UNITS = {1: "inch", 2: "foot", 4: "mm", 5: "cm", 6: "m", 14: "dm"}
@@ -21,8 +30,9 @@ def read_dxf(path, units: str | None = None) -> Outline:
 
     Lines, arcs, circles, lightweight polylines and splines in any order and direction; ends closer
     than 1e-3 mm are joined. Layers are the names of edges; layers that are off or frozen are passed
-    over. The contour with the largest area is the outer one. Splines of lines, parabolas and cubics are
-    taken over exactly, others followed to 1e-6 mm.
+    over. The largest contour is the outer one; those inside of it are holes, those outside of all and
+    those in holes are further bodies. Splines of lines, parabolas and cubics are taken over exactly,
+    others followed to 1e-6 mm.
 
     Parameters
     ----------
@@ -47,10 +57,24 @@ def read_dxf(path, units: str | None = None) -> Outline:
         segments, names = zip(*pieces, strict=True)
         contours = [Contour(chain) for chain in loops(segments, names, JOIN)]
         contours.sort(key=lambda contour: -abs(contour.area))
-        outer = contours[0]
-        return Outline(outer.reversed() if outer.area < 0.0 else outer, tuple(contours[1:]))
+        return _nested(contours)
     except GeometryError as error:
         raise GeometryError(f"{path}: {error}") from None
+
+
+def _nested(contours) -> Outline:
+    """The section of contours, the largest first: which are holes, and which bodies."""
+    around = nearest_around([c.polyline(SAGITTA * c.length)[0] for c in contours])
+    depth = []
+    for outer in around:  # smaller ones come later
+        depth.append(0 if outer is None else 1 + depth[outer])
+    bodies = [
+        c.reversed() if c.area < 0.0 else c
+        for c, d in zip(contours, depth, strict=True)
+        if d % 2 == 0
+    ]
+    holes = tuple(c for c, d in zip(contours, depth, strict=True) if d % 2)
+    return Outline(bodies[0], holes, tuple(bodies[1:]))
 
 
 def write_dxf(outline: Outline, path) -> Path:

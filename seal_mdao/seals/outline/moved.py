@@ -36,7 +36,7 @@ def moved_outline(outline: Outline, boundaries: list[Boundary], points) -> Outli
         _moved(contour, boundary, np.asarray(own, float))
         for contour, boundary, own in zip(outline.contours, boundaries, points, strict=True)
     ]
-    return Outline(contours[0], tuple(contours[1:]))
+    return outline.redrawn(contours)
 
 
 def _moved(contour, boundary, points) -> Contour:

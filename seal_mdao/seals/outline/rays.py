@@ -48,8 +48,10 @@ def ray_boundaries(outline: Outline, rays: Rays) -> list:
         For a section of another kind, a contour that a ray meets twice, an end of a segment between
         two rays.
     """
-    if len(outline.contours) != 2:
+    if len(outline.holes) != 1:
         raise GeometryError(f"rays need one hole, but the section has {len(outline.holes)}")
+    if outline.others:
+        raise GeometryError("rays fill one body, but the section has several")
     return [_boundary(contour, rays, i) for i, contour in enumerate(outline.contours)]
 
 

@@ -134,7 +134,8 @@ def outline_seal(
     Parameters
     ----------
     boundaries : sequence of Boundary
-        Outside first, as ``boundary.doubled`` gives them: points with edge names, arc length, tangents.
+        Outside first, then holes, then outsides of further bodies, as ``boundary.doubled`` gives them:
+        points with edge names, arc length, tangents.
     spacing : float, Rays or GivenCloud
         Wanted distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``; or a cloud
         with its boundaries, whose parts the ``cuts`` do not decide.
@@ -152,9 +153,9 @@ def outline_seal(
     designs : sequence of EdgeDesign
         Their parameters are the ``boundary_offsets``, mm along the drawn normals.
     cuts : sequence of ndarray, shape (k, 2)
-        Lines between points of the boundary that divide the section, mm.
+        Lines between points of the boundary that divide bodies, mm.
     regions : sequence of SectionRegion
-        Parts between them that are not of ``material``.
+        Parts between them, and bodies, that are not of ``material``.
     prefix : str
         Put before the names of the constants of ``material``.
     support : float
@@ -221,7 +222,8 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     ValueError
         For a section of several materials, or one that is filled otherwise than by a spacing.
     """
-    if seal.cuts or not isinstance(seal.spacing, int | float):
+    several = len(seal.definitions[0].regions) > 1
+    if several or not isinstance(seal.spacing, int | float):
         raise ValueError(
             "only a section of one material that is filled by a spacing has other clouds"
         )

@@ -1,4 +1,4 @@
-"""The section: closed contours of segments, one outside and any number of holes, with named edges."""
+"""The section: closed contours of segments round bodies and their holes, with named edges."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,7 +8,7 @@ import numpy as np
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.arcs import Arc, Circle
 from seal_mdao.seals.outline.chain import checked_chain
-from seal_mdao.seals.outline.crossings import check_apart, check_nested
+from seal_mdao.seals.outline.crossings import check_apart, check_nested, nearest_around
 from seal_mdao.seals.outline.sampling import Boundary, sampled
 from seal_mdao.seals.outline.segments import Line, Segment
 from seal_mdao.seals.outline.spline import Spline
@@ -102,39 +102,67 @@ class Outline:
     outer : Contour
         Counter-clockwise.
     holes : tuple of Contour
-        Inside of it and apart from each other.
+        Inside of a body and apart from each other.
+    others : tuple of Contour
+        Outer contours of further bodies, outside of the others or in their holes; counter-clockwise.
 
     Raises
     ------
     GeometryError
         For an outer contour walked clockwise, an edge in two places, a contour that touches or crosses
-        itself or another one, a hole outside or within another hole.
+        itself or another one, a hole outside or within another hole, a body in another one's material.
     """
 
     outer: Contour
     holes: tuple = ()
+    others: tuple = ()
 
     def __post_init__(self):
         holes = self.holes if isinstance(self.holes, tuple | list) else (self.holes,)
-        for contour in (self.outer, *holes):
+        for contour in (self.outer, *holes, *self.others):
             if not isinstance(contour, Contour):
                 raise GeometryError(f"a section is made of contours, got {contour!r}")
         holes = tuple(hole.reversed() if hole.area > 0.0 else hole for hole in holes)
         object.__setattr__(self, "outer", self.outer.from_edge())
         object.__setattr__(self, "holes", tuple(hole.from_edge() for hole in holes))
+        object.__setattr__(self, "others", tuple(other.from_edge() for other in self.others))
         self._check_names()
-        check_apart(self.labelled(SAGITTA * self.size), APART * self.size)
-        if self.outer.area < 0.0:
-            raise GeometryError(
-                f"the outer contour (edges {', '.join(self.outer.edge_names)}) is walked clockwise; "
-                "walk it counter-clockwise, the material on the left"
-            )
-        check_nested(self.labelled(SAGITTA * self.size))
+        check_apart(self.labelled(SAGITTA * self.size), self.titles, APART * self.size)
+        for contour, title in zip(self.contours, self.titles, strict=True):
+            if contour.area < 0.0 and contour not in self.holes:
+                raise GeometryError(
+                    f"{title} (edges {', '.join(contour.edge_names)}) is walked clockwise; "
+                    "walk it counter-clockwise, the material on the left"
+                )
+        check_nested(self.labelled(SAGITTA * self.size), self.titles, len(self.holes))
 
     @property
     def contours(self) -> tuple:
-        """Outer contour and holes."""
-        return (self.outer, *self.holes)
+        """Outer contour, holes, outer contours of further bodies."""
+        return (self.outer, *self.holes, *self.others)
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """What to call every contour in a message."""
+        first = "the outer contour of body 1" if self.others else "the outer contour"
+        return (
+            first, *(f"hole {n}" for n in range(1, len(self.holes) + 1)),
+            *(f"the outer contour of body {n}" for n in range(2, len(self.others) + 2)),
+        )  # fmt: skip
+
+    @cached_property
+    def bodies(self) -> tuple:
+        """Contours of every body, its outer one first."""
+        around, contours = nearest_around(self.polyline()), self.contours
+        return tuple(
+            (outer, *(h for i, h in enumerate(self.holes, 1) if contours[around[i]] is outer))
+            for outer in (self.outer, *self.others)
+        )
+
+    def redrawn(self, contours) -> "Outline":
+        """The section with other contours, in the order of ``contours``."""
+        last = 1 + len(self.holes)
+        return Outline(contours[0], tuple(contours[1:last]), tuple(contours[last:]))
 
     @cached_property
     def area(self) -> float:
@@ -146,7 +174,8 @@ class Outline:
         """Least and largest coordinates, shape (2, 2), mm."""
         points = np.concatenate([
             segment.points(np.linspace(0.0, 1.0, 8 * segment.sides + 1))
-            for segment in self.outer.segments
+            for contour in (self.outer, *self.others)
+            for segment in contour.segments
         ])  # fmt: skip
         return np.array([points.min(axis=0), points.max(axis=0)])
 
@@ -190,8 +219,7 @@ class Outline:
 
     def _check_names(self):
         seen = {}
-        for number, contour in enumerate(self.contours):
-            where = f"hole {number}" if number else "the outer contour"
+        for contour, where in zip(self.contours, self.titles, strict=True):
             names = [segment.edge for segment in contour.segments]
             starts = [name for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
             for name in starts:

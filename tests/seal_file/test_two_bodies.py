@@ -1,0 +1,119 @@
+"""Two bodies in one file that press on each other, against one layered block and its exact solution."""
+
+import pytest
+from test_two_rubbers import BLOCK, exact_force
+
+import seal_mdao as sm
+from seal_mdao.analysis.body import discretize
+from seal_mdao.measures.contact import Reaction
+
+GAP = 0.05
+"""mm; the curve through the particles is rounded at corners, and goes a little beyond them."""
+STACK = (
+    BLOCK.replace("line = [[0.0, 2.0], [6.0, 2.0]]\n", "")
+    .replace("[[6.0, 0.0], [6.0, 2.0], [6.0, 4.0]]", "[[6.0, 0.0], [6.0, 2.0]]")
+    .replace('edges = ["left", "right"]', 'edges = ["left", "right", "upper_left", "upper_right"]')
+    .replace(
+        '[[section.outer]]\nedge = "top"\nline = [[6.0, 4.0], [0.0, 4.0]]',
+        '[[section.outer]]\nedge = "joint"\nline = [[6.0, 2.0], [0.0, 2.0]]',
+    )
+    .replace("[[0.0, 4.0], [0.0, 2.0], [0.0, 0.0]]", "[[0.0, 2.0], [0.0, 0.0]]")
+    .replace("start = [0.0, 4.0]", f"start = [0.0, {4.0 + GAP}]")
+    .replace("translate = [0.0, -0.4]", f"translate = [0.0, {-0.4 - GAP}]")
+    .replace(
+        '[fixed]',
+        f"""[[section.outer]]
+body = 2
+edge = "under"
+line = [[0.0, {2.0 + GAP}], [6.0, {2.0 + GAP}]]
+[[section.outer]]
+body = 2
+edge = "upper_right"
+line = [[6.0, {2.0 + GAP}], [6.0, {4.0 + GAP}]]
+[[section.outer]]
+body = 2
+edge = "top"
+line = [[6.0, {4.0 + GAP}], [0.0, {4.0 + GAP}]]
+[[section.outer]]
+body = 2
+edge = "upper_left"
+line = [[0.0, {4.0 + GAP}], [0.0, {2.0 + GAP}]]
+[self_contact]
+edges = ["joint", "under"]
+friction = 0.0
+normal_penalty = 1e5
+[fixed]""",
+    )
+)  # fmt: skip
+
+
+def read(folder, text):
+    path = folder / "stack.toml"
+    path.write_text(text)
+    return sm.read_seal_file(path)
+
+
+@pytest.fixture
+def built(tmp_path):
+    def build(spacing, text=STACK):
+        return sm.build_seal(read(tmp_path, text.format(spacing=spacing)))
+
+    return build
+
+
+def test_two_bodies_press_on_each_other_as_two_layers(built):
+    """Half of the spacing, less than half of the error: that of rounded corners of the joint."""
+    exact, errors = exact_force(joint=1e5), []
+    for spacing in (0.7, 0.35):
+        result = sm.analyze(built(spacing))
+        assert result.converged, result.failure
+        assert result.warnings == ()
+        errors.append(abs(result.value(Reaction("plate"))[1] / exact - 1.0))
+    assert errors[0] < 0.01
+    assert errors[1] < 0.6 * errors[0]
+
+
+def test_no_particle_feels_the_other_body(built):
+    """Supports are wider than the gap: neighbours of a particle are in its own body all the same."""
+    seal = built(0.7)
+    body, upper = seal.body, seal.drawn_particles[:, 1] > 2.0 + 0.5 * GAP
+    assert body.support_radius.max() > 10.0 * GAP
+    raw = discretize(body, seal.drawn_particles, seal.definitions).everywhere.raw
+    for particle in range(body.n_particles):
+        own = raw.neighbours[raw.start[particle] : raw.start[particle + 1]]
+        assert (upper[own] == upper[particle]).all()
+
+
+def test_materials_and_holes_of_bodies(built):
+    seal = built(0.7)
+    soft, stiff = seal.definitions[0].regions
+    height = seal.drawn_particles[seal.body.cells, 1]
+    assert height[soft.cells].min() > 2.0
+    assert height[stiff.cells].max() == 2.0
+    assert {"soft_c10", "stiff_c10"} <= set(seal.scalars)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (
+            f"start = [0.0, {4.0 + GAP}]",
+            "start = [0.0, 5.0]",
+            r"have to hold body 2 \(edge 'under'\)",
+        ),
+        ("body = 2", "body = 0", "body = 0, but it must be"),
+        (f"{2.0 + GAP}", "1.5", "body 2"),
+        ("at = [1.0, 0.5]", "at = [1.0, -0.5]", r"at = \(1, -0\.5\) is outside of the section"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(built, old, new, words):
+    text = STACK.replace(old, new)
+    assert text != STACK
+    with pytest.raises(sm.SealFileError, match=words):
+        built(0.7, text)
+
+
+def test_a_region_of_one_body_needs_its_line(built):
+    text = BLOCK.replace("line = [[0.0, 2.0], [6.0, 2.0]]\n", "")
+    with pytest.raises(sm.SealFileError, match="line is missing, but the section is one body"):
+        built(0.7, text)
