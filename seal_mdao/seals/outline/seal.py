@@ -125,8 +125,8 @@ class OutlineSeal(AssembledSeal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | GivenCloud, material, *, n_steps: int, fixed=(), planes=(),
-    contacts=(), sealed=(), touching: SelfTouch | None = None, designs=(), cuts=(), regions=(),
-    prefix: str = "", support: float = SUPPORT, standard=(), inputs=(),
+    contacts=(), sealed=(), touching: SelfTouch | None = None, fluids=(), designs=(), cuts=(),
+    regions=(), prefix: str = "", support: float = SUPPORT, standard=(), inputs=(),
     newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
     """A seal from the boundary of its section.
@@ -150,6 +150,7 @@ def outline_seal(
     sealed : sequence of SealedHole
     touching : SelfTouch, optional
         Edges that may touch each other.
+    fluids : sequence of EdgeFluid
     designs : sequence of EdgeDesign
         Their parameters are the ``boundary_offsets``, mm along the drawn normals.
     cuts : sequence of ndarray, shape (k, 2)
@@ -177,6 +178,8 @@ def outline_seal(
         checked_names(contact.edges, known, f"profile {contact.label!r}")
     if touching is not None:
         checked_names(touching.edges, known, touching.label)
+    for fluid in fluids:
+        checked_names((fluid.edge,), known, fluid.label)
     filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
@@ -190,9 +193,11 @@ def outline_seal(
     body = _body(filled, support, held, edges)
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
-    loads = (*(contact.on(body) for contact in contacts), *(h.on(filled.loops) for h in sealed))
+    profiles = tuple(contact.on(body) for contact in contacts)
+    loads = (*profiles, *(h.on(filled.loops) for h in sealed))
     if touching is not None:
         loads = (*loads, touching.on(body, filled.loops))
+    loads = (*loads, *(fluid.on(body, profiles, n_steps) for fluid in fluids))
     return OutlineSeal(
         filled.particles, velocity, body, (elastic, *loads), n_steps, tuple(standard), tuple(inputs),
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,

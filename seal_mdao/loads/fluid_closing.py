@@ -1,0 +1,91 @@
+"""Contact pressure with which rigid profiles close an edge, point by point, and its rates."""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.contact.friction import (
+    FRICTION,
+    GAP,
+    NORMAL_PENALTY,
+    SHAPE,
+    ContactHistory,
+    contact_linearization,
+)
+from seal_mdao.contact.kinematics import normal_gaps
+from seal_mdao.contact.rigid_contact import RigidContact
+
+
+class ClosingRates(NamedTuple):
+    """Derivatives of the contact pressure.
+
+    Attributes
+    ----------
+    by_place : ndarray, shape (k, 2)
+        With the place of the point itself.
+    by_parameter : ndarray, shape (k, n)
+        With the parameters.
+    """
+
+    by_place: np.ndarray
+    by_parameter: np.ndarray
+
+
+def closing_names(contact: RigidContact) -> tuple:
+    """Parameters of a contact that decide where its profile is and how it presses."""
+    law = {f"{contact.prefix}{name}" for name in ("tangent_penalty", "friction")}
+    return tuple(name for name in contact.scalars if name not in law)
+
+
+class Closing:
+    """Contact pressure w_n |g_n| of one profile at particles, some of which may touch it.
+
+    Parameters
+    ----------
+    contact : RigidContact
+    particles : ndarray of int, shape (k,)
+    names : tuple of str
+        Parameters, in the order of the columns of ``rates``.
+    """
+
+    def __init__(self, contact: RigidContact, particles: np.ndarray, names: tuple):
+        self.profile, self.law = contact.shape.profile(), contact.law
+        self.touches = np.flatnonzero(np.isin(particles, contact.where.at_particles))
+        self.pose, self.motion_rates = cache(contact.motion.pose), cache(contact.motion.rates_at)
+        self.columns = [names.index(name) for name in closing_names(contact)]
+        self.n_names = len(names)
+
+    def _gaps(self, x, fraction):
+        gap = np.empty(len(self.touches))
+        places = np.ascontiguousarray(x[self.touches])
+        normal_gaps(self.profile, self.pose(fraction), places, gap)
+        return gap
+
+    def pressure(self, x: np.ndarray, fraction: float) -> np.ndarray:
+        """At the deformed places ``x`` (k, 2) of the particles, shape (k,), kPa."""
+        out = np.zeros(len(x))
+        out[self.touches] = self.law.normal_penalty * np.maximum(-self._gaps(x, fraction), 0.0)
+        return out
+
+    def rates(self, x: np.ndarray, fraction: float) -> ClosingRates:
+        """Its derivatives, zero where nothing touches."""
+        gap, k = self._gaps(x, fraction), len(x)
+        points = self.touches[gap < 0.0]
+        motion = self.motion_rates(fraction)
+        columns = SHAPE + self.profile.period_rate.size + len(motion)
+        local = np.empty((points.size, GAP + 1, columns))
+        # of all that the point could do no more is wanted than its gap
+        open_before = ContactHistory(np.zeros(k, np.int64), np.ones((k, 3)))
+        contact_linearization(
+            self.profile, self.law, self.pose(fraction), motion, x, np.ones(k), np.zeros((k, 2)),
+            open_before, points, local,
+        )  # fmt: skip
+        out = ClosingRates(np.zeros((k, 2)), np.zeros((k, self.n_names)))
+        by_gap = -self.law.normal_penalty * local[:, GAP]
+        by_gap[:, NORMAL_PENALTY] = -gap[gap < 0.0]
+        out.by_place[points] = by_gap[:, :2]
+        own = [NORMAL_PENALTY, *range(FRICTION + 1, columns)]
+        for column, name in zip(own, self.columns, strict=True):
+            out.by_parameter[points, name] += by_gap[:, column]
+        return out

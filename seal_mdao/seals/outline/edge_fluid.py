@@ -1,0 +1,43 @@
+"""Edges along which a fluid may get under a seal."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.analysis.body import Body
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.loads.fluid_pressure import SHARE, FluidPressure
+
+
+class EdgeFluid(NamedTuple):
+    """A fluid at one end of an edge.
+
+    Attributes
+    ----------
+    label : str
+    edge : str
+    end : {"start", "end"}
+        Of the edge as its segments are walked, from which the fluid comes.
+    pressure : float
+        kPa.
+    steps : int
+        The last load steps of the path, over which it grows.
+    share : float
+        As of ``FluidPressure``.
+    """
+
+    label: str
+    edge: str
+    end: str
+    pressure: float
+    steps: int
+    share: float = SHARE
+
+    def on(self, body: Body, contacts: tuple[RigidContact, ...], n_steps: int) -> FluidPressure:
+        """The term, behind those of the contacts that may touch the edge."""
+        particles = body.edge(self.edge).particles
+        closing = tuple(c for c in contacts if np.isin(particles, c.where.at_particles).any())
+        ramp = np.clip(np.arange(self.steps - n_steps, self.steps + 1) / self.steps, 0.0, None)
+        return FluidPressure(
+            self.label, particles, self.end, self.pressure, ramp, closing, self.share
+        )
