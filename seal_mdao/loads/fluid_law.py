@@ -87,22 +87,20 @@ def wetting(closing, pressure, share):
 
 
 @nb.njit(cache=True, error_model="numpy")
-def accumulated(by_closing, by_pressure, by_before, front):
-    """Derivatives of all weights with c at the points ``front`` (m,) and with p.
+def accumulated(by_closing, by_pressure, by_before):
+    """Derivatives of all weights with all contact pressures and that of the fluid, from those of
+    ``wetting``.
 
     Returns
     -------
-    on_closing : ndarray, shape (k, m)
+    on_closing : ndarray, shape (k, k)
+        d w_i / d c_j.
     on_pressure : ndarray, shape (k,)
     """
-    k, m = by_closing.size, front.size
-    on_closing, on_pressure = np.zeros((k, m)), np.zeros(k)
-    for i in range(k):
-        if i > 0:
-            on_pressure[i] = by_before[i] * on_pressure[i - 1]
-            on_closing[i] = by_before[i] * on_closing[i - 1]
-        on_pressure[i] += by_pressure[i]
-        for j in range(m):
-            if front[j] == i:
-                on_closing[i, j] += by_closing[i]
+    k = by_closing.size
+    on_closing, on_pressure = np.diag(by_closing), by_pressure.copy()
+    for i in range(1, k):
+        on_pressure[i] += by_before[i] * on_pressure[i - 1]
+        for j in range(i):
+            on_closing[i, j] = by_before[i] * on_closing[i - 1, j]
     return on_closing, on_pressure

@@ -1,9 +1,12 @@
 """Pressure of a fluid that comes from one end of an edge and gets as far as the contact lets it.
 
-    R_i += -p w_i a_i,    a_i = 1/2 sum of the sides at i, turned into the body
+    R_m += -p int N_m w n ds,    x = sum_n N_n(s) x_n
 
-A follower load: the sides turn. The weights w_i are those of ``fluid_law``, from the contact pressures
-of the rigid profiles that may touch the edge; they couple a point of the front with all beyond it.
+along every side of the edge: a parabola through its ends and its middle, which follows the deformed
+body closely enough to press on the volume that the cells have (with straight sides a body as stiff as a
+fluid of 2.5 shear moduli crumples). The weights w_i at the particles are those of ``fluid_law``, from
+the contact pressures of the rigid profiles that may touch the edge, and linear between; they couple a
+point of the front with all beyond it. n turns with the sides: it is a follower load.
 """
 
 from dataclasses import dataclass, replace
@@ -15,8 +18,9 @@ from seal_mdao import values
 from seal_mdao.loads.fluid_closing import Closing, ClosingRates, closing_names
 from seal_mdao.loads.fluid_law import accumulated, wetting
 from seal_mdao.loads.ramp import at_fraction
+from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
-from seal_mdao.terms.points import MaterialPoints, fixed_points, single_points
+from seal_mdao.terms.points import MaterialPoints, fixed_points
 from seal_mdao.terms.term import Scalar, TermDefinition
 
 SHARE = 0.05
@@ -25,6 +29,20 @@ SHARE = 0.05
 ENDS = ("start", "end")
 
 _NO_BRANCH = np.empty(0, int)
+
+
+def _side_integrals() -> np.ndarray:
+    """int_0^1 N_m M_i dN_n/ds ds of parabolas N through 0, 1/2, 1 and lines M through 0, 1; shape
+    (2, 3, 3) of (i, m, n)."""
+    s, weight = np.polynomial.legendre.leggauss(3)
+    s = 0.5 + 0.5 * s
+    shapes = np.stack([(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)])
+    slopes = np.stack([4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0])
+    lines = np.stack([1.0 - s, s])
+    return np.einsum("q,mq,iq,nq->imn", 0.5 * weight, shapes, lines, slopes)
+
+
+_INTEGRALS = _side_integrals()
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +102,11 @@ class FluidPressure(TermDefinition):
 
     @property
     def where(self) -> MaterialPoints:
-        """The points: the particles themselves."""
-        return fixed_points(single_points(self.particles), 0.0)
+        """The points from the wet end on: particles, and between two of them the middle of the side."""
+        first, last = np.repeat(self.particles, 2)[:-1], np.repeat(self.particles, 2)[1:]
+        return fixed_points(
+            PointSet(np.column_stack([first, last]), np.full((len(first), 2), 0.5), 1), 0.0
+        )
 
     @property
     def own_name(self) -> str:
@@ -112,12 +133,15 @@ class FluidPressure(TermDefinition):
         return replace(self, pressure=pressure, contacts=contacts)
 
     def point_set(self):
-        """The particles of the edge."""
+        """Particles of the edge and middles of its sides."""
         return self.where.points
 
     def pairs(self):
-        """Every point with those before it, and its neighbours."""
-        return np.argwhere(np.tri(len(self.edge), k=1, dtype=bool))
+        """Every point with the particles before it, and with the points of its sides."""
+        m = 2 * len(self.edge) - 1
+        reached = np.tri(m, k=2, dtype=bool)
+        reached[:, 1::2] &= ~np.tri(m, k=-3, dtype=bool)[:, 1::2]
+        return np.argwhere(reached)
 
     def on(self, discretization, place) -> "FluidPressureTerm":
         """The term on one design."""
@@ -125,7 +149,7 @@ class FluidPressure(TermDefinition):
 
 
 class FluidPressureTerm(CoupledTerm):
-    """``FluidPressure`` in one design; what it gives are at every point, from the wet end on, the
+    """``FluidPressure`` in one design; what it gives are at every particle, from the wet end on, the
     fluid's weight and the contact pressure of the profiles, kPa."""
 
     output_names = ("weight", "closing")
@@ -134,113 +158,126 @@ class FluidPressureTerm(CoupledTerm):
         super().__init__(
             definition.label, definition.scalars, definition.where, discretization, place
         )
-        k, size = len(self.where), float(np.abs(self.reference).max())
         self.pressure, self.ramp = definition.pressure, np.asarray(definition.ramp, float)
-        self.share, self.output_places = definition.share, k
-        self.rounding = self.pressure * float(self.ramp.max()) * size
+        self.share, self.output_places = definition.share, len(definition.edge)
+        self.rounding = self.pressure * float(self.ramp.max()) * float(np.abs(self.reference).max())
         self.closings = [
             Closing(contact, definition.particles, self.names) for contact in definition.contacts
         ]
-        # a_i = half a quarter turn of the way from the point before to the one after
-        self._after, self._before = np.minimum(np.arange(1, k + 1), k - 1), np.maximum(
-            np.arange(-1, k - 1), 0
-        )
-        self._turn = (0.5 if definition.end == "start" else -0.5) * np.array(
-            [[0.0, -1.0], [1.0, 0.0]]
-        )
+        k = self.output_places
+        self._sides = 2 * np.arange(k - 1)[:, None] + np.arange(3)
+        # a quarter turn of the way from the wet end on, into the body
+        way = 1.0 if definition.end == "start" else -1.0
+        self._inward = way * np.array([[0.0, -1.0], [1.0, 0.0]])
 
     # ---- the state ----
 
     def pressure_at(self, fraction: float) -> float:
         """Of the fluid after ``fraction`` nominal steps, kPa."""
-        return self.pressure * float(at_fraction(self.ramp, fraction))
+        return self.pressure * self._ramp_at(fraction)
+
+    def _ramp_at(self, fraction) -> float:
+        return float(at_fraction(self.ramp, fraction))
 
     def _closing(self, x, fraction) -> np.ndarray:
-        """Contact pressure of all profiles, shape (k,)."""
-        return sum(
-            (closing.pressure(x, fraction) for closing in self.closings), np.zeros(len(x))
-        )
+        """Contact pressure of all profiles at the particles, shape (k,)."""
+        own = np.ascontiguousarray(x[::2])
+        parts = (closing.pressure(own, fraction) for closing in self.closings)
+        return sum(parts, np.zeros(len(own)))
 
     def _closing_rates(self, x, fraction) -> ClosingRates:
-        found = ClosingRates(np.zeros((len(x), 2)), np.zeros((len(x), len(self.names))))
+        own, k = np.ascontiguousarray(x[::2]), self.output_places
+        found = ClosingRates(np.zeros((k, 2)), np.zeros((k, len(self.names))))
         for closing in self.closings:
-            found = ClosingRates(*map(np.add, found, closing.rates(x, fraction)))
+            found = ClosingRates(*map(np.add, found, closing.rates(own, fraction)))
         return found
 
-    def _areas(self, x) -> np.ndarray:
-        """a_i, shape (k, 2)."""
-        return (x[self._after] - x[self._before]) @ self._turn.T
+    def _per_weight(self, x) -> np.ndarray:
+        """Force on the points, for a unit of pressure, that every weight adds, shape (k, m, 2)."""
+        inward = x[self._sides] @ self._inward.T
+        out = np.zeros((self.output_places, *x.shape))
+        side = np.arange(len(self._sides))[:, None]
+        for end, integrals in enumerate(_INTEGRALS):
+            # a point is once on a side
+            out[side + end, self._sides] += integrals @ inward
+        return out
+
+    def _turning(self, size):
+        """Pairs of points and tangents of forces of ``size`` (k,) at the particles: the sides turn."""
+        wetted = np.flatnonzero((size[:-1] != 0.0) | (size[1:] != 0.0))
+        by_side = np.stack([size[wetted], size[wetted + 1]], axis=1)
+        integrals = np.einsum("si,imn->smn", by_side, _INTEGRALS)
+        points = self._sides[wetted]
+        pairs = np.stack(np.broadcast_arrays(points[:, :, None], points[:, None]), axis=-1)
+        return pairs.reshape(-1, 2), integrals.reshape(-1, 1, 1) * self._inward
 
     # ---- what a coupled term gives ----
 
     def respond(self, x, fraction, history) -> CoupledResponse:
         pressure, closing = self.pressure_at(fraction), self._closing(x, fraction)
         weight, *slopes = wetting(closing, pressure, self.share)
-        area = self._areas(x)
-        pairs, tangent = self._turning(pressure * weight)
+        per_weight, (pairs, tangent) = self._per_weight(x), self._turning(-pressure * weight)
         front = np.flatnonzero(slopes[0])
         if front.size:
-            on_closing, _ = accumulated(*slopes, front)
+            on_closing, _ = accumulated(*slopes)
             by_place = self._closing_rates(x, fraction).by_place[front]
-            i, j = np.nonzero(on_closing)
-            own = -pressure * on_closing[i, j, None, None] * area[i, :, None] * by_place[j, None]
-            pairs = np.concatenate([pairs, np.column_stack([i, front[j]])])
+            moved = np.tensordot(on_closing[:, front], -pressure * per_weight, (0, 0))
+            j, point = np.nonzero(moved.any(axis=2))
+            own = moved[j, point, :, None] * by_place[j, None]
+            pairs = np.concatenate([pairs, np.column_stack([point, 2 * front[j]])])
             tangent = np.concatenate([tangent, own])
+        reached = (weight[:-1] > 0.0) | (weight[1:] > 0.0)
+        loaded = np.zeros(len(x), np.int64)
+        loaded[self._sides[reached]] = 1
         return CoupledResponse(
-            x, -pressure * weight[:, None] * area, (weight > 0.0).astype(np.int64), pairs, tangent,
+            x, np.tensordot(-pressure * weight, per_weight, 1), loaded, pairs, tangent,
             np.empty((0, *x.shape)), np.empty(0), _NO_BRANCH, None,
             np.column_stack([weight, closing]),
         )  # fmt: skip
 
-    def _turning(self, size):
-        """Pairs of points and tangents of forces -size a_i, in which the sides turn."""
-        at = np.flatnonzero(size)
-        turn = -size[at, None, None] * self._turn
-        pairs = [np.column_stack([at, other[at]]) for other in (self._after, self._before)]
-        return np.concatenate(pairs), np.concatenate([turn, -turn])
-
     def linearize(self, response, fraction, history):
-        x, k = response.x, len(self.where)
-        at_x, _, _, at_parameters, at_reference = self.inputs
-        pressure, (weight, closing) = self.pressure_at(fraction), response.outputs.T
-        slopes = wetting(np.ascontiguousarray(closing), pressure, self.share)[1:]
-        by_closing, by_pressure = accumulated(*slopes, np.arange(k))
-        rates, area, grown = self._closing_rates(x, fraction), self._areas(x), np.zeros(k)
+        x, k, (at_x, _, _, at_parameters, at_reference) = (
+            response.x, self.output_places, self.inputs
+        )  # fmt: skip
+        pressure, ramp, weight = (
+            self.pressure_at(fraction), self._ramp_at(fraction), response.outputs[:, 0]
+        )  # fmt: skip
+        by_closing, by_pressure = accumulated(*self._slopes(response, pressure))
+        rates, every = self._closing_rates(x, fraction), np.arange(k)[:, None]
         of_closing = np.zeros((k, at_reference.stop))
-        of_closing[np.arange(k)[:, None], at_x.start + 2 * np.arange(k)[:, None] + [0, 1]] = (
-            rates.by_place
-        )
+        of_closing[every, at_x.start + 4 * every + np.arange(2)] = rates.by_place
         of_closing[:, at_parameters] = rates.by_parameter
-        of_weight, share = by_closing @ of_closing, float(at_fraction(self.ramp, fraction))
-        of_weight[:, at_parameters.start] += share * by_pressure
+        of_weight = by_closing @ of_closing
+        of_weight[:, at_parameters.start] += ramp * by_pressure
         grown = pressure * of_weight
-        grown[:, at_parameters.start] += share * weight
-        force = -(area[:, :, None] * grown[:, None]).reshape(2 * k, -1)
-        pairs, turn = self._turning(pressure * weight)
+        grown[:, at_parameters.start] += ramp * weight
+        force = np.tensordot(-self._per_weight(x), grown, (0, 0)).reshape(-1, grown.shape[1])
+        pairs, turn = self._turning(-pressure * weight)
         rows = 2 * pairs[:, 0, None, None] + np.arange(2)[:, None]
-        columns = at_x.start + 2 * pairs[:, 1, None, None] + np.arange(2)[None, :]
-        np.add.at(force, (rows, columns), turn)
+        np.add.at(force, (rows, at_x.start + 2 * pairs[:, 1, None, None] + np.arange(2)), turn)
         given = np.stack([of_weight, of_closing], axis=1).reshape(2 * k, -1)
         whole = np.concatenate([force, given])
-        none = np.zeros((len(whole), 0)), np.zeros((0, at_reference.stop))
+        none = np.zeros((len(whole), 0)), np.zeros((0, whole.shape[1]))
         return LocalMap(csr_array(whole), *none)
+
+    def _slopes(self, response, pressure):
+        """Derivatives of the weights as ``wetting`` gives them."""
+        closing = np.ascontiguousarray(response.outputs[:, 1])
+        return wetting(closing, pressure, self.share)[1:]
 
     # ---- the path ----
 
     def changes(self, step, response, target):
-        """The pressure grows; the profiles move on under the fluid's weights as they are."""
-        weight, closing = response.outputs.T
-        share = float(at_fraction(self.ramp, target) - at_fraction(self.ramp, step.fraction))
-        change = self.pressure * share
+        """The pressure grows, and the fluid gets farther; profiles that move do their own part."""
+        pressure = self.pressure_at(step.fraction)
+        change = self.pressure_at(target) - pressure
         if change == 0.0:
             return []
-        pressure = self.pressure_at(step.fraction)
-        slopes = wetting(np.ascontiguousarray(closing), pressure, self.share)[1:]
-        _, by_pressure = accumulated(*slopes, _NO_BRANCH)
-        size = change * (weight + pressure * by_pressure)
+        _, by_pressure = accumulated(*self._slopes(response, pressure))
+        size = change * (response.outputs[:, 0] + pressure * by_pressure)
+        moved = np.tensordot(-size, self._per_weight(response.x), 1)
         force = np.zeros(self.discretization.layout.force_size)
-        every = np.ones(len(weight), np.int64)
-        self._add_force(-size[:, None] * self._areas(response.x), every, force)
+        self._add_force(moved, np.ones(len(moved), np.int64), force)
         return [force]
 
     def describe(self, response, fraction):
