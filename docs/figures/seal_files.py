@@ -105,4 +105,7 @@ def begun(file):
         return Stage(steps, tuple(part * x for x in stage.translate), part * stage.rotate)
 
     profiles = [replace(p, stages=tuple(map(short, p.stages))) for p in file.profiles]
-    return replace(file, profiles=tuple(profiles))
+    fluids = [
+        replace(f, steps=max(1, f.steps // SHARE), pressure=f.pressure / SHARE) for f in file.fluids
+    ]
+    return replace(file, profiles=tuple(profiles), fluids=tuple(fluids))

@@ -150,7 +150,7 @@ class AdjointSweep:
             By place in ``path.steps``.
         """
         history_bar = tuple(reverse.no_history() for reverse in self.reverses)
-        following, places = None, range(max(seeds), -1, -1)
+        following, places = None, range(max(seeds, default=-1), -1, -1)
         if not self.problem.remembers:
             places = sorted(seeds, reverse=True)
         for place in places:

@@ -124,7 +124,8 @@ class DirectSweep:
         """
         every = self.path.steps
         measured = {len(every) - 1} if measured is None else set(measured)
-        places = range(max(measured) + 1) if self.problem.remembers else sorted(measured)
+        last = max(measured, default=-1)
+        places = range(last + 1) if self.problem.remembers else sorted(measured)
         history, wanted = self.start(), {}
         size = self.path.discretization.layout.n_equations
         for block in blocks(places, size, self.rates.count):

@@ -64,18 +64,20 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
     ValueError
         Unknown method, parameter or measure.
     LoadPathError
-        For a path that was not completed.
+        For a path that was not completed, where a measure is taken at its end.
     """
     _check_method(method)
     if not hasattr(result, "require_converged"):
         raise TypeError(f"result must be what analyze returns, got a {type(result).__name__}")
-    result.require_converged()
     seal = result.seal
     if isinstance(parameters, str):
         raise ValueError(f"parameters must be a sequence of names, got the string {parameters!r}")
     names = seal.inputs if parameters is None else tuple(parameters)
     _check_names(result, names)
-    return sensitivities(result, names, result.measures(measures), method)
+    measures = result.measures(measures)
+    if any(measure.wants_end for measure in measures):
+        result.require_converged()
+    return sensitivities(result, names, measures, method)
 
 
 @one_blas_thread

@@ -133,12 +133,15 @@ class Measure:
         As OpenMDAO writes them.
     text : str
         One line for documentation.
+    wants_end : bool
+        Whether it needs a path that was completed.
     """
 
     name = ""
     units: str | None = None
     text = ""
     scalar = False
+    wants_end = True
 
     @property
     def takes_places(self) -> bool:

@@ -8,18 +8,22 @@ from seal_mdao import values
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.seals.file.cross_checks import (
-    ROUNDING,
-    contact_order,
-)
+from seal_mdao.seals.file.cross_checks import ROUNDING
+from seal_mdao.seals.file.edges import stretch_order
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.start import gap_at_start, nearest_at_start
-from seal_mdao.seals.file.tables import ProfileTable, SealFile, SelfContactTable
+from seal_mdao.seals.file.tables import (
+    FluidTable,
+    ProfileTable,
+    SealFile,
+    SelfContactTable,
+)
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import graded
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import EdgeDesign
+from seal_mdao.seals.outline.edge_fluid import EdgeFluid
 from seal_mdao.seals.outline.moved import moved_outline
 from seal_mdao.seals.outline.rays import RAY_SUPPORT, Rays, ray_boundaries
 from seal_mdao.seals.outline.seal import (
@@ -68,6 +72,7 @@ def build_seal(file: SealFile) -> OutlineSeal:
             contacts=[_contact(profile, file) for profile in file.profiles],
             sealed=[SealedHole(c.name, c.hole, c.pressure, c.gamma) for c in file.cavities],
             touching=_self_touch(file.self_contact),
+            fluids=[_fluid(fluid, file) for fluid in file.fluids],
             designs=[EdgeDesign(design.edges, design.parameters) for design in file.designs],
         )
     except ValueError as error:
@@ -145,13 +150,18 @@ def check_places(file: SealFile, seal: OutlineSeal) -> None:
 
 
 def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:
-    edges, _ = contact_order(profile.contact, file.section.outline)
+    edges, _ = stretch_order(profile.contact, file.section.outline)
     law = ContactLaw(profile.normal_penalty, profile.tangent_penalty, profile.friction, True)
     placed = replace(profile, start=_clear_start(profile, file.section.outline))
     return EdgeContact(
         profile.name, edges, GivenShape(rigid_profile_of(profile)),
         motion_of(placed, file.n_steps), law, f"{profile.name}_",
     )  # fmt: skip
+
+
+def _fluid(fluid: FluidTable, file: SealFile) -> EdgeFluid:
+    edges, _ = stretch_order(fluid.edges, file.section.outline)
+    return EdgeFluid(fluid.name, edges, fluid.end, fluid.pressure, fluid.steps, fluid.share)
 
 
 def _self_touch(given: SelfContactTable | None) -> SelfTouch | None:

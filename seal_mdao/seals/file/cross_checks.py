@@ -4,6 +4,8 @@ import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.checks import known
+from seal_mdao.seals.file.edges import check_edges, contour_of
+from seal_mdao.seals.file.fluid_checks import check_fluids
 from seal_mdao.seals.file.start import LOOK, gap_at_start, nearest_at_start
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.cloud_file import GivenCloud
@@ -36,19 +38,13 @@ def check(file: SealFile) -> None:
     _check_self_contact(file)
     _check_measures(file)
     _check_steps(file)
+    check_fluids(file)
     gaps = []
     for number, profile in enumerate(file.profiles, 1):
         where = f"[[profile]] {number} ({profile.name!r})"
         _check_contact(where, profile, file)
         gaps.append(_check_start(where, profile, file))
     _check_bodies_held(file, gaps)
-
-
-def _check_edges(where, key, names, outline):
-    for i, name in enumerate(names):
-        known(where, key, name, outline.edge_names, "edge")
-        if name in names[:i]:
-            raise SealFileError(f"{where}: {key} has {name!r} twice")
 
 
 def _check_section(file):
@@ -101,11 +97,11 @@ def _check_regions(file):
 
 def _check_held(file):
     outline = file.section.outline
-    _check_edges("[fixed]", "edges", file.fixed.edges, outline)
+    check_edges("[fixed]", "edges", file.fixed.edges, outline)
     seen = dict.fromkeys(file.fixed.edges, "[fixed]")
     for number, plane in enumerate(file.symmetries, 1):
         where = f"[[symmetry]] {number}"
-        _check_edges(where, "edges", plane.edges, outline)
+        check_edges(where, "edges", plane.edges, outline)
         for name in plane.edges:
             if name in seen:
                 raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
@@ -148,7 +144,7 @@ def _check_designs(file):
     outline, seen = file.section.outline, {}
     for number, design in enumerate(file.designs, 1):
         where = f"[[design]] {number}"
-        _check_edges(where, "edges", design.edges, outline)
+        check_edges(where, "edges", design.edges, outline)
         for name in design.edges:
             if name in file.fixed.edges:
                 raise SealFileError(f"{where}: edges has {name!r}, which [fixed] holds")
@@ -185,7 +181,7 @@ def _check_self_contact(file):
     if file.self_contact is None:
         return
     where = "[self_contact]"
-    _check_edges(where, "edges", file.self_contact.edges, file.section.outline)
+    check_edges(where, "edges", file.self_contact.edges, file.section.outline)
     for table, owner in ((file.profiles, "a profile"), (file.cavities, "a [[cavity]]")):
         if any(one.name == "self_contact" for one in table):
             raise SealFileError(
@@ -237,37 +233,16 @@ def _check_steps(file):
 
 
 def _check_contact(where, profile, file):
-    _check_edges(where, "contact", profile.contact, file.section.outline)
+    check_edges(where, "contact", profile.contact, file.section.outline)
     for name in profile.contact:
         if name in file.held:
             raise SealFileError(f"{where}: contact = {name!r}, but [fixed] holds this edge")
-    contour = _contour_of(profile.contact, file.section.outline)
+    contour = contour_of(profile.contact, file.section.outline)
     if contour is None:
         raise SealFileError(
             f"{where}: contact = {', '.join(profile.contact)} is not one stretch of the boundary; give "
             "the others a profile of their own with the same motion"
         )
-
-
-def _contour_of(names, outline):
-    """The contour along which the edges follow one another, or None."""
-    for contour in outline.contours:
-        own = [name for name in contour.edge_names if name in names]
-        if len(own) == len(names):
-            every = contour.edge_names
-            first = [
-                name for i, name in enumerate(every) if name in own and every[i - 1] not in own
-            ]
-            return contour if len(first) <= 1 else None
-    return None
-
-
-def contact_order(names, outline) -> tuple[tuple, bool]:
-    """Edges of a stretch as they are walked, and whether they go all round."""
-    every = _contour_of(names, outline).edge_names
-    starts = [i for i, name in enumerate(every) if name in names and every[i - 1] not in names]
-    first = starts[0] if starts else 0
-    return tuple(n for n in every[first:] + every[:first] if n in names), not starts
 
 
 def _check_start(where, profile, file) -> float:

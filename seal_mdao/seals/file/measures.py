@@ -18,6 +18,7 @@ from seal_mdao.measures.contact import (
     Reaction,
 )
 from seal_mdao.measures.energy import StrainEnergy
+from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import StressNorm, VonMises
@@ -88,6 +89,9 @@ KINDS = {
     "cavity_area": Kind(lambda a, particles: CavityArea(a["edge"]), {"edge": Key(TEXT)}),
     "cavity_pressure": Kind(
         lambda a, particles: CavityPressure(a["cavity"]), {"cavity": Key(TEXT, "air")}
+    ),
+    "blow_off_pressure": Kind(
+        lambda a, particles: BlowOffPressure(a["fluid"]), {"fluid": Key(TEXT, "fluid")}
     ),
     "contact_width": Kind(_of_profile(ContactWidth), _PROFILE),
     "peak_pressure": Kind(_pressure(PeakPressure), _PROFILE | _ORDER),

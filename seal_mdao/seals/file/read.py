@@ -4,6 +4,7 @@ import tomllib
 from pathlib import Path
 
 from seal_mdao.errors import SealFileError
+from seal_mdao.loads.fluid_pressure import ENDS, SHARE
 from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE
 from seal_mdao.seals.file.checks import (
     NAME,
@@ -23,23 +24,31 @@ from seal_mdao.seals.file.cross_checks import check
 from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import NORMAL_PENALTY, TANGENT_PENALTY, read_profile
+from seal_mdao.seals.file.profiles import (
+    MOST_STEPS,
+    NORMAL_PENALTY,
+    TANGENT_PENALTY,
+    read_profile,
+)
 from seal_mdao.seals.file.sections import read_section
 from seal_mdao.seals.file.tables import (
     CavityTable,
     DesignTable,
     FixedTable,
+    FluidTable,
     SealFile,
     SelfContactTable,
     SymmetryTable,
 )
 
 TABLES = (
-    "material", "section", "profile", "fixed", "symmetry", "cavity", "self_contact", "design", "measure",
-    "optimize",
+    "material", "section", "profile", "fixed", "symmetry", "cavity", "self_contact", "fluid", "design",
+    "measure", "optimize",
 )  # fmt: skip
 NEEDED = TABLES[:3]
 MOST_PARAMETERS = 1000
+MOST_PRESSURE = 1e9
+"""kPa."""
 
 DIRECTIONS = Check('a list of "x", "y" or both', many(one_of("x", "y"), "").convert)
 FIXED_KEYS = {"edges": Key(NAMES), "directions": Key(DIRECTIONS, ("x", "y"))}
@@ -55,6 +64,18 @@ SELF_CONTACT_KEYS = {
     "friction": Key(number(least=0.0)),
     "normal_penalty": Key(number(above=0.0), NORMAL_PENALTY),
     "tangent_penalty": Key(number(above=0.0), TANGENT_PENALTY),
+}
+STRETCH = Check(
+    'the name of an edge, or a list of neighbours, such as ["left", "top"]',
+    lambda value: NAMES.convert([value] if isinstance(value, str) else value),
+)
+FLUID_KEYS = {
+    "edge": Key(STRETCH),
+    "from": Key(one_of(*ENDS)),
+    "pressure": Key(number(above=0.0, most=MOST_PRESSURE)),
+    "steps": Key(whole(1, MOST_STEPS)),
+    "name": Key(NAME, "fluid"),
+    "share": Key(number(above=0.0, most=1.0), SHARE),
 }
 DESIGN_KEYS = {
     "edges": Key(NAMES),
@@ -151,9 +172,15 @@ def _read(given, path) -> SealFile:
         SelfContactTable(**table("[self_contact]", given["self_contact"], SELF_CONTACT_KEYS))
         if "self_contact" in given
         else None,
+        tuple(_fluid(i, one) for i, one in enumerate(_optional(given, "fluid"), 1)),
     )
     check(file)
     return file
+
+
+def _fluid(position, given) -> FluidTable:
+    values = table(f"[[fluid]] {position}", given, FLUID_KEYS)
+    return FluidTable(values.pop("edge"), values.pop("from"), **values)
 
 
 def _optional(given, name) -> list:

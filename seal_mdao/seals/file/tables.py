@@ -149,6 +149,32 @@ class SelfContactTable:
 
 
 @dataclass(frozen=True)
+class FluidTable:
+    """``[[fluid]]``: a fluid at one end of an edge, or of a stretch of them.
+
+    Attributes
+    ----------
+    edges : tuple of str
+    end : str
+        "start" or "end" of them as they are walked, from which it comes.
+    pressure : float
+        kPa.
+    steps : int
+        The last load steps, over which it grows.
+    name : str
+    share : float
+        Of the pressure, by which the seal has to press with more where it is dry.
+    """
+
+    edges: tuple
+    end: str
+    pressure: float
+    steps: int
+    name: str
+    share: float
+
+
+@dataclass(frozen=True)
 class DesignTable:
     """``[[design]]``: edges that may move, parameters of each, and their bound, mm."""
 
@@ -201,6 +227,7 @@ class SealFile:
     optimize : OptimizeTable or None
     cavities : tuple of CavityTable
     self_contact : SelfContactTable or None
+    fluids : tuple of FluidTable
     """
 
     path: Path
@@ -214,6 +241,7 @@ class SealFile:
     optimize: OptimizeTable | None = None
     cavities: tuple[CavityTable, ...] = ()
     self_contact: SelfContactTable | None = None
+    fluids: tuple[FluidTable, ...] = ()
 
     @property
     def n_steps(self) -> int:

@@ -10,14 +10,15 @@ from seal_mdao.loads.fluid_pressure import SHARE, FluidPressure
 
 
 class EdgeFluid(NamedTuple):
-    """A fluid at one end of an edge.
+    """A fluid at one end of a stretch of edges.
 
     Attributes
     ----------
     label : str
-    edge : str
+    edges : tuple of str
+        As they follow one another when the boundary is walked, the body on the left.
     end : {"start", "end"}
-        Of the edge as its segments are walked, from which the fluid comes.
+        Of the stretch, from which the fluid comes.
     pressure : float
         kPa.
     steps : int
@@ -27,15 +28,16 @@ class EdgeFluid(NamedTuple):
     """
 
     label: str
-    edge: str
+    edges: tuple
     end: str
     pressure: float
     steps: int
     share: float = SHARE
 
     def on(self, body: Body, contacts: tuple[RigidContact, ...], n_steps: int) -> FluidPressure:
-        """The term, behind those of the contacts that may touch the edge."""
-        particles = body.edge(self.edge).particles
+        """The term, behind those of the contacts that may touch the edges."""
+        parts = [body.edge(name).particles for name in self.edges]
+        particles = np.array(list(dict.fromkeys(np.concatenate(parts).tolist())))
         closing = tuple(c for c in contacts if np.isin(particles, c.where.at_particles).any())
         ramp = np.clip(np.arange(self.steps - n_steps, self.steps + 1) / self.steps, 0.0, None)
         return FluidPressure(

@@ -179,7 +179,7 @@ def outline_seal(
     if touching is not None:
         checked_names(touching.edges, known, touching.label)
     for fluid in fluids:
-        checked_names((fluid.edge,), known, fluid.label)
+        checked_names(fluid.edges, known, fluid.label)
     filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
@@ -194,10 +194,9 @@ def outline_seal(
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
     profiles = tuple(contact.on(body) for contact in contacts)
-    loads = (*profiles, *(h.on(filled.loops) for h in sealed))
-    if touching is not None:
-        loads = (*loads, touching.on(body, filled.loops))
-    loads = (*loads, *(fluid.on(body, profiles, n_steps) for fluid in fluids))
+    loads = [*profiles, *(h.on(filled.loops) for h in sealed)]
+    loads += [] if touching is None else [touching.on(body, filled.loops)]
+    loads += [fluid.on(body, profiles, n_steps) for fluid in fluids]
     return OutlineSeal(
         filled.particles, velocity, body, (elastic, *loads), n_steps, tuple(standard), tuple(inputs),
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,
