@@ -35,8 +35,8 @@ def _excess(closing, pressure, share, before):
     """u_i between 0 and 1."""
     low, high, u = 0.0, 1.0, 0.5
     for _ in range(MOST_ITERATIONS):
-        s, slope = smooth_step(u)
-        over = pressure * (share * u + 1.0 - before * (1.0 - s)) - closing
+        wet, slope = smooth_step(1.0 - u)  # 1 - s(u), never negative
+        over = pressure * (share * u + 1.0 - before * wet) - closing
         if over > 0.0:
             high = u
         else:
@@ -76,12 +76,12 @@ def wetting(closing, pressure, share):
         if closing[i] <= pressure * (1.0 - before):
             weight[i], by_before[i] = before, 1.0
         elif closing[i] < pressure * (1.0 + share):
-            s, slope = smooth_step(_excess(closing[i], pressure, share, before))
+            wet, slope = smooth_step(1.0 - _excess(closing[i], pressure, share, before))
             stiff = pressure * (share + before * slope)
-            weight[i] = before * (1.0 - s)
+            weight[i] = before * wet
             by_closing[i] = -before * slope / stiff
             by_pressure[i] = before * slope * closing[i] / (pressure * stiff)
-            by_before[i] = (1.0 - s) * (1.0 - before * slope * pressure / stiff)
+            by_before[i] = wet * (1.0 - before * slope * pressure / stiff)
         before = weight[i]
     return weight, by_closing, by_pressure, by_before
 

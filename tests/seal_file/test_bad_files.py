@@ -23,6 +23,7 @@ FIXED = '[fixed]\nedges = ["base"]\n'
 SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
 CAVITY = "[[cavity]]\nhole = 1\n"
 TOUCH = '[self_contact]\nfriction = 0.3\nedges = ["second"]\n'
+FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 50.0\nsteps = 20\n'
 REGION = """[material.foot]
 law = "neo_hookean"
 c10 = 300.0
@@ -86,6 +87,43 @@ BAD = {
                                  "[self_contact]: edges has 'seal' twice"),
     "rough self-contact": (FIXED, FIXED + TOUCH.replace("0.3", "-0.3"),
                            "[self_contact]: friction = -0.3, but it must be a number"),
+    "fluid of no edge": (FIXED, FIXED + FLUID.replace('"seal"', '"seel"'),
+                         "[[fluid]] 1: edge = 'seel', but there is no such edge (did you mean 'seal'?)"),
+    "fluid of a number": (FIXED, FIXED + FLUID.replace('"seal"', "3"),
+                          "[[fluid]] 1: edge = 3, but it must be the name of an edge, or a list of"),
+    "fluid twice along": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "seal"]'),
+                          "[[fluid]] 1: edge has 'seal' twice"),
+    "fluid all round": (FIXED, FIXED + FLUID.replace('"seal"', '"cavity"'),
+                        "[[fluid]] 1: edge = cavity goes all round and has no ends; divide it where"),
+    "fluid round both": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "base"]'),
+                         "[[fluid]] 1: edge = seal, base goes all round"),
+    "fluid apart": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "cavity"]'),
+                    "[[fluid]] 1: edge = seal, cavity is not one stretch of the boundary"),
+    "fluid untouched": (FIXED, FIXED + FLUID.replace('"seal"', '"base"'), "[[fluid]] 1: edge = base, "
+                        "which no profile may touch, so nothing would hold the fluid back; edges that"),
+    "fluid from nowhere": (FIXED, FIXED + FLUID.replace('from = "end"\n', ""),
+                           "[[fluid]] 1: the key 'from' is missing; it must be one of start, end"),
+    "fluid from left": (FIXED, FIXED + FLUID.replace('"end"', '"left"'),
+                        "[[fluid]] 1: from = 'left', but it must be one of start, end"),
+    "fluid sucks": (FIXED, FIXED + FLUID.replace("50.0", "-50.0"),
+                    "[[fluid]] 1: pressure = -50.0, but it must be a number above 0 and at most 1e+09"),
+    "fluid presses with NaN": (FIXED, FIXED + FLUID.replace("50.0", "nan"), "[[fluid]] 1: pressure = "),
+    "fluid at once": (FIXED, FIXED + FLUID.replace("20", "0"),
+                      "[[fluid]] 1: steps = 0, but it must be a whole number from 1 to 100000"),
+    "fluid for too long": (FIXED, FIXED + FLUID.replace("20", "81"), "[[fluid]] 1: steps = 81, but the "
+                           "stages of the profiles have 80 steps in all; give them a last stage that"),
+    "fluid of no share": (FIXED, FIXED + FLUID + "share = 0.0\n",
+                          "[[fluid]] 1: share = 0.0, but it must be a number above 0 and at most 1"),
+    "fluid misspelt": (FIXED, FIXED + FLUID.replace("pressure", "presure"), "[[fluid]] 1: unknown key "
+                       "'presure' (did you mean 'pressure'?); known are edge, from, pressure, steps"),
+    "fluid named as a profile": (FIXED, FIXED + FLUID + 'name = "door"\n',
+                                 "[[fluid]] 1: name = 'door', but a profile has it; give every fluid"),
+    "two fluids of one name": (FIXED, FIXED + 2 * FLUID,
+                               "[[fluid]] 2: name = 'fluid', but [[fluid]] 1 has it; give every fluid"),
+    "fluid as a cavity": (FIXED, FIXED + FLUID + 'name = "air"\n' + CAVITY,
+                          "[[fluid]] 1: name = 'air', but a [[cavity]] has it"),
+    "blow-off of no fluid": (WIDTH, 'type = "blow_off_pressure"',
+                             "[[measure]] 1: fluid = 'fluid', but there is no such [[fluid]]; there"),
     "no profile": (*without(PROFILE), "[[profile]] is missing"),
     "unknown table": ("[fixed]", "[fixd]", "unknown table or key 'fixd' (did you mean 'fixed'?)"),
     "unknown key on top": ("[material", "speed = 1\n[material", "unknown table or key 'speed'; known"),

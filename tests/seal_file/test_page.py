@@ -18,7 +18,7 @@ def test_every_key_type_and_law_is_on_the_page():
     tables = [
         laws.LAW_KEYS, laws.FIT_KEYS, laws.TERM_KEYS, laws.FOAM_KEYS,
         sections.SECTION_KEYS, sections.HOLE_KEYS, shapes.KEYS, shapes.ARC_KEYS, shapes.CIRCLE_KEYS,
-        read.FIXED_KEYS, read.SYMMETRY_KEYS, read.CAVITY_KEYS, read.SELF_CONTACT_KEYS,
+        read.FIXED_KEYS, read.SYMMETRY_KEYS, read.CAVITY_KEYS, read.SELF_CONTACT_KEYS, read.FLUID_KEYS,
         sections.REGION_KEYS, sections.RAY_KEYS, read.DESIGN_KEYS,
         profiles.PROFILE_KEYS, profiles.STAGE_KEYS,
         optimization.OPTIMIZE_KEYS, optimization.CONSTRAINT_KEYS,

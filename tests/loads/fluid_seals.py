@@ -1,0 +1,101 @@
+"""Half an O-ring in its groove, and a gasket glued to its base; a lid presses, then a fluid comes."""
+
+import numpy as np
+
+import seal_mdao as sm
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.geometry.motion import Stage, staged_motion
+from seal_mdao.geometry.profile import flat_profile
+from seal_mdao.geometry.shape import GivenShape
+from seal_mdao.measures.contact import PeakPressure, Reaction
+from seal_mdao.measures.fluid import BlowOffPressure
+from seal_mdao.seals.file.build import boundaries_of
+from seal_mdao.seals.outline.design import EdgeDesign
+from seal_mdao.seals.outline.edge_fluid import EdgeFluid
+from seal_mdao.seals.outline.seal import EdgeContact, outline_seal
+from seal_mdao.seals.outline.section import Arc, Contour, Line, Outline
+
+RADIUS, WALL, CLEAR = 3.0, 3.4, 1e-3
+RUBBER = sm.MooneyRivlin(500.0, 125.0, 400_000.0)
+SHEAR_MODULUS = 1250.0
+PENALTY = 1e5
+
+
+def _lid(top, squeeze, close, steps, law):
+    """Comes down by ``squeeze``, a parameter, and stays."""
+    down = Stage(close, (0.0, -squeeze), rates={"squeeze": (0.0, -1.0, 0.0)})
+    motion = staged_motion([down, Stage(steps)], start=(0.0, top + CLEAR))
+    return EdgeContact("lid", ("seal",), GivenShape(flat_profile()), motion, law, "lid_")
+
+
+def _seal(outline, spacing, pressure, close, steps, contacts, standard, **more):
+    return outline_seal(
+        *boundaries_of(outline, spacing), RUBBER, n_steps=close + steps, contacts=contacts,
+        fluids=[EdgeFluid("fluid", ("seal",), "end", pressure, steps)],
+        designs=[EdgeDesign(("seal",), 4)], standard=standard,
+        newton=sm.NewtonOptions(tolerance=1e-12), **more,
+    )  # fmt: skip
+
+
+def ring(pressure, *, squeeze=0.45, close=6, steps=8, spacing=0.4):
+    """The upper half of an O-ring between lids and before a wall; the fluid comes from the left."""
+    outline = Outline(Contour((
+        Arc((0.0, 0.0), RADIUS, 0.0, np.pi, "seal"),
+        Line((-RADIUS, 0.0), (RADIUS, 0.0), "middle"),
+    )))  # fmt: skip
+    law = ContactLaw(PENALTY, 1e-2 * PENALTY, 0.1, True)
+    beside = staged_motion([Stage(close + steps)], start=(WALL, 0.0), angle=-90.0)
+    wall = EdgeContact("wall", ("seal",), GivenShape(flat_profile()), beside, law, "wall_")
+    return _seal(
+        outline, spacing, pressure, close, steps,
+        [_lid(RADIUS, squeeze, close, steps, law), wall],
+        (PeakPressure("lid"), Reaction("lid", name="on_lid"), Reaction("wall", name="on_wall")),
+        planes=[("middle", 1)],
+    )  # fmt: skip
+
+
+def gasket(pressure, *, squeeze=0.2, friction=0.1, close=4, steps=20, spacing=0.4):
+    """Half a lens, its flat side glued; the fluid comes from the left."""
+    outline = Outline(Contour((
+        Arc.through((RADIUS, 0.0), (0.0, 2.0), (-RADIUS, 0.0), "seal"),
+        Line((-RADIUS, 0.0), (RADIUS, 0.0), "base"),
+    )))  # fmt: skip
+    law = ContactLaw(PENALTY, 1e-2 * PENALTY, friction, True)
+    return _seal(
+        outline, spacing, pressure, close, steps, [_lid(2.0, squeeze, close, steps, law)],
+        (BlowOffPressure("fluid"),), fixed=["base"],
+    )  # fmt: skip
+
+
+def peak(result, step):
+    """Highest contact pressure on the lid after a nominal step, kPa."""
+    gap = result.response("lid", result.path.nominal_steps[step]).gap
+    return PENALTY * float(np.maximum(-gap, 0.0).max())
+
+
+def states(result):
+    """Stick, slip and open points of all profiles at all steps."""
+    labels = [term.label for term in result.path.problem.terms if hasattr(term, "motion")]
+    return np.hstack([[r.branch for r in result.path.responses(label)] for label in labels])
+
+
+def quotient(seal, names, way, measures, sequence):
+    """Central difference of fourth order along ``way`` (offsets, then the parameters ``names``) on the
+    same contact sequence, as far as that is given."""
+    p, values = seal.n_offsets, []
+    for share in (-2, -1, 1, 2):
+        scalars = {
+            name: seal.scalars[name].value + share * own
+            for name, own in zip(names, way[p:], strict=True)
+        }
+        result = sm.analyze(seal, share * way[:p], scalars)
+        assert np.array_equal(states(result)[: len(sequence)], sequence)
+        values.append(np.concatenate([result.value(measure) for measure in measures]))
+    return np.array([1, -8, 8, -1]) @ values / 12
+
+
+def steps_of(seal, names):
+    """What counts as one: 1 mm of an offset, the parameters' own values."""
+    return np.array(
+        [1.0] * seal.n_offsets + [abs(seal.scalars[name].value) or 1.0 for name in names]
+    )

@@ -1,0 +1,115 @@
+"""The pressure at which a fluid comes through: when it falls, its derivatives, seals that hold."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fluid_seals import gasket, quotient, states, steps_of
+
+import seal_mdao as sm
+from seal_mdao.errors import LoadPathError
+from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.fluid import BlowOffPressure
+
+PRESSURE = 2000.0
+NAMES = ("c10", "bulk_modulus", "lid_normal_penalty", "lid_friction", "squeeze", "fluid_pressure")
+BLOW_OFF = BlowOffPressure("fluid")
+
+
+@pytest.fixture(scope="module")
+def blown():
+    result = sm.analyze(gasket(PRESSURE), keep_factors=True)
+    assert result.converged, result.failure
+    return result
+
+
+def table(result, method="adjoint", names=NAMES):
+    return sm.differentiate(result, names, [BLOW_OFF], method).blow_off_pressure[0]
+
+
+def held(result):
+    """Load steps with a dry end; no step was cut."""
+    assert len(result.path.steps) == len(result.path.nominal_steps)
+    return [s for s in result.path.steps if result.response("fluid", s).outputs[-1, 0] == 0.0]
+
+
+def test_it_is_where_the_fluid_comes_through(blown):
+    """Between the last load step with a dry end and the first one without, or a little beyond."""
+    last = blown.term("fluid").pressure_at(held(blown)[-1].fraction)
+    assert 0.0 < last < PRESSURE
+    assert last < blown.value(BLOW_OFF)[0] < last + 1.5 * PRESSURE / 20
+
+
+def test_it_falls_when_the_squeeze_falls():
+    values = [
+        sm.analyze(gasket(PRESSURE, squeeze=squeeze)).value(BLOW_OFF)[0]
+        for squeeze in (0.14, 0.17, 0.2)
+    ]
+    assert values[0] < 0.85 * values[1] < 0.85 * 0.9 * values[2]
+
+
+def test_more_load_steps_say_the_same():
+    values = [sm.analyze(gasket(PRESSURE, steps=n)).value(BLOW_OFF)[0] for n in (20, 40)]
+    assert values[0] == pytest.approx(values[1], rel=0.02)
+
+
+def test_direct_and_adjoint_agree(blown):
+    direct, adjoint = (table(blown, method) for method in ("direct", "adjoint"))
+    assert (np.abs(direct - adjoint) <= 1e-9 * np.abs(direct).max()).all()
+
+
+@pytest.mark.parametrize("name", ["squeeze", "lid_friction", "everything"])
+def test_derivatives_against_central_differences(blown, rng, name):
+    """To 1e-4 of itself, at two steps: the derivative in the friction is small beside its value."""
+    names, seal = NAMES, blown.seal
+    way = steps_of(seal, names) * rng.uniform(0.5, 1.0, seal.n_offsets + len(names))
+    if name != "everything":
+        way *= np.arange(way.size) == seal.n_offsets + names.index(name)
+    exact = table(blown) @ way
+    assert exact != 0.0
+    until = states(blown)[: len(held(blown))]
+    for step in (1e-4, 2e-5):
+        found = quotient(seal, names, step * way, [BLOW_OFF], until)[0] / step
+        assert abs(found - exact) <= 1e-4 * abs(exact)
+
+
+def test_a_seal_that_holds_says_more_than_was_applied():
+    """Two load steps more, whatever its design: nothing for an optimiser to gain or to fear."""
+    result = sm.analyze(gasket(600.0, steps=6))
+    assert result.converged
+    assert result.value(BLOW_OFF)[0] == pytest.approx(800.0)
+    for method in ("direct", "adjoint"):
+        found = table(result, method)
+        assert not found[:-1].any()
+        assert found[-1] == pytest.approx(800.0 / 600.0)
+
+
+def test_a_fluid_that_comes_through_at_once():
+    """Then what the profiles press with before it comes is all there is."""
+    result = sm.analyze(gasket(4000.0, steps=2))
+    before = result.response("fluid", result.path.nominal_steps[3]).outputs[:, 1].max()
+    assert result.value(BLOW_OFF)[0] == pytest.approx(before / 1.05)
+
+
+def test_where_nothing_closes_there_is_nothing_to_blow_off():
+    result = sm.analyze(gasket(10.0, squeeze=0.5e-3, steps=2))
+    assert result.value(BLOW_OFF)[0] == 0.0
+    assert not table(result).any()
+
+
+def test_a_path_that_ends_afterwards_has_the_pressure_and_its_derivatives(blown):
+    """Far more pressure than the body bears: load steps as large as before, until it is crushed."""
+    options = sm.NewtonOptions(tolerance=1e-12, max_cuts=0, max_iterations=9, damped_iterations=0)
+    result = sm.analyze(replace(gasket(40.0 * PRESSURE, steps=800), newton=options))
+    assert not result.converged
+    assert result.value(BLOW_OFF)[0] == pytest.approx(blown.value(BLOW_OFF)[0], rel=1e-9)
+    np.testing.assert_allclose(table(result)[:-1], table(blown)[:-1], rtol=1e-6)
+    with pytest.raises(LoadPathError):
+        sm.differentiate(result, NAMES, [Reaction("lid")])
+
+
+def test_a_path_that_ends_before_has_none():
+    result = sm.analyze(gasket(PRESSURE, squeeze=1.9, close=2, steps=2))
+    assert not result.converged
+    with pytest.raises(LoadPathError, match="could not be completed at load step"):
+        result.value(BLOW_OFF)

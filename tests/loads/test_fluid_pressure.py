@@ -1,0 +1,250 @@
+"""Fluid pressure: forces, work, tangent, derivatives, and an O-ring that passes the pressure on."""
+
+import numpy as np
+import pytest
+from fluid_seals import SHEAR_MODULUS, peak, quotient, ring, states, steps_of
+
+import seal_mdao as sm
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.geometry.polygon import polygon_area
+from seal_mdao.loads.fluid_pressure import FluidPressure
+from seal_mdao.seals.file.build import boundaries_of
+from seal_mdao.seals.outline.edge_fluid import EdgeFluid
+from seal_mdao.seals.outline.seal import outline_seal
+from seal_mdao.seals.outline.section import Arc, Contour, Line, Outline
+
+PRESSURE = 1000.0
+NAMES = (
+    "c10", "bulk_modulus", "lid_normal_penalty", "lid_tangent_penalty", "lid_friction", "squeeze",
+    "wall_normal_penalty", "wall_tangent_penalty", "fluid_pressure",
+)  # fmt: skip
+"""Without the friction of the wall, on which all points stick."""
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    result = sm.analyze(ring(PRESSURE, squeeze=0.6, close=4, steps=4), keep_factors=True)
+    assert result.converged, result.failure
+    return result
+
+
+@pytest.fixture(scope="module")
+def tables(pressed):
+    return [sm.differentiate(pressed, NAMES, method=method) for method in ("direct", "adjoint")]
+
+
+@pytest.fixture(scope="module")
+def everywhere():
+    """The term without profiles: all of the edge is wetted."""
+    outline = Outline(Contour((
+        Arc((0.0, 0.0), 3.0, 0.0, 0.5 * np.pi, "seal"),
+        Line((0.0, 3.0), (0.0, 0.0), "left"), Line((0.0, 0.0), (3.0, 0.0), "bottom"),
+    )))  # fmt: skip
+    seal = outline_seal(
+        *boundaries_of(outline, 0.4), sm.MooneyRivlin(500.0, 125.0, 400_000.0), n_steps=4,
+        planes=[("left", 0), ("bottom", 1)],
+        fluids=[EdgeFluid("fluid", ("seal",), "end", 6.0 * SHEAR_MODULUS, 4)],
+    )  # fmt: skip
+    return seal, sm.analyze(seal)
+
+
+def areas(x):
+    """Of the polygon of all sides from the origin, with the parabolas' segments, 2/3 chord x sagitta."""
+    chord, sagitta = x[2::2] - x[:-2:2], x[1::2] - 0.5 * (x[2::2] + x[:-2:2])
+    bulge = sagitta[:, 0] * chord[:, 1] - sagitta[:, 1] * chord[:, 0]
+    return polygon_area(np.vstack([[0.0, 0.0], x[::2]]))[0] + 2.0 / 3.0 * bulge.sum()
+
+
+# ---- the load ----
+
+
+def test_resultant_and_moment_are_those_of_a_pressure(everywhere, rng):
+    """On any line between two points: p times the chord turned, and half of p times the difference of
+    the squares of the distances."""
+    _, result = everywhere
+    term = result.term("fluid")
+    x = term.reference + 0.1 * rng.standard_normal(term.reference.shape)
+    force = term.respond(x, 4.0, None).force
+    way, pressure = x[-1] - x[0], term.pressure
+    # the line comes from the left of the body: its right is inside
+    np.testing.assert_allclose(
+        force.sum(axis=0), -pressure * np.array([way[1], -way[0]]), rtol=1e-12
+    )
+    moment = (x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]).sum()
+    expected = 0.5 * pressure * (x[-1] @ x[-1] - x[0] @ x[0])
+    assert moment == pytest.approx(expected, rel=1e-11)
+
+
+def test_its_work_is_pressure_times_the_area_that_it_takes(everywhere, rng):
+    """Between two states with the same ends. The forces are linear in the places: the mean is exact."""
+    _, result = everywhere
+    term = result.term("fluid")
+    x = [term.reference + 0.1 * rng.standard_normal(term.reference.shape) for _ in range(2)]
+    for one in x:
+        one[[0, -1]] = term.reference[[0, -1]]
+    mean = sum(term.respond(one, 4.0, None).force for one in x) / 2.0
+    # forces of the residual are minus those on the body, which is on the left on the way back
+    work = -(mean * (x[1] - x[0])).sum()
+    taken = areas(x[1][::-1]) - areas(x[0][::-1])
+    assert work == pytest.approx(-term.pressure * taken, rel=1e-10)
+
+
+def test_a_body_in_a_fluid_does_not_crumple(everywhere):
+    """All round under 6 shear moduli it shrinks by p / K and stays round."""
+    seal, result = everywhere
+    assert result.converged, result.failure
+    assert all(step.stable for step in result.path.steps)
+    particles = seal.drawn_particles[seal.body.edge("seal").particles]
+    moved = result.displacement()[seal.body.edge("seal").particles]
+    strain = (moved * particles).sum(axis=1) / (particles**2).sum(axis=1)
+    assert strain.mean() == pytest.approx(-0.5 * 6.0 * SHEAR_MODULUS / 400_000.0, rel=0.03)
+    assert np.ptp(strain) < 0.005
+
+
+def test_without_pressure_the_residual_is_what_it_was(pressed, rng):
+    """To the last bit, at any place, at the end of the path."""
+    seal, step = pressed.seal, pressed.path.steps[-1]
+    terms = seal.with_parameters({"fluid_pressure": 0.0}).terms()
+    way = 1e-3 * rng.standard_normal(step.d.shape)
+    problem = PathProblem(pressed.path.discretization, terms)
+    problem.begin()
+    problem.assemble_forces(step.d + way, step.fraction, step.before)
+    forces, alone = problem.forces, problem.forces[:-1].sum(axis=0)
+    assert problem.terms[-1].label == "fluid"
+    assert not forces[-1].any()
+    assert np.array_equal(forces.sum(axis=0), alone)
+
+
+def test_a_seal_under_no_pressure_is_closed_as_before():
+    """Its path, too: the fluid that waits is no load."""
+    still = sm.analyze(ring(0.0, spacing=0.6, close=3, steps=2))
+    assert still.converged, still.failure
+    assert peak(still, -1) == pytest.approx(peak(still, 2), rel=1e-8)
+
+
+# ---- tangent and derivatives ----
+
+
+@pytest.mark.parametrize("step", [4, 5, -1])
+def test_the_tangent_is_the_derivative_of_the_residual(pressed, rng, step):
+    path = pressed.path
+    here = path.nominal_steps[step]
+    problem = PathProblem(path.discretization, pressed.seal.terms())
+    factor, layout = problem.factorize_at(here), path.discretization.layout
+    way = rng.standard_normal(layout.n_equations)
+    # 1e-3 of the penetration of points in contact; rounding of stiff forces over it is 1e-9 of them
+    h, spread = 1e-7, layout.gather(way)
+
+    def residual(share):
+        problem.assemble_forces(here.d + share * h * spread, here.fraction, here.before)
+        return problem.residual()[0]
+
+    found = np.array([1, -8, 8, -1]) @ [residual(s) for s in (-2, -1, 1, 2)] / (12 * h)
+    np.testing.assert_allclose(factor.solve(found), way, rtol=0.0, atol=1e-6)
+
+
+def test_a_point_of_the_front_is_partly_wetted(pressed):
+    """So the tests of tangent and derivatives see the weights change."""
+    weight = pressed.response("fluid").outputs[:, 0]
+    assert ((weight > 0.05) & (weight < 0.95)).any()
+    assert weight[-1] == 0.0
+
+
+def test_newton_converges_quadratically(pressed):
+    """From a little beside equilibrium, with a front that moves."""
+    step = pressed.path.steps[-1]
+    problem = PathProblem(pressed.path.discretization, pressed.seal.terms())
+    layout, sizes = pressed.path.discretization.layout, []
+    rng = np.random.default_rng(1)
+    d = step.d + 1e-5 * layout.gather(rng.standard_normal(layout.n_equations))
+    problem.begin()
+    for _ in range(5):
+        problem.assemble(d, step.fraction, step.before)
+        residual, size, _ = problem.residual()
+        sizes.append(size)
+        d = d - layout.gather(problem.factorize().solve(residual))
+    first = next(i for i, size in enumerate(sizes) if size < 1e-3)
+    assert sizes[first + 1] < 1e3 * sizes[first] ** 2 or sizes[first + 1] < 1e-11
+    assert sizes[-1] < 1e-11
+
+
+def test_direct_and_adjoint_agree(pressed, tables):
+    direct, adjoint = tables
+    for measure in pressed.seal.standard:
+        own = np.atleast_2d(direct[measure.name])
+        size = np.abs(own).max(axis=1, keepdims=True)
+        assert (np.abs(own - np.atleast_2d(adjoint[measure.name])) <= 1e-9 * size).all()
+
+
+def check_along(pressed, tables, way, limit=1e-6):
+    """Two steps a decade apart: truncation of fourth order and rounding stay below the limit in both."""
+    exact = np.concatenate([np.atleast_2d(tables[0][m.name]) for m in pressed.seal.standard])
+    for step in (1e-4, 1e-5):
+        found = quotient(pressed.seal, NAMES, step * way, pressed.seal.standard, states(pressed))
+        size = np.abs(exact * way).sum(axis=1).max()
+        assert size > 0.0
+        assert (np.abs(found / step - exact @ way) <= limit * size).all()
+
+
+@pytest.mark.parametrize("which", ["offsets", "parameters"])
+def test_derivatives_against_central_differences(pressed, tables, rng, which):
+    """Of all measures; parameters of profiles belong to contact and fluid at once."""
+    way = steps_of(pressed.seal, NAMES) * rng.uniform(0.5, 1.0, 4 + len(NAMES))
+    if which == "offsets":
+        way[4:] = 0.0
+    else:
+        way[:4] = 0.0
+    check_along(pressed, tables, way)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("place", range(4 + len(NAMES)))
+def test_the_derivative_in_every_parameter(pressed, tables, place):
+    check_along(
+        pressed, tables, steps_of(pressed.seal, NAMES) * (np.arange(4 + len(NAMES)) == place)
+    )
+
+
+# ---- an O-ring ----
+
+
+def test_an_o_ring_passes_the_pressure_on():
+    """Up to four times its own: the peak on the lid rises by 0.9 to 1.1 of the fluid's."""
+    own = peak(sm.analyze(ring(0.0, steps=1)), -1)
+    result = sm.analyze(ring(4.0 * own, steps=16))
+    assert result.converged, result.failure
+    for times in (1, 2, 3, 4):
+        rise = peak(result, 6 + 4 * times - 1) - own
+        assert 0.9 <= rise / (times * own) <= 1.1
+    weight = result.response("fluid").outputs[:, 0]
+    assert weight[0] == 1.0
+    assert weight[-1] == 0.0
+
+
+def test_messages_tell_of_the_fluid(pressed):
+    term = pressed.term("fluid")
+    words = term.describe(pressed.response("fluid"), pressed.path.steps[-1].fraction)
+    assert words.startswith("fluid: 1000 kPa, ")
+    assert words.endswith(" of 25 points wetted")
+
+
+# ---- what is refused ----
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"pressure": -1.0}, "pressure of 'fluid' must be a number of at least 0, got -1.0"),
+        ({"pressure": np.nan}, "pressure of 'fluid'"),
+        ({"share": 0.0}, "share of 'fluid' must be a number above 0"),
+        ({"share": 1.5}, "share of 'fluid'"),
+        ({"end": "left"}, "end of 'fluid'"),
+        ({"edge": np.array([1])}, "the edge of 'fluid' needs at least two particles"),
+        ({"ramp": np.array([0.0, -1.0])}, "ramp of 'fluid' must be numbers of at least 0"),
+        ({"ramp": np.array([0.0, np.inf])}, "ramp of 'fluid' must be numbers of at least 0"),
+    ],
+)
+def test_bad_fluids_are_refused(changed, words):
+    good = {"edge": np.arange(3), "end": "end", "pressure": 1.0, "ramp": np.array([0.0, 1.0])}
+    with pytest.raises(ValueError, match=words):
+        FluidPressure("fluid", **good | changed, contacts=())
