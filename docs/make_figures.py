@@ -34,6 +34,7 @@ GROUPS = {
     "materials": "figures.materials",
     "seal_files": "figures.seal_files",
     "air": "figures.air",
+    "fluid": "figures.fluid",
     "self_contact": "figures.self_contact",
     "cycles": "figures.cycles",
     "seal": "figures.seal",
