@@ -18,7 +18,7 @@ SHARES = 0.0, 0.5, 1.0
 """Of the fluid's pressure, at which the ring is looked at."""
 SQUEEZES = 0.25, 0.35, 0.45
 """Of the half ring on its flange, mm."""
-FLANGE_PRESSURE = 3600.0
+FLANGE_PRESSURE = 3750.0
 WETTED = 0.5
 """Weight from which on a side is drawn as wetted."""
 

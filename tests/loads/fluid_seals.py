@@ -15,7 +15,7 @@ from seal_mdao.seals.outline.edge_fluid import EdgeFluid
 from seal_mdao.seals.outline.seal import EdgeContact, outline_seal
 from seal_mdao.seals.outline.section import Arc, Contour, Line, Outline
 
-RADIUS, WALL, CLEAR = 3.0, 3.4, 1e-3
+RADIUS, WALL, CLEAR = 3.0, 3.2, 1e-3
 RUBBER = sm.MooneyRivlin(500.0, 125.0, 400_000.0)
 SHEAR_MODULUS = 1250.0
 PENALTY = 1e5
