@@ -11,11 +11,13 @@ BEYOND = 2.0
 """Load steps beyond the last one that held to which the pressure may be extrapolated."""
 
 
-class _Held(NamedTuple):
-    """A load step at which the fluid did not come through.
+class _State(NamedTuple):
+    """A load step at which the fluid presses.
 
     Attributes
     ----------
+    number : int
+        0 at the start of the path.
     share : float
         Of the fluid's pressure that acts.
     closing : float
@@ -25,6 +27,7 @@ class _Held(NamedTuple):
     step : ConvergedStep
     """
 
+    number: int
     share: float
     closing: float
     point: int
@@ -36,10 +39,10 @@ class BlowOffPressure(Measure):
     """Pressure at which a fluid comes through to the dry end of its edge.
 
     That is where the highest contact pressure along the edge has fallen to 1 + share times the fluid's
-    (``FluidPressure.share``). It is taken from the line through the last two load steps that held, on
-    which the seal is still closed; so it does not matter how the seal gives way, nor whether there is an
-    equilibrium afterwards. A seal that holds all of the pressure has a value above it, at most that of
-    ``BEYOND`` load steps more; one that nothing closes has 0.
+    (``FluidPressure.share``), on the line between the last load step that held and the one after it.
+    Where there is none after it, because the path ended when the seal gave way or because the seal holds
+    all of the pressure, the line through the last two goes on, by ``BEYOND`` load steps at most: then
+    the value is above the pressure that was applied. One that nothing closes has 0.
 
     Attributes
     ----------
@@ -55,44 +58,45 @@ class BlowOffPressure(Measure):
 
     def evaluate(self, result, partials):
         term = result.term(self.fluid)
-        held, most = self._held(result, term)
-        if not held:
+        states = list(self._states(result, term))
+        needed = (1.0 + term.share) * term.pressure
+        held = next((i for i, s in enumerate(states) if s.closing <= needed * s.share), len(states))
+        if held == 0:
             return 0.0
-        last, slope, span = held[-1], 0.0, np.inf
-        if len(held) > 1:
-            span = last.share - held[-2].share
-            slope = (last.closing - held[-2].closing) / span
-        # closing + slope (share - last.share) = (1 + term.share) pressure share
-        stiff = (1.0 + term.share) * term.pressure - slope
-        on_pressure = partials.parameter(term.names[0])
-        if (last.closing - slope * last.share) >= most * stiff:
-            on_pressure[0] += most
-            return most * term.pressure
-        share = (last.closing - slope * last.share) / stiff
-        on_slope, scale = (share - last.share) / span, term.pressure / stiff
-        self._add(partials, last, scale * (1.0 + on_slope))
-        if len(held) > 1:
-            self._add(partials, held[-2], -scale * on_slope)
-        on_pressure[0] -= share * slope / stiff
-        return share * term.pressure
+        last = min(held, len(states) - 1)
+        return self._crossing(partials, term, needed, states[max(last - 1, 0)], states[last])
 
-    def _held(self, result, term):
-        """Load steps with pressure, and the one before, that held; and the largest share to say."""
+    def _states(self, result, term):
+        """Those with pressure, and the one before."""
         steps, closed = result.path.nominal_steps, int(np.flatnonzero(term.ramp)[0]) - 1
         if len(steps) < closed:
             result.require_converged()
-        held, most = [], 0.0
         for number in range(closed, len(steps) + 1):
-            share = float(term.ramp[number])
             step = steps[number - 1] if number else None
+            # nothing touches at the start
             closing = result.response(self.fluid, step).outputs[:, 1] if number else np.zeros(1)
             point = int(closing.argmax())
-            if closing[point] <= (1.0 + term.share) * term.pressure * share:
-                break
-            held.append(_Held(share, float(closing[point]), point, step))
-            following = min(number + 1, len(term.ramp) - 1)
-            most = share + BEYOND * float(term.ramp[following] - term.ramp[following - 1])
-        return held, most
+            yield _State(number, float(term.ramp[number]), float(closing[point]), point, step)
 
-    def _add(self, partials, held, slope) -> None:
-        partials.output(self.fluid, "closing", held.step)[0, held.point] += slope
+    def _crossing(self, partials, term, needed, first, second) -> float:
+        """Pressure at which the line through two states comes to what is ``needed``."""
+        span = second.share - first.share
+        slope = (second.closing - first.closing) / span if span else 0.0
+        stiff, start = needed - slope, first.closing - slope * first.share
+        most, on_pressure = self._most(term, second), partials.parameter(term.names[0])
+        if start >= most * stiff:
+            on_pressure[0] += most
+            return most * term.pressure
+        share, scale = start / stiff, term.pressure / stiff
+        weight = (share - first.share) / span if span else 0.0
+        for state, own in ((first, 1.0 - weight), (second, weight)):
+            if own and state.step is not None:
+                on_closing = partials.output(self.fluid, "closing", state.step)
+                on_closing[0, state.point] += scale * own
+        on_pressure[0] -= share * slope / stiff
+        return share * term.pressure
+
+    def _most(self, term, last) -> float:
+        """Share of the pressure up to which a line is believed."""
+        following = min(last.number + 1, len(term.ramp) - 1)
+        return last.share + BEYOND * float(term.ramp[following] - term.ramp[following - 1])
