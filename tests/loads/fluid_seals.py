@@ -28,10 +28,10 @@ def _lid(top, squeeze, close, steps, law):
     return EdgeContact("lid", ("seal",), GivenShape(flat_profile()), motion, law, "lid_")
 
 
-def _seal(outline, spacing, pressure, close, steps, contacts, standard, **more):
+def _seal(outline, spacing, pressure, close, steps, contacts, standard, end="end", **more):
     return outline_seal(
         *boundaries_of(outline, spacing), RUBBER, n_steps=close + steps, contacts=contacts,
-        fluids=[EdgeFluid("fluid", ("seal",), "end", pressure, steps)],
+        fluids=[EdgeFluid("fluid", ("seal",), end, pressure, steps)],
         designs=[EdgeDesign(("seal",), 4)], standard=standard,
         newton=sm.NewtonOptions(tolerance=1e-12), **more,
     )  # fmt: skip
@@ -54,8 +54,8 @@ def ring(pressure, *, squeeze=0.45, close=6, steps=8, spacing=0.4):
     )  # fmt: skip
 
 
-def gasket(pressure, *, squeeze=0.2, friction=0.1, close=4, steps=20, spacing=0.4):
-    """Half a lens, its flat side glued; the fluid comes from the left."""
+def gasket(pressure, *, squeeze=0.2, friction=0.1, close=4, steps=20, spacing=0.4, end="end"):
+    """Half a lens, its flat side glued; the fluid comes from the left, its end."""
     outline = Outline(Contour((
         Arc.through((RADIUS, 0.0), (0.0, 2.0), (-RADIUS, 0.0), "seal"),
         Line((-RADIUS, 0.0), (RADIUS, 0.0), "base"),
@@ -63,7 +63,7 @@ def gasket(pressure, *, squeeze=0.2, friction=0.1, close=4, steps=20, spacing=0.
     law = ContactLaw(PENALTY, 1e-2 * PENALTY, friction, True)
     return _seal(
         outline, spacing, pressure, close, steps, [_lid(2.0, squeeze, close, steps, law)],
-        (BlowOffPressure("fluid"),), fixed=["base"],
+        (BlowOffPressure("fluid"),), end, fixed=["base"],
     )  # fmt: skip
 
 

@@ -49,6 +49,15 @@ def test_it_falls_when_the_squeeze_falls():
     assert values[0] < 0.85 * values[1] < 0.85 * 0.9 * values[2]
 
 
+def test_from_the_other_end_it_is_the_same(blown):
+    """But for the cloud, which is not its own mirror image: at half the spacing the pressure is 3.6 %
+    higher, and the two ends differ by 0.07 %."""
+    other = sm.analyze(gasket(PRESSURE, end="start"))
+    assert other.value(BLOW_OFF)[0] == pytest.approx(blown.value(BLOW_OFF)[0], rel=0.036)
+    push = [result.response("lid").total[0] for result in (blown, other)]
+    assert push[0] > 0.0 > push[1]
+
+
 def test_more_load_steps_say_the_same():
     values = [sm.analyze(gasket(PRESSURE, steps=n)).value(BLOW_OFF)[0] for n in (20, 40)]
     assert values[0] == pytest.approx(values[1], rel=0.002)

@@ -49,6 +49,21 @@ def test_everything_that_the_file_says_is_in_the_seal(pressed):
     assert np.abs(seal.drawn_particles[base, 1]).max() < 1e-14
 
 
+@pytest.mark.parametrize(("end", "first"), [("start", (4.0, 0.0)), ("end", (-4.0, 0.0))])
+def test_a_fluid_comes_from_its_end_of_the_edge(tmp_path, end, first):
+    fluid = f'[[fluid]]\nedge = "seal"\nfrom = "{end}"\npressure = 50.0\nsteps = 4\nname = "oil"\n'
+    seal = build_seal(read(tmp_path, COARSE.replace("[[design]]", f"{fluid}[[design]]")))
+    term = next(term for term in seal.terms() if term.label == "oil")
+    places = seal.drawn_particles[term.particles]
+    assert places[0] == pytest.approx(first)
+    assert places[-1] == pytest.approx((-first[0], 0.0))
+    assert np.hypot(*np.diff(places, axis=0).T).max() < 1.61
+    assert term.ramp.tolist() == [0.0] * 5 + [0.25, 0.5, 0.75, 1.0]
+    assert seal.scalars["oil_pressure"].value == 50.0
+    moved = seal.with_parameters({"oil_pressure": 20.0, "door_normal_penalty": 2e4}).terms()[-1]
+    assert (moved.pressure, moved.contacts[0].law.normal_penalty) == (20.0, 2e4)
+
+
 def test_the_door_presses_from_above_and_drags_to_the_right(pressed):
     seal, result = pressed
     horizontal, vertical = result.response("door").total
