@@ -152,7 +152,8 @@ def test_the_path_does_not_depend_on_the_number_of_steps(corner_x):
         for point in (*other.critical_points, *fine.critical_points):
             away &= np.abs(other.door_travel - point.travel) > 0.11
         assert away.sum() > 0.6 * len(away)
-        assert np.abs(difference[away]).max() < 1e-2 * scale
+        # the same equilibria: Newton's tolerance is left
+        assert np.abs(difference[away]).max() < 1e-6 * scale
     for others in (coarse, middle):
         largest, its = (max(r.critical_points, key=lambda p: p.released) for r in (others, fine))
         assert largest.travel == pytest.approx(its.travel, abs=0.02)
