@@ -16,7 +16,7 @@ from seal_mdao.verification.shallow_arch import critical_load, press_arch
 
 CORNERS, SHOWN = (0.0, 2.0, 4.0), 2.0
 RISES = (2.0, 3.0)
-CLOUDS = ((58, 3), (116, 5), (174, 5))
+CLOUDS = ((58, 3), (116, 5), (174, 5), (232, 5))
 FIRST_DEPTH = 4.9
 """mm; the upright branch has ended there."""
 
