@@ -72,20 +72,24 @@ def air_picture(sealed, vented):
 def _curves(axes, sealed, vented):
     """Force and pressure over the door's travel."""
     motion = sealed.term("door").motion
-    fractions = [step.fraction for step in sealed.path.nominal_steps]
+    fractions = [0.0, *(step.fraction for step in sealed.path.nominal_steps)]
     travel = [motion.pose(0.0).position[1] - motion.pose(f).position[1] for f in fractions]
     for result, name, colour in (
         (sealed, "force, sealed", VERMILION),
         (vented, "force, open", BLUE),
     ):
-        axes.plot(travel, result.path.reaction("door")[:, 1], color=colour, label=name)
+        force = np.append(0.0, result.path.reaction("door")[:, 1])
+        axes.plot(travel, force, color=colour, label=name)
     axes.set_xlabel("travel (mm)")
     axes.set_ylabel("force (N/m)")
     beside = axes.twinx()
     beside.spines["right"].set_visible(True)
     beside.grid(False)
-    pressures = [response.outputs[0, 0] for response in sealed.path.at_nominal("air")]
+    pressures = [0.0, *(response.outputs[0, 0] for response in sealed.path.at_nominal("air"))]
     beside.plot(travel, pressures, color=GREY, linestyle="--", label="pressure")
     beside.set_ylabel("pressure of the air (kPa)")
+    for own in (axes, beside):
+        own.set_ylim(0.0, None)
+    axes.set_xlim(0.0, None)
     lines = [*axes.get_lines(), *beside.get_lines()]
     axes.legend(lines, [line.get_label() for line in lines], loc="upper left")

@@ -7,21 +7,24 @@ import numpy as np
 from figures.tables import percent, table
 from seal_mdao import plotting
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.plotting.style import BLUE, GREY, LIGHT_GREY, VERMILION, save, styled, subplots
 from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.result import analyze
+from seal_mdao.verification.patch import squeeze
 from seal_mdao.verification.shallow_arch import critical_load, press_arch
 
 CORNERS, SHOWN = (0.0, 2.0, 4.0), 2.0
 RISES = (2.0, 3.0)
-CLOUDS = ((58, 3), (116, 5), (174, 5))
+CLOUDS = ((58, 3), (116, 5), (174, 5), (232, 5))
 FIRST_DEPTH = 4.9
 """mm; the upright branch has ended there."""
 
 
 def make(out: Path, reduced: bool) -> dict:
     """Pictures and numbers."""
-    return _flat(out, reduced) | _corners(out, reduced) | _clouds(reduced) | _arch(out, reduced)
+    numbers = _flat(out, reduced) | _corners(out, reduced) | _clouds(reduced) | _arch(out, reduced)
+    return numbers | _blocks(reduced)
 
 
 def _flat(out, reduced) -> dict:
@@ -98,6 +101,24 @@ def _arch(out, reduced) -> dict:
     _shapes(out / "stability_arch.png", arches)
     head = ["rise", "first", "R of Fung and Kaplan", "error of the load"]
     return {"arch_table": table(head, rows), "arch_energy": percent(arches[0].released - 1.0)}
+
+
+def _blocks(reduced) -> dict:
+    """Pressure over the shear modulus at which a block between walls is not stable any more, for two
+    bulk moduli, and the stretch at which free sides wrinkle."""
+    found, steps = {}, 5 if reduced else 20
+    for ratio in (100.0, 1000.0):
+        final = 1.0 - 15.0 / ratio  # the pressure there is about 15 shear moduli
+        block = squeeze(
+            MooneyRivlin(0.4, 0.1, ratio), walls=True, final_stretch=final, n_steps=steps
+        )
+        found[f"confined_{ratio:.0f}"] = f"{block.pressure[_first_unstable(block.path)]:.0f}"
+    block = squeeze(MooneyRivlin(0.4, 0.1, 1000.0), n_steps=steps)
+    return found | {"wrinkled": f"{block.stretch[_first_unstable(block.path)]:.2f}"}
+
+
+def _first_unstable(path) -> int:
+    return next(i for i, step in enumerate(path.nominal_steps) if not step.stable)
 
 
 @styled

@@ -1,5 +1,6 @@
 """Where a path lost its stability: critical modes, and the shapes before and after."""
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -77,7 +78,10 @@ def _draw(axes: Axes, result, point, before: int, after: int, loops) -> None:
     section.draw_held(axes, result)
     section.draw_profiles(axes, result, result.path.nominal_steps[after].fraction)
     place = f"travel {point.travel:.2f} mm" if point.travel == point.travel else ""
-    released = (
-        f"{point.released:.2g} mJ/m" if point.released == point.released else "energy unknown"
-    )
-    axes.set_title(f"{place}: {point.kind}, {released}", fontsize=9.0)
+    axes.set_title(f"{place}: {point.kind}, {_energy(point.released)}", fontsize=9.0)
+
+
+def _energy(released: float) -> str:
+    if np.isnan(released):
+        return "energy unknown"
+    return f"{released:.2g} mJ/m" if abs(released) >= 1e-3 else "< 0.001 mJ/m"

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from shapely import MultiPolygon, Polygon, area, polygons, union_all
 
 from seal_mdao.contact.friction import OPEN
+from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.geometry.curve import LINE, curve_point
 from seal_mdao.geometry.profile import trace
 from seal_mdao.measures.selection import opened_points
@@ -192,13 +193,19 @@ def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int,
 
 
 def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
-    """Points that touch a profile, and those that stand open between them."""
+    """Points that touch a profile or another wall, and those that stand open between them."""
     answers = [result.path.at_nominal(contact.label)[step] for contact in contacts(result.seal)]
-    for fill, label, chosen in (
-        (ORANGE, "in contact", lambda state: state != OPEN),
-        ("white", "open between contacts", opened_points),
+    folded = [
+        result.path.at_nominal(term.label)[step]
+        for term in result.path.problem.terms
+        if isinstance(term, SelfContactTerm)
+    ]
+    touching = [answer.x[answer.branch != OPEN] for answer in folded]
+    for fill, label, chosen, others in (
+        (ORANGE, "in contact", lambda state: state != OPEN, touching),
+        ("white", "open between contacts", opened_points, []),
     ):
-        places = [answer.x[chosen(answer.state)] for answer in answers]
+        places = [*(answer.x[chosen(answer.state)] for answer in answers), *others]
         axes.plot(
             *np.concatenate([np.empty((0, 2)), *places]).T, linestyle="none", marker="o",
             markersize=4.2, zorder=5, markerfacecolor=fill, markeredgecolor="black",

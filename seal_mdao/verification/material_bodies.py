@@ -44,7 +44,7 @@ def compression_errors(material: Isotropic, walls: bool) -> tuple[float, float]:
     Exact: F = diag(l, h), with P_11(l, h) = 0 where the sides are free and l = 1 between walls; the
     platen pressure is -P_22.
     """
-    stretch, pressure, width = squeeze(material, (6, 3), walls, SHORTEST, n_steps=4)
+    stretch, pressure, width, _ = squeeze(material, (6, 3), walls, SHORTEST, n_steps=4)
     exact = np.ones(4) if walls else np.array([free_stretch(material, h) for h in stretch])
     stress = principal_stress(material, stretch, exact)
     return float(np.abs(pressure / stress + 1.0).max()), float(np.abs(width / exact - 1.0).max())

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.analysis.result import PathResult
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.materials.isotropic import Isotropic, cofactor
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
@@ -106,9 +107,27 @@ def free_width(stretch: float, material: Isotropic) -> float:
     return width
 
 
+class Squeezed(NamedTuple):
+    """A squeezed block.
+
+    Attributes
+    ----------
+    stretch, width : ndarray, shape (n_steps,)
+        Height and width over the undeformed ones.
+    pressure : ndarray, shape (n_steps,)
+        Force per undeformed width.
+    path : PathResult
+    """
+
+    stretch: np.ndarray
+    pressure: np.ndarray
+    width: np.ndarray
+    path: PathResult
+
+
 def squeeze(
     material: Isotropic, cells=(12, 6), walls: bool = False, final_stretch=0.5, n_steps=10, seed=5
-):
+) -> Squeezed:
     """A 2 x 1 block squeezed between platens on which it slides freely, irregular cloud.
 
     Parameters
@@ -116,10 +135,6 @@ def squeeze(
     walls : bool
         Whether smooth walls keep the sides where they are; else these are free.
 
-    Returns
-    -------
-    stretch, pressure, width : ndarray, shape (n_steps,)
-        Height and width over the undeformed ones, force per undeformed width.
     """
     grid = Grid(*cells)
     X = scattered(grid, 0.25, seed) * [2.0, 1.0]
@@ -132,7 +147,7 @@ def squeeze(
     sides = np.array([path.displacement(k)[[grid.left, grid.right], 0] for k in range(n_steps)])
     width = 1.0 + np.diff(sides.mean(axis=2), axis=1)[:, 0] / 2.0
     pressure = -holding_forces(path)[:, grid.top, 1].sum(axis=1) / 2.0
-    return np.linspace(1.0, final_stretch, n_steps + 1)[1:], pressure, width
+    return Squeezed(np.linspace(1.0, final_stretch, n_steps + 1)[1:], pressure, width, path)
 
 
 def compress_block(bulk_ratio: float = 1e3, n_steps: int = 10) -> Compression:
@@ -142,7 +157,7 @@ def compress_block(bulk_ratio: float = 1e3, n_steps: int = 10) -> Compression:
     pressure -P_22.
     """
     material = MooneyRivlin(0.4, 0.1, bulk_ratio)
-    stretch, pressure, width = squeeze(material, n_steps=n_steps)
+    stretch, pressure, width, _ = squeeze(material, n_steps=n_steps)
     exact = np.array([free_width(h, material) for h in stretch])
     stress = [
         homogeneous_stress(np.diag(f), material)[1, 1] for f in zip(exact, stretch, strict=True)

@@ -196,7 +196,8 @@ def test_the_path_is_the_same_with_masters_and_slaves_exchanged(friction):
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_derivatives_of_the_ring_against_central_differences(friction):
     """Steps where Newton's tolerance over them is below 1e-7 of the derivative."""
-    seal = ring("itself", rays=64, friction=friction, tolerance=1e-11, bulk=1000.0)
+    options = {"rays": 64, "steps": STEPS, "bulk": 1000.0}
+    seal = ring("itself", friction=friction, tolerance=1e-11, **options)
     base, steps = sm.analyze(seal), {"c10": 1e-4, "depth": 1e-4, "hole_normal_penalty": 3e-3}
     found = [
         sm.differentiate(base, tuple(steps), method=method)["reaction"][1]
@@ -205,7 +206,7 @@ def test_derivatives_of_the_ring_against_central_differences(friction):
     n = seal.n_offsets
     for place, name in enumerate([*range(n), *steps]):
         value = 0.0 if place < n else seal.scalars[name].value
-        h = 1e-4 if place < n else steps[name] * value
+        h = 1e-4 if place < n else steps[name] * (value or 1.0)
 
         def moved(share, place=place, name=name, value=value, h=h):
             offsets = share * h * np.eye(n)[place] if place < n else None

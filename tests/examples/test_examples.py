@@ -104,6 +104,26 @@ def test_gradients_of_coarse_examples(path, tmp_path):
     gradients_agree(sm.build_seal(sm.read_seal_file(tmp_path / path.name)))
 
 
+def test_the_lip_that_slips_off_releases_what_it_stored():
+    """All of it, in one jump; the load step with it is cut to its 32nd part, so the bound is 1 %."""
+    result = sm.analyze(sm.build_seal(sm.read_seal_file(EXAMPLES / "slipping_lip.toml")))
+    assert result.converged, result.failure
+    (jump,) = result.critical_points
+    assert jump.kind == "limit"
+    before = max(
+        (s for s in result.path.steps if s.fraction <= jump.fraction), key=lambda s: s.fraction
+    )
+    assert jump.fraction - before.fraction <= 1.0 / 32.0
+    rod = result.term("rod")
+    inside = np.minimum(result.response("rod", before).gap, 0.0)
+    stored = result.term("structure").energy(before.d)
+    stored += 0.5 * rod.law.normal_penalty * float(rod.length @ inside**2)
+    assert jump.released == pytest.approx(stored, rel=1e-2)
+    assert stored > 10.0
+    assert np.abs(result.displacement()).max() < 1e-8
+    assert np.abs(result.path.reaction("rod")[-1]).max() == 0.0
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("path", OPTIMA, ids=[path.stem for path in OPTIMA])
 def test_gradients_of_the_examples(path, tmp_path):

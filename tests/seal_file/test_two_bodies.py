@@ -1,12 +1,18 @@
 """Two bodies in one file that press on each other, against one layered block and its exact solution."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 from test_two_rubbers import BLOCK, exact_force
 
 import seal_mdao as sm
 from seal_mdao.analysis.body import discretize
 from seal_mdao.measures.contact import Reaction
+from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.result import frozen_measures
 
+BULB = Path(__file__).parent / "bulb.toml"
 GAP = 0.05
 """mm; the curve through the particles is rounded at corners, and goes a little beyond them."""
 STACK = (
@@ -117,3 +123,36 @@ def test_a_region_of_one_body_needs_its_line(built):
     text = BLOCK.replace("line = [[0.0, 2.0], [6.0, 2.0]]\n", "")
     with pytest.raises(sm.SealFileError, match="line is missing, but the section is one body"):
         built(0.7, text)
+
+
+def test_a_design_of_two_bodies_is_written_and_read(tmp_path):
+    design = '[[design]]\nedges = ["joint"]\nparameters = 5\nbound = 0.3\n'
+    file = read(tmp_path, STACK.format(spacing=0.7) + design)
+    seal = sm.build_seal(file)
+    offsets = np.full(seal.n_offsets, -0.03)
+    path = write_design(file, seal, offsets, frozen_measures(seal), tmp_path, "new")[0]
+    again = sm.build_seal(sm.read_seal_file(path))
+    assert len(sm.read_seal_file(path).section.outline.others) == 1
+    one, other = sm.analyze(seal, offsets), sm.analyze(again)
+    assert other.value(Reaction("plate")) == pytest.approx(one.value(Reaction("plate")), rel=1e-6)
+
+
+def test_a_body_below_the_base_of_another_one_has_not_sunk(tmp_path):
+    text = BULB.read_text().replace("spacing = 0.9", "spacing = 1.6")
+    text = text.replace("translate = [0.0, -6.0]\nsteps = 60", "translate = [0.0, -0.6]\nsteps = 2")
+    text = text.replace('edges = ["base"]', 'edges = ["base", "low"]').replace(
+        "[fixed]",
+        """[[section.outer]]
+body = 2
+edge = "low"
+line = [[6.0, -6.0], [12.0, -6.0]]
+[[section.outer]]
+body = 2
+edge = "round"
+line = [[12.0, -6.0], [12.0, -2.0], [6.0, -2.0], [6.0, -6.0]]
+[fixed]""",
+    )
+    text = text.replace("translate = [2.0, 0.0]\nrotate = 0.0\nsteps = 20", "steps = 1")
+    result = sm.analyze(sm.build_seal(read(tmp_path, text)))
+    assert result.converged, result.failure
+    assert result.warnings == ()
