@@ -35,6 +35,8 @@ from seal_mdao.analysis.threads import one_blas_thread
 NEAR_THE_END = 5
 # Damped motion that has found no equilibrium within so many iterations gives way to descent.
 SOON = 300
+# Descent under friction finds one within some 200 iterations, or none.
+DESCENT = 500
 # Share of the step that the Euler predictor may miss if its miss is to predict the next one.
 SMALL_BEND = 0.03
 
@@ -222,7 +224,8 @@ def _at_rest(problem, guess, end, last, options, note):
     if status is not Status.NOT_CONVERGED or few == options:
         return status, d, residuals
     if not problem.symmetric:
-        status, d, residuals = descend(problem, guess, end, last.after, options, note)
+        few = replace(options, damped_iterations=min(DESCENT, options.damped_iterations))
+        status, d, residuals = descend(problem, guess, end, last.after, few, note)
         if status is Status.CONVERGED:
             return status, d, residuals
     return relax(problem, guess, end, last.after, options, note)
