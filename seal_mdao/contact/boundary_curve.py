@@ -32,6 +32,9 @@ N_PLACES = 2 * NODES
 _ITERATIONS = 60
 """Of the bisection that Newton's method falls back to; it ends at rounding."""
 
+_SETTLED = 4.0 * np.finfo(float).eps
+"""Change of s between 0 and 1 that is rounding."""
+
 
 class Rings(NamedTuple):
     """Closed boundaries, their points numbered one after the other.
@@ -87,11 +90,16 @@ def masters(segments: np.ndarray, ring: Rings) -> np.ndarray:
     return np.column_stack([ring.step(segments, by) for by in range(-2, 4)])
 
 
-def _slope(x, places, segments, s, ring):
+def _polynomials(x, segments, ring):
+    """Coefficients of 1, s, s^2, s^3 of the curve on segments, shape (4, m, 2)."""
+    return np.einsum("cb,mbi->cmi", _CUBICS, x[masters(segments, ring)])
+
+
+def _slope(polynomials, places, s):
     """(x - x_c) . t and its derivative by s."""
-    nodes = x[masters(segments, ring)]
-    r, t, bend = (np.einsum("mb,mbi->mi", cubics(s, order), nodes) for order in range(3))
-    r = places - r
+    (c0, c1, c2, c3), s = polynomials, s[:, None]
+    r = places - (((c3 * s + c2) * s + c1) * s + c0)
+    t, bend = (3.0 * c3 * s + 2.0 * c2) * s + c1, 6.0 * c3 * s + 2.0 * c2
     return (r * t).sum(axis=1), (r * bend).sum(axis=1) - (t * t).sum(axis=1)
 
 
@@ -105,29 +113,38 @@ def project(x, places, nearest, ring: Rings):
     found : ndarray of bool, shape (m,)
         Whether (x - x_c) . t = 0 within two segments of the nearest particle.
     """
-    zero = np.zeros(len(nearest))
-    ahead = _slope(x, places, nearest, zero, ring)[0] >= 0.0
+    zero, one = np.zeros(len(nearest)), np.ones(len(nearest))
+    ahead = _slope(_polynomials(x, nearest, ring), places, zero)[0] >= 0.0
     segments = np.where(ahead, nearest, ring.step(nearest, -1))
-    one, found = np.ones(len(nearest)), np.zeros(len(nearest), bool)
     for _ in range(2):
-        first = _slope(x, places, segments, zero, ring)[0]
-        last = _slope(x, places, segments, one, ring)[0]
+        polynomials = _polynomials(x, segments, ring)
+        first, last = (_slope(polynomials, places, end)[0] for end in (zero, one))
         found = (first >= 0.0) & (last <= 0.0)
         on = np.where(ahead, ring.step(segments, 1), ring.step(segments, -1))
         segments = np.where(found, segments, on)
-    s, low, high = 0.5 * one, zero.copy(), one.copy()
-    for _ in range(_ITERATIONS):
-        value, rate = _slope(x, places, segments, s, ring)
-        low, high = np.where(value > 0.0, s, low), np.where(value > 0.0, high, s)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = s - value / rate
-        step = np.where((step > low) & (step < high), step, 0.5 * (low + high))
-        step = np.where(value == 0.0, s, step)
-        done = np.abs(step - s).max(initial=0.0) <= 1e-16
-        s = step
-        if done:
-            break
+    s = 0.5 * one
+    s[found] = _stationary(polynomials[:, found], places[found])
     return segments, s, found
+
+
+def _stationary(polynomials, places) -> np.ndarray:
+    """s (m,) where (x - x_c) . t, which changes sign from 0 to 1, is zero; every point for itself."""
+    s = np.full(len(places), 0.5)
+    low, high, left = np.zeros_like(s), np.ones_like(s), np.arange(len(s))
+    for _ in range(_ITERATIONS):
+        at = s[left]
+        value, rate = _slope(polynomials[:, left], places[left], at)
+        low[left] = np.where(value > 0.0, at, low[left])
+        high[left] = np.where(value > 0.0, high[left], at)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = at - value / rate
+        inside = (step > low[left]) & (step < high[left])
+        step = np.where(inside, step, 0.5 * (low[left] + high[left]))
+        s[left] = step = np.where(value == 0.0, at, step)
+        left = left[np.abs(step - at) > _SETTLED]
+        if not left.size:
+            break
+    return s
 
 
 class Kinematics(NamedTuple):

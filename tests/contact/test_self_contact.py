@@ -160,7 +160,7 @@ def test_direct_and_adjoint_agree(folded, tables):
         assert np.abs(direct[measure.name] - adjoint[measure.name]).max() <= 1e-9 * size
 
 
-@pytest.mark.parametrize("shape", [True, False])
+@pytest.mark.parametrize("shape", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_derivatives_against_central_differences(folded, tables, shape, rng):
     """Along a random way through all offsets or all constants, with the same contact sequence. Newton's
     tolerance over the step is 1e-6 of a measure at the worst, here below the tenth part of the bound."""
