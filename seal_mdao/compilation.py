@@ -32,7 +32,9 @@ ANNOUNCED = "SEAL_MDAO_COMPILATION_ANNOUNCED"
 """Set in the environment by the process that wrote the message; those it starts write none."""
 
 PACKAGE = Path(__file__).parent
-KERNEL_FOLDERS = ("analysis", "contact", "geometry", "materials", "rkpm", "structure", "terms")
+KERNEL_FOLDERS = (
+    "analysis", "contact", "geometry", "loads", "materials", "rkpm", "structure", "terms",
+)  # fmt: skip
 """Folders of the package with compiled functions and all that these call."""
 FOLDER_PREFIX = "seal_mdao-"
 ABANDONED = 7 * 24 * 3600.0
