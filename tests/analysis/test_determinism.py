@@ -93,6 +93,7 @@ def test_number_of_blas_threads_changes_no_bit():
     assert len(found) == 1
 
 
+@pytest.mark.long
 def test_memory_stays_flat_over_many_analyses():
     """Of designs that differ, with what OpenMDAO's component keeps: one result stays, not all."""
     seal, rng = sm.door_seal(depth=0.5, n_steps=10), np.random.default_rng(3)

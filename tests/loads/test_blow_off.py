@@ -68,7 +68,10 @@ def test_direct_and_adjoint_agree(blown):
     assert (np.abs(direct - adjoint) <= 1e-9 * np.abs(direct).max()).all()
 
 
-@pytest.mark.parametrize("name", ["squeeze", "lid_friction", "everything"])
+@pytest.mark.parametrize(
+    "name",
+    ["everything", *(pytest.param(n, marks=pytest.mark.long) for n in ("squeeze", "lid_friction"))],
+)
 def test_derivatives_against_central_differences(blown, rng, name):
     """To 1e-4 of itself, at two steps: the derivative in the friction is small beside its value."""
     names, seal = NAMES, blown.seal

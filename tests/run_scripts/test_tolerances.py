@@ -118,6 +118,7 @@ def test_the_report_has_the_table_and_the_figure(robust):
     assert shapes is not None
 
 
+@pytest.mark.long
 def test_robust_run_goes_on(robust, run_script, capsys):
     out, _, s, arguments = robust
     code, again = run_script("optimize_robust", out, "--max-iterations", 2, "--restart", *arguments)

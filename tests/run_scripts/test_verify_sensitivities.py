@@ -12,6 +12,7 @@ FEW_STEPS = ("--steps", "1e-4", "3e-5", "1e-5", "--repeats", "1")
 N_MEASURES = 18
 
 
+@pytest.mark.long
 def test_random_design(tmp_path, run_script, assert_drawn):
     chosen = ("--seed", 1, "--amplitude", 0.1, "--parameters", 20, 25)
     code, s = run_script("verify_sensitivities", tmp_path, *CHEAP, *FEW_STEPS, *chosen)

@@ -67,6 +67,7 @@ def built(tmp_path):
     return build
 
 
+@pytest.mark.long
 def test_two_bodies_press_on_each_other_as_two_layers(built):
     """Half of the spacing, less than half of the error: that of rounded corners of the joint."""
     exact, errors = exact_force(joint=1e5), []
