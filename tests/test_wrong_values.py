@@ -246,3 +246,17 @@ def test_powers_without_numbers_are_refused(law, changes):
     make, others = CONSTRUCTORS[law]
     with pytest.raises(ValueError, match=next(iter(changes))):
         make(**(others | changes))
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "said"),
+    [
+        ("build_seal", ["seal.toml"], "file must be a SealFile, got 'seal.toml'"),
+        ("write_dxf", ["seal.toml", "x.dxf"], "outline must be an Outline, got 'seal.toml'"),
+        ("restart", ["cases.sql", "cases.sql"], "problem must be a Problem, got 'cases.sql'"),
+    ],
+)
+def test_paths_in_place_of_what_was_read_from_them(name, arguments, said):
+    with pytest.raises(TypeError) as error:
+        getattr(sm, name)(*arguments)
+    assert str(error.value) == said

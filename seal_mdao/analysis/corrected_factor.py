@@ -18,25 +18,24 @@ class CorrectedFactor:
         D, which may be singular.
     symmetric : bool
         K was factorised as symmetric, and D is.
+
+    Raises
+    ------
+    LinAlgError
+        The corrected matrix is singular.
     """
 
     def __init__(self, factor, columns: np.ndarray, change: np.ndarray, symmetric: bool = False):
         self.factor, self.columns, self.change = factor, columns, change
         self.symmetric = symmetric
         self.solved = np.array([factor.solve(column) for column in columns])
-        self.small = self._small(self.solved, change)
+        self.relative = self._relative(self.solved, change)
+        self.small = np.linalg.solve(self.relative, change)
         self._transposed = None
 
-    def _small(self, solved, change) -> np.ndarray:
-        """(1 + D P^T K^-1 P)^-1 D.
-
-        Raises
-        ------
-        LinAlgError
-            The corrected matrix is singular.
-        """
-        compliance = self.columns @ solved.T
-        return np.linalg.solve(np.eye(len(change)) + change @ compliance, change)
+    def _relative(self, solved, change) -> np.ndarray:
+        """1 + D P^T K^-1 P, singular where the corrected matrix is."""
+        return np.eye(len(change)) + change @ (self.columns @ solved.T)
 
     @property
     def nbytes(self) -> int:
@@ -46,15 +45,13 @@ class CorrectedFactor:
     @property
     def positive(self) -> bool:
         """Of a symmetric matrix whether it is positive definite, of another one its determinant."""
-        stiffens = np.linalg.eigvalsh(self.change)[0] >= 0.0 if self.symmetric else False
-        if self.symmetric and self.factor.positive and stiffens:
+        if not self.symmetric:
+            sign = np.linalg.slogdet(self.relative)[0]
+            return self.factor.positive == (sign > 0.0)
+        if self.factor.positive and np.linalg.eigvalsh(self.change)[0] >= 0.0:
             return True
-        if self.symmetric:
-            n = self.columns.shape[1]
-            return nearest_mode(self, n, symmetric=True, negative=True)[0] > 0.0
-        compliance = self.columns @ self.solved.T
-        sign = np.linalg.slogdet(np.eye(len(self.change)) + self.change @ compliance)[0]
-        return self.factor.positive == (sign > 0.0)
+        n = self.columns.shape[1]
+        return nearest_mode(self, n, symmetric=True, negative=True)[0] > 0.0
 
     def kept(self) -> "CorrectedFactor":
         """One that survives the next factorisation in the same storage."""
@@ -69,7 +66,8 @@ class CorrectedFactor:
             return solution - self.solved.T @ (self.small @ (self.columns @ solution))
         if self._transposed is None:
             solved = np.array([self.factor.solve(column, True) for column in self.columns])
-            self._transposed = solved, self._small(solved, self.change.T)
+            change = self.change.T
+            self._transposed = solved, np.linalg.solve(self._relative(solved, change), change)
         solved, small = self._transposed
         solution = self.factor.solve(rhs, True)
         return solution - solved.T @ (small @ (self.columns @ solution))

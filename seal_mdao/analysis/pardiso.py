@@ -79,14 +79,17 @@ class PardisoStorage(CompressedColumns):
         self._error = self._module.pardiso_wrapper.PyPardisoError
         one_blas_thread.find_libraries_again()
 
-    def _ordered(self, matrix):
-        """A handle that knows the ordering and holds no factor that is still wanted."""
-        handle = getattr(self._of_thread, "handle", None)
+    def _factorized(self, matrix, kind: int):
+        """A handle with the factor of a matrix, one that held no factor that is still wanted."""
+        handles = vars(self._of_thread)
+        handle = handles.get(str(kind))
         if handle is None or not handle.shared:
-            handle = _handle_class(self._module)(mtype=STRUCTURALLY_SYMMETRIC)
+            handle = _handle_class(self._module)(mtype=kind)
             handle.set_phase(ORDER)
             handle._call_pardiso(matrix, np.zeros(self.n))
-            self._of_thread.handle = handle
+            handles[str(kind)] = handle
+        handle.set_phase(FACTORIZE)
+        handle._call_pardiso(matrix, np.zeros(self.n))
         return handle
 
     def factorize(self, values, symmetric=False):
@@ -94,9 +97,7 @@ class PardisoStorage(CompressedColumns):
             (values[: self.size], self.indices, self.pointers), shape=(self.n, self.n)
         )
         try:
-            handle = self._ordered(matrix)
-            handle.set_phase(FACTORIZE)
-            handle._call_pardiso(matrix, np.zeros(self.n))
+            handle = self._factorized(matrix, STRUCTURALLY_SYMMETRIC)
         except self._error as error:
             raise np.linalg.LinAlgError(f"the tangent is singular (PARDISO: {error})") from None
         return PardisoFactor(handle, matrix, self._is_definite(values) if symmetric else None)
@@ -118,15 +119,8 @@ class PardisoStorage(CompressedColumns):
         entries[pointers[:-1]] += rounding(entries[pointers[:-1]])
         # columns of the lower triangle are rows of the upper one
         matrix = csr_array((entries, indices, pointers), shape=(self.n, self.n))
-        handle = getattr(self._of_thread, "cholesky", None)
-        if handle is None:
-            handle = _handle_class(self._module)(mtype=POSITIVE_DEFINITE)
-            handle.set_phase(ORDER)
-            handle._call_pardiso(matrix, np.zeros(self.n))
-            self._of_thread.cholesky = handle
-        handle.set_phase(FACTORIZE)
         try:
-            handle._call_pardiso(matrix, np.zeros(self.n))
+            self._factorized(matrix, POSITIVE_DEFINITE)
         except self._error:
             return False
         return True

@@ -22,7 +22,6 @@ from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
 from seal_mdao.structure.deformation import particle_gradients
-from seal_mdao.terms.point_term import PointTerm
 
 # Most need 6 to 10 iterations; what is not halved within PATIENCE of them will not converge soon.
 LIMIT, PATIENCE = 25, 6
@@ -96,7 +95,7 @@ def _new_contacts(problem: PathProblem, last: ConvergedStep) -> list | None:
     found = []
     for term, now, then in zip(problem.terms, problem.responses, last.responses, strict=True):
         points = np.flatnonzero(now.branch != then.branch)
-        if points.size and not isinstance(term, PointTerm):
+        if points.size and term.couples_points:
             return None
         if points.size:
             found.append((term, points, (now.tangent - then.tangent)[points]))

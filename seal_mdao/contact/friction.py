@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numba as nb
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.contact.kinematics import closest_point, contact_frame, rates, way_along, whole_turns
 from seal_mdao.geometry.curve import curve_velocity
 from seal_mdao.geometry.pose import in_frame, turned
@@ -42,6 +43,22 @@ class ContactLaw(NamedTuple):
     tangent_penalty: float
     friction: float
     accumulated: bool
+
+    def check(self, label: str) -> None:
+        """Refuse a law that is none; ``label`` is what has it.
+
+        Raises
+        ------
+        ValueError
+            For a penalty that is not positive, a negative friction coefficient, or what is no number.
+        """
+        values.real(f"normal_penalty of {label!r}", self.normal_penalty, above=0.0)
+        values.real(f"tangent_penalty of {label!r}", self.tangent_penalty, above=0.0)
+        values.real(f"friction of {label!r}", self.friction, 0.0)
+
+    def potential(self, gap: np.ndarray, length: np.ndarray) -> float:
+        """Energy of the normal penalty at points with gaps (k,) that stand for ``length`` (k,), mJ/m."""
+        return 0.5 * self.normal_penalty * float(length @ np.minimum(gap, 0.0) ** 2)
 
 
 class ContactHistory(NamedTuple):

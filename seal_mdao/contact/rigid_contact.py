@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 
-from seal_mdao import values
 from seal_mdao.contact.friction import (
     CARRIED,
     OPEN,
@@ -66,9 +65,7 @@ class RigidContact(TermDefinition):
     prefix: str = ""
 
     def __post_init__(self):
-        values.real(f"normal_penalty of {self.label!r}", self.law.normal_penalty, above=0.0)
-        values.real(f"tangent_penalty of {self.label!r}", self.law.tangent_penalty, above=0.0)
-        values.real(f"friction of {self.label!r}", self.law.friction, 0.0)
+        self.law.check(self.label)
 
     @property
     def scalars(self) -> dict:
@@ -153,8 +150,7 @@ class ContactTerm(PointTerm):
         return self.law.friction == 0.0
 
     def potential(self, d, response) -> float:
-        inside = np.minimum(response.gap, 0.0)
-        return 0.5 * self.law.normal_penalty * float(self.length @ inside**2)
+        return self.law.potential(response.gap, self.length)
 
     def begin(self):
         self._direction[:] = 0

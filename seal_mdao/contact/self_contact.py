@@ -77,9 +77,7 @@ class SelfContact(TermDefinition):
     apart: float
 
     def __post_init__(self):
-        for name in ("normal_penalty", "tangent_penalty"):
-            values.real(f"{name} of {self.label!r}", getattr(self.law, name), above=0.0)
-        values.real(f"friction of {self.label!r}", self.law.friction, 0.0)
+        self.law.check(self.label)
         values.real(f"apart of {self.label!r}", self.apart, above=0.0)
         if min(map(len, self.loops), default=0) < NODES:
             raise ValueError(f"every loop of {self.label!r} needs at least {NODES} particles")
@@ -180,9 +178,8 @@ class SelfContactTerm(CoupledTerm):
         return self.law.friction == 0.0
 
     def potential(self, d, response) -> float:
-        points, _, now = self._followed(response.x)
-        inside = np.minimum(now.gap, 0.0)
-        return 0.5 * self.law.normal_penalty * float(self.length[points] @ inside**2)
+        points, gap = self.gaps(response.x)
+        return self.law.potential(gap, self.length[points])
 
     def gaps(self, x):
         """Points (m,) that face another stretch near them at the places ``x``, and their gaps, mm."""

@@ -11,13 +11,12 @@ from matplotlib.ticker import MaxNLocator
 from shapely import MultiPolygon, Polygon, area, polygons, union_all
 
 from seal_mdao.contact.friction import OPEN
-from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.geometry.curve import LINE, curve_point
 from seal_mdao.geometry.profile import trace
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting import field
 from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import contacts, self_contacts
 from seal_mdao.seals.result import SealResult
 
 LEVELS = 20
@@ -194,18 +193,16 @@ def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int,
 
 def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
     """Points that touch a profile or another wall, and those that stand open between them."""
-    answers = [result.path.at_nominal(contact.label)[step] for contact in contacts(result.seal)]
-    folded = [
-        result.path.at_nominal(term.label)[step]
-        for term in result.path.problem.terms
-        if isinstance(term, SelfContactTerm)
-    ]
-    touching = [answer.x[answer.branch != OPEN] for answer in folded]
-    for fill, label, chosen, others in (
-        (ORANGE, "in contact", lambda state: state != OPEN, touching),
-        ("white", "open between contacts", opened_points, []),
-    ):
-        places = [*(answer.x[chosen(answer.state)] for answer in answers), *others]
+
+    def answers(terms):
+        return [result.path.at_nominal(term.label)[step] for term in terms]
+
+    rigid, folded = answers(contacts(result.seal)), answers(self_contacts(result.seal))
+    touching = [answer.x[answer.branch != OPEN] for answer in (*rigid, *folded)]
+    opened = [answer.x[opened_points(answer.branch)] for answer in rigid]
+    for fill, label, places in (
+        (ORANGE, "in contact", touching), ("white", "open between contacts", opened),
+    ):  # fmt: skip
         axes.plot(
             *np.concatenate([np.empty((0, 2)), *places]).T, linestyle="none", marker="o",
             markersize=4.2, zorder=5, markerfacecolor=fill, markeredgecolor="black",

@@ -8,6 +8,7 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.measures.contact import touching_shares, way_round
 
@@ -20,6 +21,11 @@ MIDDLES = 3
 def contacts(seal) -> tuple:
     """Definitions of the contacts of a seal with rigid profiles."""
     return tuple(term for term in seal.terms() if isinstance(term, RigidContact))
+
+
+def self_contacts(seal) -> tuple:
+    """Definitions of the contacts of a seal with itself."""
+    return tuple(term for term in seal.terms() if isinstance(term, SelfContact))
 
 
 class Course(NamedTuple):

@@ -95,11 +95,8 @@ class CoupledReverse(Reverse):
         term, disc = self.term, self.term.discretization
         x, _, measure, parameters, reference = term.inputs
         if term.history_size:
-            place = term.place
-            local = term.linearize(start.responses[place], start.fraction, start.before[place])
-            out_bar = np.zeros((term.rows[-1].stop, self.m))
-            out_bar[term.rows[1]] = history_bar.reshape(-1, self.m)
-            self.input_bar += local.reverse(out_bar)
+            plan = self.prepare(start, None, False, history_bar)
+            self.input_bar += plan.local.reverse(plan.out_bar)
         grad_bar = np.zeros((term.table.table.grad.size, self.m))
         matrix_bar = table_seeds(
             disc.cloud, term.table, self.phi_bar, grad_bar, particles_bar, disc.transformation

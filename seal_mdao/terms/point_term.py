@@ -86,6 +86,7 @@ class PointTerm(Term):
         Whether ``linearize`` has columns for the undeformed place too.
     """
 
+    couples_points = False
     history_size = 0
     output_names: tuple = ()
     uses_reference = False

@@ -97,6 +97,8 @@ class Term:
         Whether a step depends on the one before.
     conservative : bool
         Whether its force is the derivative of its ``potential``, so that its tangent is symmetric.
+    couples_points : bool
+        Whether the force at one of its points depends on where others are.
     """
 
     label = ""
@@ -104,6 +106,7 @@ class Term:
     rounding = 0.0
     remembers = False
     conservative = False
+    couples_points = True
 
     # ---- analysis ----
 

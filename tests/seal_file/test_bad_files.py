@@ -121,7 +121,7 @@ BAD = {
     "two fluids of one name": (FIXED, FIXED + 2 * FLUID,
                                "[[fluid]] 2: name = 'fluid', but [[fluid]] 1 has it; give every fluid"),
     "fluid as a cavity": (FIXED, FIXED + FLUID + 'name = "air"\n' + CAVITY,
-                          "[[fluid]] 1: name = 'air', but a [[cavity]] has it"),
+                          "[[fluid]] 1: name = 'air', but [[cavity]] 1 has it"),
     "blow-off of no fluid": (WIDTH, 'type = "blow_off_pressure"',
                              "[[measure]] 1: fluid = 'fluid', but there is no such [[fluid]]; there"),
     "no profile": (*without(PROFILE), "[[profile]] is missing"),

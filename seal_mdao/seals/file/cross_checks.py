@@ -6,6 +6,7 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.checks import known
 from seal_mdao.seals.file.edges import check_edges, contour_of
 from seal_mdao.seals.file.fluid_checks import check_fluids
+from seal_mdao.seals.file.names import check_names
 from seal_mdao.seals.file.start import LOOK, gap_at_start, nearest_at_start
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.cloud_file import GivenCloud
@@ -39,6 +40,7 @@ def check(file: SealFile) -> None:
     _check_measures(file)
     _check_steps(file)
     check_fluids(file)
+    check_names(file)
     gaps = []
     for number, profile in enumerate(file.profiles, 1):
         where = f"[[profile]] {number} ({profile.name!r})"
@@ -156,8 +158,7 @@ def _check_designs(file):
 
 
 def _check_cavities(file):
-    holes, names = len(file.section.outline.holes), {p.name: "a profile" for p in file.profiles}
-    names["structure"], seen = "the body itself", {}
+    holes, seen = len(file.section.outline.holes), {}
     for number, cavity in enumerate(file.cavities, 1):
         where = f"[[cavity]] {number}"
         if cavity.hole > holes:
@@ -169,24 +170,12 @@ def _check_cavities(file):
             raise SealFileError(
                 f"{where}: hole = {cavity.hole}, which {seen[cavity.hole]} has already"
             )
-        if cavity.name in names:
-            raise SealFileError(
-                f"{where}: name = {cavity.name!r}, but {names[cavity.name]} has it; give every cavity a "
-                "name of its own"
-            )
-        seen[cavity.hole], names[cavity.name] = where, where
+        seen[cavity.hole] = where
 
 
 def _check_self_contact(file):
-    if file.self_contact is None:
-        return
-    where = "[self_contact]"
-    check_edges(where, "edges", file.self_contact.edges, file.section.outline)
-    for table, owner in ((file.profiles, "a profile"), (file.cavities, "a [[cavity]]")):
-        if any(one.name == "self_contact" for one in table):
-            raise SealFileError(
-                f"{where}: {owner} has the name 'self_contact'; give it another one"
-            )
+    if file.self_contact is not None:
+        check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
 
 
 def _check_measures(file):

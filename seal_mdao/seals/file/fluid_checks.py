@@ -14,7 +14,6 @@ def check_fluids(file: SealFile) -> None:
     SealFileError
         With the first contradiction.
     """
-    names = _names(file)
     for number, fluid in enumerate(file.fluids, 1):
         where = f"[[fluid]] {number}"
         _check_edges(where, fluid.edges, file)
@@ -23,20 +22,7 @@ def check_fluids(file: SealFile) -> None:
                 f"{where}: steps = {fluid.steps}, but the stages of the profiles have {file.n_steps} "
                 "steps in all; give them a last stage that only has steps, in which the pressure grows"
             )
-        if fluid.name in names:
-            raise SealFileError(
-                f"{where}: name = {fluid.name!r}, but {names[fluid.name]} has it; give every fluid a "
-                "name of its own"
-            )
-        names[fluid.name] = where
     _check_measures(file)
-
-
-def _names(file) -> dict:
-    """Names that a fluid may not have, and what has them."""
-    found = {"structure": "the body itself"} | {p.name: "a profile" for p in file.profiles}
-    found |= {cavity.name: "a [[cavity]]" for cavity in file.cavities}
-    return found if file.self_contact is None else found | {"self_contact": "[self_contact]"}
 
 
 def _check_edges(where, edges, file) -> None:

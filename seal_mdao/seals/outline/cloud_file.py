@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.measures.shape import polygon_area
+from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.seals.outline.cloud import OutlineCloud
 from seal_mdao.seals.outline.located import located
