@@ -77,6 +77,11 @@ def test_every_kernel_is_kept_in_the_folder_of_these_sources():
         assert Path(kernel.stats.cache_path) == expected
 
 
+def test_no_kernel_may_round_in_another_order():
+    """What numba then chooses hangs on the layouts and the kernels that a process has met before."""
+    assert not [name for name, kernel in kernels() if kernel.targetoptions.get("fastmath")]
+
+
 def test_kernels_of_others_are_kept_where_numba_says():
     @nb.njit(cache=True)
     def mine(x):

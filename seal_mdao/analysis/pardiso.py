@@ -5,7 +5,9 @@ The ordering is found once for a design; each factorisation then is numerical on
 
 import os
 import sys
+from contextlib import suppress
 from functools import cached_property
+from importlib import import_module
 from threading import Lock, local
 
 import numpy as np
@@ -24,9 +26,16 @@ TRANSPOSED = 2
 LIBRARY = "PYPARDISO_MKL_RT"
 """Environment variable with pypardiso's path to MKL."""
 
+WITH_BLAS = ("unopy", "ipyopt")
+"""Modules with a BLAS of their own under the common names. MKL makes its names known to all that is
+loaded after it: bits of an optimisation would hang on whether an analysis had taken PARDISO before."""
+
 
 def import_pypardiso():
     """The module, or a one-line ImportError that names the extra."""
+    for name in WITH_BLAS:
+        with suppress(ImportError):
+            import_module(name)
     try:
         import pypardiso
     except ImportError as error:

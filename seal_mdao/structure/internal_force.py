@@ -34,7 +34,7 @@ def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
     a[2, 1] -= w_j
 
 
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract"})
+@nb.njit(cache=True, error_model="numpy")
 def _moduli_rows(weight, a, b, n, c):
     """c = weight A B of one quadrature point, (4, 2 n): rows 11, 12, 21, 22, columns x then y."""
     for r in range(4):
@@ -72,7 +72,7 @@ def _row_of_any(b, c, g, scale, i, a, row):
             row[j] += b0 * c0[j] + b1 * c1[j]
 
 
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract"})
+@nb.njit(cache=True, error_model="numpy")
 def _scatter_tangent(grad, c, g, factor, buffer, slots, values):
     """Add sum_q B^T (w A B) + K / V_c g g^T of one cell to the tangent.
 

@@ -17,7 +17,7 @@ from seal_mdao.structure.deformation import block, cell_displacements, widest_gr
 from seal_mdao.structure.internal_force import point_moduli, point_stress
 
 
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract"})
+@nb.njit(cache=True, error_model="numpy")
 def _add_pressure(weight, f, e0, e1, e2, e3, out):
     """out += weight cof F : e, over all parameters."""
     c0, c1, c2, c3 = weight * f[3], -weight * f[2], -weight * f[1], weight * f[0]
@@ -25,7 +25,7 @@ def _add_pressure(weight, f, e0, e1, e2, e3, out):
         out[m] += c0 * e0[m] + c1 * e1[m] + c2 * e2[m] + c3 * e3[m]
 
 
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract"})
+@nb.njit(cache=True, error_model="numpy")
 def _stress_of(w, a, f, pressure, e0, e1, e2, e3, d0, d1, d2, d3):
     """d = w (A : e + p cof F), components 11, 12, 21, 22, over all parameters."""
     for m in range(pressure.size):
@@ -36,7 +36,7 @@ def _stress_of(w, a, f, pressure, e0, e1, e2, e3, d0, d1, d2, d3):
         d3[m] = a[3, 0] * x0 + a[3, 1] * x1 + a[3, 2] * x2 + a[3, 3] * x3 + p * f[0]
 
 
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract"})
+@nb.njit(cache=True, error_model="numpy")
 def _add_scaled(out, factor, values):
     """out += factor values."""
     for m in range(out.size):

@@ -14,7 +14,7 @@ import numpy as np
 from seal_mdao.structure.deformation import block, cell_displacements, widest_group
 
 
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract"})
+@nb.njit(cache=True, error_model="numpy")
 def _outer(stress, lam, dual, d, out):
     """out = w P_ij (-lambda_i) + w S_ij d_i for one neighbour and one j; all (2, S) but ``out``."""
     for c in range(out.size):

@@ -1,6 +1,7 @@
 """PARDISO gives the same solutions; without pypardiso the error names the extra."""
 
 import glob
+import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
@@ -104,3 +105,44 @@ def test_automatic_choice_for_a_wide_body_takes_pardiso_when_it_is_there(rng):
     everything = csr_array(np.ones((25, 25)))
     storage = storage_for("auto", 18, 10_000, disc.layout.equations, everything)
     assert type(storage).__name__ == "PardisoStorage"
+
+
+OPTIMIZE = """
+import sys
+
+import numpy as np
+import openmdao.api as om
+from scipy.sparse import eye_array
+
+import seal_mdao as sm
+from seal_mdao.analysis.pardiso import import_pypardiso
+
+driver, when = sys.argv[1:]
+if when == "after PARDISO":
+    import_pypardiso().spsolve(eye_array(9).tocsr(), np.ones(9))
+a = np.random.default_rng(3).normal(size=(40, 20))
+problem = om.Problem(reports=False)
+cup = om.ExecComp("f = sum((dot(a, x) - 1.0) ** 4)", f=1.0, x=np.zeros(20), a=a)
+problem.model.add_subsystem("cup", cup, promotes=["*"])
+problem.model.add_design_var("x", lower=-0.2, upper=0.2)
+problem.model.add_objective("f")
+problem.driver = getattr(sm, driver)()
+problem.setup()
+problem.run_driver()
+print(problem["x"].tobytes().hex())
+"""
+
+
+@pytest.mark.parametrize("driver", ["UnoDriver", "IpoptDriver"])
+def test_bits_of_an_optimisation_do_not_hang_on_pardiso(driver):
+    pytest.importorskip("pypardiso")
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", OPTIMIZE, driver, when],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.splitlines()[-1]
+        for when in ("alone", "after PARDISO")
+    ]
+    assert said[0] == said[1]
