@@ -22,6 +22,20 @@ def pytest_xdist_make_scheduler(config, log):
     return WorkStealingScheduling(config, log) if config.getvalue("dist") == "load" else None
 
 
+FIRST, PLAIN = "dsa", ("calibration", "drivers", "materials", "outline")
+"""The folder whose tests compile most, and those whose tests compile next to nothing."""
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """The first of two workers compiles; the second meanwhile runs what needs few kernels."""
+    plain = [item for item in items if item.path.parent.name in PLAIN]
+    others = [item for item in items if item.path.parent.name not in PLAIN]
+    others.sort(key=lambda item: item.path.parent.name != FIRST)
+    half = len(items) // 2
+    items[:] = others[:half] + plain + others[half:]
+
+
 TIGHT = sm.NewtonOptions(tolerance=1e-11)
 
 

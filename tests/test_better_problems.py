@@ -57,6 +57,7 @@ def test_stress_norm_and_integral_take_the_place_of_the_point_measures(tmp_path,
     assert found.keys() == {"area", "stress_norm", "gap_square_integral", "reaction"}
 
 
+@pytest.mark.long
 def test_optimum_of_all_flags_keeps_what_they_ask(tmp_path, start):
     pytest.importorskip("ipyopt")
     problem = seal_problem(

@@ -78,6 +78,7 @@ for solver in ("banded", "superlu"):
 """
 
 
+@pytest.mark.long
 def test_number_of_blas_threads_changes_no_bit():
     found = set()
     for number in ("1", "2", "8"):

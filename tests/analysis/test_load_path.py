@@ -271,6 +271,7 @@ SLIDING = (
 )  # fmt: skip
 
 
+@pytest.mark.long
 def test_incremental_history_starts_from_the_better_of_two_predictors(monkeypatch):
     """Friction that a sliding point loses at the start of a step is back at its end."""
     model = sm.door_seal(friction=0.15, friction_history="incremental")

@@ -72,6 +72,7 @@ def test_what_it_finds_is_equilibrium(sliding, stuck, model):
     assert np.sum(state != OPEN) > 2
 
 
+@pytest.mark.long
 def test_derivatives_pass_through_it(sliding, model, rng):
     way = rng.uniform(-1.0, 1.0, model.n_offsets)
 

@@ -213,6 +213,7 @@ def test_both_methods_agree_on_the_branch_taken(beyond):
         np.testing.assert_allclose(direct[name], adjoint[name], rtol=0.0, atol=1e-9 * size)
 
 
+@pytest.mark.long
 def test_derivatives_are_those_of_the_branch_taken(beyond, rng):
     """Central differences of fourth order at the end; the jump comes at another travel in each."""
     assert max(point.moved for point in beyond.critical_points) > 3.0

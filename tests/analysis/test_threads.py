@@ -163,7 +163,7 @@ print(json.dumps([serial, threaded, before, blas()]))
 """
 
 
-@pytest.mark.parametrize("solver", ["banded", "superlu"])
+@pytest.mark.parametrize("solver", ["banded", pytest.param("superlu", marks=pytest.mark.long)])
 def test_analyses_in_four_threads_give_the_bits_of_serial_ones(solver):
     """With two BLAS threads, on which both the rounding and the interleaving depend."""
     done = subprocess.run(

@@ -94,6 +94,7 @@ def test_direct_and_adjoint_are_the_same(seal):
     assert np.abs(tables[0] - tables[1]).max() <= 1e-9 * np.abs(tables[0]).max()
 
 
+@pytest.mark.long
 def test_check_partials_is_clean(seal):
     made = group_problem(seal)
     np.random.seed(1)  # OpenMDAO draws directions from the global generator

@@ -96,7 +96,7 @@ def test_partials_of_the_area_are_exact(problem):
 PARAMETERS = ("c10", "friction", "depth", "tangent_penalty")
 
 
-@pytest.mark.parametrize("method", ["adjoint", "direct"])
+@pytest.mark.parametrize("method", ["adjoint", pytest.param("direct", marks=pytest.mark.long)])
 def test_partials_of_the_contact_analysis(problem, short, method):
     """Along random directions of all particle coordinates, and for every scalar input."""
     comp = RkpmContactComp(seal=short, sensitivity=method, parameters=PARAMETERS)

@@ -69,7 +69,11 @@ def test_direct_and_adjoint_agree(tables):
     assert (np.abs(direct - adjoint) <= 1e-9 * size).all()
 
 
-@pytest.mark.parametrize("name", ["boundary_offsets[0]", *NAMES])
+@pytest.mark.parametrize(
+    "name",
+    ["boundary_offsets[0]", "friction"]
+    + [pytest.param(n, marks=pytest.mark.long) for n in NAMES if n != "friction"],
+)
 def test_gradients_are_exact(splined, tables, name):
     seal, column = splined.seal, tables[0].parameters.index(name)
     size = abs(seal.scalars[name].value) if name in seal.scalars else 0.0

@@ -58,12 +58,16 @@ def analyzed(seal, design):
     return sm.analyze(seal, design[:-1], {"door_radius": design[-1]}, keep_factors=True)
 
 
-@pytest.mark.parametrize("parameter", [0, 10, 25])
+@pytest.mark.parametrize(
+    "parameter",
+    [0, *(pytest.param(p, marks=pytest.mark.long) for p in (10, 25))],
+)
 def test_drawn_seal(drawn, parameter):
     """An outer and an inner offset and the door's radius, each for itself; full length."""
     check_along(drawn, np.eye(26)[parameter])
 
 
+@pytest.mark.long
 def test_drawn_seal_where_the_touch_step_changes(drawn):
     """The top touches exactly at the end of step 5: one-sided, where the sequence is kept."""
     check_along(drawn, np.eye(26)[6], stencil=BACKWARD)
@@ -107,7 +111,13 @@ VARIANTS = {
 }
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+QUICK_VARIANTS = "flat door", "incremental", "product kernels"
+
+
+@pytest.mark.parametrize(
+    "variant",
+    [pytest.param(v, marks=() if v in QUICK_VARIANTS else pytest.mark.long) for v in VARIANTS],
+)
 def test_variants_of_the_model(variant):
     """At a design of 0.05 mm, small enough for every variant to converge."""
     offsets = 0.05 * any_way(5, 25)

@@ -186,7 +186,7 @@ def check_along(pressed, tables, way, steps, limit=1e-6):
         assert (np.abs(found / step - exact @ way) <= limit * size).all()
 
 
-@pytest.mark.parametrize("which", ["offsets", "parameters"])
+@pytest.mark.parametrize("which", ["offsets", pytest.param("parameters", marks=pytest.mark.long)])
 def test_derivatives_against_central_differences(pressed, tables, rng, which):
     """Of all measures; parameters of profiles belong to contact and fluid at once."""
     way = steps_of(pressed.seal, NAMES) * rng.uniform(0.5, 1.0, 4 + len(NAMES))

@@ -57,6 +57,7 @@ def test_direct_and_adjoint_agree(tables):
     assert (np.abs(direct - adjoint) <= 1e-9 * size + 1e-14 * size.max()).all()
 
 
+@pytest.mark.long
 def test_central_differences_agree(seal, tables):
     for column, name in enumerate(tables[0].parameters):
         size = abs(seal.scalars[name].value) if name in seal.scalars else 0.0

@@ -160,16 +160,21 @@ def test_every_seal_is_shown(two_seals):
 
 
 def test_address_of_the_page_chooses_the_seal(two_seals, browser):
+    from selenium.common.exceptions import StaleElementReferenceException
+    from selenium.webdriver.support.wait import WebDriverWait
+
     page = write_report(two_seals, two_seals.with_name("two.html"))
-    found = []
+    chosen, found = ("css selector", "nav.choice a[aria-current]"), []
     for name in ("sharp", "blunt"):
         browser.get("about:blank")
         browser.get(f"{page.as_uri()}#{name}")
-        assert browser.find_element("css selector", "nav.choice a[aria-current]").text == name
+        assert browser.find_element(*chosen).text == name
         found.append(browser.find_element("id", "start-text").text)
     assert found[0] != found[1]
     browser.find_element("link text", "sharp").click()
-    assert browser.find_element("css selector", "nav.choice a[aria-current]").text == "sharp"
+    WebDriverWait(browser, 60.0, ignored_exceptions=[StaleElementReferenceException]).until(
+        lambda driver: driver.find_element(*chosen).text == "sharp"
+    )
     assert browser.get_log("browser") == []
 
 

@@ -89,6 +89,7 @@ def test_matrix_goes_on_where_it_stopped(tmp_path, run_script):
     assert len(record.read_text().splitlines()) == 3
 
 
+@pytest.mark.long
 def test_runs_come_from_the_workers_and_one_that_fails_is_named(cases, monkeypatch):
     """Without friction the drawn seal sways and has no gap to close: the row says so."""
     import optimization_matrix

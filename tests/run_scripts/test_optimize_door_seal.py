@@ -51,6 +51,7 @@ def test_history_is_read_back_from_the_recorder_file(optimised, tmp_path, run_sc
     assert_drawn(tmp_path / "figures", *FIGURES)
 
 
+@pytest.mark.long
 def test_run_that_stops_early_is_written_as_far_as_it_went(tmp_path, run_script, assert_drawn):
     arguments = ("--max-iterations", 1, "--keep-force", *CHEAP)
     code, s = run_script("optimize_door_seal", tmp_path, *arguments)

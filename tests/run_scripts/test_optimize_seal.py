@@ -118,6 +118,7 @@ def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
     assert "--overwrite" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_optimum_is_written_where_no_new_cloud_fits_it(tmp_path, run_script, monkeypatch, capsys):
     def refusing(*_):
         raise sm.SealFileError("optimum.toml: the mesher divides the boundary")

@@ -79,6 +79,7 @@ def test_killed_run_goes_on_where_it_was(after_cases, tmp_path, run_script, opti
     assert [run.cut_off for run in run_log.read(tmp_path / "cases.sql")] == [True, False]
 
 
+@pytest.mark.long
 def test_run_at_its_iteration_limit_goes_on_elsewhere(tmp_path, run_script, optimised):
     """The first file stays as it is when the continued run has a folder of its own."""
     first, second = tmp_path / "first", tmp_path / "second"

@@ -91,6 +91,7 @@ def robust(run_script, tmp_path_factory):
     return out, code, s, arguments
 
 
+@pytest.mark.long
 def test_robust_optimum_on_fresh_samples(robust, assert_drawn):
     """Two iterations leave the gap of the drawn seal, which stands for the nominal optimum here,
     smaller on all cars."""
@@ -106,6 +107,7 @@ def test_robust_optimum_on_fresh_samples(robust, assert_drawn):
     assert_drawn(out, "comparison")
 
 
+@pytest.mark.long
 def test_the_report_has_the_table_and_the_figure(robust):
     out, _, s, _ = robust
     page = (out / "report.html").read_text(encoding="utf-8")

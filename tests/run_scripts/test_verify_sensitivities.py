@@ -34,6 +34,7 @@ def test_random_design(tmp_path, run_script, assert_drawn):
     assert [float(row["fd"]) for row in rows] == [row["fd"] for row in s["table"]]
 
 
+@pytest.mark.long
 def test_parameter_that_moves_the_first_touch_is_verified_from_one_side(tmp_path, run_script):
     arguments = ("--parameters", 5, *CHEAP, *FEW_STEPS)
     code, s = run_script("verify_sensitivities", tmp_path, *arguments)

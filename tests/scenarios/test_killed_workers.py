@@ -129,7 +129,9 @@ def started(tmp_path, script, preparation):
     return process
 
 
-@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize(
+    "ending", [pytest.param(signal.SIGINT, marks=pytest.mark.long), signal.SIGKILL]
+)
 def test_all_workers_end_with_the_script(tmp_path, ending, hear_ctrl_c):
     """Ctrl-C, and a kill that leaves no time for anything."""
     process = started(tmp_path, SCRIPT, hear_ctrl_c)

@@ -126,6 +126,7 @@ def test_a_region_of_one_body_needs_its_line(built):
         built(0.7, text)
 
 
+@pytest.mark.long
 def test_a_design_of_two_bodies_is_written_and_read(tmp_path):
     design = '[[design]]\nedges = ["joint"]\nparameters = 5\nbound = 0.3\n'
     file = read(tmp_path, STACK.format(spacing=0.7) + design)

@@ -71,6 +71,7 @@ def test_friction_takes_work(rubbed):
     assert finer > 10.0 * abs(finer - taken)
 
 
+@pytest.mark.long
 def test_derivatives_of_the_work_of_a_loop(rubbed):
     """With respect to design, materials, penalties, friction, radius and motions."""
     seal, names = rubbed.seal, tuple(rubbed.seal.scalars)

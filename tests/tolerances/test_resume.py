@@ -70,6 +70,7 @@ def test_interrupted_and_resumed(whole, study, tmp_path):
     np.testing.assert_array_equal(sampled.values, values)
 
 
+@pytest.mark.long
 def test_two_processes_write_the_same_file(whole, study, tmp_path):
     with Processes(2) as workers:
         study.run(tmp_path / "samples.sqlite", COUNT, workers=workers)
