@@ -1,5 +1,6 @@
 """Analyses that several folders look at, and random numbers that belong to a test."""
 
+import gc
 import importlib
 import signal
 import sys
@@ -22,7 +23,7 @@ def pytest_xdist_make_scheduler(config, log):
     return WorkStealingScheduling(config, log) if config.getvalue("dist") == "load" else None
 
 
-FIRST, PLAIN = "dsa", ("calibration", "drivers", "materials", "outline")
+FIRST, PLAIN = "dsa", ("calibration", "drivers", "materials", "outline", "restart")
 """The folder whose tests compile most, and those whose tests compile next to nothing."""
 
 
@@ -34,6 +35,13 @@ def pytest_collection_modifyitems(items):
     others.sort(key=lambda item: item.path.parent.name != FIRST)
     half = len(items) // 2
     items[:] = others[:half] + plain + others[half:]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def what_stays_is_no_garbage():
+    """OpenMDAO looks for garbage after every run, else a tenth of a second each time."""
+    gc.collect()
+    gc.freeze()
 
 
 TIGHT = sm.NewtonOptions(tolerance=1e-11)
