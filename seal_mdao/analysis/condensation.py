@@ -61,22 +61,29 @@ def condense_tangent(condensation, values):
     matrix, at_c, at_u = condensation.matrix, condensation.constrained_at, condensation.union_at
     c, u = matrix.shape
     v = condensation.union_slots.shape[3]
-    first, size = condensation.first_row, 4 * c * v
-    rows = values[first : first + size].reshape(2, c, 2, v)
-    first = condensation.first_column
-    columns = values[first : first + size].reshape(2, v, 2, c)
     turned = np.ascontiguousarray(matrix.T)
+    block, own, tall = np.empty((c, v)), np.empty((c, c)), np.empty((v, c))
     for i in range(2):
         for k in range(2):
-            block = rows[i, :, k].copy()
-            own = block[:, at_c].copy()
-            block[:, at_c] = 0.0
+            # rows (component, constrained; component, coupled), columns the other way round
+            first = condensation.first_row + (2 * i * c + k) * v
+            for a in range(c):
+                for b in range(v):
+                    block[a, b] = values[first + 2 * a * v + b]
+                for b in range(c):
+                    own[a, b] = block[a, at_c[b]]
+                for b in range(c):
+                    block[a, at_c[b]] = 0.0
             folded = np.dot(own, matrix)
-            for b in range(u):
-                block[:, at_u[b]] += folded[:, b]
+            for a in range(c):
+                for b in range(u):
+                    block[a, at_u[b]] += folded[a, b]
             _add(np.dot(turned, block), condensation.union_slots[i, :, k], values)
-            on_columns = np.dot(columns[k, :, i].copy(), matrix)
-            _add(on_columns, condensation.coupled_slots[k, :, i], values)
+            first = condensation.first_column + (2 * k * v + i) * c
+            for a in range(v):
+                for b in range(c):
+                    tall[a, b] = values[first + 2 * a * c + b]
+            _add(np.dot(tall, matrix), condensation.coupled_slots[k, :, i], values)
 
 
 @nb.njit(cache=True, error_model="numpy")

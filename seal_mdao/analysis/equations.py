@@ -17,6 +17,7 @@ from seal_mdao.analysis.corrected_factor import CorrectedFactor
 from seal_mdao.analysis.couplings import couplings
 from seal_mdao.analysis.linear_solver import storage_for
 from seal_mdao.analysis.storage import Scheme, Storage
+from seal_mdao.rkpm.sorted_lists import first_not_below
 
 # The band is narrowed by trying that many starting particles in the body, and at its base.
 SEARCHED_STARTS = 24
@@ -262,8 +263,8 @@ def _stored(places, row, column):
     scheme = places.scheme
     if scheme.rows > 0:
         return column * scheme.rows + 2 * scheme.width + row - column
-    first = scheme.pointers[column]
-    return first + np.searchsorted(scheme.indices[first : scheme.pointers[column + 1]], row)
+    first, end = scheme.pointers[column], scheme.pointers[column + 1]
+    return first_not_below(scheme.indices, row, first, end)
 
 
 @nb.njit(cache=True, error_model="numpy")

@@ -66,7 +66,8 @@ def zeros_of_quintic(p, zeros):
             q[k] = p[k + 5 - degree]
             for factor in range(k + 1, k + 6 - degree):
                 q[k] *= factor
-        zeros[1] = zeros[0]
+        for i in range(count):
+            zeros[1, i] = zeros[0, i]
         breaks, count, low = count, 0, 0.0
         low_value = q[0]
         for i in range(breaks + 1):

@@ -203,6 +203,16 @@ def _fill_column(column, way_r, moved, frame, now, then, law, length, out):
     out[CARRIED, column] = slip_r if law.accumulated else 0.0
 
 
+@nb.njit(cache=True, error_model="numpy")
+def _fill_columns(first, end, frame, now, then, law, length, out):
+    """Columns ``first`` to ``end`` of ``linearize_contact_point``, none of them of the shape."""
+    zero = (0.0, 0.0)
+    for column in range(first, end):
+        w = (1.0 if column == X else 0.0, 1.0 if column == Y else 0.0)
+        way_r = -1.0 if column == XI_0 else 0.0
+        _fill_column(column, way_r, (w, zero, zero), frame, now, then, law, length, out)
+
+
 @nb.njit(cache=True, error_model="numpy", inline="always")
 def linearize_contact_point(
     profile, law, pose, piece, xi, g_n, state, tau, state_0, carried, length, columns, out
@@ -219,7 +229,7 @@ def linearize_contact_point(
     carried : ndarray, shape (3,)
         The variables of ``ContactHistory``.
     columns : int
-        How many of the inputs X, Y, ... are wanted (2: the tangent alone).
+        SHAPE and the number of shape parameters.
     out : ndarray, shape (6, columns)
         Rows FORCE_X ... GAP, columns X ... FRICTION, SHAPE ...; x and force in the fixed frame. What
         rates of the pose do besides is told in ``geometry.pose``.
@@ -228,15 +238,11 @@ def linearize_contact_point(
     frame = turned(pose, e_t), turned(pose, e_n), size, alpha, beta, gamma, c
     way = way_along(profile, xi, carried[0])
     now = g_n, state, tau, size * carried[1] / c if state != OPEN else 0.0
-    then, zero = (state_0, carried[1], way, carried[2]), (0.0, 0.0)
-    filled = min(columns, SHAPE)
-    if state == OPEN and columns > XI_0:
+    then = state_0, carried[1], way, carried[2]
+    if state == OPEN:
         # history, length and law matter in contact only
-        out[:, XI_0:SHAPE], filled = 0.0, XI_0
-    for column in range(filled):
-        w = (1.0 if column == X else 0.0, 1.0 if column == Y else 0.0)
-        way_r = -1.0 if column == XI_0 else 0.0
-        _fill_column(column, way_r, (w, zero, zero), frame, now, then, law, length, out)
+        out[:, XI_0:SHAPE] = 0.0
+    _fill_columns(X, SHAPE if state != OPEN else XI_0, frame, now, then, law, length, out)
     for column in range(SHAPE, columns):
         v, v1, v2 = curve_velocity(profile, column - SHAPE, piece, xi)
         moved = turned(pose, (-v[0], -v[1])), turned(pose, v1), turned(pose, v2)
@@ -292,7 +298,7 @@ def contact_points(
     for i in range(x.shape[0]):
         x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
         piece, xi, g_n = closest_point(profile, x_1, x_2)
-        e_t, e_n, size, _, _, _, c = contact_frame(profile, piece, xi, g_n)
+        e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
         e_t, e_n = turned(pose, e_t), turned(pose, e_n)
         gap[i], kept[i, 0], kept[i, 1] = g_n, xi, size
         if g_n >= 0.0:
@@ -310,10 +316,13 @@ def contact_points(
         shear = tau * size * carried[1] / c
         for a in range(2):
             force[i, a] = length[i] * (law.normal_penalty * g_n * e_n[a] + shear * e_t[a])
-        linearize_contact_point(
-            profile, law, pose, piece, xi, g_n, state[i], tau, state_0, carried, length[i], 2, local
-        )
-        tangent[i] = local[:2]
+        frame = e_t, e_n, size, alpha, beta, gamma, c
+        now = g_n, state[i], tau, size * carried[1] / c
+        then = state_0, carried[1], way, carried[2]
+        _fill_columns(X, Y + 1, frame, now, then, law, length[i], local)
+        for row in range(2):
+            for column in range(2):
+                tangent[i, row, column] = local[row, column]
     return made_to_stick
 
 

@@ -83,7 +83,8 @@ def invert_moment(moment, inverse):
 def correction_coefficients(moments, inverse, b):
     """q(x) = M^-1 H(0) of Eq. (7) and its gradient: ``b`` (3, m) holds q, q_x, q_y."""
     m = inverse.shape[0]
-    b[0] = inverse[:, 0]
+    for a in range(m):
+        b[0, a] = inverse[a, 0]
     for j in (1, 2):
         for a in range(m):
             s = 0.0

@@ -7,6 +7,7 @@ import numpy as np
 
 from seal_mdao.rkpm.essential import EssentialTransformation
 from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.rkpm.sorted_lists import first_not_below
 
 
 class TableRates(NamedTuple):
@@ -76,9 +77,9 @@ def transform_table(raw: ShapeTable, transformation: EssentialTransformation) ->
 @nb.njit(cache=True, error_model="numpy")
 def _positions(near, wanted, out):
     """``out[i]`` = place of ``near[i]`` in the sorted ``wanted``, or -1."""
-    at = np.searchsorted(wanted, near)
     for i in range(near.size):
-        out[i] = at[i] if at[i] < wanted.size and wanted[at[i]] == near[i] else -1
+        at = first_not_below(wanted, near[i], 0, wanted.size)
+        out[i] = at if at < wanted.size and wanted[at] == near[i] else -1
 
 
 @nb.njit(cache=True, error_model="numpy")
