@@ -198,7 +198,9 @@ def _correct_rates(full, full_rates, weights, normals, weight_rates, normal_rate
                             + phi[q_count + e, i] * dn
                         )
         for q in range(q_count):
-            new_phi[q] = d_phi[q]
+            for i in range(n):
+                for p in range(count):
+                    new_phi[q, i, p] = d_phi[q, i, p]
             for j in range(2):
                 for i in range(n):
                     for p in range(count):
@@ -229,7 +231,9 @@ def _correct_seeds(
                 for i in range(n):
                     for m in range(count):
                         shift_bar[j, i, m] += seed[q, j, i, m] / volume
-        out_phi[: q_count * n] = phi_seed
+        for i in range(q_count * n):
+            for m in range(count):
+                out_phi[i, m] = phi_seed[i, m]
         for q in range(q_count):
             w = weights[cell, q]
             for j in range(2):

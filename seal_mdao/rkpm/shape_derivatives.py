@@ -30,6 +30,14 @@ def _second(j, k):
 
 
 @nb.njit(cache=True, error_model="numpy")
+def _fill_part(sign, part, row, column, out):
+    """``out[row:, column:]`` = +-part."""
+    for a in range(part.shape[0]):
+        for b in range(part.shape[1]):
+            out[row + a, column + b] = sign * part[a, b]
+
+
+@nb.njit(cache=True, error_model="numpy")
 def linearize_point(h, k, b, moments, inverse, direct, pull, chain):
     """Coefficients of the derivative of one point's shape functions with respect to r_I.
 
@@ -95,9 +103,9 @@ def linearize_point(h, k, b, moments, inverse, direct, pull, chain):
                 spread[j * n + i, j * m + a] = g0
     # q_j' = -M^-1 ((M_j q + M q_j)' at fixed q, q_j  +  M_j q')
     for u in range(3):
-        solve[u * m : (u + 1) * m, u * m : (u + 1) * m] = -inverse
+        _fill_part(-1.0, inverse, u * m, u * m, solve)
         if u > 0:
-            solve[u * m : (u + 1) * m, :m] = inverse @ moments[u] @ inverse
+            _fill_part(1.0, inverse @ moments[u] @ inverse, u * m, 0, solve)
     np.dot(spread, solve, chain)
 
 
@@ -183,9 +191,13 @@ def forward_shape_functions(
                             point_velocity[which[p], point, c] - velocity[which[p], near[i], c]
                         )
             forward_point(direct, pull, chain, delta, out)
-            at, size = dstart[g, 1] + q * n * count, n * count
-            dphi[at : at + size] = out[:n].ravel()
-            dgrad[2 * at : 2 * (at + size)] = out[n:].ravel()
+            at = dstart[g, 1] + q * n * count
+            for i in range(n):
+                for p in range(count):
+                    dphi[at + i * count + p] = out[i, p]
+            for i in range(2 * n):
+                for p in range(count):
+                    dgrad[2 * at + i * count + p] = out[n + i, p]
 
 
 @nb.njit(cache=True, error_model="numpy")
@@ -218,8 +230,11 @@ def reverse_shape_functions(cloud, points, start, neighbours, phi_bar, grad_bar,
             _prepare(points[point], near, cloud, h, k, moments, inverse, b)
             linearize_point(h, k, b, moments, inverse, direct, pull, chain)
             at = start[g] * group_size + q * n
-            seed[:n] = phi_bar[at : at + n]
-            seed[n:] = grad_bar[2 * at : 2 * (at + n)]
+            for measure in range(n_measures):
+                for i in range(n):
+                    seed[i, measure] = phi_bar[at + i, measure]
+                for i in range(2 * n):
+                    seed[n + i, measure] = grad_bar[2 * at + i, measure]
             reverse_point(direct, pull, chain, seed, out)
             for i in range(n):
                 for d in range(2):

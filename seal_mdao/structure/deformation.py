@@ -191,7 +191,7 @@ def particle_gradients(table, cells, d, out):
         if count[particle] > 0.0:
             out[particle] /= count[particle]
         else:
-            out[particle] = np.eye(2)
+            out[particle, 0, 0] = out[particle, 1, 1] = 1.0
 
 
 def lowest_jacobian(path) -> float:

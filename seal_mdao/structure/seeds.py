@@ -111,6 +111,14 @@ def _cell_dual_stress(
 
 
 @nb.njit(cache=True, error_model="numpy")
+def _add_rows(values, first, end, out, at):
+    """Rows ``first`` to ``end`` of ``values``, added to those of ``out`` from ``at`` on."""
+    for row in range(first, end):
+        for m in range(out.shape[1]):
+            out[at + row - first, m] += values[row, m]
+
+
+@nb.njit(cache=True, error_model="numpy")
 def add_internal_seeds(
     table, weights, deformation, w, by_constants, bulk, bulk_row, d, first, adjoints, mix, equations,
     grad_bar, weight_bar, constants_bar,
@@ -173,6 +181,6 @@ def add_internal_seeds(
                 _outer(stress[r], by_neighbour[a], dual[r], moved[a], of_adjoints[r * n + a])
         of_measures = block(mixed, size + n_scalars, count)
         np.dot(of_adjoints, mix, of_measures)
-        grad_bar[s0 * points : (s0 + n) * points] += of_measures[:size]
-        weight_bar[cell] += of_measures[size : size + q_count]
-        constants_bar += of_measures[size + q_count :]
+        _add_rows(of_measures, 0, size, grad_bar, s0 * points)
+        _add_rows(of_measures, size, size + q_count, weight_bar[cell], 0)
+        _add_rows(of_measures, size + q_count, size + n_scalars, constants_bar, 0)

@@ -60,7 +60,8 @@ def _fill_directions(used, slopes, points, directions):
             count += 1
         else:
             points[count + 1] = i
-            directions[count : count + 2] = np.eye(2)
+            directions[count, 0], directions[count, 1] = 1.0, 0.0
+            directions[count + 1, 0], directions[count + 1, 1] = 0.0, 1.0
             count += 2
     return count
 
