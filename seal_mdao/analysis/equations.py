@@ -255,7 +255,7 @@ class _Places(NamedTuple):
     dump: int
 
 
-@nb.njit(cache=True, error_model="numpy")
+@nb.njit(cache=True, error_model="numpy", inline="always")
 def _stored(places, row, column):
     """Slot of the entry of two equations."""
     if row < 0 or column < 0:
@@ -267,7 +267,7 @@ def _stored(places, row, column):
     return first_not_below(scheme.indices, row, first, end)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@nb.njit(cache=True, error_model="numpy", inline="always")
 def _slot(places, p, i, q, k):
     """Slot of row (particle p, component i) and column (q, k)."""
     row, column = places.equations[p, i], places.equations[q, k]

@@ -83,7 +83,7 @@ def zeros_of_quintic(p, zeros):
     return count
 
 
-@nb.njit(cache=True, error_model="numpy")
+@nb.njit(cache=True, error_model="numpy", inline="always")
 def _end(coefficient, length, u, x, y, open_end):
     """Distance squared and s of the end u = 0 or 1, or of its tangent beyond it."""
     c0, c1, c2, c3 = coefficient[0], coefficient[1], coefficient[2], coefficient[3]

@@ -251,7 +251,7 @@ def linearize_contact_point(
         _fill_column(column, way_r, moved, frame, now, then, law, length, out)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@nb.njit(cache=True, error_model="numpy", inline="always")
 def _without_reversal(law, state, tau, g_t, direction, i):
     """Let a point stick that would slip the other way round than one Newton iteration before."""
     way = 0

@@ -84,7 +84,7 @@ def _distance(profile, run, x, y):
     return (dx * dx + dy * dy) ** 0.5
 
 
-@nb.njit(cache=True, error_model="numpy")
+@nb.njit(cache=True, error_model="numpy", inline="always")
 def _within_reach(profile, x, y):
     """A distance that the profile is certainly not farther away than, a little enlarged."""
     nearest = np.inf

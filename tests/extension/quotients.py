@@ -15,8 +15,9 @@ def quotients(seal, name, step, parameters=None):
     ``name`` is a scalar parameter or ``boundary_offsets[i]``. All analyses have to go through the same
     contact sequence. Bound: truncation and rounding. The quotients of second and sixth order differ by
     the error of the former, beside which that of the latter is nothing. Noise of the values from their
-    fourth differences, of variance 70, and no less than their last digit; the quotient passes on 1.1
-    of it over the step; 10 covers few samples and many quotients.
+    fourth differences, of variance 70; they are three, so it is taken as no less than that of all values
+    of the measure together, and no less than their last digit. The quotient passes on 1.1 of it over
+    the step; 10 covers few samples and many quotients.
     """
     results = [_moved(seal, name, place * step, parameters or {}) for place in PLACES]
     sequences = [_sequence(result) for result in results]
@@ -27,7 +28,8 @@ def quotients(seal, name, step, parameters=None):
     for measure in seal.standard:
         values = np.array([result.value(measure) for result in results])
         fine, coarse = FINE @ values / step, COARSE @ values / step
-        noise = np.sqrt((np.diff(values, 4, axis=0) ** 2).mean(axis=0) / 70.0)
+        square = np.diff(values, 4, axis=0) ** 2 / 70.0
+        noise = np.sqrt(np.maximum(square.mean(axis=0), square.mean()))
         noise = np.maximum(noise, np.finfo(float).eps * np.abs(values).max(axis=0))
         out[measure.name] = fine, np.abs(fine - coarse) + 10.0 * noise / step
     return out
