@@ -2,6 +2,7 @@
 
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
 Where a term gives two estimates of how its force changes, the one with the smaller residual is taken.
+Where Newton's method fails under friction, damped motion is tried before the step is halved.
 Where the smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
 Where equilibrium is not stable, the path goes on to a stable one (``stability``).
 
@@ -31,6 +32,8 @@ from seal_mdao.analysis.stability import (
 )
 from seal_mdao.analysis.threads import one_blas_thread
 
+# Damped motion that takes more iterations is not worth more than a halved step.
+AT_ONCE = 40
 # A step that is not stable, or jumps, is halved that often: the path leaves its branch near the end.
 NEAR_THE_END = 5
 # Damped motion that has found no equilibrium within so many iterations gives way to descent.
@@ -90,6 +93,20 @@ def _equilibrium(problem, guess, target, last, options):
     return status, d, residuals
 
 
+def _slid_on(problem, guess, target, last, options, note):
+    """Equilibrium as ``newton`` returns it, where damped motion soon comes to rest; else None.
+
+    A halved step of a path with friction is another path, and measures jump where a change of the
+    design makes Newton's method need it. Mostly a few points slide on, and the whole step has its
+    equilibrium.
+    """
+    few = replace(options, damped_iterations=min(AT_ONCE, options.damped_iterations))
+    status, d, residuals = relax(problem, guess, target, last.after, few, note)
+    if status is Status.CONVERGED and not jumped(problem, d, guess, last):
+        return status, d, residuals
+    return None
+
+
 def _most_cuts(status: Status, options: NewtonOptions) -> int:
     """How often a step that ends so is halved."""
     near = status in (Status.UNSTABLE, Status.JUMPED)
@@ -102,6 +119,91 @@ def _record(problem, nominal, fraction, d, before, residuals, factor) -> Converg
         nominal, fraction, d, before, responses, len(residuals) - 1, residuals, factor,
         is_stable(problem),
     )  # fmt: skip
+
+
+class _Walk:
+    """The path so far: its steps, and what the next one needs to know of them.
+
+    Parameters
+    ----------
+    problem : PathProblem
+    options : NewtonOptions
+    memory : float
+        Bytes for the factors that are kept.
+    note : callable or None
+        Called in every iteration of damped motion.
+    """
+
+    def __init__(self, problem: PathProblem, options: NewtonOptions, memory: float, note):
+        self.problem, self.options, self.memory, self.note = problem, options, memory, note
+        self.start = self.last = _initial_step(problem)
+        self.steps, self.points, self.cuts, self.bend = [], [], 0, None
+
+    def nominal_step(self, nominal: int) -> PathResult | None:
+        """Make the nominal step, halved where need be; the failed path where it ends in it."""
+        problem, options = self.problem, self.options
+        pending = [1.0]
+        while pending:
+            share, last = pending.pop(), self.last
+            target = nominal + 1.0 if not pending else last.fraction + share
+            euler = problem.predict(last, problem.factor, target)
+            bent = 0.0 if self.bend is None else (target - last.fraction) ** 2 * self.bend
+            guess = problem.closest(euler + bent, target, last.after)
+            status, d, residuals = _equilibrium(problem, guess, target, last, options)
+            if status is not Status.CONVERGED and share == 1.0 and problem.remembers:
+                failed = status, d, residuals
+                slid = _slid_on(problem, guess, target, last, options, self.note)
+                status, d, residuals = slid or failed
+            if status is not Status.CONVERGED and 0.5 * share >= 0.5 ** _most_cuts(status, options):
+                self.cuts, self.bend = self.cuts + 1, None
+                pending += [0.5 * share, 0.5 * share]
+                # the predictor needs the tangent of the last converged step again
+                problem.factorize_at(last)
+                continue
+            point = None
+            if status is not Status.CONVERGED:
+                failure = _describe(problem, status, nominal, target, residuals)
+                onward, d, residuals, point, target = _beyond(
+                    problem, status, d, guess, (target, nominal + 1.0), last, options, self.note
+                )
+                if onward is not Status.CONVERGED:
+                    return self._failed(status, failure, ending(onward, options))
+                pending = pending if target < nominal + 1.0 else []
+            self._add(-1 if pending else nominal, target, d, residuals, point)
+            self.bend = _bend(self.last, last, euler[0])
+        return None
+
+    def _add(self, nominal: int, target: float, d, residuals: tuple, point=None) -> None:
+        """Go on to a converged step, whose factor is in the problem."""
+        problem, before = self.problem, self.last
+        self.memory -= problem.factor.nbytes
+        kept = problem.factor.kept() if self.memory >= 0.0 else None
+        self.last = _record(problem, nominal, target, d, before.after, residuals, kept)
+        if point is None and before.stable and not self.last.stable:
+            point = flagged(problem, self.last, before)
+        self.points += [] if point is None else [point]
+        self.steps.append(self.last)
+
+    def check_end(self) -> None:
+        """Ask whether the last step is stable, at any cost."""
+        stable = is_stable(self.problem, at_any_cost=True)
+        if self.last.stable and not stable:
+            before = self.steps[-2] if len(self.steps) > 1 else self.start
+            self.points += [flagged(self.problem, self.last, before)] if before.stable else []
+        self.last = self.steps[-1] = replace(self.last, stable=stable)
+
+    def _failed(self, status: Status, failure: str, damped: str) -> PathResult:
+        # nothing is differentiated; an exception that holds the path stays small
+        steps = [replace(step, factor=None) for step in self.steps]
+        return PathResult(
+            self.problem, self.start, steps, status, self.cuts, failure, damped, tuple(self.points)
+        )
+
+    def completed(self) -> PathResult:
+        return PathResult(
+            self.problem, self.start, self.steps, Status.CONVERGED, self.cuts,
+            critical_points=tuple(self.points),
+        )  # fmt: skip
 
 
 @one_blas_thread
@@ -137,53 +239,16 @@ def solve_path(
         When the undeformed state is not admissible (a body that starts inside a rigid profile).
     """
     options = NewtonOptions() if options is None else options
-    start = last = _initial_step(problem)
-    steps, cuts, bend, memory = [], 0, None, factor_memory * 2**30
-    points, note = [], getattr(callback, "damped", None)
+    walk = _Walk(problem, options, factor_memory * 2**30, getattr(callback, "damped", None))
     for nominal in range(n_steps):
-        pending = [1.0]
-        while pending:
-            share = pending.pop()
-            target = nominal + 1.0 if not pending else last.fraction + share
-            euler = problem.predict(last, problem.factor, target)
-            guesses = euler if bend is None else euler + (target - last.fraction) ** 2 * bend
-            guess = problem.closest(guesses, target, last.after)
-            status, d, residuals = _equilibrium(problem, guess, target, last, options)
-            if status is not Status.CONVERGED and 0.5 * share >= 0.5 ** _most_cuts(status, options):
-                cuts, bend = cuts + 1, None
-                pending += [0.5 * share, 0.5 * share]
-                # the predictor needs the tangent of the last converged step again
-                problem.factorize_at(last)
-                continue
-            point = None
-            if status is not Status.CONVERGED:
-                failure = _describe(problem, status, nominal, target, residuals)
-                onward, d, residuals, point, target = _beyond(
-                    problem, status, d, guess, (target, nominal + 1.0), last, options, note
-                )
-                if onward is not Status.CONVERGED:
-                    # nothing is differentiated; an exception that holds the path stays small
-                    steps = [replace(step, factor=None) for step in steps]
-                    damped = ending(onward, options)
-                    return PathResult(
-                        problem, start, steps, status, cuts, failure, damped, tuple(points)
-                    )
-                pending = pending if target < nominal + 1.0 else []
-            before = last
-            memory -= problem.factor.nbytes
-            kept = problem.factor.kept() if memory >= 0.0 else None
-            end = -1 if pending else nominal
-            last = _record(problem, end, target, d, before.after, residuals, kept)
-            bend = _bend(last, before, euler[0])
-            if nominal + 1 == n_steps and not pending:
-                last = replace(last, stable=is_stable(problem, at_any_cost=True))
-            if point is None and before.stable and not last.stable:
-                point = flagged(problem, last, before)
-            points += [] if point is None else [point]
-            steps.append(last)
+        failed = walk.nominal_step(nominal)
+        if failed is not None:
+            return failed
+        if nominal + 1 == n_steps:
+            walk.check_end()
         if callback is not None:
-            callback(last)
-    return PathResult(problem, start, steps, Status.CONVERGED, cuts, critical_points=tuple(points))
+            callback(walk.last)
+    return walk.completed()
 
 
 def _beyond(problem, status, d, guess, targets, last, options, note):

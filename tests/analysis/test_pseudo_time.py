@@ -48,28 +48,50 @@ def test_newton_alone_ends_where_the_last_point_begins_to_slide(stuck):
 
 
 def test_damped_motion_completes_the_path(sliding, stuck):
-    done = len(stuck.path.steps)
+    """In whole steps: the same until there, then on to the end of the nominal step."""
+    done = int(stuck.path.steps[-1].fraction)
+    path = sliding.path
     assert sliding.converged
-    assert len(sliding.path.nominal_steps) == 105
-    # the same until there, then on to the end of the nominal step
-    for one, other in zip(sliding.path.steps[:done], stuck.path.steps, strict=True):
+    assert path.step_cuts == 0
+    assert len(path.steps) == 105
+    for one, other in zip(path.steps[:done], stuck.path.steps, strict=False):
         np.testing.assert_array_equal(one.d, other.d)
-    relaxed = sliding.path.steps[done]
-    assert relaxed.fraction == np.ceil(stuck.path.steps[-1].fraction)
-    moved = np.abs(relaxed.d - sliding.path.steps[done - 1].d).max()
+    moved = np.abs(path.steps[done].d - path.steps[done - 1].d).max()
     assert moved < 0.2
 
 
 def test_what_it_finds_is_equilibrium(sliding, stuck, model):
     path = sliding.path
     problem = PathProblem(path.discretization, sliding.seal.terms())
-    relaxed = path.steps[len(stuck.path.steps)]
+    relaxed = path.steps[int(stuck.path.steps[-1].fraction)]
     problem.assemble_at(relaxed)
     _, size, rounding = problem.residual()
     assert size <= model.newton.tolerance or rounding
     state = problem.responses[path.place("door")].state
     np.testing.assert_array_equal(state, sliding.response("door", relaxed).state)
     assert np.sum(state != OPEN) > 2
+
+
+def test_steps_stay_whole_where_newtons_method_fails_beside_a_design():
+    """With the incremental history a halved step is another path: stresses would jump by 0.1 kPa.
+
+    An optimiser came here: in the last step Newton's method alone converges at some designs of a line
+    and not at those between them.
+    """
+    seal = sm.door_seal(friction=0.15, friction_history="incremental", segments=32, newton=NEWTON)
+    offsets = 1e-3 * np.array([
+        18, -83, -409, 240, -89, -485, -54, 308, 56, -459, 54, 85, -379, 113, -113, 192, 423, 247, 319,
+        -272, 12, 392, 471, 251, 193,
+    ])  # fmt: skip
+    along = np.linspace(-2e-4, 2e-4, 5)
+    results = [sm.analyze(seal, offsets + t, {"door_radius": 3.848}) for t in along]
+    assert [result.step_cuts for result in results] == [0] * 5
+    alone = seal.with_(newton=replace(NEWTON, damped_iterations=0))
+    others = [sm.analyze(alone, offsets + t, {"door_radius": 3.848}) for t in along]
+    assert any(other.step_cuts > 0 for other in others)
+    stress = np.array([result.von_mises for result in results])
+    bend = np.abs(np.diff(stress, 2, axis=0)).max()
+    assert bend < 1e-2 * np.abs(np.diff(stress, axis=0)).max()
 
 
 @pytest.mark.long
