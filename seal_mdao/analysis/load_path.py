@@ -93,6 +93,14 @@ def _equilibrium(problem, guess, target, last, options):
     return status, d, residuals
 
 
+def _may_slide(problem: PathProblem, last: ConvergedStep) -> bool:
+    """Whether anything that remembers where it was has touched."""
+    return any(
+        term.remembers and response.branch.any()
+        for term, response in zip(problem.terms, last.responses, strict=True)
+    )
+
+
 def _slid_on(problem, guess, target, last, options, note):
     """Equilibrium as ``newton`` returns it, where damped motion soon comes to rest; else None.
 
@@ -150,7 +158,7 @@ class _Walk:
             bent = 0.0 if self.bend is None else (target - last.fraction) ** 2 * self.bend
             guess = problem.closest(euler + bent, target, last.after)
             status, d, residuals = _equilibrium(problem, guess, target, last, options)
-            if status is not Status.CONVERGED and share == 1.0 and problem.remembers:
+            if status is not Status.CONVERGED and share == 1.0 and _may_slide(problem, last):
                 failed = status, d, residuals
                 slid = _slid_on(problem, guess, target, last, options, self.note)
                 status, d, residuals = slid or failed

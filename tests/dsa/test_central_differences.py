@@ -108,6 +108,7 @@ VARIANTS = {
     "quadratic basis": {"basis_order": 2},
     "three Gauss points": {"n_gauss": 3},
     "product kernels": {"support": (1.8, 2.5)},
+    "refined": {"support": (1.8, 2.5), "refinement": 2, "depth": 6.9},
 }
 
 

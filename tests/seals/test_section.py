@@ -135,6 +135,28 @@ def test_particle_numbers_are_periodic_in_the_ray():
     np.testing.assert_array_equal(grid.particle(58, 0), 0)
 
 
+@pytest.mark.parametrize("rays", [58, 116])
+@pytest.mark.parametrize("refinement", [2, 3])
+def test_refined_ring_divides_the_intervals_of_its_upper_part(rays, refinement):
+    even = sm.door_seal(rays=rays).grid
+    grid = sm.door_seal(rays=rays, refinement=refinement).grid
+    assert grid.angles.shape == (grid.rays,)
+    for angle in even.angles:
+        assert np.abs(grid.angles - angle).min() < 1e-14
+    step = 2 * np.pi / rays
+    intervals = np.diff(grid.angles, append=2 * np.pi)
+    upper = np.abs(grid.angles + 0.5 * intervals - np.pi) < 10 / 29 * np.pi
+    np.testing.assert_allclose(intervals[upper], step / refinement, rtol=1e-12)
+    np.testing.assert_allclose(intervals[~upper], step, rtol=1e-12)
+
+
+def test_refined_ring_has_the_base_of_the_even_one():
+    even, refined = sm.door_seal(), sm.door_seal(refinement=3)
+    np.testing.assert_allclose(
+        refined.drawn_particles[refined.grid.base], even.drawn_particles[even.grid.base], atol=1e-14
+    )
+
+
 def test_support_is_measured_by_the_longest_edge_at_each_particle():
     model = sm.door_seal()
     radius = support_radii(model.grid.cells, model.drawn_particles, 2.0)

@@ -5,7 +5,13 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.seals.door.door_seal import ACCURACIES
-from seal_mdao.verification.error_sources import boundary_gaps, drawn, flat_errors, worst_error
+from seal_mdao.verification.error_sources import (
+    boundary_gaps,
+    drawn,
+    flat_errors,
+    largest_opened_gap,
+    worst_error,
+)
 from seal_mdao.verification.flexure import bend_block
 
 PRODUCT = ACCURACIES["engineering"]["support"]
@@ -22,6 +28,16 @@ def test_engineering_accuracy_is_within_half_a_percent(figure):
     steps = ACCURACIES["engineering"]["n_steps"]
     error = np.abs(flat_errors(accuracy="engineering", n_steps=steps)).max()
     figure("flat door, engineering accuracy: reaction at 2 ... 10 mm", error, 5e-3)
+
+
+@pytest.mark.long
+def test_gap_accuracy_is_within_two_percent(figure):
+    """Of a ring with some four times as many particles, evaluated between particles too."""
+    error = np.abs(flat_errors(accuracy="gaps", n_steps=35)).max()
+    figure("flat door, accuracy for gaps: reaction at 2 ... 10 mm", error, 5e-3)
+    limit = largest_opened_gap(drawn(accuracy="gaps", rays=174, layers=7, refinement=2))
+    found = largest_opened_gap(drawn(accuracy="gaps"))
+    figure("corner door, accuracy for gaps: largest gap", abs(found / limit - 1.0), 2e-2)
 
 
 def test_rays_alone_do_not_make_it_worse_with_product_kernels():

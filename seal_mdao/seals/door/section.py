@@ -58,6 +58,15 @@ class Section:
         return self.outer_radius / np.cos(np.where(d < 2 * self.base_angle, tilt, 0.0))
 
 
+UPPER = 20 / 58
+"""Share of the ring that a door presses: 62 degrees to either side of straight up."""
+
+
+def _upper(rays: int) -> int:
+    """Intervals of an even ring that are refined."""
+    return round(UPPER * rays)
+
+
 @dataclass(frozen=True)
 class RingGrid(WallGrid):
     """The wall of the door seal.
@@ -66,9 +75,25 @@ class RingGrid(WallGrid):
     ----------
     base_columns : int
         Rays on either side of straight down whose outer particle lies on the flat base.
+    refinement : int
+        Into how many the intervals of an even ring are divided in its upper part; ``rays`` counts all.
     """
 
     base_columns: int
+    refinement: int = 1
+
+    @classmethod
+    def refined(cls, rays: int, layers: int, base_columns: int, refinement: int) -> "RingGrid":
+        """The grid of an even ring of ``rays``, its upper part refined."""
+        return cls(rays + (refinement - 1) * _upper(rays), layers, base_columns, refinement)
+
+    @property
+    def angles(self) -> np.ndarray:
+        even = round(self.rays / (1.0 + (self.refinement - 1) * UPPER))
+        middle, half = even // 2, _upper(even) // 2
+        before, after = np.arange(middle - half), np.arange(middle + half, even)
+        above = middle - half + np.arange(2 * half * self.refinement) / self.refinement
+        return 2 * np.pi * np.concatenate([before, above, after]) / even
 
     @property
     def base(self) -> np.ndarray:
