@@ -17,8 +17,8 @@ import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
 
 SEAL_OPTIONS = (
-    "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "support",
-    "n_steps", "depth", "normal_penalty", "tangent_penalty",
+    "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "refinement",
+    "support", "n_steps", "depth", "normal_penalty", "tangent_penalty",
 )  # fmt: skip
 
 
@@ -80,6 +80,7 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
     add("segments", int, "straight segments of the door; exact curve when left out", metavar="N")
     add("rays", int, "particles around the ring, a multiple of 58", metavar="N")
     add("layers", int, "particles across the wall", metavar="N")
+    add("refinement", int, "parts of an interval between rays where the door presses", metavar="N")
     add("support", float, "kernel support over the longest cell edge", metavar="S")
     add("n_steps", int, "load steps", metavar="N")
     add("depth", float, "final depth of the door below the top of the drawn seal", metavar="MM")
