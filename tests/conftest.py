@@ -78,9 +78,9 @@ def flat():
 
 @pytest.fixture(scope="session")
 def cut():
-    """A path on which steps have to be halved: few iterations are allowed."""
-    few = sm.NewtonOptions(tolerance=1e-11, max_iterations=4, damped_iterations=0)
-    return sm.analyze(sm.door_seal(newton=few), keep_factors=True)
+    """A path with halved steps that cannot be solved as one: too few iterations are allowed."""
+    few = sm.NewtonOptions(tolerance=1e-11, max_iterations=3, damped_iterations=0)
+    return sm.analyze(sm.door_seal(newton=few, n_steps=20), keep_factors=True)
 
 
 @pytest.fixture(scope="session")

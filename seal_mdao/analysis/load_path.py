@@ -2,7 +2,7 @@
 
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
 Where a term gives two estimates of how its force changes, the one with the smaller residual is taken.
-Where Newton's method fails under friction, damped motion is tried before the step is halved.
+A step that was halved is solved as one from where its parts led, under friction.
 Where the smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
 Where equilibrium is not stable, the path goes on to a stable one (``stability``).
 
@@ -19,7 +19,7 @@ from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
-from seal_mdao.analysis.quasi_newton import quasi_newton
+from seal_mdao.analysis.quasi_newton import Reuse, quasi_newton
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.stability import (
     critical_mode,
@@ -32,8 +32,8 @@ from seal_mdao.analysis.stability import (
 )
 from seal_mdao.analysis.threads import one_blas_thread
 
-# Damped motion that takes more iterations is not worth more than a halved step.
-AT_ONCE = 40
+# Equilibrium that is near by is found by damped motion within so many iterations.
+NEAR = 40
 # A step that is not stable, or jumps, is halved that often: the path leaves its branch near the end.
 NEAR_THE_END = 5
 # Damped motion that has found no equilibrium within so many iterations gives way to descent.
@@ -68,51 +68,30 @@ def _bend(step: ConvergedStep, before: ConvergedStep, euler) -> np.ndarray | Non
     return missed / (step.fraction - before.fraction) ** 2
 
 
-def _correct(problem, guess, target, last, options):
+def _correct(problem, guess, target, last, options, reuse):
     """Equilibrium from the predictor ``guess``, as ``newton`` returns it.
 
     Where old factors are not reused, or did not lead there, Newton's method finds it.
     """
     tried = ()
-    if problem.discretization.layout.storage.reuses_factors:
+    if problem.discretization.layout.storage.reuses_factors and reuse.is_due():
         status, d, tried = quasi_newton(problem, guess, target, last, options)
+        reuse.learn(status is Status.CONVERGED)
         if status is Status.CONVERGED:
             return status, d, tried
     status, d, residuals = newton(problem, guess, target, last.after, options)
     return status, d, tried + residuals
 
 
-def _equilibrium(problem, guess, target, last, options):
+def _equilibrium(problem, guess, target, last, options, reuse):
     """Equilibrium as ``newton`` returns it; UNSTABLE or JUMPED where the path should not go there."""
-    status, d, residuals = _correct(problem, guess, target, last, options)
+    status, d, residuals = _correct(problem, guess, target, last, options, reuse)
     if status is Status.CONVERGED and follows_stable(problem, options):
         if jumped(problem, d, guess, last):
             status = Status.JUMPED
         elif not problem.factor.positive:
             status = Status.UNSTABLE
     return status, d, residuals
-
-
-def _may_slide(problem: PathProblem, last: ConvergedStep) -> bool:
-    """Whether anything that remembers where it was has touched."""
-    return any(
-        term.remembers and response.branch.any()
-        for term, response in zip(problem.terms, last.responses, strict=True)
-    )
-
-
-def _slid_on(problem, guess, target, last, options, note):
-    """Equilibrium as ``newton`` returns it, where damped motion soon comes to rest; else None.
-
-    A halved step of a path with friction is another path, and measures jump where a change of the
-    design makes Newton's method need it. Mostly a few points slide on, and the whole step has its
-    equilibrium.
-    """
-    few = replace(options, damped_iterations=min(AT_ONCE, options.damped_iterations))
-    status, d, residuals = relax(problem, guess, target, last.after, few, note)
-    if status is Status.CONVERGED and not jumped(problem, d, guess, last):
-        return status, d, residuals
-    return None
 
 
 def _most_cuts(status: Status, options: NewtonOptions) -> int:
@@ -146,22 +125,19 @@ class _Walk:
         self.problem, self.options, self.memory, self.note = problem, options, memory, note
         self.start = self.last = _initial_step(problem)
         self.steps, self.points, self.cuts, self.bend = [], [], 0, None
+        self.reuse = Reuse()
 
     def nominal_step(self, nominal: int) -> PathResult | None:
         """Make the nominal step, halved where need be; the failed path where it ends in it."""
-        problem, options = self.problem, self.options
-        pending = [1.0]
+        problem, options, begin = self.problem, self.options, len(self.steps)
+        memory, pending = self.memory, [1.0]
         while pending:
             share, last = pending.pop(), self.last
             target = nominal + 1.0 if not pending else last.fraction + share
             euler = problem.predict(last, problem.factor, target)
             bent = 0.0 if self.bend is None else (target - last.fraction) ** 2 * self.bend
             guess = problem.closest(euler + bent, target, last.after)
-            status, d, residuals = _equilibrium(problem, guess, target, last, options)
-            if status is not Status.CONVERGED and share == 1.0 and _may_slide(problem, last):
-                failed = status, d, residuals
-                slid = _slid_on(problem, guess, target, last, options, self.note)
-                status, d, residuals = slid or failed
+            status, d, residuals = _equilibrium(problem, guess, target, last, options, self.reuse)
             if status is not Status.CONVERGED and 0.5 * share >= 0.5 ** _most_cuts(status, options):
                 self.cuts, self.bend = self.cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
@@ -179,6 +155,8 @@ class _Walk:
                 pending = pending if target < nominal + 1.0 else []
             self._add(-1 if pending else nominal, target, d, residuals, point)
             self.bend = _bend(self.last, last, euler[0])
+        if len(self.steps) > begin + 1 and problem.remembers:
+            self._as_one(begin, memory)
         return None
 
     def _add(self, nominal: int, target: float, d, residuals: tuple, point=None) -> None:
@@ -191,6 +169,28 @@ class _Walk:
             point = flagged(problem, self.last, before)
         self.points += [] if point is None else [point]
         self.steps.append(self.last)
+
+    def _as_one(self, begin: int, memory: float) -> None:
+        """Solve the nominal step whose parts begin at place ``begin`` as one, from where they led.
+
+        Under friction a step in parts is another path, and measures would jump where a change of the
+        design makes Newton's method need them. Where there is no equilibrium nearby the parts stay.
+        """
+        problem, parts = self.problem, self.last
+        first = self.steps[begin - 1] if begin else self.start
+        target, history = parts.fraction, first.after
+        tried = tuple(size for step in self.steps[begin:] for size in step.residuals[:-1])
+        status, d, residuals = newton(problem, parts.d, target, history, self.options)
+        if status is not Status.CONVERGED:
+            tried += residuals
+            few = replace(self.options, damped_iterations=min(NEAR, self.options.damped_iterations))
+            status, d, residuals = relax(problem, parts.d, target, history, few, self.note)
+        if status is not Status.CONVERGED or jumped(problem, d, parts.d, first):
+            problem.factorize_at(parts)
+            return
+        del self.steps[begin:]
+        self.last, self.memory, self.bend = first, memory, None
+        self._add(parts.nominal, target, d, tried + residuals)
 
     def check_end(self) -> None:
         """Ask whether the last step is stable, at any cost."""

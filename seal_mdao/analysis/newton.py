@@ -22,10 +22,10 @@ class NewtonOptions:
     max_iterations : int
         Newton iterations before a step is cut.
     max_cuts : int
-        How often a step may be halved.
+        How often a step may be halved. Under friction a nominal step that was halved is solved as one
+        in the end, from where its parts led.
     damped_iterations : int
-        Most iterations of damped motion where the smallest step fails, and, under friction, some 40
-        where a whole one does (``pseudo_time``); 0 for none.
+        Most iterations of damped motion where the smallest step fails (``pseudo_time``); 0 for none.
         Where points slide on a little 10 to 40 are needed, where the seal sways to another state
         some thousands. They end early where the seal moves off altogether.
     branch : {"stable", "primary"}

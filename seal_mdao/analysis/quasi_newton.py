@@ -29,6 +29,26 @@ LIMIT, PATIENCE = 25, 6
 MOST_NEW_CONTACTS = 10
 
 
+class Reuse:
+    """Whether old factors are worth a try: after n failures in a row 2^(n-1) - 1 solutions go without.
+
+    Large load steps mostly change too much for them, and what was tried is lost.
+    """
+
+    def __init__(self):
+        self.failures, self.rests = 0, 0
+
+    def is_due(self) -> bool:
+        """Asked before every solution."""
+        self.rests -= 1
+        return self.rests < 0
+
+    def learn(self, converged: bool) -> None:
+        """Told after every try."""
+        self.failures = 0 if converged else self.failures + 1
+        self.rests = 2 ** max(self.failures - 1, 0) - 1
+
+
 class CarriedFactor:
     """f K0^-1 f^T: the inverse of an old tangent, carried along with a deformation.
 

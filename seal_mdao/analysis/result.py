@@ -82,7 +82,7 @@ class PathResult:
     start : ConvergedStep
         The undeformed state, in which the history begins.
     steps : list of ConvergedStep
-        All converged steps in order, cut ones included.
+        All converged steps in order, with the parts of those that could not be solved as one.
     status : Status
         CONVERGED, or why the last attempt failed.
     step_cuts : int

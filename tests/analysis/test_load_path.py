@@ -1,6 +1,7 @@
 """Stepping: cuts, what is recorded, where a path ends and what it says then; equilibrium."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,13 +26,13 @@ def heights(seal):
 
 
 def test_cut_steps_are_recorded_with_their_parts(cut):
-    """Every cut adds one converged step, at a dyadic share of the nominal one."""
+    """At dyadic shares of the nominal one; most are solved as one in the end."""
     path = cut.path
     parts = [step for step in path.steps if step.nominal < 0]
     assert path.converged
-    assert path.step_cuts == len(parts) >= 2
-    assert len(path.steps) == 105 + path.step_cuts
-    assert [step.nominal for step in path.nominal_steps] == list(range(105))
+    assert path.step_cuts > len(parts) >= 2
+    assert len(path.steps) == 20 + len(parts)
+    assert [step.nominal for step in path.nominal_steps] == list(range(20))
     assert np.all(np.diff([step.fraction for step in path.steps]) > 0.0)
     for step in parts:
         share = step.fraction % 1.0
@@ -39,16 +40,12 @@ def test_cut_steps_are_recorded_with_their_parts(cut):
         assert share * 2**cut.seal.newton.max_cuts % 1.0 == 0.0
 
 
-def test_no_step_takes_more_iterations_than_allowed(cut):
-    assert max(step.iterations for step in cut.path.steps) <= 4
-
-
 def test_results_count_nominal_steps_only(cut):
     path = cut.path
-    assert cut.reaction.shape == (105, 2)
-    assert path.newton_iterations.shape == (105,)
+    assert cut.reaction.shape == (20, 2)
+    assert path.newton_iterations.shape == (20,)
     assert path.newton_iterations.sum() == sum(step.iterations for step in path.steps)
-    assert contact_states(cut).shape == (105 + path.step_cuts, 51)
+    assert contact_states(cut).shape == (len(path.steps), 51)
     np.testing.assert_allclose(cut.door_positions, heights(cut.seal)[1:], rtol=0.0, atol=1e-14)
 
 
@@ -59,10 +56,27 @@ def test_every_step_begins_with_the_history_that_the_last_one_left(cut):
         np.testing.assert_array_equal(before.variables, after.variables)
 
 
-def test_cuts_hardly_change_the_path(cut, drawn):
-    """Halved steps are steps like any other; the accumulated rule needs no particular length."""
-    np.testing.assert_allclose(cut.reaction, drawn.reaction, rtol=0.0, atol=0.02)
-    np.testing.assert_allclose(cut.deformed(), drawn.deformed(), rtol=0.0, atol=1e-3)
+@pytest.mark.parametrize("rule", ["accumulated", "incremental"])
+def test_cuts_do_not_change_the_path(rule):
+    """A step that was halved is solved as one from where its parts led."""
+    seal = sm.door_seal(friction_history=rule, n_steps=40, newton=sm.NewtonOptions(tolerance=1e-11))
+    few = sm.NewtonOptions(tolerance=1e-11, max_iterations=3)
+    cut, whole = sm.analyze(seal.with_(newton=few)), sm.analyze(seal)
+    assert cut.path.step_cuts > whole.path.step_cuts == 0
+    assert len(cut.path.steps) == 40
+    # each step stops within the tolerance of its forces; a stiff contact divides by little
+    scale = np.abs(whole.reaction).max()
+    np.testing.assert_allclose(cut.reaction, whole.reaction, rtol=0.0, atol=1e-8 * scale)
+    np.testing.assert_allclose(cut.deformed(), whole.deformed(), rtol=0.0, atol=1e-8)
+    np.testing.assert_array_equal(contact_states(cut), contact_states(whole))
+
+
+def test_parts_of_a_step_hardly_change_the_path(cut):
+    """Where they stay: the accumulated rule needs no particular length."""
+    whole = sm.analyze(sm.door_seal(n_steps=20))
+    assert whole.path.step_cuts == 0
+    np.testing.assert_allclose(cut.reaction, whole.reaction, rtol=0.0, atol=0.2)
+    np.testing.assert_allclose(cut.deformed(), whole.deformed(), rtol=0.0, atol=1e-2)
 
 
 def test_callback_sees_every_nominal_step_once_and_in_order():
@@ -114,15 +128,14 @@ def test_measures_of_a_failed_path_are_refused(buckled):
 
 
 def test_without_cuts_the_path_ends_at_the_first_difficult_step(cut):
-    model = cut.seal.with_(
-        newton=sm.NewtonOptions(tolerance=1e-11, max_iterations=4, max_cuts=0, damped_iterations=0)
-    )
+    model = cut.seal.with_(newton=replace(cut.seal.newton, max_cuts=0))
     result = sm.analyze(model)
-    first = next(step for step in cut.path.steps if step.nominal < 0)
     assert not result.converged
     assert result.step_cuts == 0
-    assert len(result.path.steps) == int(first.fraction)
-    np.testing.assert_array_equal(result.reaction, cut.reaction[: len(result.reaction)])
+    done = len(result.path.steps)
+    assert 0 < done < 20
+    np.testing.assert_array_equal(result.reaction, cut.reaction[:done])
+    assert cut.path.newton_iterations[done] > cut.seal.newton.max_iterations
 
 
 def test_steps_before_touching_move_nothing(drawn):
