@@ -16,10 +16,12 @@ from seal_mdao.analysis.storage import Scheme, Storage
 
 SOLVERS = ("auto", "banded", "superlu", "pardiso")
 
-# A Newton solution of a load step with a band costs some 3 n width^2; with a sparse storage it is one
-# factorisation of about n^1.5 and a few quasi-Newton iterations. Measured on one core with 300 to
-# 6,000 unknowns, the band wins up to a half-width of some 26 n^(1/4), that is to about 600 unknowns.
-WIDEST_BAND = 26.0
+# The band does without fill-in and in large blocks, but every Newton iteration factorises it; a sparse
+# storage takes one factorisation a step and a few quasi-Newton iterations. With r entries of the band
+# for one of the pattern and n unknowns the former takes (r n^(1/5) / 10.5)^1.1 of the time of the
+# latter: fitted on one core to sixteen rings with 330 to 2,400 unknowns and shares of 0.67 to 1.6, to
+# a sixth; all fall on the right side of 1.
+WIDEST_BAND = 10.5
 
 
 class BandedFactor:
@@ -155,7 +157,8 @@ def storage_for(solver: str, n: int, width: int, equations, coupling) -> Storage
     Parameters
     ----------
     solver : {"auto", "banded", "superlu", "pardiso"}
-        "auto" takes the band where it is narrow, else PARDISO where pypardiso is installed.
+        "auto" takes the band where it is hardly wider than the pattern, else PARDISO where pypardiso
+        is installed.
     equations : ndarray of int, shape (n_particles, 2)
     coupling : csr_array
         Coupled particles.
@@ -171,7 +174,8 @@ def storage_for(solver: str, n: int, width: int, equations, coupling) -> Storage
         raise ValueError(f"solver must be one of {SOLVERS}, got {solver!r}")
     if solver == "auto":
         sparse = "pardiso" if find_spec("pypardiso") else "superlu"
-        solver = "banded" if width <= WIDEST_BAND * n**0.25 else sparse
+        entries = width * n / (2.0 * coupling.nnz)
+        solver = "banded" if entries * n**0.2 <= WIDEST_BAND else sparse
     if solver == "banded":
         return BandedStorage(n, width)
     storage = SparseStorage if solver == "superlu" else PardisoStorage

@@ -108,7 +108,7 @@ def test_unknown_solver_is_refused(rng):
 
 def test_automatic_choice_takes_the_band_for_a_ring_and_compressed_columns_for_wide_bodies(rng):
     narrow = square(rng, n=6).layout
-    wide = square(rng, n=20).layout
+    wide = square(rng, n=40).layout
     assert isinstance(narrow.storage, BandedStorage)
     assert not isinstance(wide.storage, BandedStorage)
 
