@@ -52,7 +52,7 @@ def _initial_step(problem: PathProblem) -> ConvergedStep:
     for term, response in zip(problem.terms, problem.responses, strict=True):
         term.check_start(response)
     problem.factorize()
-    return _record(problem, -1, 0.0, d, history, (0.0,), None)
+    return _record(problem, -1, 0.0, d, history, (0.0,), None, is_stable(problem))
 
 
 def _bend(step: ConvergedStep, before: ConvergedStep, euler) -> np.ndarray | None:
@@ -100,12 +100,11 @@ def _most_cuts(status: Status, options: NewtonOptions) -> int:
     return min(NEAR_THE_END, options.max_cuts) if near else options.max_cuts
 
 
-def _record(problem, nominal, fraction, d, before, residuals, factor) -> ConvergedStep:
+def _record(problem, nominal, fraction, d, before, residuals, factor, stable) -> ConvergedStep:
     responses = tuple(response.kept() for response in problem.responses)
     return ConvergedStep(
-        nominal, fraction, d, before, responses, len(residuals) - 1, residuals, factor,
-        is_stable(problem),
-    )  # fmt: skip
+        nominal, fraction, d, before, responses, len(residuals) - 1, residuals, factor, stable
+    )
 
 
 class _Walk:
@@ -114,6 +113,8 @@ class _Walk:
     Parameters
     ----------
     problem : PathProblem
+    n_steps : int
+        Nominal load steps; the last one is asked whether it is stable, at any cost.
     options : NewtonOptions
     memory : float
         Bytes for the factors that are kept.
@@ -121,8 +122,11 @@ class _Walk:
         Called in every iteration of damped motion.
     """
 
-    def __init__(self, problem: PathProblem, options: NewtonOptions, memory: float, note):
-        self.problem, self.options, self.memory, self.note = problem, options, memory, note
+    def __init__(
+        self, problem: PathProblem, n_steps: int, options: NewtonOptions, memory: float, note
+    ):
+        self.problem, self.n_steps, self.options = problem, n_steps, options
+        self.memory, self.note = memory, note
         self.start = self.last = _initial_step(problem)
         self.steps, self.points, self.cuts, self.bend = [], [], 0, None
         self.reuse = Reuse()
@@ -130,7 +134,7 @@ class _Walk:
     def nominal_step(self, nominal: int) -> PathResult | None:
         """Make the nominal step, halved where need be; the failed path where it ends in it."""
         problem, options, begin = self.problem, self.options, len(self.steps)
-        memory, pending = self.memory, [1.0]
+        memory, n_points, pending = self.memory, len(self.points), [1.0]
         while pending:
             share, last = pending.pop(), self.last
             target = nominal + 1.0 if not pending else last.fraction + share
@@ -156,7 +160,7 @@ class _Walk:
             self._add(-1 if pending else nominal, target, d, residuals, point)
             self.bend = _bend(self.last, last, euler[0])
         if len(self.steps) > begin + 1 and problem.remembers:
-            self._as_one(begin, memory)
+            self._as_one(begin, memory, n_points)
         return None
 
     def _add(self, nominal: int, target: float, d, residuals: tuple, point=None) -> None:
@@ -164,13 +168,14 @@ class _Walk:
         problem, before = self.problem, self.last
         self.memory -= problem.factor.nbytes
         kept = problem.factor.kept() if self.memory >= 0.0 else None
-        self.last = _record(problem, nominal, target, d, before.after, residuals, kept)
+        stable = is_stable(problem, at_any_cost=nominal + 1 == self.n_steps)
+        self.last = _record(problem, nominal, target, d, before.after, residuals, kept, stable)
         if point is None and before.stable and not self.last.stable:
             point = flagged(problem, self.last, before)
         self.points += [] if point is None else [point]
         self.steps.append(self.last)
 
-    def _as_one(self, begin: int, memory: float) -> None:
+    def _as_one(self, begin: int, memory: float, n_points: int) -> None:
         """Solve the nominal step whose parts begin at place ``begin`` as one, from where they led.
 
         Under friction a step in parts is another path, and measures would jump where a change of the
@@ -190,15 +195,9 @@ class _Walk:
             return
         del self.steps[begin:]
         self.last, self.memory, self.bend = first, memory, None
-        self._add(parts.nominal, target, d, tried + residuals)
-
-    def check_end(self) -> None:
-        """Ask whether the last step is stable, at any cost."""
-        stable = is_stable(self.problem, at_any_cost=True)
-        if self.last.stable and not stable:
-            before = self.steps[-2] if len(self.steps) > 1 else self.start
-            self.points += [flagged(self.problem, self.last, before)] if before.stable else []
-        self.last = self.steps[-1] = replace(self.last, stable=stable)
+        # where stability was lost in the parts is not told twice
+        point = self.points.pop() if len(self.points) > n_points else None
+        self._add(parts.nominal, target, d, tried + residuals, point)
 
     def _failed(self, status: Status, failure: str, damped: str) -> PathResult:
         # nothing is differentiated; an exception that holds the path stays small
@@ -247,13 +246,13 @@ def solve_path(
         When the undeformed state is not admissible (a body that starts inside a rigid profile).
     """
     options = NewtonOptions() if options is None else options
-    walk = _Walk(problem, options, factor_memory * 2**30, getattr(callback, "damped", None))
+    walk = _Walk(
+        problem, n_steps, options, factor_memory * 2**30, getattr(callback, "damped", None)
+    )
     for nominal in range(n_steps):
         failed = walk.nominal_step(nominal)
         if failed is not None:
             return failed
-        if nominal + 1 == n_steps:
-            walk.check_end()
         if callback is not None:
             callback(walk.last)
     return walk.completed()

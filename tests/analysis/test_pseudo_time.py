@@ -53,7 +53,7 @@ def test_damped_motion_completes_the_path(sliding, stuck):
     path = sliding.path
     assert sliding.converged
     assert len(path.steps) == 105
-    for one, other in zip(path.steps[:done], stuck.path.steps, strict=False):
+    for one, other in zip(path.steps[:done], stuck.path.steps[:done], strict=True):
         np.testing.assert_array_equal(one.d, other.d)
     moved = np.abs(path.steps[done].d - path.steps[done - 1].d).max()
     assert moved < 0.2
@@ -77,7 +77,8 @@ def test_steps_stay_whole_where_newtons_method_fails_beside_a_design():
     An optimiser came here: in the last step Newton's method converges at some designs of a line and
     not at those between them.
     """
-    seal = sm.door_seal(friction=0.15, friction_history="incremental", segments=32, newton=NEWTON)
+    few = replace(NEWTON, max_iterations=8)  # else rounding decides whether it converges
+    seal = sm.door_seal(friction=0.15, friction_history="incremental", segments=32, newton=few)
     offsets = 1e-3 * np.array([
         18, -83, -409, 240, -89, -485, -54, 308, 56, -459, 54, 85, -379, 113, -113, 192, 423, 247, 319,
         -272, 12, 392, 471, 251, 193,
