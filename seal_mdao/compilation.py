@@ -1,4 +1,8 @@
-"""Where compiled kernels are kept, and a word to the user while numba compiles them.
+"""How kernels are compiled, where they are kept, and a word to the user while numba compiles them.
+
+Most of the time goes to what surrounds a kernel. So those that only other kernels call get no
+wrappers for calls from Python (``internal``), none gets one for calls from C, and Python's search for
+cycles of garbage rests.
 
 Numba files a compiled kernel under its own source file. After an upgrade that is not enough: a kernel
 whose file stayed the same would go on with the old code of the kernels it calls, and types that have
@@ -8,6 +12,7 @@ Python takes what is left for a package without a word.
 """
 
 import atexit
+import gc
 import hashlib
 import os
 import shutil
@@ -23,10 +28,11 @@ import numba
 from numba import config
 from numba.core import event
 from numba.core.caching import CacheImpl, _CacheLocator
+from numba.extending import register_jitable
 from platformdirs import user_cache_path
 
 MESSAGE = (
-    "seal_mdao: compiling its kernels (some 20 s, more on a busy machine); later runs find them ..."
+    "seal_mdao: compiling its kernels (10 to 20 s, more on a busy machine); later runs find them ..."
 )
 ANNOUNCED = "SEAL_MDAO_COMPILATION_ANNOUNCED"
 """Set in the environment by the process that wrote the message; those it starts write none."""
@@ -111,24 +117,38 @@ def _delete_abandoned() -> None:
                 shutil.rmtree(folder)
 
 
-class _Announcement(event.Listener):
-    """Writes the message when the first kernel of this package is really compiled."""
+class _Compilation(event.Listener):
+    """Around what numba compiles: the message when it is the first kernel of this package, and a rest
+    for the search for garbage, which would go over all that numba has made again and again."""
+
+    def __init__(self):
+        self.depth, self.collects = 0, False
 
     def on_start(self, event):
         module = event.data["dispatcher"].py_func.__module__
         if ANNOUNCED not in os.environ and module.startswith("seal_mdao."):
             os.environ[ANNOUNCED] = "1"
             print(MESSAGE, file=sys.stderr, flush=True)
+        if self.depth == 0:
+            self.collects = gc.isenabled()
+            gc.disable()
+        self.depth += 1
 
     def on_end(self, event):
-        pass
+        self.depth -= 1
+        if self.depth == 0 and self.collects:
+            gc.enable()
 
 
-@cache
-def prepare_kernels() -> None:
-    """Have numba keep this package's kernels where ``KernelLocator`` says, and say when it compiles.
+# Kernels of this package are kept where ``KernelLocator`` says: this comes before the first of them.
+CacheImpl._locator_classes.insert(0, KernelLocator)
+event.register("numba:compile", _Compilation())
 
-    Every folder of ``KERNEL_FOLDERS`` calls this before its first kernel.
-    """
-    CacheImpl._locator_classes.insert(0, KernelLocator)
-    event.register("numba:compile", _Announcement())
+compiled = numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+"""Decorator of a kernel."""
+
+internal = register_jitable(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+"""Decorator of what only kernels call; called from Python it is not compiled."""
+
+inlined = numba.njit(cache=True, error_model="numpy", inline="always", no_cfunc_wrapper=True)
+"""Decorator of what is written into the kernels that call it."""

@@ -14,7 +14,7 @@ from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
-from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, ROUND, Cloud
+from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_table
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
 
@@ -145,7 +145,7 @@ class Body:
             float(self.support_radius.max()),
             BASIS_SIZE[self.basis_order],
             self.hidden,
-            ROUND if self.support_axes is None else self.support_axes,
+            self.support_axes,
         )
 
 

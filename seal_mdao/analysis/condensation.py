@@ -8,8 +8,9 @@ columns of C aside, and these few are multiplied by T once.
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
+
+from seal_mdao.compilation import compiled
 
 
 class Condensation(NamedTuple):
@@ -41,7 +42,7 @@ class Condensation(NamedTuple):
     first_column: int
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def condense_force(condensation, force):
     """Add T^T f_C of the raw ``force`` (n_equations + 2 c + 1) to its equations; the last collects
     imposed components."""
@@ -55,14 +56,16 @@ def condense_force(condensation, force):
             force[condensation.union_equations[i, b]] += pulled
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def condense_tangent(condensation, values):
-    """Add T^T K_C. N and K_.C T to the tangent buffer, from the rows and columns kept aside."""
+    """Add T^T K_C. N and K_.C T to the tangent buffer, from the rows and columns kept aside.
+
+    Loops where ``np.dot`` would do: that takes a second more to compile.
+    """
     matrix, at_c, at_u = condensation.matrix, condensation.constrained_at, condensation.union_at
     c, u = matrix.shape
     v = condensation.union_slots.shape[3]
-    turned = np.ascontiguousarray(matrix.T)
-    block, own, tall = np.empty((c, v)), np.empty((c, c)), np.empty((v, c))
+    block, row = np.empty((c, v)), np.empty(v)
     for i in range(2):
         for k in range(2):
             # rows (component, constrained; component, coupled), columns the other way round
@@ -71,23 +74,27 @@ def condense_tangent(condensation, values):
                 for b in range(v):
                     block[a, b] = values[first + 2 * a * v + b]
                 for b in range(c):
-                    own[a, b] = block[a, at_c[b]]
-                for b in range(c):
+                    row[b] = block[a, at_c[b]]
                     block[a, at_c[b]] = 0.0
-            folded = np.dot(own, matrix)
-            for a in range(c):
-                for b in range(u):
-                    block[a, at_u[b]] += folded[a, b]
-            _add(np.dot(turned, block), condensation.union_slots[i, :, k], values)
+                for b in range(c):
+                    for j in range(u):
+                        block[a, at_u[j]] += row[b] * matrix[b, j]
+            for j in range(u):
+                for b in range(v):
+                    row[b] = 0.0
+                for a in range(c):
+                    factor = matrix[a, j]
+                    for b in range(v):
+                        row[b] += factor * block[a, b]
+                for b in range(v):
+                    values[condensation.union_slots[i, j, k, b]] += row[b]
             first = condensation.first_column + (2 * k * v + i) * c
             for a in range(v):
+                for j in range(u):
+                    row[j] = 0.0
                 for b in range(c):
-                    tall[a, b] = values[first + 2 * a * c + b]
-            _add(np.dot(tall, matrix), condensation.coupled_slots[k, :, i], values)
-
-
-@nb.njit(cache=True, error_model="numpy")
-def _add(block, slots, values):
-    for a in range(block.shape[0]):
-        for b in range(block.shape[1]):
-            values[slots[a, b]] += block[a, b]
+                    factor = values[first + 2 * a * c + b]
+                    for j in range(u):
+                        row[j] += factor * matrix[b, j]
+                for j in range(u):
+                    values[condensation.coupled_slots[k, a, i, j]] += row[j]

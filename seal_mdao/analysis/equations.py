@@ -7,7 +7,6 @@ solver is behind. The last entry of the buffer collects what belongs to imposed 
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
@@ -17,6 +16,7 @@ from seal_mdao.analysis.corrected_factor import CorrectedFactor
 from seal_mdao.analysis.couplings import couplings
 from seal_mdao.analysis.linear_solver import storage_for
 from seal_mdao.analysis.storage import Scheme, Storage
+from seal_mdao.compilation import compiled, inlined
 from seal_mdao.rkpm.sorted_lists import first_not_below
 
 # The band is narrowed by trying that many starting particles in the body, and at its base.
@@ -138,12 +138,7 @@ class TangentLayout:
         slots : ndarray of int32
             Flat (pair, column, row), each ordered (component, neighbour).
         """
-        count = np.diff(table.start)
-        sizes = 4 * count[pairs[:, 0]] * count[pairs[:, 1]]
-        start = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
-        slots = np.empty(start[-1], np.int32)
-        _fill_pair_slots(table, pairs, self.places, start, slots)
-        return start, slots
+        return _slots(table.start, table.neighbours, pairs, self.places)
 
     @property
     def uncoupled(self) -> Scatter:
@@ -163,20 +158,13 @@ class TangentLayout:
         return padded[self.equations]
 
 
-@nb.njit(cache=True, error_model="numpy")
-def _half_width(start, neighbours, equations):
+def _half_width(coupling, equations) -> int:
     """Largest distance between the equations of coupled particles."""
-    width = 0
-    for row in range(start.size - 1):
-        for i in range(2):
-            own = equations[row, i]
-            if own < 0:
-                continue
-            for near in neighbours[start[row] : start[row + 1]]:
-                for k in range(2):
-                    if equations[near, k] >= 0:
-                        width = max(width, abs(equations[near, k] - own))
-    return width
+    count = np.diff(coupling.indptr)
+    highest, free = equations.max(axis=1), equations >= 0
+    lowest = np.where(free, equations, equations.max()).min(axis=1)
+    rows, columns = np.repeat(lowest, count), highest[coupling.indices]
+    return int(np.max(columns - rows, initial=0))
 
 
 def _number(fixed, order) -> np.ndarray:
@@ -223,7 +211,7 @@ def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, 
         if order.size == movable.size:
             orders.append(order)
     numbered = [_number(fixed, movable[order]) for order in orders]
-    widths = [_half_width(coupling.indptr, coupling.indices, number) for number in numbered]
+    widths = [_half_width(coupling, number) for number in numbered]
     best = int(np.argmin(widths))
     return numbered[best], widths[best]
 
@@ -255,7 +243,7 @@ class _Places(NamedTuple):
     dump: int
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _stored(places, row, column):
     """Slot of the entry of two equations."""
     if row < 0 or column < 0:
@@ -267,7 +255,7 @@ def _stored(places, row, column):
     return first_not_below(scheme.indices, row, first, end)
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _slot(places, p, i, q, k):
     """Slot of row (particle p, component i) and column (q, k)."""
     row, column = places.equations[p, i], places.equations[q, k]
@@ -282,24 +270,12 @@ def _slot(places, p, i, q, k):
     return _stored(places, row, column)
 
 
-@nb.njit(cache=True, error_model="numpy")
-def _fill_slots(table, places, begin, slots):
-    """Slots of all groups of a table."""
-    for g in range(table.start.size - 1):
-        near = table.neighbours[table.start[g] : table.start[g + 1]]
-        n, at = near.size, begin[g]
-        for j in range(2 * n):
-            for i in range(2 * n):
-                slots[at] = _slot(places, near[i % n], i // n, near[j % n], j // n)
-                at += 1
-
-
-@nb.njit(cache=True, error_model="numpy")
-def _fill_pair_slots(table, pairs, places, begin, slots):
-    """Slots of pairs of points."""
+@compiled
+def _fill_slots(start, neighbours, pairs, places, begin, slots):
+    """Slots of pairs of groups, the one of the rows and the one of the columns."""
     for m in range(len(pairs)):
-        rows = table.neighbours[table.start[pairs[m, 0]] : table.start[pairs[m, 0] + 1]]
-        columns = table.neighbours[table.start[pairs[m, 1]] : table.start[pairs[m, 1] + 1]]
+        rows = neighbours[start[pairs[m, 0]] : start[pairs[m, 0] + 1]]
+        columns = neighbours[start[pairs[m, 1]] : start[pairs[m, 1] + 1]]
         at = begin[m]
         for j in range(2 * columns.size):
             for i in range(2 * rows.size):
@@ -310,14 +286,15 @@ def _fill_pair_slots(table, pairs, places, begin, slots):
                 at += 1
 
 
-@nb.njit(cache=True, error_model="numpy")
-def _fill_block(places, rows, columns, slots):
-    """``slots`` (2, r, 2, s) of the equations ``rows`` (2, r) and ``columns`` (2, s)."""
-    for i in range(2):
-        for a in range(rows.shape[1]):
-            for k in range(2):
-                for b in range(columns.shape[1]):
-                    slots[i, a, k, b] = _stored(places, rows[i, a], columns[k, b])
+def _slots(start, neighbours, pairs, places) -> tuple:
+    """Where the slots of every pair of groups begin, and the slots: flat (pair, column, row), columns
+    and rows ordered (component, neighbour)."""
+    count = np.diff(start)
+    sizes = 4 * count[pairs[:, 0]] * count[pairs[:, 1]]
+    begin = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+    slots = np.empty(begin[-1], np.int32)
+    _fill_slots(start, neighbours, pairs, places, begin, slots)
+    return begin, slots
 
 
 def equation_numbers(fixed: np.ndarray, tables, transformation=None) -> np.ndarray:
@@ -357,7 +334,7 @@ def tangent_layout(
     if transformation is not None:
         constrained = transformation.constrained
     coupled, coupling = couplings(len(equations), tables, transformation, links)
-    width = _half_width(coupling.indptr, coupling.indices, equations)
+    width = _half_width(coupling, equations)
     n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
     storage = storage_for(solver, n, width, equations, coupling)
     places = _Places(
@@ -368,10 +345,9 @@ def tangent_layout(
     places.coupled[coupled] = np.arange(v)
     scatter = []
     for table in tables:
-        begin = np.concatenate([[0], np.cumsum((2 * np.diff(table.start)) ** 2)])
-        slots = np.empty(begin[-1], np.int32)
-        _fill_slots(table, places, begin, slots)
-        scatter.append(Scatter(places.equations, begin, slots))
+        with_itself = np.repeat(np.arange(table.n_groups), 2).reshape(-1, 2)
+        slots = _slots(table.start, table.neighbours, with_itself, places)
+        scatter.append(Scatter(places.equations, *slots))
     condensation = (
         None
         if transformation is None
@@ -385,16 +361,18 @@ def tangent_layout(
 
 def _condensation(transformation, coupled, equations, places) -> Condensation:
     """Where the products of T with the constrained rows and columns go."""
-    union = transformation.union
-    of_union = np.ascontiguousarray(equations[union].T)
-    of_coupled = np.ascontiguousarray(equations[coupled].T)
-    union_slots = np.empty((2, union.size, 2, coupled.size), np.int32)
-    coupled_slots = np.empty((2, coupled.size, 2, union.size), np.int32)
-    _fill_block(places, of_union, of_coupled, union_slots)
-    of_coupled[:, places.coupled[transformation.constrained]] = -1
-    _fill_block(places, of_coupled, of_union, coupled_slots)
+    union, constrained = transformation.union, transformation.constrained
+    start = np.array([0, union.size, union.size + coupled.size])
+    own, pairs = places._replace(equations=equations), np.array([[0, 1], [1, 0]])
+    _, slots = _slots(start, np.concatenate([union, coupled]), pairs, own)
+    rows, columns = slots.reshape(2, -1)
+    # flat (column, row), in the order of ``Condensation``
+    union_slots = rows.reshape(2, coupled.size, 2, union.size).transpose(2, 3, 0, 1)
+    coupled_slots = columns.reshape(2, union.size, 2, coupled.size).transpose(2, 3, 0, 1).copy()
+    coupled_slots[:, places.coupled[constrained]] = places.dump  # their rows are kept aside
     return Condensation(
-        np.ascontiguousarray(transformation.matrix), places.coupled[transformation.constrained],
-        places.coupled[union], of_union, union_slots, coupled_slots, places.n_equations,
-        places.first_row, places.first_column,
+        np.ascontiguousarray(transformation.matrix), places.coupled[constrained],
+        places.coupled[union], np.ascontiguousarray(equations[union].T),
+        np.ascontiguousarray(union_slots), coupled_slots, places.n_equations, places.first_row,
+        places.first_column,
     )  # fmt: skip

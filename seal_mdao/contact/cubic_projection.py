@@ -5,13 +5,13 @@ derivative it is monotonic, and so on down to degree one: every zero is brackete
 no starting value decides.
 """
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import inlined, internal
 from seal_mdao.geometry.curve import END_SLACK
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _horner(p, degree, u):
     """Value and slope of sum_k p_k u^k."""
     value, slope = p[degree], 0.0
@@ -21,7 +21,7 @@ def _horner(p, degree, u):
     return value, slope
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _bracketed(p, degree, low, high, low_value):
     """The zero between ``low`` and ``high``: Newton, halving where it would leave the bracket."""
     u = 0.5 * (low + high)
@@ -42,7 +42,7 @@ def _bracketed(p, degree, low, high, low_value):
     return u
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def zeros_of_quintic(p, zeros):
     """Zeros of sum_k p_k u^k, k = 0..5, for 0 < u <= 1.
 
@@ -83,7 +83,7 @@ def zeros_of_quintic(p, zeros):
     return count
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _end(coefficient, length, u, x, y, open_end):
     """Distance squared and s of the end u = 0 or 1, or of its tangent beyond it."""
     c0, c1, c2, c3 = coefficient[0], coefficient[1], coefficient[2], coefficient[3]
@@ -101,7 +101,7 @@ def _end(coefficient, length, u, x, y, open_end):
     return square, s + beyond
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def nearest_on_cubic(coefficient, length, x, y, open_start, open_end):
     """Distance squared to the nearest point of a cubic piece, and its s = xi - start.
 

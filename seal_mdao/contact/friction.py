@@ -17,10 +17,10 @@ to the arc length errs least.
 import math
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
 from seal_mdao import values
+from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.contact.kinematics import closest_point, contact_frame, rates, way_along, whole_turns
 from seal_mdao.geometry.curve import curve_velocity
 from seal_mdao.geometry.pose import in_frame, turned
@@ -91,7 +91,7 @@ def uses_history(speed_varies: bool, state: np.ndarray) -> np.ndarray:
     return state != OPEN if speed_varies else state == STICK
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def elastic_slip(g_n, way, state_0, size_0, carried):
     """Slip g_t of Eq. (19) plus what is carried, as if the point stuck; ``way`` is xi - xi0.
 
@@ -103,7 +103,7 @@ def elastic_slip(g_n, way, state_0, size_0, carried):
     return slid + carried
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def traction(law, g_n, g_t):
     """Contact state and tangential traction per area, Eqs. (28), (29).
 
@@ -127,7 +127,7 @@ def traction(law, g_n, g_t):
     return SLIP, math.copysign(limit, g_t)
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
     """Derivative of ``elastic_slip`` with respect to the input ``column``."""
     slid, slid_r = size_0 * way, size_0 * way_r
@@ -141,7 +141,7 @@ def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
     return slid_r * g_n / whole + slid * share_r
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def traction_rate(column, law, state, tau, g_n, gap_r, slip_r):
     """Derivatives of tau and of the elastic slip that is carried on."""
     if state == STICK:
@@ -161,7 +161,7 @@ def traction_rate(column, law, state, tau, g_n, gap_r, slip_r):
     return tau_r, slip_r
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _fill_column(column, way_r, moved, frame, now, then, law, length, out):
     """One column of ``linearize_contact_point``.
 
@@ -203,7 +203,7 @@ def _fill_column(column, way_r, moved, frame, now, then, law, length, out):
     out[CARRIED, column] = slip_r if law.accumulated else 0.0
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _fill_columns(first, end, frame, now, then, law, length, out):
     """Columns ``first`` to ``end`` of ``linearize_contact_point``, none of them of the shape."""
     zero = (0.0, 0.0)
@@ -213,7 +213,7 @@ def _fill_columns(first, end, frame, now, then, law, length, out):
         _fill_column(column, way_r, (w, zero, zero), frame, now, then, law, length, out)
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def linearize_contact_point(
     profile, law, pose, piece, xi, g_n, state, tau, state_0, carried, length, columns, out
 ):
@@ -251,7 +251,7 @@ def linearize_contact_point(
         _fill_column(column, way_r, moved, frame, now, then, law, length, out)
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _without_reversal(law, state, tau, g_t, direction, i):
     """Let a point stick that would slip the other way round than one Newton iteration before."""
     way = 0
@@ -264,7 +264,7 @@ def _without_reversal(law, state, tau, g_t, direction, i):
     return state, tau, 0
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def contact_points(
     profile, law, pose, x, length, history, direction, force, tangent, state, kept, gap
 ):
@@ -303,8 +303,8 @@ def contact_points(
         gap[i], kept[i, 0], kept[i, 1] = g_n, xi, size
         if g_n >= 0.0:
             state[i], direction[i], kept[i, 2] = OPEN, 0, g_n
-            force[i] = 0.0
-            tangent[i] = 0.0
+            for a in range(2):
+                force[i, a] = tangent[i, a, 0] = tangent[i, a, 1] = 0.0
             continue
         state_0, carried = history.state[i], history.variables[i]
         way = way_along(profile, xi, carried[0])
@@ -326,7 +326,7 @@ def contact_points(
     return made_to_stick
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _add_motion(pose, motion_rates, x, force, first, out):
     """Columns of one point from ``first`` on for the motion's parameters: the profile moves under it,
     see ``geometry.pose``."""
@@ -340,7 +340,7 @@ def _add_motion(pose, motion_rates, x, force, first, out):
         out[FORCE_Y, first + m] += turn * force[0]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def contact_linearization(profile, law, pose, motion_rates, x, length, force, history, points, out):
     """Full local derivatives of the ``points`` (s,) at a converged step, ``out`` (s, 6, SHAPE + S + m)
     written; see the input names above.

@@ -5,16 +5,16 @@ The rates (23)-(26) for a moving body point and (52)-(55) for a moving design ar
 derivatives of the curve's own design velocity.
 """
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.contact.cubic_projection import nearest_on_cubic
 from seal_mdao.geometry.bounds import PIECES_A_RUN
 from seal_mdao.geometry.curve import CUBIC, END_SLACK, LINE, cubic_point, curve_point
 from seal_mdao.geometry.pose import in_frame
 
 
-@nb.njit(cache=True, error_model="numpy")
+@inlined
 def _on_line(ox, oy, angle, length, open_start, open_end):
     """Distance squared, gap, s, and whether s lies beyond the piece."""
     c, n = np.cos(angle), np.sin(angle)
@@ -27,7 +27,7 @@ def _on_line(ox, oy, angle, length, open_start, open_end):
     return gap * gap + over * over, gap, s, over != 0.0
 
 
-@nb.njit(cache=True, error_model="numpy")
+@inlined
 def _on_arc(ox, oy, angle, length, r):
     """Distance squared, gap, s, and whether s lies beyond the piece."""
     size, turn = abs(r), (1.0 if r > 0.0 else -1.0)
@@ -46,18 +46,20 @@ def _on_arc(ox, oy, angle, length, r):
     return square, gap, size * a, over != 0.0
 
 
-@nb.njit(cache=True, error_model="numpy")
-def _on_cubic(coefficient, length, x, y, open_start, open_end):
+@internal
+def _on_cubic(coefficients, piece, length, x, y, open_start, open_end):
     """Distance squared, gap, s, and whether s lies beyond the piece."""
-    square, s = nearest_on_cubic(coefficient, length, x, y, open_start, open_end)
-    x_c, t, _, _ = cubic_point(coefficient, length, s)
+    if coefficients is None:
+        return np.inf, 0.0, 0.0, True
+    square, s = nearest_on_cubic(coefficients[piece], length, x, y, open_start, open_end)
+    x_c, t, _, _ = cubic_point(coefficients, piece, length, s)
     gap = ((x - x_c[0]) * t[1] - (y - x_c[1]) * t[0]) / (t[0] * t[0] + t[1] * t[1]) ** 0.5
     slack = END_SLACK * length
     over = (s < -slack and not open_start) or (s > length + slack and not open_end)
     return square, gap, s, over
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _candidate(pieces, piece, x, y, goes_on, farthest):
     """Projection on one piece: distance squared to the piece, signed gap, s = xi - start, and
     whether it lies beyond the ends of the piece.
@@ -74,17 +76,17 @@ def _candidate(pieces, piece, x, y, goes_on, farthest):
     away = (ox * ox + oy * oy) ** 0.5 - radius[piece]
     if away > farthest and not open_start and not open_end:
         return np.inf, 0.0, 0.0, True
-    return _on_cubic(coefficient[piece], length[piece], x, y, open_start, open_end)
+    return _on_cubic(coefficient, piece, length[piece], x, y, open_start, open_end)
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _distance(profile, run, x, y):
     """From the centre of the circle around a run of pieces."""
     dx, dy = x - profile.run_centre[run, 0], y - profile.run_centre[run, 1]
     return (dx * dx + dy * dy) ** 0.5
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _within_reach(profile, x, y):
     """A distance that the profile is certainly not farther away than, a little enlarged."""
     nearest = np.inf
@@ -93,7 +95,7 @@ def _within_reach(profile, x, y):
     return (1.0 + 1e-9) * nearest
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def closest_point(profile, x, y):
     """Solve the contact consistency condition (18).
 
@@ -131,7 +133,7 @@ def closest_point(profile, x, y):
     return best_piece, profile.start[best_piece] + best_s, best_gap
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def normal_gaps(profile, pose, x, gap):
     """Normal gaps (n,) of the points ``x`` (n, 2), Eq. (17)."""
     for i in range(len(x)):
@@ -139,7 +141,7 @@ def normal_gaps(profile, pose, x, gap):
         gap[i] = closest_point(profile, own[0], own[1])[2]
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def whole_turns(profile, xi, xi_0):
     """Ways round a closed profile to leave out of xi - xi0."""
     if profile.period == 0.0:
@@ -147,13 +149,13 @@ def whole_turns(profile, xi, xi_0):
     return np.floor((xi - xi_0) / profile.period + 0.5)
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def way_along(profile, xi, xi_0):
     """xi - xi0, round a closed profile the shorter way."""
     return xi - xi_0 - whole_turns(profile, xi, xi_0) * profile.period
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def contact_frame(profile, piece, xi, g_n):
     """e_t and e_n (pairs) and the scalars (22): |t|, alpha, beta, gamma, c."""
     _, t, x2, x3 = curve_point(profile, piece, xi)
@@ -166,7 +168,7 @@ def contact_frame(profile, piece, xi, g_n):
     return e_t, e_n, size, alpha, beta, gamma, size * size - g_n * alpha
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2):
     """Rates of the contact kinematics.
 

@@ -1,3 +1,0 @@
-from seal_mdao.compilation import prepare_kernels
-
-prepare_kernels()

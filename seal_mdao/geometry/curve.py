@@ -1,7 +1,8 @@
 """Points of a rigid curve and their design velocities at a natural coordinate of one of its pieces."""
 
-import numba as nb
 import numpy as np
+
+from seal_mdao.compilation import inlined, internal
 
 LINE, ARC, CUBIC = 0, 1, 2
 
@@ -12,12 +13,18 @@ joint met to rounding has its curvature; beyond, the piece goes on along its tan
 
 def has_cubics(profile) -> bool:
     """Whether |t| varies along a profile; it is one on lines and arcs."""
-    return bool((profile.kind == CUBIC).any())
+    return profile.coefficient is not None
 
 
-@nb.njit(cache=True, error_model="numpy")
-def cubic_point(coefficient, length, s):
-    """sum_k c_k s^k and its three derivatives as pairs, continued along the tangent at the ends."""
+@internal
+def cubic_point(coefficients, piece, length, s):
+    """sum_k c_k s^k and its three derivatives as pairs, continued along the tangent at the ends.
+
+    ``coefficients`` (n, 4, 2) are those of all pieces; None, without cubic ones, is never asked for.
+    """
+    if coefficients is None:
+        return (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)
+    coefficient = coefficients[piece]
     slack, beyond = END_SLACK * length, 0.0
     if s < -slack:
         beyond, s = s, 0.0
@@ -38,12 +45,13 @@ def cubic_point(coefficient, length, s):
     )
 
 
-@nb.njit(cache=True, error_model="numpy")
-def _cubic_velocity(profile, shape, piece, s):
+@internal
+def _cubic_velocity(coefficients, rates, shape, piece, length, s, ds):
     """V_c, V_c,xi, V_c,xixi of a cubic piece."""
-    length, ds = profile.length[piece], -profile.start_rate[shape, piece]
-    v, v1, v2, _ = cubic_point(profile.coefficient_rate[shape, piece], length, s)
-    _, t, x2, x3 = cubic_point(profile.coefficient[piece], length, s)
+    if coefficients is None:
+        return (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)
+    v, v1, v2, _ = cubic_point(rates[shape], piece, length, s)
+    _, t, x2, x3 = cubic_point(coefficients, piece, length, s)
     return (
         (v[0] + ds * t[0], v[1] + ds * t[1]),
         (v1[0] + ds * x2[0], v1[1] + ds * x2[1]),
@@ -51,7 +59,7 @@ def _cubic_velocity(profile, shape, piece, s):
     )
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def curve_point(profile, piece, xi):
     """x_c and its derivatives: ((x, y), t, x_c,xixi, x_c,xixixi) as four pairs."""
     s = xi - profile.start[piece]
@@ -60,7 +68,7 @@ def curve_point(profile, piece, xi):
         c, n = np.cos(profile.angle[piece]), np.sin(profile.angle[piece])
         return (ox + s * c, oy + s * n), (c, n), (0.0, 0.0), (0.0, 0.0)
     if profile.kind[piece] == CUBIC:
-        return cubic_point(profile.coefficient[piece], profile.length[piece], s)
+        return cubic_point(profile.coefficient, piece, profile.length[piece], s)
     r = profile.radius[piece]
     a = profile.angle[piece] + s / r
     c, n = np.cos(a), np.sin(a)
@@ -74,7 +82,7 @@ def curve_point(profile, piece, xi):
     )
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def curve_velocity(profile, shape, piece, xi):
     """Design velocity V_c of Eq. (49) at fixed xi with V_c,xi and V_c,xixi, as three pairs.
 
@@ -85,7 +93,15 @@ def curve_velocity(profile, shape, piece, xi):
     """
     s, ds = xi - profile.start[piece], -profile.start_rate[shape, piece]
     if profile.kind[piece] == CUBIC:
-        return _cubic_velocity(profile, shape, piece, s)
+        return _cubic_velocity(
+            profile.coefficient,
+            profile.coefficient_rate,
+            shape,
+            piece,
+            profile.length[piece],
+            s,
+            ds,
+        )
     ox, oy = profile.origin_rate[shape, piece, 0], profile.origin_rate[shape, piece, 1]
     da = profile.angle_rate[shape, piece]
     if profile.kind[piece] == LINE:

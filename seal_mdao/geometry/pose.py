@@ -17,8 +17,9 @@ so a linearisation in the fixed frame takes the velocity relative to the rigid m
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
+
+from seal_mdao.compilation import inlined
 
 
 class Pose(NamedTuple):
@@ -55,7 +56,7 @@ class Pose(NamedTuple):
         return self.position + self.pivot + (points - self.pivot) @ self.matrix.T
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def in_frame(pose, x, y):
     """The point x, y of the fixed frame in the profile's; x - z to the last bit where Q = I."""
     dx, dy = x - pose.position[0], y - pose.position[1]
@@ -64,7 +65,7 @@ def in_frame(pose, x, y):
     return dx + less * rx + pose.sin * ry, dy + less * ry - pose.sin * rx
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def turned(pose, v):
     """Q v of a pair."""
     return pose.cos * v[0] - pose.sin * v[1], pose.sin * v[0] + pose.cos * v[1]

@@ -35,13 +35,15 @@ class RigidProfile(NamedTuple):
         around a cubic.
     start, length : ndarray, shape (n,)
         Natural coordinate at the start of the piece, and its extent.
-    coefficient : ndarray, shape (n, 4, 2)
-        Of 1, s, s^2, s^3 with s = xi - start on cubic pieces, zero on others.
+    coefficient : ndarray, shape (n, 4, 2), or None
+        Of 1, s, s^2, s^3 with s = xi - start on cubic pieces, zero on others. Without cubic pieces
+        None, of which numba knows at compile time that nothing cubic is needed.
     period : float
         Natural coordinate of the whole way round a closed profile, 0 for one that is not closed.
     origin_rate, angle_rate, radius_rate, start_rate, coefficient_rate, period_rate : ndarray
         Derivatives with respect to the shape parameters (the corner radius of a door), a leading
-        axis of length S each. The extent of a cubic piece does not change with the shape.
+        axis of length S each. The extent of a cubic piece does not change with the shape;
+        ``coefficient_rate`` is None where ``coefficient`` is.
     run_centre, run_radius : ndarray, shapes (b, 2), (b,)
         Circles of ``geometry.bounds`` around runs of pieces.
     """
@@ -52,13 +54,13 @@ class RigidProfile(NamedTuple):
     radius: np.ndarray
     start: np.ndarray
     length: np.ndarray
-    coefficient: np.ndarray
+    coefficient: np.ndarray | None
     period: float
     origin_rate: np.ndarray
     angle_rate: np.ndarray
     radius_rate: np.ndarray
     start_rate: np.ndarray
-    coefficient_rate: np.ndarray
+    coefficient_rate: np.ndarray | None
     period_rate: np.ndarray
     run_centre: np.ndarray
     run_radius: np.ndarray
@@ -71,6 +73,8 @@ class RigidProfile(NamedTuple):
 
 def _piece_circles(kind, origin, radius, length, coefficient):
     """``origin`` and ``radius`` with those of the circles around cubic pieces filled in."""
+    if coefficient is None:
+        return origin, radius
     centre, reach = circles_of_cubics(coefficient, length)
     cubic = kind == CUBIC
     return np.where(cubic[:, None], centre, origin), np.where(cubic, reach, radius)
@@ -91,17 +95,23 @@ def rigid_profile(
         (coefficient_rate, (n, 4, 2)), (period_rate, ()),
     )  # fmt: skip
     count = max(len(rate) for rate, _ in given)
-    rates = [
+    *rates, coefficient_rate, period_rate = [
         np.array(rate if len(rate) else np.zeros((count, *shape)), float).reshape(count, *shape)
         for rate, shape in given
     ]
-    coefficient = np.zeros((n, 4, 2)) if coefficient is None else np.array(coefficient, float)
-    angle, start, length = (np.array(values, float) for values in (angle, start, length))
-    origin, radius = _piece_circles(kind, np.array(origin, float), radius, length, coefficient)
+    if (kind == CUBIC).any():
+        coefficient = np.array(coefficient, float)
+    else:
+        coefficient = coefficient_rate = None
+    origin, angle, radius, start, length = (
+        np.array(values, float) for values in (origin, angle, radius, start, length)
+    )
+    origin, radius = _piece_circles(kind, origin, radius, length, coefficient)
     circles = bounding_circles(kind == LINE, origin, angle, radius, length, period > 0.0)
     return RigidProfile(
-        kind, origin, angle, radius, start, length, coefficient, float(period), *rates, *circles
-    )
+        kind, origin, angle, radius, start, length, coefficient, float(period), *rates,
+        coefficient_rate, period_rate, *circles,
+    )  # fmt: skip
 
 
 def _profile(pieces, *shapes, period=0.0, period_rate=()) -> RigidProfile:

@@ -13,14 +13,15 @@ whose left side grows with u_i: there is one solution. With c_i in place of P_i 
 states, wet and dry, wherever c_i is between p and 2 p, and the front would jump from point to point.
 """
 
-import numba as nb
 import numpy as np
+
+from seal_mdao.compilation import compiled, inlined
 
 MOST_ITERATIONS = 200
 """Bisection alone needs some 60."""
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def smooth_step(u):
     """s and ds/du: 0 up to u = 0, 1 from u = 1 on, two derivatives continuous."""
     if u <= 0.0:
@@ -30,7 +31,7 @@ def smooth_step(u):
     return u * u * u * (10.0 + u * (6.0 * u - 15.0)), 30.0 * (u * (1.0 - u)) ** 2
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _excess(closing, pressure, share, before):
     """u_i between 0 and 1."""
     low, high, u = 0.0, 1.0, 0.5
@@ -50,7 +51,7 @@ def _excess(closing, pressure, share, before):
     return u
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def wetting(closing, pressure, share):
     """Weights of points along an edge and their derivatives.
 
@@ -86,7 +87,7 @@ def wetting(closing, pressure, share):
     return weight, by_closing, by_pressure, by_before
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def accumulated(by_closing, by_pressure, by_before):
     """Derivatives of all weights with all contact pressures and that of the fluid, from those of
     ``wetting``.

@@ -13,8 +13,9 @@ Chebyshev's polynomial where a is a whole number (Abramowitz and Stegun, 15.4.3 
 
 from functools import lru_cache
 
-import numba as nb
 import numpy as np
+
+from seal_mdao.compilation import compiled, inlined
 
 SWITCH = 0.1
 """v below which the series is summed. The closed form of C'' divides rounding by 2 v, the terms of
@@ -66,7 +67,7 @@ def _coefficients(a) -> np.ndarray:
     )
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _fill(v, a, table, out):
     rows, last = len(out), len(table) - 1
     for i in range(v.size):
@@ -83,7 +84,7 @@ def _fill(v, a, table, out):
                 out[m, i] = values[m]
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def closed_form(v, a):
     """The five values from hyperbolic functions, away from v = 0."""
     c, s = 1.0 + v, np.sqrt(v * (v + 2.0))

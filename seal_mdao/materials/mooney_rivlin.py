@@ -9,13 +9,13 @@ I1 = T + 1 and I2 = T + J^2, so that the energy is a function of T and J alone:
 
 from dataclasses import dataclass
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, inlined
 from seal_mdao.materials.isotropic import NO_VALUE, Isotropic, check_bulk, checked
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def unit_energy_gradients(t, j):
     """W_T and W_J of the two isochoric terms, each for a constant of one: C10 first, then C01."""
     a = j ** (-1.0 / 3.0)
@@ -27,7 +27,7 @@ def unit_energy_gradients(t, j):
     )  # fmt: skip
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def energy_derivatives(t, j, c10, c01):
     """W_T, W_J, W_TJ, W_JJ of the isochoric energy (W_TT = 0), in the unit of C10.
 
@@ -49,7 +49,7 @@ def energy_derivatives(t, j, c10, c01):
     return w_t, w_j, w_tj, w_jj
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _fill_derivatives(t, j, c10, c01, out):
     for i in range(t.size):
         w_t, w_j, w_tj, w_jj = energy_derivatives(t[i], j[i], c10, c01)
@@ -57,7 +57,7 @@ def _fill_derivatives(t, j, c10, c01, out):
         out[2, i], out[3, i], out[4, i] = 0.0, w_tj, w_jj
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _fill_unit_gradients(t, j, out):
     for i in range(t.size):
         out[0, 0, i], out[0, 1, i], out[1, 0, i], out[1, 1, i] = unit_energy_gradients(t[i], j[i])

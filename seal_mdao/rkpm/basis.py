@@ -1,11 +1,11 @@
 """Monomial basis H(x - x_I) of Eq. (2), scaled by a length so that M(x) is well conditioned."""
 
-import numba as nb
+from seal_mdao.compilation import inlined
 
 BASIS_SIZE = {1: 3, 2: 6}
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def fill_basis(rx, ry, scale, h):
     """Write H(r / scale) and its first and second derivatives.
 
@@ -23,9 +23,8 @@ def fill_basis(rx, ry, scale, h):
     h[0, 0], h[0, 1], h[0, 2] = 1.0, x, y
     h[1, 0], h[1, 1], h[1, 2] = 0.0, s, 0.0
     h[2, 0], h[2, 1], h[2, 2] = 0.0, 0.0, s
-    h[3, :3] = 0.0
-    h[4, :3] = 0.0
-    h[5, :3] = 0.0
+    for a in range(3):
+        h[3, a] = h[4, a] = h[5, a] = 0.0
     if h.shape[1] == 6:
         h[0, 3], h[0, 4], h[0, 5] = x * x, x * y, y * y
         h[1, 3], h[1, 4], h[1, 5] = 2.0 * x * s, y * s, 0.0

@@ -14,9 +14,9 @@ the essential boundary their two end points, where the admissible test functions
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, inlined
 from seal_mdao.rkpm.cells import CellMap
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
@@ -120,11 +120,12 @@ class CellTable:
     table: ShapeTable
 
 
-@nb.njit(cache=True, error_model="numpy")
+@inlined
 def _cell_correction(grad, phi, weights, normals, n, q_count, out):
     """The shift (2, n) of one cell's gradients; returns the cell's volume."""
     volume = 0.0
-    out[:, :n] = 0.0
+    for i in range(n):
+        out[0, i] = out[1, i] = 0.0
     for q in range(q_count):
         volume += weights[q]
         for j in range(2):
@@ -140,7 +141,7 @@ def _cell_correction(grad, phi, weights, normals, n, q_count, out):
     return volume
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _correct(full, weights, normals, phi, grad):
     q_count, points = weights.shape[1], full.group_size
     for cell in range(full.start.size - 1):
@@ -159,7 +160,7 @@ def _correct(full, weights, normals, phi, grad):
                 new[q, 1, i] = old[q, 1, i] + shift[1, i]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _correct_rates(full, full_rates, weights, normals, weight_rates, normal_rates, rates):
     q_count, points = weights.shape[1], full.group_size
     for cell in range(full.start.size - 1):
@@ -207,7 +208,7 @@ def _correct_rates(full, full_rates, weights, normals, weight_rates, normal_rate
                         new_grad[q, j, i, p] = d_grad[q, j, i, p] + d_shift[j, i, p] / volume
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _correct_seeds(
     full, weights, normals, phi_bar, grad_bar, full_phi_bar, full_grad_bar, weight_bar, normal_bar
 ):

@@ -4,10 +4,10 @@ Round kernels take the distance, product kernels the two coordinates along the d
 cells around: on a regular grid, supports of two spacings then give the uniform bicubic B-splines.
 """
 
-import numba as nb
+from seal_mdao.compilation import inlined
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def cubic_b_spline(z):
     """Kernel value and radial derivatives at the normalised distance ``z = |x - x_I| / a``.
 
@@ -29,7 +29,7 @@ def cubic_b_spline(z):
     return 0.0, 0.0, 0.0
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def kernel_derivatives(rx, ry, a):
     """Kernel of support radius ``a`` at ``r = x - x_I``: value, gradient, Hessian.
 
@@ -52,7 +52,7 @@ def kernel_derivatives(rx, ry, a):
     )
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def product_kernel_derivatives(rx, ry, axes):
     """Product kernel phi(s) phi(t), (s, t) = axes . r, at ``r = x - x_I``: value, gradient, Hessian.
 

@@ -1,8 +1,8 @@
 """Discrete moment matrix M(x) of Eqs. (7)-(8) with unit weights, and the vectors solved from it."""
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import inlined, internal
 from seal_mdao.rkpm.basis import fill_basis
 from seal_mdao.rkpm.kernel import kernel_derivatives, product_kernel_derivatives
 
@@ -10,7 +10,15 @@ from seal_mdao.rkpm.kernel import kernel_derivatives, product_kernel_derivatives
 PIVOT_TOLERANCE = 1e-8
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
+def _kernel(rx, ry, radius, axes, particle):
+    """The kernel of a particle: numba compiles only the one that ``axes``, None or not, calls for."""
+    if axes is None:
+        return kernel_derivatives(rx, ry, radius)
+    return product_kernel_derivatives(rx, ry, axes[particle])
+
+
+@inlined
 def neighbour_terms(x, neighbours, cloud, h, k):
     """Basis ``h`` (n, 6, m) and kernel ``k`` (n, 6) terms of every neighbour of the point ``x``.
 
@@ -20,17 +28,12 @@ def neighbour_terms(x, neighbours, cloud, h, k):
         p = neighbours[i]
         rx, ry = x[0] - cloud.particles[p, 0], x[1] - cloud.particles[p, 1]
         fill_basis(rx, ry, cloud.scale, h[i])
-        if cloud.axes.size:
-            k[i, 0], k[i, 1], k[i, 2], k[i, 3], k[i, 4], k[i, 5] = product_kernel_derivatives(
-                rx, ry, cloud.axes[p]
-            )
-        else:
-            k[i, 0], k[i, 1], k[i, 2], k[i, 3], k[i, 4], k[i, 5] = kernel_derivatives(
-                rx, ry, cloud.radius[p]
-            )
+        k[i, 0], k[i, 1], k[i, 2], k[i, 3], k[i, 4], k[i, 5] = _kernel(
+            rx, ry, cloud.radius[p], cloud.axes, p
+        )
 
 
-@nb.njit(cache=True, error_model="numpy")
+@inlined
 def moment_matrices(h, k, moments):
     """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y."""
     moments[:] = 0.0
@@ -47,11 +50,11 @@ def moment_matrices(h, k, moments):
                     moments[j, a, b] += dhh * k[i, 0] + hh * k[i, j]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@inlined
 def invert_moment(moment, inverse):
     """Inverse of the symmetric positive definite M by Cholesky; False where M is singular."""
     m = moment.shape[0]
-    lower = np.zeros((m, m))
+    lower = np.empty((m, m))
     for i in range(m):
         for j in range(i + 1):
             s = moment[i, j]
@@ -79,7 +82,7 @@ def invert_moment(moment, inverse):
     return True
 
 
-@nb.njit(cache=True, error_model="numpy")
+@inlined
 def correction_coefficients(moments, inverse, b):
     """q(x) = M^-1 H(0) of Eq. (7) and its gradient: ``b`` (3, m) holds q, q_x, q_y."""
     m = inverse.shape[0]

@@ -1,7 +1,8 @@
 """Sums into shared rows, for the transposes of gathers."""
 
-import numba as nb
 import numpy as np
+
+from seal_mdao.compilation import compiled
 
 
 def scatter_add(out: np.ndarray, rows: np.ndarray, values: np.ndarray) -> None:
@@ -16,7 +17,7 @@ def scatter_add(out: np.ndarray, rows: np.ndarray, values: np.ndarray) -> None:
     _scatter_add(out, rows.ravel(), np.ascontiguousarray(values).reshape(-1, *out.shape[1:]))
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _scatter_add(out, rows, values):
     for k in range(rows.size):
         for c in range(out.shape[1]):

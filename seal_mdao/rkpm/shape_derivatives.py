@@ -12,9 +12,9 @@ q_j = -M^-1 M_j q:
 (design velocities, direct method) and the reverse kernel (adjoint seeds) are products with them.
 """
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.rkpm.moment import (
     correction_coefficients,
     invert_moment,
@@ -23,13 +23,13 @@ from seal_mdao.rkpm.moment import (
 )
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _second(j, k):
     """Row of the second derivative (j, k), components counted from 0, in the six-row tables."""
     return 3 + j + k
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _fill_part(sign, part, row, column, out):
     """``out[row:, column:]`` = +-part."""
     for a in range(part.shape[0]):
@@ -37,7 +37,7 @@ def _fill_part(sign, part, row, column, out):
             out[row + a, column + b] = sign * part[a, b]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def linearize_point(h, k, b, moments, inverse, direct, pull, chain):
     """Coefficients of the derivative of one point's shape functions with respect to r_I.
 
@@ -109,7 +109,7 @@ def linearize_point(h, k, b, moments, inverse, direct, pull, chain):
     np.dot(spread, solve, chain)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _prepare(x, near, cloud, h, k, moments, inverse, b):
     neighbour_terms(x, near, cloud, h, k)
     moment_matrices(h, k, moments)
@@ -117,7 +117,7 @@ def _prepare(x, near, cloud, h, k, moments, inverse, b):
     correction_coefficients(moments, inverse, b)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def forward_point(direct, pull, chain, delta, out):
     """Derivatives of one point's shape functions along P motions ``delta`` (2 n, P) of r_I.
 
@@ -132,7 +132,7 @@ def forward_point(direct, pull, chain, delta, out):
                 row[p] += dx * delta[2 * i, p] + dy * delta[2 * i + 1, p]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def reverse_point(direct, pull, chain, seed, out):
     """Transpose of ``forward_point``: ``seed`` (3 n, M) on Phi, Phi_,x, Phi_,y to ``out`` (2 n, M)."""
     n = direct.shape[0]
@@ -146,7 +146,7 @@ def reverse_point(direct, pull, chain, seed, out):
                     out[2 * i + c, m] += d * row[m]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def forward_shape_functions(
     cloud, points, start, neighbours, velocity, point_velocity, active, dstart, dphi, dgrad
 ):
@@ -200,7 +200,7 @@ def forward_shape_functions(
                     dgrad[2 * at + i * count + p] = out[n + i, p]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def reverse_shape_functions(cloud, points, start, neighbours, phi_bar, grad_bar, x_bar, point_bar):
     """Pull seeds on a whole table back to the particles and to the points.
 

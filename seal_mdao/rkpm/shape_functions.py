@@ -11,9 +11,9 @@ the neighbour running fastest. That order is kept everywhere in the package.
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled
 from seal_mdao.rkpm.moment import (
     correction_coefficients,
     invert_moment,
@@ -22,8 +22,6 @@ from seal_mdao.rkpm.moment import (
 )
 
 NOTHING_HIDDEN = np.empty((0, 2), int)
-ROUND = np.empty((0, 2, 2))
-"""Axes of a cloud of round kernels."""
 
 
 class Cloud(NamedTuple):
@@ -42,7 +40,7 @@ class Cloud(NamedTuple):
         3 for the linear, 6 for the quadratic basis.
     hidden : ndarray of int, shape (m, 2)
         Particles, and those near enough for their supports that they do not see, see ``visibility``.
-    axes : ndarray, shape (n_particles, 2, 2), or (0, 2, 2) for round kernels
+    axes : ndarray, shape (n_particles, 2, 2), or None for round kernels
         Rows: inverse half-widths of every particle's product kernel along its two directions.
     """
 
@@ -51,7 +49,7 @@ class Cloud(NamedTuple):
     scale: float
     n_basis: int
     hidden: np.ndarray = NOTHING_HIDDEN
-    axes: np.ndarray = ROUND
+    axes: np.ndarray | None = None
 
 
 class PointSet(NamedTuple):
@@ -100,7 +98,7 @@ class ShapeTable(NamedTuple):
         return self.start.size - 1
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
     """Fill ``phi`` and ``grad``; return the first point with a singular moment matrix, or -1."""
     m = cloud.n_basis

@@ -1,9 +1,9 @@
 """Places in sorted lists of particles and equations."""
 
-import numba as nb
+from seal_mdao.compilation import internal
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def first_not_below(values, wanted, begin, end):
     """First place of the sorted ``values[begin:end]`` that holds no less than ``wanted``, else ``end``.
 

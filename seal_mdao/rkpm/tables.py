@@ -56,7 +56,7 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, points: PointSet):
     counts = np.fromiter((len(h) for h in hits), int, len(hits))
     particle = np.repeat(np.arange(len(hits)), counts)
     point = np.concatenate([np.asarray(h, int) for h in hits]) if len(hits) else np.empty(0, int)
-    if len(cloud.axes):
+    if cloud.axes is not None:
         away = coordinates[point] - cloud.particles[particle]
         inside = np.all(np.abs(np.einsum("kij,kj->ki", cloud.axes[particle], away)) < 1.0, axis=1)
         particle, point = particle[inside], point[inside]

@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, internal
 from seal_mdao.rkpm.essential import EssentialTransformation
 from seal_mdao.rkpm.shape_functions import ShapeTable
 from seal_mdao.rkpm.sorted_lists import first_not_below
@@ -65,16 +65,43 @@ def transform_table(raw: ShapeTable, transformation: EssentialTransformation) ->
     if transformation.constrained.size == 0:
         return raw
     start, neighbours = _extended_lists(raw, transformation)
-    size = neighbours.size * raw.group_size
-    phi, grad = np.zeros(size), np.zeros(2 * size)
-    _transform(raw, start, neighbours, transformation.constrained, transformation.union,
-               transformation.matrix, raw.phi, 1, phi)  # fmt: skip
-    _transform(raw, start, neighbours, transformation.constrained, transformation.union,
-               transformation.matrix, raw.grad, 2, grad)  # fmt: skip
-    return ShapeTable(start, neighbours, phi, grad, raw.group_size)
+    new = ShapeTable(start, neighbours, raw.phi, raw.grad, raw.group_size)
+    products = _products(raw, new, transformation)
+    return new._replace(
+        phi=_transformed(raw, new, products, raw.phi, raw.group_size),
+        grad=_transformed(raw, new, products, raw.grad, 2 * raw.group_size),
+    )
 
 
-@nb.njit(cache=True, error_model="numpy")
+def _products(raw: ShapeTable, new: ShapeTable, transformation: EssentialTransformation):
+    """Phi~ as sum of products: group, place among its raw and among its new neighbours, factor."""
+    constrained, union = transformation.constrained, transformation.union
+    groups, far = np.arange(raw.n_groups), int(np.max(new.neighbours, initial=0)) + 1
+    group, listed = np.repeat(groups, np.diff(raw.start)), raw.neighbours
+    key = np.repeat(groups, np.diff(new.start)) * far + new.neighbours
+    is_free = ~np.isin(listed, constrained)
+    free, held = np.flatnonzero(is_free), np.flatnonzero(~is_free)
+    old = np.concatenate([free, np.repeat(held, union.size)])
+    wanted = [listed[free], np.tile(union, held.size)]
+    factor = transformation.matrix[np.searchsorted(constrained, listed[held])].ravel()
+    factor = np.concatenate([np.ones(free.size), factor])
+    at = np.searchsorted(key, group[old] * far + np.concatenate(wanted))
+    order = np.argsort(old, kind="stable")
+    old, at, factor, group = old[order], at[order], factor[order], group[old[order]]
+    return group, old - raw.start[group], at - new.start[group], factor
+
+
+def _transformed(raw: ShapeTable, new: ShapeTable, products, values, n_rows: int):
+    """The products of all ``n_rows`` rows of a group, (point, component), of flat ``values``."""
+    group, old, at, factor = products
+    row = np.arange(n_rows)[:, None]
+    count, count_new = np.diff(raw.start)[group], np.diff(new.start)[group]
+    terms = factor * values[n_rows * raw.start[group] + row * count + old]
+    to = n_rows * new.start[group] + row * count_new + at
+    return np.bincount(to.ravel(), terms.ravel(), minlength=n_rows * new.neighbours.size)
+
+
+@internal
 def _positions(near, wanted, out):
     """``out[i]`` = place of ``near[i]`` in the sorted ``wanted``, or -1."""
     for i in range(near.size):
@@ -82,30 +109,7 @@ def _positions(near, wanted, out):
         out[i] = at if at < wanted.size and wanted[at] == near[i] else -1
 
 
-@nb.njit(cache=True, error_model="numpy")
-def _transform(raw, start, neighbours, constrained, union, matrix, values, n_rows, out):
-    """Apply T to ``n_rows`` rows (1: phi, 2: grad) of every point of every group."""
-    for g in range(start.size - 1):
-        n_raw, n_new = raw.start[g + 1] - raw.start[g], start[g + 1] - start[g]
-        near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
-        in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
-        _positions(near, constrained, in_c)
-        _positions(near, neighbours[start[g] : start[g + 1]], in_new)
-        of_union = np.empty(union.size, np.int64)
-        _positions(union, neighbours[start[g] : start[g + 1]], of_union)
-        for row in range(raw.group_size * n_rows):
-            old = raw.start[g] * raw.group_size * n_rows + row * n_raw
-            new = start[g] * raw.group_size * n_rows + row * n_new
-            for i in range(n_raw):
-                value = values[old + i]
-                if in_c[i] < 0:
-                    out[new + in_new[i]] += value
-                else:
-                    for u in range(union.size):
-                        out[new + of_union[u]] += value * matrix[in_c[i], u]
-
-
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _transform_rates(
     raw,
     table,
@@ -120,7 +124,7 @@ def _transform_rates(
     n_rows,
     out,
 ):
-    """Rates of ``_transform``: value' T + value T', the parameter running fastest."""
+    """Rates of ``transform_table``: value' T + value T', the parameter running fastest."""
     for g in range(table.start.size - 1):
         n_raw, n_new = raw.start[g + 1] - raw.start[g], table.start[g + 1] - table.start[g]
         near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
@@ -153,11 +157,11 @@ def _transform_rates(
                             )
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _transform_seeds(
     raw, table, constrained, union, matrix, values, n_rows, bar, raw_bar, matrix_bar
 ):
-    """Transpose of ``_transform`` for M measures: seeds on the new to seeds on the raw rows and T."""
+    """Transpose of ``transform_table`` for M measures: seeds on the new rows to the raw ones and T."""
     for g in range(table.start.size - 1):
         n_raw, n_new = raw.start[g + 1] - raw.start[g], table.start[g + 1] - table.start[g]
         near = raw.neighbours[raw.start[g] : raw.start[g + 1]]

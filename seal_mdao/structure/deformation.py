@@ -7,9 +7,9 @@ Pressure projection in the energy: J is averaged over each background cell,
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.rkpm.shape_functions import ShapeTable
 
 
@@ -42,7 +42,7 @@ def no_deformation(n_fields: int, weights: np.ndarray) -> Deformation:
     return Deformation(np.empty((*shape, 5)), np.empty(shape), np.empty(shape[:2]))
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def cell_gradients(grad, displacement, n, q_count, f):
     """Deformation gradients of one cell: ``f`` (q, 5) in the order 11, 12, 21, 22, and det F - 1.
 
@@ -61,7 +61,7 @@ def cell_gradients(grad, displacement, n, q_count, f):
         f[q, 4] = f11 + f22 + (f11 * f22 - f12 * f21)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def widest_group(table):
     """Largest number of neighbours of a group."""
     widest = 0
@@ -70,7 +70,7 @@ def widest_group(table):
     return widest
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def deform(table, weights, d, out):
     """Fill the first field of ``out`` for displacements ``d`` (n, 2).
 
@@ -102,13 +102,13 @@ def deform(table, weights, d, out):
     return -1
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def block(buffer, rows, columns):
     """The beginning of a flat buffer as a matrix."""
     return buffer[: rows * columns].reshape(rows, columns)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def cell_displacements(d, near, out):
     """``out`` (2 K, n): d of the neighbours, rows (step, component)."""
     for k in range(d.shape[0]):
@@ -117,7 +117,7 @@ def cell_displacements(d, near, out):
             out[2 * k + 1, a] = d[k, near[a], 1]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _deform_many(table, weights, d, out):
     """As ``_deform`` for fields that are known to be admissible, by one matrix product a cell."""
     q_count, widest, rows = table.group_size, widest_group(table), 2 * len(d)
@@ -155,7 +155,7 @@ def deformations(table: ShapeTable, weights: np.ndarray, d: np.ndarray) -> Defor
     return out
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def particle_gradients(table, cells, d, out):
     """Deformation gradients at the particles: means over the quadrature points of the cells around.
 

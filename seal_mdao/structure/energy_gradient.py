@@ -11,9 +11,9 @@ dE/dc   = sum_q w dW/dc,              dE/dK = V_c s^2 / 2
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled
 from seal_mdao.structure.internal_force import point_stress
 
 
@@ -75,7 +75,7 @@ def energy_gradient(term, d: np.ndarray) -> EnergyGradient:
     return EnergyGradient(term.forces(d), grad, term.density(deformation) + projected, constants)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _fill_gradient(table, weights, f, w, pressure, d, out):
     """``out``: w P_ij d_i for every neighbour and j."""
     q_count, p = table.group_size, np.empty(4)
@@ -92,7 +92,7 @@ def _fill_gradient(table, weights, f, w, pressure, d, out):
                     own[q, j, a] = x * d[near, 0] + y * d[near, 1]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_gradient_rates(table, rates, gradient, out):
     """Add the sum of ``gradient`` times B' over all cells to ``out`` (P,)."""
     for cell in range(table.start.size - 1):

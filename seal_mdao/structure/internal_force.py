@@ -4,13 +4,13 @@ They are the exact first and second derivatives of the energy of ``deformation``
 material: they take the derivatives of W(T, J) at the quadrature points as arrays.
 """
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, inlined
 from seal_mdao.structure.deformation import widest_group
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def point_stress(f, w_t, w_j, p):
     """First Piola-Kirchhoff stress P = 2 W_T F + W_J cof F in ``p`` (4,)."""
     p[0] = 2.0 * w_t * f[0] + w_j * f[3]
@@ -19,7 +19,7 @@ def point_stress(f, w_t, w_j, p):
     p[3] = 2.0 * w_t * f[3] + w_j * f[0]
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
     """Moduli A = dP/dF in ``a`` (4, 4) at fixed cell pressure, which ``w_j`` contains."""
     cof = (f[3], -f[2], -f[1], f[0])
@@ -34,7 +34,7 @@ def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
     a[2, 1] -= w_j
 
 
-@nb.njit(cache=True, error_model="numpy")
+@inlined
 def _moduli_rows(weight, a, b, n, c):
     """c = weight A B of one quadrature point, (4, 2 n): rows 11, 12, 21, 22, columns x then y."""
     for r in range(4):
@@ -47,7 +47,7 @@ def _moduli_rows(weight, a, b, n, c):
             row[n + j] = ay0 * b0[j] + ay1 * b1[j]
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _row_of_four(b, c, g, scale, i, a, row):
     """As ``_row_of_any`` for four points, in one pass: a third faster."""
     b0, b1, b2, b3 = b[0, 0, a], b[0, 1, a], b[1, 0, a], b[1, 1, a]
@@ -61,7 +61,7 @@ def _row_of_four(b, c, g, scale, i, a, row):
         )  # fmt: skip
 
 
-@nb.njit(cache=True, error_model="numpy", inline="always")
+@inlined
 def _row_of_any(b, c, g, scale, i, a, row):
     """Row (component i, neighbour a) of scale g + sum_q B^T (w A B)."""
     for j in range(row.size):
@@ -72,7 +72,7 @@ def _row_of_any(b, c, g, scale, i, a, row):
             row[j] += b0 * c0[j] + b1 * c1[j]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@inlined
 def _scatter_tangent(grad, c, g, factor, buffer, slots, values):
     """Add sum_q B^T (w A B) + K / V_c g g^T of one cell to the tangent.
 
@@ -94,7 +94,7 @@ def _scatter_tangent(grad, c, g, factor, buffer, slots, values):
                 values[to[j]] += row[j]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def assemble_internal(table, weights, deformation, k, w, bulk, scatter, force, values):
     """Add the internal force to ``force`` and, where ``values`` is not empty, the tangent to it.
 
@@ -121,8 +121,8 @@ def assemble_internal(table, weights, deformation, k, w, bulk, scatter, force, v
         n = table.start[cell + 1] - s0
         near = table.neighbours[s0 : s0 + n]
         grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
-        local[:, :n] = 0.0
-        g[: 2 * n] = 0.0
+        for i in range(n):
+            local[0, i] = local[1, i] = g[i] = g[n + i] = 0.0
         volume, pressure = 0.0, bulk[cell] * deformation.swelling[k, cell]
         for q in range(q_count):
             f, weight, b = deformation.f[k, cell, q], weights[cell, q], grad[q]
@@ -146,7 +146,7 @@ def assemble_internal(table, weights, deformation, k, w, bulk, scatter, force, v
             _scatter_tangent(grad, c, g, bulk[cell] / volume, row, slots, values)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_internal_change(table, weights, deformation, k, w, bulk, nodal, equations, out):
     """Add K u for displacements u of all particles, ``nodal`` (n, 2, P), to ``out`` (rows, P).
 

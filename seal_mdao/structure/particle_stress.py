@@ -1,12 +1,12 @@
 """Von Mises stress of the deviatoric Cauchy stress at particles."""
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled
 from seal_mdao.structure.deformation import cell_gradients
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _point_gradients(table, d, f):
     """F in the order 11, 12, 21, 22 and det F - 1 at single points, ``f`` (s, 5)."""
     for i in range(table.start.size - 1):

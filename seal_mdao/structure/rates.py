@@ -10,14 +10,14 @@ Neither needs what is solved for at other steps, so whole blocks of load steps a
 what a cell does then is matrix products over (step, component) and a pass over its points.
 """
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, internal
 from seal_mdao.structure.deformation import block, cell_displacements, widest_group
 from seal_mdao.structure.internal_force import point_moduli, point_stress
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _add_pressure(weight, f, e0, e1, e2, e3, out):
     """out += weight cof F : e, over all parameters."""
     c0, c1, c2, c3 = weight * f[3], -weight * f[2], -weight * f[1], weight * f[0]
@@ -25,7 +25,7 @@ def _add_pressure(weight, f, e0, e1, e2, e3, out):
         out[m] += c0 * e0[m] + c1 * e1[m] + c2 * e2[m] + c3 * e3[m]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _stress_of(w, a, f, pressure, e0, e1, e2, e3, d0, d1, d2, d3):
     """d = w (A : e + p cof F), components 11, 12, 21, 22, over all parameters."""
     for m in range(pressure.size):
@@ -36,14 +36,14 @@ def _stress_of(w, a, f, pressure, e0, e1, e2, e3, d0, d1, d2, d3):
         d3[m] = a[3, 0] * x0 + a[3, 1] * x1 + a[3, 2] * x2 + a[3, 3] * x3 + p * f[0]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _add_scaled(out, factor, values):
     """out += factor values."""
     for m in range(out.size):
         out[m] += factor * values[m]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _cell_stress_rates(
     cell, weights, weight_rate, deformation, w, bulk, slope_rates, stress, stress_rates
 ):
@@ -92,7 +92,7 @@ def _cell_stress_rates(
             _add_scaled(stress_rates[y, j], p[3], weight_rate[q])
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_internal_rates(
     table, weights, rates, weight_rates, deformation, w, bulk, d, equations, out
 ):

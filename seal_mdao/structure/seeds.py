@@ -8,13 +8,13 @@ Of L = -lambda . f the seeds on B and w are, with the adjoint strains e = -grad 
 summed over load steps. What a few adjoints of every step give is mixed into the measures at the end.
 """
 
-import numba as nb
 import numpy as np
 
+from seal_mdao.compilation import compiled, internal
 from seal_mdao.structure.deformation import block, cell_displacements, widest_group
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _outer(stress, lam, dual, d, out):
     """out = w P_ij (-lambda_i) + w S_ij d_i for one neighbour and one j; all (2, S) but ``out``."""
     for c in range(out.size):
@@ -26,7 +26,7 @@ def _outer(stress, lam, dual, d, out):
         )
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _cell_dual_stress(
     cell,
     weights,
@@ -110,7 +110,7 @@ def _cell_dual_stress(
                     scalars[q_count + bulk_row, c] += w * swelling * on_cof[q]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@internal
 def _add_rows(values, first, end, out, at):
     """Rows ``first`` to ``end`` of ``values``, added to those of ``out`` from ``at`` on."""
     for row in range(first, end):
@@ -118,7 +118,7 @@ def _add_rows(values, first, end, out, at):
             out[at + row - first, m] += values[row, m]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_internal_seeds(
     table, weights, deformation, w, by_constants, bulk, bulk_row, d, first, adjoints, mix, equations,
     grad_bar, weight_bar, constants_bar,

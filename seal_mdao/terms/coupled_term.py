@@ -8,10 +8,10 @@ of rank one.
 
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from scipy.sparse import csr_array
 
+from seal_mdao.compilation import compiled
 from seal_mdao.terms.coupled_forward import CoupledForward
 from seal_mdao.terms.coupled_reverse import CoupledReverse
 from seal_mdao.terms.point_assembly import assemble_points, interpolate
@@ -202,7 +202,7 @@ class CoupledTerm(Term):
         return PointSeeds(np.zeros((n_measures, len(self.where), 2)), outputs)
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def assemble_pairs(table, pairs, tangent, start, slots, values):
     """Add the tangents (m, 2, 2) of pairs of points (m, 2) through their rows of Phi."""
     for m in range(len(pairs)):

@@ -12,8 +12,9 @@ they move by -Lambda_n^T f'_n, whatever the parameters (direct) or measures (adj
 import math
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
+
+from seal_mdao.compilation import compiled
 
 # Sine of the angle between two directions below which they are one.
 PARALLEL = 1e-13
@@ -47,7 +48,7 @@ def directions_of(used: np.ndarray, slopes: np.ndarray) -> HandedOn:
     return HandedOn(points[:count], directions[:count])
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def _fill_directions(used, slopes, points, directions):
     """Fill points and directions; returns how many there are."""
     count = 0
@@ -66,7 +67,7 @@ def _fill_directions(used, slopes, points, directions):
     return count
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_handed_columns(table, points, directions, equations, out):
     """Phi^T q of every wanted direction q of a point, added to its column of ``out``
     (n_equations + 1, s)."""
@@ -77,7 +78,7 @@ def add_handed_columns(table, points, directions, equations, out):
                 out[equations[near, c], k] += table.phi[a] * directions[k, c]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_handed_rates(points, directions, rates, out):
     """Displacements of ``rates`` (s, P) along the wanted directions, added to ``out`` (k, 2..., P)."""
     for k, i in enumerate(points):

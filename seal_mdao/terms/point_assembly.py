@@ -1,9 +1,9 @@
 """Contact form b(z, z-bar) and its tangent b*(z; dz, z-bar), Eqs. (29), (37), (42), in the equations."""
 
-import numba as nb
+from seal_mdao.compilation import compiled
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def interpolate(table, d, out):
     """Displacement of single points, ``out[i] = sum_I Phi_I(X_i) d_I`` (k, 2), Eq. (13)."""
     for i in range(table.start.size - 1):
@@ -14,7 +14,7 @@ def interpolate(table, d, out):
         out[i, 0], out[i, 1] = ux, uy
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def assemble_points(table, point_force, point_tangent, state, scatter, force, values):
     """Add forces (k, 2) and tangents (k, 2, 2) of the points in contact through their own rows of Phi.
 

@@ -3,10 +3,10 @@
 A ``branch`` of zero leaves a point out: it carries no force.
 """
 
-import numba as nb
+from seal_mdao.compilation import compiled
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def displacement_rates(table, rates, d, out):
     """Add sum_I Phi_I' d_I at fixed d to ``out`` (k, 2, P)."""
     for i in range(table.start.size - 1):
@@ -20,7 +20,7 @@ def displacement_rates(table, rates, d, out):
                 out[i, 1, which[p]] += d[near, 1] * rate
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_solution_rates(table, equations, solution, out):
     """Add sum_I Phi_I d_I' to ``out`` (k, 2, P); ``solution`` is d' (n_equations, P)."""
     for i in range(table.start.size - 1):
@@ -32,7 +32,7 @@ def add_solution_rates(table, equations, solution, out):
                         out[i, c, p] += table.phi[a] * solution[at, p]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_nodal_rates(table, nodal, out):
     """Add sum_I Phi_I d_I' to ``out`` (k, 2, P); ``nodal`` (n, 2, P) are rates of the particles."""
     for i in range(table.start.size - 1):
@@ -42,7 +42,7 @@ def add_nodal_rates(table, nodal, out):
                     out[i, c, p] += table.phi[a] * nodal[table.neighbours[a], c, p]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_nodal_gradient_rates(table, nodal, out):
     """Add sum_I B_I d_I' of single points to ``out`` (k, 4, P)."""
     for i in range(table.start.size - 1):
@@ -56,7 +56,7 @@ def add_nodal_gradient_rates(table, nodal, out):
                         out[i, 2 * c + j, p] += b * nodal[table.neighbours[s0 + a], c, p]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_force_rates(table, rates, force, force_rate, branch, equations, out):
     """Add (sum_i Phi_i T_i)' to ``out`` (n_equations + 1, P) for the points that carry a force."""
     for i in range(table.start.size - 1):
@@ -74,7 +74,7 @@ def add_force_rates(table, rates, force, force_rate, branch, equations, out):
                     row[which[p]] += rates.phi[at + a * count + p] * force[i, c]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def gradient_rates(table, rates, d, equations, solution, out):
     """F' = sum_I B_I' d_I + B_I d_I' of single points, ``out`` (k, 4, P) overwritten."""
     out[:] = 0.0
@@ -98,7 +98,7 @@ def gradient_rates(table, rates, d, equations, solution, out):
                         out[i, 2 * c + j, which[p]] += d[near, c] * rate
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_displacement_seeds(table, points, x_bar, equations, out):
     """Transpose of ``add_solution_rates``: seeds (s, 2, M) on s of the points to ``out``
     (n_equations + 1, M)."""
@@ -111,7 +111,7 @@ def add_displacement_seeds(table, points, x_bar, equations, out):
                     row[m] += phi * seed[m]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def point_adjoint(table, points, adjoint, equations, out):
     """Adjoint displacement of s single points: ``out`` (s, 2, M) from ``adjoint``
     (n_equations + 1, M).
@@ -128,7 +128,7 @@ def point_adjoint(table, points, adjoint, equations, out):
                     out[k, c, m] += phi * row[m]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_shape_seeds(table, points, x_bar, force, d, adjoint, mix, equations, phi_bar):
     """Add seeds on Phi: x_bar . d from the point's displacement, -T . lambda from its force.
 
@@ -152,7 +152,7 @@ def add_shape_seeds(table, points, x_bar, force, d, adjoint, mix, equations, phi
                             out[m] -= t * row[j] * mix[j, m]
 
 
-@nb.njit(cache=True, error_model="numpy")
+@compiled
 def add_gradient_seeds(table, f_bar, d, equations, d_bar, grad_bar):
     """Transpose of ``gradient_rates``: seeds ``f_bar`` (k, 4, M) on F."""
     for i in range(table.start.size - 1):

@@ -105,7 +105,7 @@ def product_kernel(r, axes):
 
 def reference_shape(x, particles, cloud, order):
     """Phi_I(x) and grad Phi_I(x) of Eqs. (10)-(13) by a plain solution, complex data allowed."""
-    terms, product = [], len(cloud.axes) > 0
+    terms, product = [], cloud.axes is not None
     for particle, own in zip(particles, cloud.axes if product else cloud.radius, strict=True):
         r = x - particle
         f, slope = product_kernel(r, own) if product else round_kernel(r, own)
