@@ -2,6 +2,7 @@
 
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
 Where a term gives two estimates of how its force changes, the one with the smaller residual is taken.
+What points do that begin to touch is predicted too (``touching``).
 A step that was halved is solved as one from where its parts led, under friction.
 Where the smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
 Where equilibrium is not stable, the path goes on to a stable one (``stability``).
@@ -31,6 +32,7 @@ from seal_mdao.analysis.stability import (
     limit_point,
 )
 from seal_mdao.analysis.threads import one_blas_thread
+from seal_mdao.analysis.touching import at_rest_where_it_touches
 
 # Equilibrium that is near by is found by damped motion within so many iterations.
 NEAR = 40
@@ -141,6 +143,7 @@ class _Walk:
             euler = problem.predict(last, problem.factor, target)
             bent = 0.0 if self.bend is None else (target - last.fraction) ** 2 * self.bend
             guess = problem.closest(euler + bent, target, last.after)
+            guess = at_rest_where_it_touches(problem, guess, target, last)
             status, d, residuals = _equilibrium(problem, guess, target, last, options, self.reuse)
             if status is not Status.CONVERGED and 0.5 * share >= 0.5 ** _most_cuts(status, options):
                 self.cuts, self.bend = self.cuts + 1, None

@@ -21,6 +21,7 @@ from seal_mdao.analysis.equations import TangentLayout
 from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
+from seal_mdao.analysis.touching import unit_loads
 from seal_mdao.structure.deformation import particle_gradients
 
 # Most need 6 to 10 iterations; what is not halved within PATIENCE of them will not converge soon.
@@ -95,20 +96,6 @@ def _gradients(problem: PathProblem, d: np.ndarray) -> np.ndarray:
     return out
 
 
-def _unit_loads(problem: PathProblem, term, points: np.ndarray) -> list:
-    """Loads (n_equations,) of unit forces in x and y at points (m,) of a term, one after the other."""
-    layout, loads = problem.discretization.layout, []
-    for point in points:
-        branch, force = np.zeros(len(term.where), int), np.zeros((len(term.where), 2))
-        branch[point] = 1
-        for component in range(2):
-            force[point] = np.eye(2)[component]
-            load = term.point_loads(force, branch)
-            layout.condense_force(load)
-            loads.append(load[: layout.n_equations])
-    return loads
-
-
 def _new_contacts(problem: PathProblem, last: ConvergedStep) -> list | None:
     """Terms at single points, with the points on another branch than in the factorised tangent; None
     where a term that couples points is on another one."""
@@ -128,7 +115,7 @@ def _inverse(problem: PathProblem, d, last: ConvergedStep, changed: list):
     carried = CarriedFactor(problem.factor, since, problem.discretization.layout)
     if not changed:
         return carried
-    columns = [load for term, points, _ in changed for load in _unit_loads(problem, term, points)]
+    columns = [load for term, points, _ in changed for load in unit_loads(problem, term, points)]
     blocks = [tangent for _, _, tangents in changed for tangent in tangents]
     return CorrectedFactor(carried, np.array(columns), block_diag(*blocks))
 

@@ -21,9 +21,9 @@ FRICTIONS = {
 DOORS = {"corner": {}, "32 segments": {"segments": 32}, "flat": {"door": "flat"}}
 PATHS = {
     "40 steps": {"n_steps": 40, "newton": NewtonOptions(tolerance=1e-11)},
-    "8 steps, cut": {
-        "n_steps": 8,
-        "newton": NewtonOptions(tolerance=1e-11, max_iterations=4, damped_iterations=0),
+    "6 steps, cut": {
+        "n_steps": 6,
+        "newton": NewtonOptions(tolerance=1e-11, max_iterations=3, damped_iterations=0),
     },
 }
 RADIUS = 4.05

@@ -77,13 +77,13 @@ def test_steps_stay_whole_where_newtons_method_fails_beside_a_design():
     An optimiser came here: in the last step Newton's method converges at some designs of a line and
     not at those between them.
     """
-    few = replace(NEWTON, max_iterations=8)  # else rounding decides whether it converges
+    few = replace(NEWTON, max_iterations=7)  # else rounding decides whether it converges
     seal = sm.door_seal(friction=0.15, friction_history="incremental", segments=32, newton=few)
     offsets = 1e-3 * np.array([
         18, -83, -409, 240, -89, -485, -54, 308, 56, -459, 54, 85, -379, 113, -113, 192, 423, 247, 319,
         -272, 12, 392, 471, 251, 193,
     ])  # fmt: skip
-    along = np.linspace(-2e-4, 2e-4, 5)
+    along = np.linspace(-1e-3, 1e-3, 5)
     results = [sm.analyze(seal, offsets + t, {"door_radius": 3.848}) for t in along]
     assert any(result.step_cuts > 0 for result in results)
     assert all(len(result.path.steps) == 105 for result in results)
