@@ -16,6 +16,7 @@ from seal_mdao.rkpm.essential import EssentialTransformation, essential_transfor
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
 from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_table
+from seal_mdao.structure.pressure import PressureSpace, through_column
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
 
 
@@ -78,6 +79,9 @@ class Body:
     support_axes : ndarray, shape (n, 2, 2), or None
         Inverse half-widths of product kernels along the two directions of the cells
         (``rkpm.cells.support_axes``); None for round kernels.
+    column : int
+        Cells in succession through which the pressure is continuous (``structure.pressure``); 1: one
+        value a cell.
     """
 
     cells: np.ndarray
@@ -90,6 +94,7 @@ class Body:
     solver: str = "auto"
     hidden: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
     support_axes: np.ndarray | None = None
+    column: int = 1
 
     @property
     def n_particles(self) -> int:
@@ -124,6 +129,11 @@ class Body:
         return cell_map(self.cells, self.n_gauss)
 
     @cached_property
+    def pressure(self) -> PressureSpace:
+        """Functions of the pressure in every column of cells."""
+        return through_column(self.column, self.n_gauss)
+
+    @cached_property
     def edge_rule(self) -> EdgeRule:
         return edge_rule(self.cells, self.constrained)
 
@@ -133,9 +143,21 @@ class Body:
         if self.drawn is None:
             return None
         cloud, transformation, _ = _essential(self, self.drawn)
-        weights = quadrature_weights(self.cell_map, cloud.particles)
-        cells = build_cell_table(cloud, self.cell_map, self.edge_rule, weights, transformation)
+        cells = self.cell_table(cloud, transformation)
         return equation_numbers(self.fixed, [cells.raw], transformation)
+
+    def cell_table(self, cloud: Cloud, transformation: EssentialTransformation) -> CellTable:
+        """Weights and shape functions of one design at the quadrature points.
+
+        Raises
+        ------
+        GeometryError
+            A folded cell, or a point that too few supports cover.
+        """
+        weights = quadrature_weights(self.cell_map, cloud.particles)
+        return build_cell_table(
+            cloud, self.cell_map, self.edge_rule, self.pressure.cells, weights, transformation
+        )
 
     def cloud(self, particles: np.ndarray) -> Cloud:
         """Particles of one design with the body's kernels."""
@@ -238,8 +260,7 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
         where = int(np.argwhere(~np.isfinite(particles))[0, 0])
         raise ValueError(f"particle {where} has a coordinate that is not a finite number")
     cloud, transformation, rows = _essential(body, particles)
-    weights = quadrature_weights(body.cell_map, cloud.particles)
-    cells = build_cell_table(cloud, body.cell_map, body.edge_rule, weights, transformation)
+    cells = body.cell_table(cloud, transformation)
     points = [term.point_set() for term in terms]
     tables = tuple(None if p is None else build_table(cloud, p, transformation) for p in points)
     couples = tuple(term.couples for term in terms)

@@ -85,20 +85,20 @@ def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) 
     scatter_add(x_bar, rule.ends[..., 0], -pull)
 
 
-def integration_points(mapping: CellMap, rule: EdgeRule) -> PointSet:
-    """Gauss points followed by edge points of every cell, one group a cell."""
+def integration_points(mapping: CellMap, rule: EdgeRule, column: int = 1) -> PointSet:
+    """Gauss points followed by edge points of every cell; ``column`` cells in succession are a group."""
     n_cells, q = len(mapping.cells), mapping.n_points
     anchors = np.empty((n_cells, q + EDGE_POINTS, 4), int)
     weights = np.zeros((n_cells, q + EDGE_POINTS, 4))
     anchors[:, :q], weights[:, :q] = mapping.cells[:, None], mapping.values
     anchors[:, q:] = np.tile(rule.ends, (1, 1, 2))
     weights[:, q:, :2] = rule.weights
-    return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), q + EDGE_POINTS)
+    return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), column * (q + EDGE_POINTS))
 
 
 @dataclass(frozen=True)
 class CellTable:
-    """Shape functions at the quadrature points of the background cells.
+    """Shape functions at the quadrature points of the background cells, a group for a column of them.
 
     Attributes
     ----------
@@ -118,6 +118,22 @@ class CellTable:
     full: PointTable
     raw: ShapeTable
     table: ShapeTable
+
+    @property
+    def column_weights(self) -> np.ndarray:
+        """The weights by columns, shape (n_columns, cells of a column * q)."""
+        return self.weights.reshape(self.raw.n_groups, self.raw.group_size)
+
+
+@inlined
+def _place(table, cell, n_cells):
+    """Column of a cell, its number of neighbours, and the rows (point, neighbour) before the cell, in
+    its column and in all, were there one point in a cell."""
+    cells = n_cells // (table.start.size - 1)
+    column = cell // cells
+    n = table.start[column + 1] - table.start[column]
+    before = (cell - cells * column) * n
+    return column, n, before, cells * table.start[column] + before
 
 
 @inlined
@@ -143,10 +159,10 @@ def _cell_correction(grad, phi, weights, normals, n, q_count, out):
 
 @compiled
 def _correct(full, weights, normals, phi, grad):
-    q_count, points = weights.shape[1], full.group_size
-    for cell in range(full.start.size - 1):
-        s0 = full.start[cell]
-        n = full.start[cell + 1] - s0
+    n_cells, q_count = weights.shape
+    points = q_count + normals.shape[1]
+    for cell in range(n_cells):
+        _, n, _, s0 = _place(full, cell, n_cells)
         old_phi = full.phi[s0 * points : (s0 + n) * points].reshape(points, n)
         old = full.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
         new = grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
@@ -162,20 +178,20 @@ def _correct(full, weights, normals, phi, grad):
 
 @compiled
 def _correct_rates(full, full_rates, weights, normals, weight_rates, normal_rates, rates):
-    q_count, points = weights.shape[1], full.group_size
-    for cell in range(full.start.size - 1):
-        which = rates.active[rates.start[cell, 0] : rates.start[cell + 1, 0]]
+    n_cells, q_count = weights.shape
+    points = q_count + normals.shape[1]
+    for cell in range(n_cells):
+        column, n, before, s0 = _place(full, cell, n_cells)
+        which = rates.active[rates.start[column, 0] : rates.start[column + 1, 0]]
         count = which.size
         if count == 0:
             continue
-        s0 = full.start[cell]
-        n = full.start[cell + 1] - s0
         phi = full.phi[s0 * points : (s0 + n) * points].reshape(points, n)
         grad = full.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
-        at, size = full_rates.start[cell, 1], n * points * count
+        at, size = full_rates.start[column, 1] + before * points * count, n * points * count
         d_phi = full_rates.phi[at : at + size].reshape(points, n, count)
         d_grad = full_rates.grad[2 * at : 2 * (at + size)].reshape(points, 2, n, count)
-        at, size = rates.start[cell, 1], n * q_count * count
+        at, size = rates.start[column, 1] + before * q_count * count, n * q_count * count
         new_phi = rates.phi[at : at + size].reshape(q_count, n, count)
         new_grad = rates.grad[2 * at : 2 * (at + size)].reshape(q_count, 2, n, count)
         shift = np.empty((2, n))
@@ -212,10 +228,10 @@ def _correct_rates(full, full_rates, weights, normals, weight_rates, normal_rate
 def _correct_seeds(
     full, weights, normals, phi_bar, grad_bar, full_phi_bar, full_grad_bar, weight_bar, normal_bar
 ):
-    q_count, points, count = weights.shape[1], full.group_size, phi_bar.shape[1]
-    for cell in range(full.start.size - 1):
-        s0 = full.start[cell]
-        n = full.start[cell + 1] - s0
+    n_cells, q_count = weights.shape
+    points, count = q_count + normals.shape[1], phi_bar.shape[1]
+    for cell in range(n_cells):
+        _, n, _, s0 = _place(full, cell, n_cells)
         phi = full.phi[s0 * points : (s0 + n) * points].reshape(points, n)
         grad = full.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
         shift, shift_bar = np.empty((2, n)), np.zeros((2, n, count))
@@ -253,12 +269,19 @@ def _correct_seeds(
 
 
 def build_cell_table(
-    cloud: Cloud, mapping: CellMap, rule: EdgeRule, weights: np.ndarray, transformation
+    cloud: Cloud, mapping: CellMap, rule: EdgeRule, column: int, weights: np.ndarray, transformation
 ) -> CellTable:
-    """Consistent shape functions at the quadrature points, transformed for essential conditions."""
-    points = integration_points(mapping, rule)
+    """Consistent shape functions at the quadrature points, transformed for essential conditions.
+
+    Parameters
+    ----------
+    column : int
+        Cells in succession that share a list of neighbours.
+    weights : ndarray, shape (n_cells, q)
+    """
+    points = integration_points(mapping, rule, column)
     coordinates, full = raw_table(cloud, points)
-    q = weights.shape[1]
+    q = column * weights.shape[1]
     phi, grad = np.empty(full.neighbours.size * q), np.empty(2 * full.neighbours.size * q)
     _correct(full, weights, edge_normals(rule, cloud.particles), phi, grad)
     raw = ShapeTable(full.start, full.neighbours, phi, grad, q)

@@ -1,8 +1,9 @@
-"""Deformation gradients at the quadrature points, and the volume change projected on every cell.
+"""Deformation gradients at the quadrature points, and the volume change projected for the pressure.
 
-Pressure projection in the energy: J is averaged over each background cell,
+Pressure projection in the energy: det F - 1 is averaged over each column of background cells with the
+functions N_k of ``pressure``,
 
-    W = sum_q w_q W(F_q) + sum_c K/2 V_c (J_c - 1)^2,   J_c = sum_q w_q J_q / V_c.
+    W = sum_q w_q W(F_q) + sum_k K/2 V_k s_k^2,   s_k = sum_q N_k w_q (det F_q - 1) / V_k.
 """
 
 from typing import NamedTuple
@@ -14,16 +15,16 @@ from seal_mdao.rkpm.shape_functions import ShapeTable
 
 
 class Deformation(NamedTuple):
-    """Deformation of all cells at K displacement fields.
+    """Deformation of all columns of cells at K displacement fields, q quadrature points a column.
 
     Attributes
     ----------
-    f : ndarray, shape (K, n_cells, q, 5)
+    f : ndarray, shape (K, n_columns, q, 5)
         F in the order 11, 12, 21, 22, and det F - 1.
-    square : ndarray, shape (K, n_cells, q)
+    square : ndarray, shape (K, n_columns, q)
         T = F : F.
-    swelling : ndarray, shape (K, n_cells)
-        Projected J_c - 1.
+    swelling : ndarray, shape (K, n_columns, k)
+        Projected det F - 1.
     """
 
     f: np.ndarray
@@ -32,19 +33,47 @@ class Deformation(NamedTuple):
 
     @property
     def jacobian(self) -> np.ndarray:
-        """J = det F, shape (K, n_cells, q)."""
+        """J = det F, shape (K, n_columns, q)."""
         return 1.0 + self.f[..., 4]
 
 
-def no_deformation(n_fields: int, weights: np.ndarray) -> Deformation:
-    """Room for ``n_fields`` displacement fields on cells with quadrature ``weights``."""
+def no_deformation(n_fields: int, weights: np.ndarray, n_functions: int) -> Deformation:
+    """Room for ``n_fields`` displacement fields on columns with quadrature ``weights``."""
     shape = (n_fields, *weights.shape)
-    return Deformation(np.empty((*shape, 5)), np.empty(shape), np.empty(shape[:2]))
+    return Deformation(np.empty((*shape, 5)), np.empty(shape), np.empty((*shape[:2], n_functions)))
 
 
 @inlined
-def cell_gradients(grad, displacement, n, q_count, f):
-    """Deformation gradients of one cell: ``f`` (q, 5) in the order 11, 12, 21, 22, and det F - 1.
+def mean(function, weights, values):
+    """sum_q N w v / sum_q N w of one function N (q,)."""
+    volume, total = 0.0, 0.0
+    for q in range(weights.size):
+        volume += function[q] * weights[q]
+        total += function[q] * weights[q] * values[q]
+    return total / volume
+
+
+@inlined
+def volume_of(function, weights):
+    """V = sum_q N w of one function N (q,)."""
+    volume = 0.0
+    for q in range(weights.size):
+        volume += function[q] * weights[q]
+    return volume
+
+
+@inlined
+def at_point(functions, q, values):
+    """sum_h N_h(q) v_h."""
+    value = 0.0
+    for h in range(values.size):
+        value += functions[h, q] * values[h]
+    return value
+
+
+@inlined
+def group_gradients(grad, displacement, n, q_count, f):
+    """Deformation gradients of one group: ``f`` (q, 5) in the order 11, 12, 21, 22, and det F - 1.
 
     The last is formed from the displacement gradient: det F itself would lose the small volume
     change that the bulk modulus multiplies.
@@ -71,34 +100,37 @@ def widest_group(table):
 
 
 @compiled
-def deform(table, weights, d, out):
+def deform(table, weights, functions, d, out):
     """Fill the first field of ``out`` for displacements ``d`` (n, 2).
+
+    Parameters
+    ----------
+    weights, functions : ndarray, shapes (n_columns, q), (k, q)
+        Of the quadrature, and of the pressure.
 
     Returns
     -------
     int
-        The first cell with an inverted quadrature point, at which it stops, or -1.
+        The first column with an inverted quadrature point, at which it stops, or -1.
     """
     q_count, displacement = table.group_size, np.empty((2, widest_group(table)))
-    for cell in range(table.start.size - 1):
-        s0 = table.start[cell]
-        n = table.start[cell + 1] - s0
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
         grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
         for i in range(n):
             near = table.neighbours[s0 + i]
             displacement[0, i], displacement[1, i] = d[near, 0], d[near, 1]
-        f = out.f[0, cell]
-        cell_gradients(grad, displacement, n, q_count, f)
-        volume, change = 0.0, 0.0
+        f = out.f[0, column]
+        group_gradients(grad, displacement, n, q_count, f)
         for q in range(q_count):
             if not f[q, 4] > -1.0:
-                return cell
-            out.square[0, cell, q] = (
+                return column
+            out.square[0, column, q] = (
                 f[q, 0] * f[q, 0] + f[q, 1] * f[q, 1] + f[q, 2] * f[q, 2] + f[q, 3] * f[q, 3]
             )
-            volume += weights[cell, q]
-            change += weights[cell, q] * f[q, 4]
-        out.swelling[0, cell] = change / volume
+        for h in range(len(functions)):
+            out.swelling[0, column, h] = mean(functions[h], weights[column], f[:, 4])
     return -1
 
 
@@ -109,7 +141,7 @@ def block(buffer, rows, columns):
 
 
 @internal
-def cell_displacements(d, near, out):
+def group_displacements(d, near, out):
     """``out`` (2 K, n): d of the neighbours, rows (step, component)."""
     for k in range(d.shape[0]):
         for a in range(near.size):
@@ -118,40 +150,41 @@ def cell_displacements(d, near, out):
 
 
 @compiled
-def _deform_many(table, weights, d, out):
-    """As ``_deform`` for fields that are known to be admissible, by one matrix product a cell."""
+def _deform_many(table, weights, functions, d, out):
+    """As ``deform`` for fields that are known to be admissible, by one matrix product a column."""
     q_count, widest, rows = table.group_size, widest_group(table), 2 * len(d)
     points = 2 * q_count
     displacements, turned = np.empty(rows * widest), np.empty(widest * points)
     slopes = np.empty((rows, points))
-    for cell in range(table.start.size - 1):
-        s0 = table.start[cell]
-        n = table.start[cell + 1] - s0
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
         grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
         u, b = block(displacements, rows, n), block(turned, n, points)
-        cell_displacements(d, table.neighbours[s0 : s0 + n], u)
+        group_displacements(d, table.neighbours[s0 : s0 + n], u)
         for a in range(n):
             for r in range(points):
                 b[a, r] = grad[r, a]
         np.dot(u, b, slopes)
-        volume = weights[cell].sum()
         for k in range(len(d)):
-            change = 0.0
             for q in range(q_count):
-                f = out.f[k, cell, q]
+                f = out.f[k, column, q]
                 f11, f12 = slopes[2 * k, 2 * q], slopes[2 * k, 2 * q + 1]
                 f21, f22 = slopes[2 * k + 1, 2 * q], slopes[2 * k + 1, 2 * q + 1]
                 f[0], f[1], f[2], f[3] = 1.0 + f11, f12, f21, 1.0 + f22
                 f[4] = f11 + f22 + (f11 * f22 - f12 * f21)
-                out.square[k, cell, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
-                change += weights[cell, q] * f[4]
-            out.swelling[k, cell] = change / volume
+                out.square[k, column, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
+            change = out.f[k, column, :, 4]
+            for h in range(len(functions)):
+                out.swelling[k, column, h] = mean(functions[h], weights[column], change)
 
 
-def deformations(table: ShapeTable, weights: np.ndarray, d: np.ndarray) -> Deformation:
+def deformations(
+    table: ShapeTable, weights: np.ndarray, functions: np.ndarray, d: np.ndarray
+) -> Deformation:
     """Deformation at displacement fields (K, n, 2) of converged steps."""
-    out = no_deformation(len(d), weights)
-    _deform_many(table, weights, d, out)
+    out = no_deformation(len(d), weights, len(functions))
+    _deform_many(table, weights, functions, d, out)
     return out
 
 
@@ -162,7 +195,7 @@ def particle_gradients(table, cells, d, out):
     Parameters
     ----------
     table : ShapeTable
-        Shape functions at the quadrature points, one group a cell.
+        Shape functions at the quadrature points, a group for a column of cells.
     cells : ndarray of int, shape (n_cells, 4)
         Corner particles.
     d : ndarray, shape (n, 2)
@@ -170,23 +203,26 @@ def particle_gradients(table, cells, d, out):
     out : ndarray, shape (n, 2, 2)
         Written; the unit matrix for a particle at no cell.
     """
-    q_count = table.group_size
-    f, count = np.empty((q_count, 5)), np.zeros(len(out))
+    of_column = len(cells) // (table.start.size - 1)
+    points, q_count = table.group_size, table.group_size // of_column
+    f, count = np.empty((points, 5)), np.zeros(len(out))
     out[:] = 0.0
-    for cell in range(table.start.size - 1):
-        s0 = table.start[cell]
-        n = table.start[cell + 1] - s0
-        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
-        cell_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, q_count, f)
-        for a in range(cells.shape[1]):
-            particle = cells[cell, a]
-            if particle == cells[cell, a - 1]:  # the repeated corner of a triangle
-                continue
-            count[particle] += q_count
-            for q in range(q_count):
-                for i in range(2):
-                    for k in range(2):
-                        out[particle, i, k] += f[q, 2 * i + k]
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
+        grad = table.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
+        group_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, points, f)
+        for x in range(of_column):
+            corners = cells[column * of_column + x]
+            for a in range(corners.size):
+                particle = corners[a]
+                if particle == corners[a - 1]:  # the repeated corner of a triangle
+                    continue
+                count[particle] += q_count
+                for q in range(x * q_count, (x + 1) * q_count):
+                    for i in range(2):
+                        for k in range(2):
+                            out[particle, i, k] += f[q, 2 * i + k]
     for particle in range(len(out)):
         if count[particle] > 0.0:
             out[particle] /= count[particle]

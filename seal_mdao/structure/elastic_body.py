@@ -117,47 +117,69 @@ class StructuralTerm(Term):
     def __init__(self, definition: ElasticBody, discretization):
         self.definition, self.names = definition, tuple(definition.scalars)
         self.discretization, self.cells = discretization, discretization.cells
-        self.bulk = definition.per_cell(
-            [region.material.bulk_modulus for region in definition.regions], len(self.cells.weights)
-        )
-        self.deformation = no_deformation(1, self.cells.weights)
+        self.functions = discretization.body.pressure.functions
+        self.bulk = self._per_column([r.material.bulk_modulus for r in definition.regions])
+        self.deformation = no_deformation(1, self.cells.column_weights, len(self.functions))
         self.rounding = float(self.bulk.max() * discretization.body.support_radius.max())
+
+    def _per_column(self, values, dtype=float) -> np.ndarray:
+        """A value of each region spread to the columns of cells, shape (n_columns,).
+
+        Raises
+        ------
+        ValueError
+            When two materials with different ones meet in a column.
+        """
+        cells = self.definition.per_cell(values, len(self.cells.weights), dtype)
+        columns = cells.reshape(self.cells.raw.n_groups, -1)
+        mixed = np.flatnonzero((columns != columns[:, :1]).any(axis=1))
+        if mixed.size:
+            raise ValueError(
+                f"column {mixed[0]} of {columns.shape[1]} cells, through which the pressure is "
+                "continuous, has two bulk moduli; use one there, or one pressure a cell"
+            )
+        return columns[:, 0].copy()
+
+    def _by_cell(self, values: np.ndarray) -> np.ndarray:
+        """Values (..., n_columns, q of a column) as a view (..., n_cells, q of a cell)."""
+        return values.reshape(*values.shape[:-2], *self.cells.weights.shape)
 
     # ---- the material at the quadrature points ----
 
     def energy_derivatives(self, deformation: Deformation) -> np.ndarray:
-        """W_T, W_J, W_TT, W_TJ, W_JJ of K fields, shape (5, K, n_cells, q)."""
+        """W_T, W_J, W_TT, W_TJ, W_JJ of K fields, shape (5, K, n_columns, q)."""
         square, jacobian = deformation.square, deformation.jacobian
         if len(self.definition.regions) == 1:
             return self.definition.regions[0].material.derivatives(square, jacobian)
         out = np.empty((5, *square.shape))
+        t, j, rows = self._by_cell(square), self._by_cell(jacobian), self._by_cell(out)
         for region in self.definition.regions:
             at = region.at
-            out[:, :, at] = region.material.derivatives(square[:, at], jacobian[:, at])
+            rows[:, :, at] = region.material.derivatives(t[:, at], j[:, at])
         return out
 
     def constant_derivatives(self, deformation: Deformation) -> np.ndarray:
-        """d(W_T, W_J) / d(every parameter) of K fields, shape (C, 2, K, n_cells, q)."""
+        """d(W_T, W_J) / d(every parameter) of K fields, shape (C, 2, K, n_columns, q)."""
         out = np.zeros((len(self.names), 2, *deformation.square.shape))
+        t, j = self._by_cell(deformation.square), self._by_cell(deformation.jacobian)
+        by_cell = self._by_cell(out)
         for region in self.definition.regions:
             at = region.at
-            rows = region.material.constant_derivatives(
-                deformation.square[:, at], deformation.jacobian[:, at]
-            )
+            rows = region.material.constant_derivatives(t[:, at], j[:, at])
             for name, row in zip(region.names, rows, strict=True):
-                out[self.names.index(name)][:, :, at] = row
+                by_cell[self.names.index(name)][:, :, at] = row
         return out
 
     @cached_property
     def bulk_row(self) -> np.ndarray:
-        """Which parameter is the bulk modulus of every cell, -1 for none, shape (n_cells,)."""
+        """Which parameter is the bulk modulus of every column, -1 for none, shape (n_columns,)."""
         rows = [
             self.names.index(region.prefix + "bulk_modulus")
             if "bulk_modulus" in region.material.names
             else -1
             for region in self.definition.regions
         ]
-        return self.definition.per_cell(rows, len(self.bulk), int)
+        return self._per_column(rows, int)
 
     @cached_property
     def particle_regions(self) -> np.ndarray:
@@ -170,7 +192,15 @@ class StructuralTerm(Term):
 
     def deformation_of(self, d: np.ndarray) -> Deformation:
         """Deformation at displacement fields (K, n, 2) that are known to be admissible."""
-        return deformations(self.cells.table, self.cells.weights, d)
+        return deformations(self.cells.table, self.cells.column_weights, self.functions, d)
+
+    def pressure(self, deformation: Deformation) -> np.ndarray:
+        """K sum_k N_k s_k at the quadrature points of K fields, shape (K, n_columns, q)."""
+        return self.bulk[:, None] * (deformation.swelling @ self.functions)
+
+    def squared_swelling(self, deformation: Deformation) -> np.ndarray:
+        """sum_k N_k s_k^2 at the quadrature points of one field, shape (n_columns, q)."""
+        return deformation.swelling[0] ** 2 @ self.functions
 
     # ---- the contract of a term ----
 
@@ -181,11 +211,13 @@ class StructuralTerm(Term):
         return StructuralResponse()
 
     def _assemble(self, table, d, scatter, force, values) -> bool:
-        weights = self.cells.weights
-        if deform(table, weights, d, self.deformation) >= 0:
+        weights, functions = self.cells.column_weights, self.functions
+        if deform(table, weights, functions, d, self.deformation) >= 0:
             return False
-        w = self.energy_derivatives(self.deformation)[:, 0]
-        assemble_internal(table, weights, self.deformation, 0, w, self.bulk, scatter, force, values)
+        assemble_internal(
+            table, weights, functions, self.deformation, 0,
+            self.energy_derivatives(self.deformation)[:, 0], self.bulk, scatter, force, values,
+        )  # fmt: skip
         return True
 
     def forces(self, d: np.ndarray) -> np.ndarray | None:
@@ -204,28 +236,28 @@ class StructuralTerm(Term):
 
     def energy(self, d: np.ndarray) -> float:
         """Strain energy per unit depth, mJ/m."""
-        deformation, weights = self.deformation_of(d[None]), self.cells.weights
-        volumetric = 0.5 * self.bulk * deformation.swelling[0] ** 2
-        return float((weights * (self.density(deformation) + volumetric[:, None])).sum())
+        deformation, weights = self.deformation_of(d[None]), self.cells.column_weights
+        volumetric = 0.5 * self.bulk[:, None] * self.squared_swelling(deformation)
+        return float((weights * (self.density(deformation) + volumetric)).sum())
 
     def density(self, deformation: Deformation) -> np.ndarray:
-        """W at the quadrature points of one field, shape (n_cells, q)."""
-        out = np.empty(self.cells.weights.shape)
+        """W at the quadrature points of one field, shape (n_columns, q)."""
+        out = np.empty(deformation.square.shape[1:])
+        t, j = self._by_cell(deformation.square[0]), self._by_cell(deformation.jacobian[0])
+        by_cell = self._by_cell(out)
         for region in self.definition.regions:
-            at = region.at
-            out[at] = region.material.energy(deformation.square[0, at], deformation.jacobian[0, at])
+            by_cell[region.at] = region.material.energy(t[region.at], j[region.at])
         return out
 
     def constant_densities(self, deformation: Deformation) -> np.ndarray:
-        """dW / d(every parameter) of one field, but for what is projected, shape (C, n_cells, q)."""
-        out = np.zeros((len(self.names), *self.cells.weights.shape))
+        """dW / d(every parameter) of one field, but for what is projected, shape (C, n_columns, q)."""
+        out = np.zeros((len(self.names), *deformation.square.shape[1:]))
+        t, j = self._by_cell(deformation.square[0]), self._by_cell(deformation.jacobian[0])
+        by_cell = self._by_cell(out)
         for region in self.definition.regions:
-            at = region.at
-            rows = region.material.constant_energies(
-                deformation.square[0, at], deformation.jacobian[0, at]
-            )
+            rows = region.material.constant_energies(t[region.at], j[region.at])
             for name, row in zip(region.names, rows, strict=True):
-                out[self.names.index(name)][at] = row
+                by_cell[self.names.index(name)][region.at] = row
         return out
 
     def forward(self, shape, rates) -> StructuralForward:

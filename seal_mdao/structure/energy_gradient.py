@@ -1,11 +1,11 @@
 """Strain energy as something to measure: its derivatives at a converged step.
 
-E = sum_q w W + sum_c K/2 V_c s^2,    s = J_c - 1 = sum_q w e / V_c,    e = det F - 1
+E = sum_q w W + sum_h K/2 V_h s_h^2,    s_h = sum_q N_h w e / V_h,    e = det F - 1
 
 dE/dd   = internal force
-dE/dw   = W + K s e - K s^2 / 2
-dE/dB_j = w P_ij d_i,                 P with the projected pressure K s
-dE/dc   = sum_q w dW/dc,              dE/dK = V_c s^2 / 2
+dE/dw   = W + K sum_h N_h (s_h e - s_h^2 / 2)
+dE/dB_j = w P_ij d_i,                 P with the projected pressure K sum_h N_h s_h
+dE/dc   = sum_q w dW/dc,              dE/dK = sum_h V_h s_h^2 / 2
 """
 
 from dataclasses import dataclass
@@ -61,32 +61,35 @@ class EnergyGradient(NamedTuple):
 
 def energy_gradient(term, d: np.ndarray) -> EnergyGradient:
     """Derivatives of the strain energy of a ``StructuralTerm`` at coefficients ``d`` (n, 2)."""
-    table, weights = term.cells.table, term.cells.weights
+    table, weights = term.cells.table, term.cells.column_weights
     deformation = term.deformation_of(d[None])
-    swelling, pressure = deformation.swelling[0], term.bulk * deformation.swelling[0]
-    projected = pressure[:, None] * deformation.f[0, ..., 4] - 0.5 * (pressure * swelling)[:, None]
+    pressure, squares = term.pressure(deformation)[0], term.squared_swelling(deformation)
+    on_weights = term.density(deformation) + pressure * deformation.f[0, ..., 4]
+    on_weights -= 0.5 * term.bulk[:, None] * squares
     grad = np.empty(table.grad.size)
     w = term.energy_derivatives(deformation)[:2, 0]
     _fill_gradient(table, weights, deformation.f[0], w, pressure, d, grad)
     constants = np.einsum("ncq,cq->n", term.constant_densities(deformation), weights)
     for row in range(len(constants)):
         own = term.bulk_row == row
-        constants[row] += 0.5 * float(weights[own].sum(axis=1) @ swelling[own] ** 2)
-    return EnergyGradient(term.forces(d), grad, term.density(deformation) + projected, constants)
+        constants[row] += 0.5 * float((weights[own] * squares[own]).sum())
+    on_weights = on_weights.reshape(term.cells.weights.shape)
+    return EnergyGradient(term.forces(d), grad, on_weights, constants)
 
 
 @compiled
 def _fill_gradient(table, weights, f, w, pressure, d, out):
     """``out``: w P_ij d_i for every neighbour and j."""
     q_count, p = table.group_size, np.empty(4)
-    for cell in range(table.start.size - 1):
-        s0 = table.start[cell]
-        n = table.start[cell + 1] - s0
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
         own = out[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
         for q in range(q_count):
-            point_stress(f[cell, q], w[0, cell, q], w[1, cell, q] + pressure[cell], p)
+            w_j = w[1, column, q] + pressure[column, q]
+            point_stress(f[column, q], w[0, column, q], w_j, p)
             for j in range(2):
-                x, y = weights[cell, q] * p[j], weights[cell, q] * p[2 + j]
+                x, y = weights[column, q] * p[j], weights[column, q] * p[2 + j]
                 for a in range(n):
                     near = table.neighbours[s0 + a]
                     own[q, j, a] = x * d[near, 0] + y * d[near, 1]
@@ -94,11 +97,11 @@ def _fill_gradient(table, weights, f, w, pressure, d, out):
 
 @compiled
 def add_gradient_rates(table, rates, gradient, out):
-    """Add the sum of ``gradient`` times B' over all cells to ``out`` (P,)."""
-    for cell in range(table.start.size - 1):
-        which = rates.active[rates.start[cell, 0] : rates.start[cell + 1, 0]]
-        count, first = which.size, 2 * table.group_size * table.start[cell]
-        at = 2 * rates.start[cell, 1]
-        for k in range(2 * table.group_size * (table.start[cell + 1] - table.start[cell])):
+    """Add the sum of ``gradient`` times B' over all columns to ``out`` (P,)."""
+    for column in range(table.start.size - 1):
+        which = rates.active[rates.start[column, 0] : rates.start[column + 1, 0]]
+        count, first = which.size, 2 * table.group_size * table.start[column]
+        at = 2 * rates.start[column, 1]
+        for k in range(2 * table.group_size * (table.start[column + 1] - table.start[column])):
             for p in range(count):
                 out[which[p]] += gradient[first + k] * rates.grad[at + k * count + p]

@@ -7,7 +7,7 @@ material: they take the derivatives of W(T, J) at the quadrature points as array
 import numpy as np
 
 from seal_mdao.compilation import compiled, inlined
-from seal_mdao.structure.deformation import widest_group
+from seal_mdao.structure.deformation import at_point, volume_of, widest_group
 
 
 @inlined
@@ -21,7 +21,7 @@ def point_stress(f, w_t, w_j, p):
 
 @inlined
 def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
-    """Moduli A = dP/dF in ``a`` (4, 4) at fixed cell pressure, which ``w_j`` contains."""
+    """Moduli A = dP/dF in ``a`` (4, 4) at fixed pressure, which ``w_j`` contains."""
     cof = (f[3], -f[2], -f[1], f[0])
     for r in range(4):
         for c in range(4):
@@ -48,8 +48,22 @@ def _moduli_rows(weight, a, b, n, c):
 
 
 @inlined
+def _on_volume(function, weights, f, grad, g):
+    """g = sum_q N w cof F B of one function of the pressure, columns x then y."""
+    n = grad.shape[2]
+    for i in range(2 * n):
+        g[i] = 0.0
+    for q in range(weights.size):
+        share, b = function[q] * weights[q], grad[q]
+        if share != 0.0:
+            for i in range(n):
+                g[i] += share * (f[q, 3] * b[0, i] - f[q, 2] * b[1, i])
+                g[n + i] += share * (f[q, 0] * b[1, i] - f[q, 1] * b[0, i])
+
+
+@inlined
 def _row_of_four(b, c, g, scale, i, a, row):
-    """As ``_row_of_any`` for four points, in one pass: a third faster."""
+    """As ``_row_of_any`` for four points and one function, in one pass: a third faster."""
     b0, b1, b2, b3 = b[0, 0, a], b[0, 1, a], b[1, 0, a], b[1, 1, a]
     b4, b5, b6, b7 = b[2, 0, a], b[2, 1, a], b[3, 0, a], b[3, 1, a]
     c0, c1, c2, c3 = c[0, 2 * i], c[0, 2 * i + 1], c[1, 2 * i], c[1, 2 * i + 1]
@@ -62,11 +76,27 @@ def _row_of_four(b, c, g, scale, i, a, row):
 
 
 @inlined
-def _row_of_any(b, c, g, scale, i, a, row):
-    """Row (component i, neighbour a) of scale g + sum_q B^T (w A B)."""
+def _row_of_any(b, c, g, factor, i, a, row):
+    """Row (component i, neighbour a) of sum_h K/V_h g_h g_h^T + sum_q B^T (w A B)."""
+    at = i * b.shape[2] + a
     for j in range(row.size):
-        row[j] = scale * g[j]
-    for q in range(b.shape[0]):
+        row[j] = 0.0
+    for h in range(factor.size):
+        scale, of_h = factor[h] * g[h, at], g[h]
+        for j in range(row.size):
+            row[j] += scale * of_h[j]
+    fours = b.shape[0] // 4 * 4
+    for q in range(0, fours, 4):
+        b0, b1, b2, b3 = b[q, 0, a], b[q, 1, a], b[q + 1, 0, a], b[q + 1, 1, a]
+        b4, b5, b6, b7 = b[q + 2, 0, a], b[q + 2, 1, a], b[q + 3, 0, a], b[q + 3, 1, a]
+        c0, c1, c2, c3 = c[q, 2 * i], c[q, 2 * i + 1], c[q + 1, 2 * i], c[q + 1, 2 * i + 1]
+        c4, c5, c6, c7 = c[q + 2, 2 * i], c[q + 2, 2 * i + 1], c[q + 3, 2 * i], c[q + 3, 2 * i + 1]
+        for j in range(row.size):
+            row[j] += (
+                b0 * c0[j] + b1 * c1[j] + b2 * c2[j] + b3 * c3[j]
+                + b4 * c4[j] + b5 * c5[j] + b6 * c6[j] + b7 * c7[j]
+            )  # fmt: skip
+    for q in range(fours, b.shape[0]):
         b0, b1, c0, c1 = b[q, 0, a], b[q, 1, a], c[q, 2 * i], c[q, 2 * i + 1]
         for j in range(row.size):
             row[j] += b0 * c0[j] + b1 * c1[j]
@@ -74,40 +104,40 @@ def _row_of_any(b, c, g, scale, i, a, row):
 
 @inlined
 def _scatter_tangent(grad, c, g, factor, buffer, slots, values):
-    """Add sum_q B^T (w A B) + K / V_c g g^T of one cell to the tangent.
+    """Add sum_q B^T (w A B) + sum_h K/V_h g_h g_h^T of one column of cells to the tangent.
 
     The matrix is symmetric: its rows are added as columns, which lie together in memory; computing
     one triangle only is slower, for the scatter then strides. The last term is the projected
-    pressure's, with g = sum_q w cof B.
+    pressure's, with g_h = sum_q N_h w cof B.
     """
     n = grad.shape[2]
     row = buffer[: 2 * n]
     for i in range(2):
         for a in range(n):
-            scale = factor * g[i * n + a]
-            if grad.shape[0] == 4:
-                _row_of_four(grad, c, g, scale, i, a, row)
+            if grad.shape[0] == 4 and factor.size == 1:
+                _row_of_four(grad, c, g[0], factor[0] * g[0, i * n + a], i, a, row)
             else:
-                _row_of_any(grad, c, g, scale, i, a, row)
+                _row_of_any(grad, c, g, factor, i, a, row)
             to = slots[(i * n + a) * row.size : (i * n + a + 1) * row.size]
             for j in range(row.size):
                 values[to[j]] += row[j]
 
 
 @compiled
-def assemble_internal(table, weights, deformation, k, w, bulk, scatter, force, values):
+def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatter, force, values):
     """Add the internal force to ``force`` and, where ``values`` is not empty, the tangent to it.
 
     Parameters
     ----------
     table : ShapeTable
-        Shape functions at the quadrature points, one group a cell.
-    weights : ndarray, shape (n_cells, q)
+        Shape functions at the quadrature points, a group for a column of cells.
+    weights, functions : ndarray, shapes (n_columns, q), (k, q)
+        Of the quadrature, and of the pressure.
     deformation : Deformation
         Of ``deform``; its field ``k`` is taken.
-    w : ndarray, shape (5, n_cells, q)
+    w : ndarray, shape (5, n_columns, q)
         W_T, W_J, W_TT, W_TJ, W_JJ at that field.
-    bulk : ndarray, shape (n_cells,)
+    bulk : ndarray, shape (n_columns,)
         K of the projected energy.
     scatter : Scatter
     force, values : ndarray
@@ -115,72 +145,81 @@ def assemble_internal(table, weights, deformation, k, w, bulk, scatter, force, v
     """
     q_count, widest = table.group_size, widest_group(table)
     local, p, a = np.empty((2, widest)), np.empty(4), np.empty((4, 4))
-    g, row, c = np.empty(2 * widest), np.empty(2 * widest), np.empty((q_count, 4, 2 * widest))
-    for cell in range(table.start.size - 1):
-        s0 = table.start[cell]
-        n = table.start[cell + 1] - s0
+    g, factor = np.empty((len(functions), 2 * widest)), np.empty(len(functions))
+    row, c = np.empty(2 * widest), np.empty((q_count, 4, 2 * widest))
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
         near = table.neighbours[s0 : s0 + n]
         grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        swelling = deformation.swelling[k, column]
         for i in range(n):
-            local[0, i] = local[1, i] = g[i] = g[n + i] = 0.0
-        volume, pressure = 0.0, bulk[cell] * deformation.swelling[k, cell]
+            local[0, i] = local[1, i] = 0.0
         for q in range(q_count):
-            f, weight, b = deformation.f[k, cell, q], weights[cell, q], grad[q]
-            w_t, w_j = w[0, cell, q], w[1, cell, q] + pressure
-            volume += weight
+            f, weight, b = deformation.f[k, column, q], weights[column, q], grad[q]
+            pressure = bulk[column] * at_point(functions, q, swelling)
+            w_t, w_j = w[0, column, q], w[1, column, q] + pressure
             point_stress(f, w_t, w_j, p)
             for i in range(n):
                 local[0, i] += weight * (p[0] * b[0, i] + p[1] * b[1, i])
                 local[1, i] += weight * (p[2] * b[0, i] + p[3] * b[1, i])
             if values.size:
-                point_moduli(f, w_t, w_j, w[2, cell, q], w[3, cell, q], w[4, cell, q], a)
-                for i in range(n):
-                    g[i] += weight * (f[3] * b[0, i] - f[2] * b[1, i])
-                    g[n + i] += weight * (f[0] * b[1, i] - f[1] * b[0, i])
+                w_tt, w_tj, w_jj = w[2, column, q], w[3, column, q], w[4, column, q]
+                point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a)
                 _moduli_rows(weight, a, b, n, c[q])
         for i in range(n):
             force[scatter.equations[near[i], 0]] += local[0, i]
             force[scatter.equations[near[i], 1]] += local[1, i]
         if values.size:
-            slots = scatter.slots[scatter.start[cell] : scatter.start[cell + 1]]
-            _scatter_tangent(grad, c, g, bulk[cell] / volume, row, slots, values)
+            for h in range(len(functions)):
+                _on_volume(functions[h], weights[column], deformation.f[k, column], grad, g[h])
+                factor[h] = bulk[column] / volume_of(functions[h], weights[column])
+            slots = scatter.slots[scatter.start[column] : scatter.start[column + 1]]
+            _scatter_tangent(grad, c, g, factor, row, slots, values)
 
 
 @compiled
-def add_internal_change(table, weights, deformation, k, w, bulk, nodal, equations, out):
+def add_internal_change(table, weights, functions, deformation, k, w, bulk, nodal, equations, out):
     """Add K u for displacements u of all particles, ``nodal`` (n, 2, P), to ``out`` (rows, P).
 
     Parameters
     ----------
-    deformation, k, w, bulk :
+    weights, functions, deformation, k, w, bulk :
         As of ``assemble_internal``.
     equations : ndarray of int, shape (n, 2)
         Row of every component.
     """
     q_count, count = table.group_size, nodal.shape[2]
     slopes, change, a = np.empty((q_count, 4, count)), np.empty((4, count)), np.empty((4, 4))
-    pressure_change = np.empty(count)
-    for cell in range(table.start.size - 1):
-        s0 = table.start[cell]
-        n = table.start[cell + 1] - s0
+    swelling_change = np.empty((len(functions), count))
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
         near = table.neighbours[s0 : s0 + n]
         grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
-        slopes[:], pressure_change[:] = 0.0, 0.0
-        pressure, volume = bulk[cell] * deformation.swelling[k, cell], weights[cell].sum()
+        slopes[:], swelling_change[:] = 0.0, 0.0
+        swelling = deformation.swelling[k, column]
         for q in range(q_count):
-            f = deformation.f[k, cell, q]
+            f = deformation.f[k, column, q]
             for i in range(n):
                 for c in range(2):
                     for j in range(2):
                         slopes[q, 2 * c + j] += grad[q, j, i] * nodal[near[i], c]
             on_cof = f[3] * slopes[q, 0] - f[2] * slopes[q, 1] - f[1] * slopes[q, 2]
             on_cof += f[0] * slopes[q, 3]
-            pressure_change += weights[cell, q] * bulk[cell] / volume * on_cof
+            for h in range(len(functions)):
+                volume = volume_of(functions[h], weights[column])
+                swelling_change[h] += functions[h, q] * weights[column, q] / volume * on_cof
         for q in range(q_count):
-            f, cof = deformation.f[k, cell, q], np.empty(4)
+            f, cof = deformation.f[k, column, q], np.empty(4)
             cof[0], cof[1], cof[2], cof[3] = f[3], -f[2], -f[1], f[0]
-            w_t, w_j = w[0, cell, q], w[1, cell, q] + pressure
-            point_moduli(f, w_t, w_j, w[2, cell, q], w[3, cell, q], w[4, cell, q], a)
+            pressure = bulk[column] * at_point(functions, q, swelling)
+            w_t, w_j = w[0, column, q], w[1, column, q] + pressure
+            w_tt, w_tj, w_jj = w[2, column, q], w[3, column, q], w[4, column, q]
+            point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a)
+            pressure_change = np.zeros(count)
+            for h in range(len(functions)):
+                pressure_change += bulk[column] * functions[h, q] * swelling_change[h]
             for r in range(4):
                 change[r] = cof[r] * pressure_change
                 for s in range(4):
@@ -189,4 +228,4 @@ def add_internal_change(table, weights, deformation, k, w, bulk, nodal, equation
                 for c in range(2):
                     row = out[equations[near[i], c]]
                     for j in range(2):
-                        row += weights[cell, q] * grad[q, j, i] * change[2 * c + j]
+                        row += weights[column, q] * grad[q, j, i] * change[2 * c + j]

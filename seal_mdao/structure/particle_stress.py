@@ -3,7 +3,7 @@
 import numpy as np
 
 from seal_mdao.compilation import compiled
-from seal_mdao.structure.deformation import cell_gradients
+from seal_mdao.structure.deformation import group_gradients
 
 
 @compiled
@@ -12,7 +12,7 @@ def _point_gradients(table, d, f):
     for i in range(table.start.size - 1):
         s0, s1 = table.start[i], table.start[i + 1]
         grad = table.grad[2 * s0 : 2 * s1].reshape(1, 2, s1 - s0)
-        cell_gradients(grad, d[table.neighbours[s0:s1]].T, s1 - s0, 1, f[i : i + 1])
+        group_gradients(grad, d[table.neighbours[s0:s1]].T, s1 - s0, 1, f[i : i + 1])
 
 
 def deformation_gradients(table, d: np.ndarray) -> np.ndarray:

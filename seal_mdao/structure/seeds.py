@@ -3,7 +3,9 @@
 Of L = -lambda . f the seeds on B and w are, with the adjoint strains e = -grad lambda,
 
     dL/dB_ja = sum w P_ij (-lambda_ia) + w S_ij d_ia,    S = A : e + p cof F,
-    dL/dw    = sum P : e + (J - J_c) p,                  p = K/V_c sum_q w cof F : e,
+    dL/dw    = sum P : e + sum_h N_h (det F - 1 - s_h) p_h,
+
+    p = sum_h N_h p_h,    p_h = K/V_h sum_q N_h w cof F : e    (``pressure``),
 
 summed over load steps. What a few adjoints of every step give is mixed into the measures at the end.
 """
@@ -11,7 +13,13 @@ summed over load steps. What a few adjoints of every step give is mixed into the
 import numpy as np
 
 from seal_mdao.compilation import compiled, internal
-from seal_mdao.structure.deformation import block, cell_displacements, widest_group
+from seal_mdao.structure.deformation import (
+    at_point,
+    block,
+    group_displacements,
+    volume_of,
+    widest_group,
+)
 
 
 @internal
@@ -27,9 +35,10 @@ def _outer(stress, lam, dual, d, out):
 
 
 @internal
-def _cell_dual_stress(
-    cell,
+def _dual_stress(
+    column,
     weights,
+    functions,
     deformation,
     w_,
     by_constants,
@@ -41,7 +50,7 @@ def _cell_dual_stress(
     dual,
     scalars,
 ):
-    """Stresses of one cell, and w S of the adjoint strains e, a column for each adjoint.
+    """Stresses of one column of cells, and w S of the adjoint strains e, a column for each adjoint.
 
     With the energy in T = F : F and J, w S needs F : e and cof F : e only,
 
@@ -50,10 +59,10 @@ def _cell_dual_stress(
 
     Parameters
     ----------
-    w_, by_constants : ndarray, shapes (5, K, n_cells, q), (C, 2, K, n_cells, q)
+    w_, by_constants : ndarray, shapes (5, K, n_columns, q), (C, 2, K, n_columns, q)
         Derivatives of W, and those of W_T and W_J with respect to C constants.
     bulk, bulk_row : float, int
-        K of the cell and its place among the constants, -1 for none.
+        K of the column and its place among the constants, -1 for none.
     strain : ndarray, shape (2 q, 2, S)
         e_ij at [(point, j), i].
     first : ndarray of int, shape (K + 1,)
@@ -63,29 +72,39 @@ def _cell_dual_stress(
     scalars : ndarray, shape (q + C, S)
         Written: dL/dw, and the derivatives of L with respect to the constants.
     """
-    q_count, volume = weights.size, weights.sum()
+    q_count, n_functions = weights.size, len(functions)
     on_f, on_cof, own = np.empty(q_count), np.empty(q_count), np.empty((q_count, 5))
+    projected, shares = np.empty(q_count), np.empty(functions.shape)
+    pressures = np.empty(n_functions)
+    for h in range(n_functions):
+        volume = volume_of(functions[h], weights)
+        for q in range(q_count):
+            shares[h, q] = functions[h, q] * weights[q] * bulk / volume
     constants = np.empty((q_count, by_constants.shape[0], 2))
     scalars[:] = 0.0
     for k in range(first.size - 1):
-        f, swelling = deformation.f[k, cell], deformation.swelling[k, cell]
+        f, swelling = deformation.f[k, column], deformation.swelling[k, column]
         # what all adjoints of the step use, side by side
         for q in range(q_count):
             for i in range(5):
-                own[q, i] = w_[i, k, cell, q]
-            own[q, 1] += bulk * swelling
+                own[q, i] = w_[i, k, column, q]
+            projected[q] = at_point(functions, q, swelling)
+            own[q, 1] += bulk * projected[q]
             for m in range(by_constants.shape[0]):
-                constants[q, m, 0] = by_constants[m, 0, k, cell, q]
-                constants[q, m, 1] = by_constants[m, 1, k, cell, q]
+                constants[q, m, 0] = by_constants[m, 0, k, column, q]
+                constants[q, m, 1] = by_constants[m, 1, k, column, q]
         for c in range(first[k], first[k + 1]):
-            pressure = 0.0
             for q in range(q_count):
                 x, y = 2 * q, 2 * q + 1
                 e0, e1, e2, e3 = strain[x, 0, c], strain[y, 0, c], strain[x, 1, c], strain[y, 1, c]
                 on_f[q] = f[q, 0] * e0 + f[q, 1] * e1 + f[q, 2] * e2 + f[q, 3] * e3
                 on_cof[q] = f[q, 3] * e0 - f[q, 2] * e1 - f[q, 1] * e2 + f[q, 0] * e3
-                pressure += weights[q] * bulk / volume * on_cof[q]
+            for h in range(n_functions):
+                pressures[h] = 0.0
+                for q in range(q_count):
+                    pressures[h] += shares[h, q] * on_cof[q]
             for q in range(q_count):
+                pressure = at_point(functions, q, pressures)
                 x, y, w = 2 * q, 2 * q + 1, weights[q]
                 e0, e1, e2, e3 = strain[x, 0, c], strain[y, 0, c], strain[x, 1, c], strain[y, 1, c]
                 f0, f1, f2, f3 = f[q, 0], f[q, 1], f[q, 2], f[q, 3]
@@ -102,12 +121,13 @@ def _cell_dual_stress(
                 dual[x, 1, c] = w * (2.0 * by_t * e2 - by_j * e1 + along_f * f2 - along_cof * f1)
                 dual[y, 1, c] = w * (2.0 * by_t * e3 + by_j * e0 + along_f * f3 + along_cof * f0)
                 scalars[q, c] = 2.0 * by_t * on_f[q] + by_j * on_cof[q]
-                scalars[q, c] += (f[q, 4] - swelling) * pressure
+                for h in range(n_functions):
+                    scalars[q, c] += functions[h, q] * (f[q, 4] - swelling[h]) * pressures[h]
                 for m in range(by_constants.shape[0]):
                     along = 2.0 * constants[q, m, 0] * on_f[q] + constants[q, m, 1] * on_cof[q]
                     scalars[q_count + m, c] += w * along
                 if bulk_row >= 0:
-                    scalars[q_count + bulk_row, c] += w * swelling * on_cof[q]
+                    scalars[q_count + bulk_row, c] += w * projected[q] * on_cof[q]
 
 
 @internal
@@ -120,18 +140,20 @@ def _add_rows(values, first, end, out, at):
 
 @compiled
 def add_internal_seeds(
-    table, weights, deformation, w, by_constants, bulk, bulk_row, d, first, adjoints, mix, equations,
-    grad_bar, weight_bar, constants_bar,
+    table, weights, functions, deformation, w, by_constants, bulk, bulk_row, d, first, adjoints, mix,
+    equations, grad_bar, weight_bar, constants_bar,
 ):  # fmt: skip
     """Of L = -lambda . f add dL/dB, dL/dw, dL/d(constants) over a block of K load steps.
 
     Parameters
     ----------
+    weights, functions : ndarray, shapes (n_columns, q), (k, q)
+        Of the quadrature, and of the pressure.
     deformation : Deformation
         Of the block.
-    w, by_constants : ndarray, shapes (5, K, n_cells, q), (C, 2, K, n_cells, q)
+    w, by_constants : ndarray, shapes (5, K, n_columns, q), (C, 2, K, n_columns, q)
         Derivatives of W, and those of W_T and W_J with respect to the constants.
-    bulk, bulk_row : ndarray, shape (n_cells,)
+    bulk, bulk_row : ndarray, shape (n_columns,)
         K of the projected energy, and its row among the constants, -1 for none.
     d : ndarray, shape (K, n, 2)
     first : ndarray of int, shape (K + 1,)
@@ -140,7 +162,7 @@ def add_internal_seeds(
         Adjoint displacements of all steps side by side; the last row is zero.
     mix : ndarray, shape (S, M)
         lambda of the M measures is ``adjoints[:, k] @ mix[k]`` with the columns k of a step.
-    grad_bar, weight_bar, constants_bar : ndarray, shapes (grad.size, M), (n_cells, q, M), (C, M)
+    grad_bar, weight_bar, constants_bar : ndarray, shapes (grad.size, M), (n_columns, q, M), (C, M)
         Added to.
     """
     q_count, rows, points = table.group_size, 2 * d.shape[0], 2 * table.group_size
@@ -155,13 +177,13 @@ def add_internal_seeds(
     duals, moved = np.empty(widest * 2 * total), np.empty((widest, 2, total))
     terms = np.empty((points * widest + n_scalars) * total)
     mixed = np.empty((points * widest + n_scalars) * count)
-    for cell in range(table.start.size - 1):
-        s0 = table.start[cell]
-        n = table.start[cell + 1] - s0
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
         near = table.neighbours[s0 : s0 + n]
         grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
         u, lam = block(displacements, rows, n), block(duals, n, 2 * total)
-        cell_displacements(d, near, u)
+        group_displacements(d, near, u)
         for a in range(n):
             for i in range(2):
                 own = adjoints[equations[near[a], i]]
@@ -171,9 +193,9 @@ def add_internal_seeds(
         np.dot(grad, lam, strain)
         size = points * n
         of_adjoints = block(terms, size + n_scalars, total)
-        _cell_dual_stress(
-            cell, weights[cell], deformation, w, by_constants, bulk[cell], bulk_row[cell],
-            strain.reshape(points, 2, total), first, stress, dual, of_adjoints[size:],
+        _dual_stress(
+            column, weights[column], functions, deformation, w, by_constants, bulk[column],
+            bulk_row[column], strain.reshape(points, 2, total), first, stress, dual, of_adjoints[size:],
         )  # fmt: skip
         by_neighbour = lam.reshape(n, 2, total)
         for r in range(points):
@@ -182,5 +204,5 @@ def add_internal_seeds(
         of_measures = block(mixed, size + n_scalars, count)
         np.dot(of_adjoints, mix, of_measures)
         _add_rows(of_measures, 0, size, grad_bar, s0 * points)
-        _add_rows(of_measures, size, size + q_count, weight_bar[cell], 0)
+        _add_rows(of_measures, size, size + q_count, weight_bar[column], 0)
         _add_rows(of_measures, size + q_count, size + n_scalars, constants_bar, 0)

@@ -21,10 +21,11 @@ class StructuralForward(Forward):
 
     def add_explicit(self, steps, loads):
         term, disc = self.term, self.term.discretization
-        d = np.array([step.d for step in steps])
+        d, weights = np.array([step.d for step in steps]), disc.cells.column_weights
         deformation = term.deformation_of(d)
         add_internal_rates(
-            disc.cells.table, disc.weights, self.shape.cells, self.shape.weights, deformation,
+            disc.cells.table, weights, term.functions, self.shape.cells,
+            self.shape.weights.reshape(-1, *weights.shape), deformation,
             term.energy_derivatives(deformation), term.bulk, d, disc.layout.equations, loads,
         )  # fmt: skip
         if self.constant_rates.any():
@@ -43,8 +44,8 @@ class StructuralForward(Forward):
             for k, load in enumerate(loads):
                 force = np.zeros(len(load))
                 assemble_internal(
-                    disc.cells.table, disc.weights, deformation, k, w[:, k], bulk,
-                    disc.layout.force_scatter, force, np.empty(0),
+                    disc.cells.table, disc.cells.column_weights, term.functions, deformation, k,
+                    w[:, k], bulk, disc.layout.force_scatter, force, np.empty(0),
                 )  # fmt: skip
                 load += np.outer(force, rate)
 
@@ -88,7 +89,7 @@ def _add_change(term, step, nodal, equations, out) -> None:
     """Add K u at a converged step for displacements ``nodal`` (n, 2, P) of all particles to ``out``."""
     deformation = term.deformation_of(step.d[None])
     add_internal_change(
-        term.cells.table, term.cells.weights, deformation, 0,
+        term.cells.table, term.cells.column_weights, term.functions, deformation, 0,
         term.energy_derivatives(deformation)[:, 0], term.bulk, np.ascontiguousarray(nodal),
         equations, out,
     )  # fmt: skip
@@ -162,15 +163,17 @@ class StructuralReverse(Reverse):
         if not self.swept:
             return
         term, disc = self.term, self.term.discretization
+        weights = disc.cells.column_weights
         steps, adjoints, mixes = zip(*self.swept, strict=True)
         d = np.array([step.d for step in steps])
         deformation = term.deformation_of(d)
         constants, bulk_row, parameters = self._constants(deformation)
         add_internal_seeds(
-            disc.cells.table, disc.weights, deformation, term.energy_derivatives(deformation),
-            constants, term.bulk, bulk_row, d, np.cumsum([0, *map(len, mixes)]),
-            np.hstack(adjoints), np.vstack(mixes), disc.layout.equations, self.grad_bar,
-            self.weight_bar, parameters,
+            disc.cells.table, weights, term.functions, deformation,
+            term.energy_derivatives(deformation), constants, term.bulk, bulk_row, d,
+            np.cumsum([0, *map(len, mixes)]), np.hstack(adjoints), np.vstack(mixes),
+            disc.layout.equations, self.grad_bar, self.weight_bar.reshape(*weights.shape, -1),
+            parameters,
         )  # fmt: skip
         self.swept, self.size = [], 0
 

@@ -41,6 +41,7 @@ def piola_stresses(path: PathResult, step: ConvergedStep) -> np.ndarray:
     structure = path.problem.term("structure")
     deformation = structure.deformation_of(step.d[None])
     w_t, w_j = structure.energy_derivatives(deformation)[:2, 0, ..., None, None]
-    pressure = (structure.bulk * deformation.swelling[0])[:, None, None, None]
+    pressure = structure.pressure(deformation)[0, ..., None, None]
     F = deformation.f[0, ..., :4].reshape(*w_t.shape[:2], 2, 2)
-    return 2.0 * w_t * F + (w_j + pressure) * cofactor(F)
+    stress = 2.0 * w_t * F + (w_j + pressure) * cofactor(F)
+    return stress.reshape(*path.discretization.weights.shape, 2, 2)

@@ -30,7 +30,8 @@ def _points(body: Body, n_edge: int) -> tuple[PointSet, np.ndarray, np.ndarray]:
     anchors[:, :q], weights[:, :q] = mapping.cells[:, None], mapping.values
     anchors[:, q:] = np.tile(ends, (1, 1, 2))
     weights[:, q:, :2] = np.tile(0.5 * np.column_stack([1 - g, 1 + g]), (4, 1))
-    return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), size), ends, np.tile(w, 4)
+    group = body.pressure.cells * size
+    return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), group), ends, np.tile(w, 4)
 
 
 def _corrected(weights, normals, x, phi, grad):
@@ -61,17 +62,22 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
     disc = discretize(body, particles)
     points, ends, reference = _points(body, n_edge)
     x, full = raw_table(disc.cloud, points)
-    q, size = disc.weights.shape[1], points.group_size
+    column = body.pressure.cells
+    q, size = disc.weights.shape[1], points.group_size // column
     edge = disc.particles[ends[..., 1]] - disc.particles[ends[..., 0]]
     normals = 0.5 * reference[:, None] * np.stack([edge[..., 1], -edge[..., 0]], axis=-1)
     phi, grad = [], []
-    for cell, (s0, s1) in enumerate(zip(full.start[:-1], full.start[1:], strict=True)):
-        here = full.phi[s0 * size : s1 * size].reshape(size, -1)
-        slope = full.grad[2 * s0 * size : 2 * s1 * size].reshape(size, 2, -1)
+    for cell in range(len(body.cells)):
+        group, place = divmod(cell, column)
+        rows = slice(full.start[group] * column * size, full.start[group + 1] * column * size)
+        here = full.phi[rows].reshape(column, size, -1)[place]
+        slope = full.grad[2 * rows.start : 2 * rows.stop].reshape(column, size, 2, -1)[place]
         places = x[cell * size : (cell + 1) * size]
         phi.append(here[:q].ravel())
         grad.append(_corrected(disc.weights[cell], normals[cell], places, here, slope).ravel())
-    raw = ShapeTable(full.start, full.neighbours, np.concatenate(phi), np.concatenate(grad), q)
+    raw = ShapeTable(
+        full.start, full.neighbours, np.concatenate(phi), np.concatenate(grad), column * q
+    )
     cells = CellTable(
         body.edge_rule, disc.weights, PointTable(points, x, full, full), raw,
         transform_table(raw, disc.transformation),

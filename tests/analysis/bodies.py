@@ -22,19 +22,30 @@ class AnyConstants(MooneyRivlin):
         pass
 
 
-def square(rng, n=6, order=1, solver="auto", fixed="rim"):
-    """``n`` x ``n`` particles on the unit square, the inner ones moved; the rim or nothing fixed."""
+def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1):
+    """``n`` x ``n`` particles on the unit square, the inner ones moved; the rim or nothing fixed.
+
+    The pressure is continuous upwards through ``column`` cells.
+    """
     grid = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)
     rim = np.any((grid == 0) | (grid == n - 1), axis=1)
     particles = (grid + np.where(rim, 0, 1)[:, None] * rng.uniform(-0.25, 0.25, grid.shape)) / (
         n - 1
     )
     i, j = (a.ravel() for a in np.meshgrid(np.arange(n - 1), np.arange(n - 1), indexing="ij"))
-    cells = np.column_stack([i * n + j, (i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1])
+    # the first direction is upwards
+    cells = np.column_stack([(i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1, i * n + j])
     held = np.zeros((n * n, 2), bool)
     held[rim] = fixed == "rim"
     radius = np.full(n * n, (2.3 if order == 1 else 3.1) / (n - 1))
-    body = Body(cells=cells, support_radius=radius, fixed=held, basis_order=order, solver=solver)
+    body = Body(
+        cells=cells,
+        support_radius=radius,
+        fixed=held,
+        basis_order=order,
+        solver=solver,
+        column=column,
+    )
     return discretize(body, particles)
 
 

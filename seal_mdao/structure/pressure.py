@@ -1,0 +1,43 @@
+"""Functions that the volume change is projected on: the space of the pressure.
+
+With the volume change e = det F - 1 at the quadrature points q of a column of cells, weights w and k
+functions N_k whose sum is one,
+
+    V_k = sum_q N_k w,    s_k = sum_q N_k w e / V_k,    p_q = K sum_k N_k(q) s_k,
+
+and the energy is sum_k K/2 V_k s_k^2. One value in every cell makes the pressure a staircase across a
+wall, which is too soft in bending. Through m cells from one side of the wall to the other m hat
+functions on even knots make it continuous with as many constraints. With a knot at every edge of a
+cell, m + 1, the wall locks: 40 % too stiff, with an inf-sup constant of 0.01.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class PressureSpace(NamedTuple):
+    """Functions of the pressure in a column of cells, the same in every column.
+
+    Attributes
+    ----------
+    cells : int
+        Cells of a column; they follow each other in the numbering.
+    functions : ndarray, shape (k, cells * q)
+        N_k at the quadrature points; their sum is one.
+    """
+
+    cells: int
+    functions: np.ndarray
+
+
+def through_column(cells: int, n_gauss: int) -> PressureSpace:
+    """Hat functions on ``cells`` even knots from the first to the last edge of as many cells.
+
+    They run along the first direction of the cells, from the first corner to the second. Of one cell it
+    is the constant, of two the linear functions.
+    """
+    gauss = 0.5 + 0.5 * np.polynomial.legendre.leggauss(n_gauss)[0]
+    place = np.repeat(np.add.outer(np.arange(cells), gauss), n_gauss)
+    knots = np.linspace(0.0, cells, cells)
+    return PressureSpace(cells, np.array([np.interp(place, knots, hat) for hat in np.eye(cells)]))
