@@ -78,6 +78,7 @@ WRONG = [
     ("depth", 0.0), ("depth", -1.0), ("depth", 19.5), ("depth", np.nan), ("depth", None),
     ("outer_parameters", 1), ("inner_parameters", 3), ("inner_parameters", 4.5),
     ("material", "rubber"), ("material", None), ("section", None), ("newton", "fast"),
+    ("pressure", "constant"),
 ]  # fmt: skip
 
 

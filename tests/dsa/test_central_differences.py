@@ -99,6 +99,17 @@ def test_scalar_parameters(quick, name):
     check(found, rates, np.eye(26)[25])
 
 
+@pytest.mark.parametrize("name", ["bulk_modulus", "c10"])
+def test_material_with_the_pressure_through_the_wall(name):
+    offsets = 0.05 * any_way(5, 25)
+    seal = quick_model(pressure="wall", layers=4, support=(1.8, 2.5))
+    result = sm.analyze(seal, offsets, {"door_radius": 4.05}, keep_factors=True)
+    found = slopes(
+        result, partial(perturbed, result, name), SCALARS[name] * seal.scalars[name].value
+    )
+    check(found, sm.differentiate(result, (name,)), np.eye(26)[25])
+
+
 VARIANTS = {
     "flat door": {"door": "flat"},
     "segments": {"segments": 32},
@@ -108,11 +119,12 @@ VARIANTS = {
     "quadratic basis": {"basis_order": 2},
     "three Gauss points": {"n_gauss": 3},
     "product kernels": {"support": (1.8, 2.5)},
+    "pressure through the wall": {"support": (1.8, 2.5), "layers": 4, "pressure": "wall"},
     "refined": {"support": (1.8, 2.5), "refinement": 2, "depth": 6.9},
 }
 
 
-QUICK_VARIANTS = "flat door", "incremental", "product kernels"
+QUICK_VARIANTS = "flat door", "incremental", "product kernels", "pressure through the wall"
 
 
 @pytest.mark.parametrize(

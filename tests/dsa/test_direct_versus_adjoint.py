@@ -60,6 +60,7 @@ VARIANTS = {
     "three Gauss points": {"n_gauss": 3},
     "wider support": {"support": 2.5},
     "product kernels": {"support": (1.8, 2.5), "layers": 4},
+    "pressure through the wall": {"pressure": "wall", "support": (1.8, 2.5), "layers": 4},
     "soft door": {"normal_penalty": 1e3, "tangent_penalty": 30.0},
     "touch in the first step": {"start": 9.6, "n_steps": 30},
     "refined": {"rays": 116, "depth": 1.5, "n_steps": 8},

@@ -57,6 +57,19 @@ def test_layers_make_it_better(rays, order):
     assert errors[-1] < 5e-3
 
 
+def test_error_falls_both_ways_with_the_pressure_through_the_wall():
+    """With one value a cell 116 x 4 is worse than 58 x 4."""
+    errors = np.array(
+        [
+            [worst_error(rays=rays, layers=n, support=PRODUCT, pressure="wall") for n in (4, 5)]
+            for rays in (58, 116)
+        ]
+    )
+    assert np.all(errors[1] < 0.55 * errors[0])
+    assert np.all(errors[:, 1] < 0.85 * errors[:, 0])
+    assert errors[1, 1] < 5e-3
+
+
 def test_bending_with_product_kernels_is_no_worse(figure):
     """Four cells across."""
     errors = [

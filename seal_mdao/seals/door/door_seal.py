@@ -31,6 +31,7 @@ from seal_mdao.terms.points import boundary_particles
 from seal_mdao.terms.term import Scalar
 
 DOORS = ("corner", "flat")
+PRESSURES = ("cell", "wall")
 BASE_RAYS = 58
 OFFSET_BOUND = 0.5
 
@@ -101,6 +102,9 @@ class DoorSeal(Seal):
         Monomial basis of the shape functions: 1 linear, 2 quadratic.
     n_gauss : int
         Gauss points per direction of a background cell, 2 to 10.
+    pressure : {"cell", "wall"}
+        "cell": one value in every background cell, a staircase across the wall. "wall": continuous and
+        piecewise linear from the inner to the outer boundary, with as many values.
     section : Section
         Drawn section.
     outer_parameters, inner_parameters : int
@@ -152,6 +156,7 @@ class DoorSeal(Seal):
     support: float | tuple[float, float] = 2.0
     basis_order: int = 1
     n_gauss: int = 2
+    pressure: str = "cell"
     section: Section = field(default_factory=Section)
     outer_parameters: int = 14
     inner_parameters: int = 11
@@ -202,6 +207,7 @@ class DoorSeal(Seal):
             f"rays = {self.rays} must be a multiple of {BASE_RAYS}, else the base changes its width",
         )
         self._check_support()
+        self._set("pressure", values.one_of, PRESSURES)
         self._set("solver", values.one_of, SOLVERS)
         self._set("symmetric", values.flag)
         splines = self.splines
@@ -374,6 +380,7 @@ class DoorSeal(Seal):
             basis_order=self.basis_order,
             n_gauss=self.n_gauss,
             solver=self.solver,
+            column=self.layers - 1 if self.pressure == "wall" else 1,
         )
 
     def _supports(self):
