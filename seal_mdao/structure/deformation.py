@@ -1,9 +1,9 @@
 """Deformation gradients at the quadrature points, and the volume change projected for the pressure.
 
 Pressure projection in the energy: det F - 1 is averaged over each column of background cells with the
-functions N_k of ``pressure``,
+functions N_h of ``pressure``,
 
-    W = sum_q w_q W(F_q) + sum_k K/2 V_k s_k^2,   s_k = sum_q N_k w_q (det F_q - 1) / V_k.
+    W = sum_q w_q W(F_q) + sum_h K/2 V_h s_h^2,   s_h = sum_q N_h w_q (det F_q - 1) / V_h.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ class Deformation(NamedTuple):
         F in the order 11, 12, 21, 22, and det F - 1.
     square : ndarray, shape (K, n_columns, q)
         T = F : F.
-    swelling : ndarray, shape (K, n_columns, k)
+    swelling : ndarray, shape (K, n_columns, m)
         Projected det F - 1.
     """
 
@@ -105,7 +105,7 @@ def deform(table, weights, functions, d, out):
 
     Parameters
     ----------
-    weights, functions : ndarray, shapes (n_columns, q), (k, q)
+    weights, functions : ndarray, shapes (n_columns, q), (m, q)
         Of the quadrature, and of the pressure.
 
     Returns

@@ -195,11 +195,11 @@ class StructuralTerm(Term):
         return deformations(self.cells.table, self.cells.column_weights, self.functions, d)
 
     def pressure(self, deformation: Deformation) -> np.ndarray:
-        """K sum_k N_k s_k at the quadrature points of K fields, shape (K, n_columns, q)."""
+        """K sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
         return self.bulk[:, None] * (deformation.swelling @ self.functions)
 
     def squared_swelling(self, deformation: Deformation) -> np.ndarray:
-        """sum_k N_k s_k^2 at the quadrature points of one field, shape (n_columns, q)."""
+        """sum_h N_h s_h^2 at the quadrature points of one field, shape (n_columns, q)."""
         return deformation.swelling[0] ** 2 @ self.functions
 
     # ---- the contract of a term ----

@@ -131,7 +131,7 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
     ----------
     table : ShapeTable
         Shape functions at the quadrature points, a group for a column of cells.
-    weights, functions : ndarray, shapes (n_columns, q), (k, q)
+    weights, functions : ndarray, shapes (n_columns, q), (m, q)
         Of the quadrature, and of the pressure.
     deformation : Deformation
         Of ``deform``; its field ``k`` is taken.

@@ -1,11 +1,11 @@
 """Functions that the volume change is projected on: the space of the pressure.
 
-With the volume change e = det F - 1 at the quadrature points q of a column of cells, weights w and k
-functions N_k whose sum is one,
+With the volume change e = det F - 1 at the quadrature points q of a column of cells, weights w and m
+functions N_h whose sum is one,
 
-    V_k = sum_q N_k w,    s_k = sum_q N_k w e / V_k,    p_q = K sum_k N_k(q) s_k,
+    V_h = sum_q N_h w,    s_h = sum_q N_h w e / V_h,    p_q = K sum_h N_h(q) s_h,
 
-and the energy is sum_k K/2 V_k s_k^2. One value in every cell makes the pressure a staircase across a
+and the energy is sum_h K/2 V_h s_h^2. One value in every cell makes the pressure a staircase across a
 wall, which is too soft in bending. Through m cells from one side of the wall to the other m hat
 functions on even knots make it continuous with as many constraints. With a knot at every edge of a
 cell, m + 1, the wall locks: 40 % too stiff, with an inf-sup constant of 0.01.
@@ -23,8 +23,8 @@ class PressureSpace(NamedTuple):
     ----------
     cells : int
         Cells of a column; they follow each other in the numbering.
-    functions : ndarray, shape (k, cells * q)
-        N_k at the quadrature points; their sum is one.
+    functions : ndarray, shape (m, cells * q)
+        N_h at the quadrature points; their sum is one.
     """
 
     cells: int

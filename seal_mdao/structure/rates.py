@@ -52,7 +52,7 @@ def _add_scaled(out, factor, values):
 
 @internal
 def _swelling_rates(functions, weights, weight_rate, f, swelling, f_x, f_y, out):
-    """s_h' of one column at one step, ``out`` (k, P); F' as rows ``f_x``, ``f_y`` (2 q, P)."""
+    """s_h' of one column at one step, ``out`` (m, P); F' as rows ``f_x``, ``f_y`` (2 q, P)."""
     out[:] = 0.0
     for h in range(swelling.size):
         volume = volume_of(functions[h], weights)
@@ -72,7 +72,7 @@ def _stress_rates(
 
     Parameters
     ----------
-    weights, weight_rate, functions : ndarray, shapes (q,), (q, P), (k, q)
+    weights, weight_rate, functions : ndarray, shapes (q,), (q, P), (m, q)
     w : ndarray, shape (5, K, n_columns, q)
     bulk : float
     slope_rates : ndarray, shape (2 K, 2 q, P)
@@ -120,7 +120,7 @@ def add_internal_rates(
 
     Parameters
     ----------
-    weights, functions : ndarray, shapes (n_columns, q), (k, q)
+    weights, functions : ndarray, shapes (n_columns, q), (m, q)
         Of the quadrature, and of the pressure.
     rates : TableRates
         B' of the columns of cells.

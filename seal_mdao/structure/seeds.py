@@ -147,7 +147,7 @@ def add_internal_seeds(
 
     Parameters
     ----------
-    weights, functions : ndarray, shapes (n_columns, q), (k, q)
+    weights, functions : ndarray, shapes (n_columns, q), (m, q)
         Of the quadrature, and of the pressure.
     deformation : Deformation
         Of the block.

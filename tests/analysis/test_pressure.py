@@ -4,17 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bodies import dense, energy, internal, square, structure, wave
+from bodies import CONSTANTS, dense, energy, internal, square, structure, wave
 
 import seal_mdao as sm
 from seal_mdao.analysis.body import discretize
 from seal_mdao.structure.deformation import particle_gradients
 from seal_mdao.structure.elastic_body import ElasticBody, Region, elastic_body
+from seal_mdao.structure.energy_gradient import energy_gradient
 from seal_mdao.structure.internal_force import add_internal_change
 from seal_mdao.structure.pressure import PressureSpace, through_column
 from seal_mdao.verification.quadratic_integration import discretize_quadratic
 
-RUBBER = sm.MooneyRivlin(80.0, 20.0, 3e3)
+RUBBER = sm.MooneyRivlin(*CONSTANTS)
 
 
 def with_pressure(body, space):
@@ -148,6 +149,27 @@ def test_change_of_the_force_is_the_tangent_times_the_displacement(rng):
     matrix = dense(disc.layout, internal(disc, d)[1])
     expected = np.column_stack([matrix @ disc.layout.reduce(u) for u in np.moveaxis(motions, 2, 0)])
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_gradient_of_the_energy_in_weights_slopes_and_constants(rng):
+    """Along any change of both arrays, by the five-point formula; it is linear in the constants."""
+    disc = square(rng, fixed="nothing", column=5)
+    d, term, cells = wave(disc, 0.15), structure(disc), disc.cells
+    gradient, step = energy_gradient(term, d), 1e-3
+    of_weights = rng.standard_normal(cells.weights.shape) * cells.weights
+    of_slopes = rng.standard_normal(cells.table.grad.size)
+
+    def energy_at(s):
+        table = cells.table._replace(grad=cells.table.grad + s * of_slopes)
+        term.cells = replace(cells, weights=cells.weights + s * of_weights, table=table)
+        return term.energy(d)
+
+    values = [energy_at(s * step) for s in (-2, -1, 1, 2)]
+    slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
+    exact = gradient.grad @ of_slopes + np.sum(gradient.weights * of_weights)
+    assert slope == pytest.approx(exact, rel=1e-8)
+    term.cells = cells
+    assert gradient.constants @ CONSTANTS == pytest.approx(term.energy(d), rel=1e-12)
 
 
 def test_two_regions_of_one_material_are_one(rng):
