@@ -44,13 +44,14 @@ def no_deformation(n_fields: int, weights: np.ndarray, n_functions: int) -> Defo
 
 
 @inlined
-def mean(function, weights, values):
-    """sum_q N w v / sum_q N w of one function N (q,)."""
-    volume, total = 0.0, 0.0
-    for q in range(weights.size):
-        volume += function[q] * weights[q]
-        total += function[q] * weights[q] * values[q]
-    return total / volume
+def _swelling(functions, h, weights, column, f):
+    """s_h = sum_q N_h w (det F - 1) / V_h of one column."""
+    volume, change = 0.0, 0.0
+    for q in range(len(f)):
+        share = functions[h, q] * weights[column, q]
+        volume += share
+        change += share * f[q, 4]
+    return change / volume
 
 
 @inlined
@@ -130,7 +131,7 @@ def deform(table, weights, functions, d, out):
                 f[q, 0] * f[q, 0] + f[q, 1] * f[q, 1] + f[q, 2] * f[q, 2] + f[q, 3] * f[q, 3]
             )
         for h in range(len(functions)):
-            out.swelling[0, column, h] = mean(functions[h], weights[column], f[:, 4])
+            out.swelling[0, column, h] = _swelling(functions, h, weights, column, f)
     return -1
 
 
@@ -174,9 +175,10 @@ def _deform_many(table, weights, functions, d, out):
                 f[0], f[1], f[2], f[3] = 1.0 + f11, f12, f21, 1.0 + f22
                 f[4] = f11 + f22 + (f11 * f22 - f12 * f21)
                 out.square[k, column, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
-            change = out.f[k, column, :, 4]
             for h in range(len(functions)):
-                out.swelling[k, column, h] = mean(functions[h], weights[column], change)
+                out.swelling[k, column, h] = _swelling(
+                    functions, h, weights, column, out.f[k, column]
+                )
 
 
 def deformations(
