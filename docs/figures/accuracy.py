@@ -51,7 +51,7 @@ def _lines(path: Path, label: str, lines: dict, value: str, ticks=None):
     axes.yaxis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
     axes.set_xlabel(label)
     axes.set_ylabel(value)
-    axes.legend(loc="lower left")
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     save(figure, path)
 
 
@@ -76,23 +76,27 @@ def _support(out, reduced) -> dict:
 def _layers(out, reduced) -> dict:
     """Every direction of refinement for product kernels, and the layers for round ones."""
     layers = (3, 4) if reduced else (3, 4, 5)
-    cases = [(58, PRODUCT, 1)] if reduced else [
-        (rays, support, order)
-        for support, order in ((ROUND, 1), (PRODUCT, 1), (PRODUCT, 2))
+    cases = [(58, PRODUCT, 1, "cell")] if reduced else [
+        (rays, *scheme)
+        for scheme in (
+            (ROUND, 1, "cell"), (PRODUCT, 1, "cell"), (PRODUCT, 2, "cell"), (PRODUCT, 1, "wall")
+        )
         for rays in (58, 116)
     ]  # fmt: skip
     lines, rows = {}, []
-    for rays, support, order in cases:
+    for rays, support, order, pressure in cases:
         found = [
-            worst_error(rays=rays, layers=n, support=support, basis_order=order) for n in layers
+            worst_error(rays=rays, layers=n, support=support, basis_order=order, pressure=pressure)
+            for n in layers
         ]
         kernel = "round 2" if np.ndim(support) == 0 else "product 1.8, 2.5"
-        name = f"{rays} rays, {kernel}, {'linear' if order == 1 else 'quadratic'}"
-        lines[name] = layers, found
-        rows.append([rays, kernel, "linear" if order == 1 else "quadratic", *map(percent, found)])
+        basis = "linear" if order == 1 else "quadratic"
+        if order == 1:
+            lines[f"{rays} rays, {kernel}, {pressure}"] = layers, found
+        rows.append([rays, kernel, basis, pressure, *map(percent, found)])
     ticks = layers, [str(n) for n in layers]
     _lines(out / "error_layers.png", "layers of particles across the wall", lines, WORST, ticks)
-    head = ["rays", "kernels", "basis", *(f"{n} layers" for n in layers)]
+    head = ["rays", "kernels", "basis", "pressure", *(f"{n} layers" for n in layers)]
     return {"layers_table": table(head, rows)}
 
 
