@@ -143,8 +143,15 @@ class _Walk:
             euler = problem.predict(last, problem.factor, target)
             bent = 0.0 if self.bend is None else (target - last.fraction) ** 2 * self.bend
             guess = problem.closest(euler + bent, target, last.after)
-            guess = at_rest_where_it_touches(problem, guess, target, last)
+            euler_alone, guess = guess, at_rest_where_it_touches(problem, guess, target, last)
             status, d, residuals = _equilibrium(problem, guess, target, last, options, self.reuse)
+            if status is not Status.CONVERGED and guess is not euler_alone:
+                problem.factorize_at(last)
+                guess, tried = euler_alone, residuals
+                status, d, residuals = _equilibrium(
+                    problem, guess, target, last, options, self.reuse
+                )
+                residuals = tried + residuals
             if status is not Status.CONVERGED and 0.5 * share >= 0.5 ** _most_cuts(status, options):
                 self.cuts, self.bend = self.cuts + 1, None
                 pending += [0.5 * share, 0.5 * share]
