@@ -1,8 +1,10 @@
 """What happens in a worker: tasks that are kept by their digest, and the end with the parent."""
 
 import os
+import pickle
 import signal
 from multiprocessing.connection import Connection
+from pathlib import Path
 from threading import Thread
 
 from seal_mdao.scenarios.task import Outcome
@@ -12,13 +14,14 @@ KEPT = 4
 _tasks = {}
 
 
-def perform(key: str, packed: bytes | None, offsets, parameters) -> Outcome | None:
+def perform(key: str, packed: bytes | Path | None, offsets, parameters) -> Outcome | None:
     """Run one scenario of the task whose digest is ``key``.
 
     Parameters
     ----------
-    packed : bytes, or None
-        The pickled task. Left out at first, so that a scenario sends no more than its numbers.
+    packed : bytes, Path or None
+        The pickled task, or the file that it is in. Left out at first, so that a scenario sends no more
+        than its numbers.
 
     Returns
     -------
@@ -33,12 +36,11 @@ def perform(key: str, packed: bytes | None, offsets, parameters) -> Outcome | No
     return task.run(offsets, parameters)
 
 
-def _unpacked(key: str, packed: bytes):
-    import pickle
-
+def _unpacked(key: str, packed: bytes | Path):
     while len(_tasks) >= KEPT:
         del _tasks[next(iter(_tasks))]
-    return _tasks.setdefault(key, pickle.loads(packed))
+    content = packed.read_bytes() if isinstance(packed, Path) else packed
+    return _tasks.setdefault(key, pickle.loads(content))
 
 
 def begin(leash: Connection) -> None:

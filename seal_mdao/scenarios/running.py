@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from hashlib import sha256
 from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
@@ -74,30 +76,38 @@ def run_scenarios(
         with Processes(workers) as own:
             yield from run_scenarios(task, points, own)
         return
-    run = _Run(task, workers)
-    try:
-        yield from run.outcomes(iter(points))
-    except BaseException:
-        run.stop()
-        raise
+    with TemporaryDirectory(prefix="seal_mdao-task-") as folder:
+        run = _Run(task, workers, Path(folder))
+        try:
+            yield from run.outcomes(iter(points))
+        except BaseException:
+            run.stop()
+            raise
 
 
 class _Run:
-    """One task on one executor."""
+    """One task on one executor.
 
-    def __init__(self, task, workers):
+    ``Processes`` read the task from a file. A pipe holds 64 KB: where a worker dies while more than that
+    is on its way to it, Python before 3.12 waits for ever.
+    """
+
+    def __init__(self, task, workers, folder: Path):
         self._workers, self._nothing = workers, np.full(task.count, np.nan)
         self._running, self._dead = {}, []
         self._replaceable = isinstance(workers, Processes)
         self._ahead = AHEAD * workers.count if self._replaceable else None
         try:
-            self._packed = pickle.dumps(task)
+            packed = pickle.dumps(task)
         except Exception as error:  # whatever a part of it raises
             raise ValueError(
                 f"the seal or a measure cannot be sent to another process ({error}); run the scenarios "
                 "in line, workers=0"
             ) from error
-        self._key = sha256(self._packed).hexdigest()
+        self._key, self._packed = sha256(packed).hexdigest(), packed
+        if self._replaceable:
+            self._packed = folder / "task"
+            self._packed.write_bytes(packed)
 
     def stop(self) -> None:
         """Nothing that still runs is wanted any more."""

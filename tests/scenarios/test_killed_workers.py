@@ -24,6 +24,8 @@ class Deadly:
     """A task whose point 3 kills its process, always or until a file is there."""
 
     count = 1
+    others = 0.1
+    """Seconds for others to be on their way."""
 
     def __init__(self, mark=None):
         self.mark = mark
@@ -35,7 +37,7 @@ class Deadly:
         elif deadly and self.mark is not None:
             open(self.mark, "w").close()
         if deadly:
-            time.sleep(0.1)  # others are on their way
+            time.sleep(self.others)
             os.kill(os.getpid(), signal.SIGKILL)
         return Outcome(10.0 * parameters, None, "", 0.0)
 
@@ -60,6 +62,46 @@ def test_a_scenario_that_kills_every_worker_fails_alone():
     assert np.isnan(found[3].values).all()
     assert all(found[i].values[0] == 10.0 * i for i in range(9) if i != 3)
     assert len(again) == 2
+
+
+HEAVY = """
+from test_killed_workers import Heavy, points
+from seal_mdao.scenarios.processes import Processes
+from seal_mdao.scenarios.running import run_scenarios
+
+if __name__ == "__main__":
+    with Processes(2) as workers:
+        for number in range(3):
+            found = dict(run_scenarios(Heavy(number), points(9), workers))
+            print(*[i for i, outcome in found.items() if outcome.failure])
+"""
+
+
+class Heavy(Deadly):
+    """More than a pipe takes at once."""
+
+    others = 0.0
+
+    def __init__(self, number):
+        super().__init__()
+        self.ballast = bytes([number]) * 4_000_000
+
+
+def test_a_worker_that_dies_while_a_large_task_is_sent_holds_nobody_up(tmp_path):
+    """In Python before 3.12 whoever writes into a full pipe would wait for ever."""
+    done = run_script(tmp_path, HEAVY)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["3", "3", "3"]
+
+
+def run_script(tmp_path, script):
+    path = tmp_path / "script.py"
+    path.write_text(script)
+    folders = os.pathsep.join([os.path.dirname(__file__), os.getcwd()])
+    return subprocess.run(
+        [sys.executable, path], env=os.environ | {"PYTHONPATH": folders}, text=True,
+        capture_output=True, check=False, timeout=60,
+    )  # fmt: skip
 
 
 def workers_of(process):
@@ -145,13 +187,7 @@ def test_all_workers_end_with_the_script(tmp_path, ending, hear_ctrl_c):
 
 
 def test_a_script_without_its_guard_is_told(tmp_path):
-    path = tmp_path / "script.py"
-    path.write_text(SCRIPT.replace('if __name__ == "__main__":', "if True:"))
-    folders = os.pathsep.join([os.path.dirname(__file__), os.getcwd()])
-    done = subprocess.run(
-        [sys.executable, path], env=os.environ | {"PYTHONPATH": folders}, text=True,
-        capture_output=True, check=False, timeout=60,
-    )  # fmt: skip
+    done = run_script(tmp_path, SCRIPT.replace('if __name__ == "__main__":', "if True:"))
     assert done.returncode != 0
     assert 'must keep what it runs under  if __name__ == "__main__":' in done.stderr
 
