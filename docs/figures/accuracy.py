@@ -27,6 +27,14 @@ from seal_mdao.verification.flexure import bend_block
 
 PRODUCT = (1.8, 2.5)
 ROUND = 2.0
+BY_CELL = {"support": ROUND}, {"support": PRODUCT}
+ENGINEERING = {
+    name: value
+    for name, value in ACCURACIES["engineering"].items()
+    if name not in ("n_steps", "solver")
+}
+WIDE = {name: value for name, value in ENGINEERING.items() if name != "layers"}
+THROUGH = WIDE | {"support": PRODUCT, "basis_order": 1}, WIDE | {"basis_order": 1}, WIDE
 CLOUDS = ((58, 3), (58, 5), (116, 3))
 
 
@@ -74,25 +82,21 @@ def _support(out, reduced) -> dict:
 
 
 def _layers(out, reduced) -> dict:
-    """Every direction of refinement for product kernels, and the layers for round ones."""
-    layers = (3, 4) if reduced else (3, 4, 5)
-    cases = [(58, PRODUCT, 1, "cell")] if reduced else [
-        (rays, *scheme)
-        for scheme in (
-            (ROUND, 1, "cell"), (PRODUCT, 1, "cell"), (PRODUCT, 2, "cell"), (PRODUCT, 1, "wall")
-        )
-        for rays in (58, 116)
+    """Rays and layers, for every kernel, basis, pressure and place of the contact."""
+    layers = (3, 4) if reduced else (3, 4, 5, 7)
+    cases = [(58, THROUGH[0])] if reduced else [
+        *((rays, scheme) for scheme in BY_CELL for rays in (58, 116)),
+        *((rays, scheme) for scheme in THROUGH for rays in (58, 116, 174)),
     ]  # fmt: skip
     lines, rows = {}, []
-    for rays, support, order, pressure in cases:
-        found = [
-            worst_error(rays=rays, layers=n, support=support, basis_order=order, pressure=pressure)
-            for n in layers
-        ]
-        kernel = "round 2" if np.ndim(support) == 0 else "product 1.8, 2.5"
-        basis = "linear" if order == 1 else "quadratic"
-        if order == 1:
-            lines[f"{rays} rays, {kernel}, {pressure}"] = layers, found
+    for rays, scheme in cases:
+        found = [worst_error(rays=rays, layers=n, **scheme) for n in layers]
+        support = scheme["support"]
+        kernel = "round 2" if np.ndim(support) == 0 else "product {:g}, {:g}".format(*support)
+        basis = "linear" if scheme.get("basis_order", 1) == 1 else "quadratic"
+        pressure = scheme.get("pressure", "cell")
+        if rays < 174 and scheme in (BY_CELL[0], THROUGH[0], THROUGH[2]):
+            lines[f"{rays} rays, {kernel}, {basis}, {pressure}"] = layers, found
         rows.append([rays, kernel, basis, pressure, *map(percent, found)])
     ticks = layers, [str(n) for n in layers]
     _lines(out / "error_layers.png", "layers of particles across the wall", lines, WORST, ticks)
@@ -121,10 +125,9 @@ def _integration(out, reduced) -> dict:
     points = (2, 3)
     lines = {}
     for order, name in ((1, "linear"), (2, "quadratic")):
-        found = [
-            worst_error(layers=5, support=PRODUCT, basis_order=order, n_gauss=n) for n in points
-        ]
-        lines[f"58 × 5, {name} basis"] = points, found
+        scheme = ENGINEERING | {"basis_order": order}
+        found = [worst_error(**scheme, n_gauss=n) for n in points]
+        lines[f"58 × 4, {name} basis"] = points, found
     ticks = points, [str(n) for n in points]
     _lines(out / "error_integration.png", "Gauss points per direction", lines, WORST, ticks)
     rows = [[name, *map(percent, found)] for name, (_, found) in lines.items()]
@@ -134,8 +137,7 @@ def _integration(out, reduced) -> dict:
 def _penalty(out, reduced) -> dict:
     """Change of the reaction against the hardest penalty."""
     penalties = (1e3, 1e4, 1e5) if reduced else (3e2, 1e3, 3e3, 1e4, 3e4, 1e5)
-    common = {"layers": 3 if reduced else 5, "support": PRODUCT}
-    errors = np.array([flat_errors(normal_penalty=w, **common) for w in penalties])
+    errors = np.array([flat_errors(normal_penalty=w, **ENGINEERING) for w in penalties])
     change = np.abs(errors[:-1] - errors[-1]).max(axis=1)
     figure = {"normal penalty": (np.log10(penalties[:-1]), change)}
     value = "largest change of the reaction (%)"
@@ -194,11 +196,17 @@ def _preset(out, reduced) -> dict:
         gap = largest_opened_gap(drawn(accuracy=name))
         size = f"{seal.grid.rays} × {seal.layers}, {seal.n_steps} steps"
         rows.append([name, size, percent(error), f"{gap:.4f}", f"{share:.2f}"])
-    numbers = {}
+    at = {
+        place: percent(worst_error(**ENGINEERING | {"contact_points": place}))
+        for place in ("particles", "edges")
+    }
+    numbers = {"at_particles": at["particles"], "at_edges": at["edges"]}
     if not reduced:
-        clouds = ((58, 5, 1), (116, 5, 1), (174, 5, 1), (58, 5, 3), (116, 5, 2), (174, 7, 2))
+        clouds = ((58, 4, 1), (58, 4, 2), (116, 4, 1), (116, 4, 2), (116, 5, 2), (174, 5, 2))
         gaps = [
-            largest_opened_gap(drawn(accuracy="gaps", rays=rays, layers=layers, refinement=parts))
+            largest_opened_gap(
+                drawn(**WIDE, layers=layers, rays=rays, refinement=parts, n_steps=105)
+            )
             for rays, layers, parts in clouds
         ]
         rows_of_gaps = [

@@ -58,10 +58,8 @@ def point_data(result, step: int) -> dict[str, np.ndarray]:
         "det_F": f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2],
     }
     for contact in contacts(result.seal):
-        values = np.zeros(len(f))
-        response = result.path.at_nominal(contact.label)[step]
-        values[contact.where.at_particles] = pressure(contact, response)
-        data[f"pressure_{contact.label}"] = values
+        values = pressure(contact, result.path.at_nominal(contact.label)[step])
+        data[f"pressure_{contact.label}"] = contact.where.mean_at_particles(values, len(f))
     return data
 
 

@@ -108,21 +108,23 @@ class _Line:
     """Straight pieces between consecutive contact points of the undeformed boundary."""
 
     def __init__(self, result, profile: str, stretch):
-        self.particle = result.term(profile).where.at_particles[stretch]
-        self.edges = np.diff(result.particles[self.particle], axis=0)
+        self.where, self.stretch = result.term(profile).where, stretch
+        self.edges = np.diff(self.where.points.at(result.particles)[stretch], axis=0)
         self.length = np.hypot(*self.edges.T)
 
     def add_partials(self, by_length, particles) -> None:
         """Add d/d(particles) (n, 2) of a function with derivatives ``by_length`` (k - 1,)."""
         pull = (by_length / self.length)[:, None] * self.edges
-        particles[self.particle[1:]] += pull
-        particles[self.particle[:-1]] -= pull
+        on_points = np.zeros((len(self.where), 2))
+        on_points[self.stretch[1:]] += pull
+        on_points[self.stretch[:-1]] -= pull
+        self.where.add_point_seeds(on_points[:, :, None], particles[:, :, None])
 
 
 def way_round(where) -> np.ndarray:
     """The points of a boundary in order, the first once more at the end where it is closed."""
-    every, ends = np.arange(len(where)), where.edges[[0, -1]]
-    closed = where.at_particles[-1] in ends[0] and where.at_particles[0] in ends[1]
+    every, (first, last) = np.arange(len(where)), where.points.anchors[[0, -1]]
+    closed = np.isin(last, where.edges[0]).any() and np.isin(first, where.edges[-1]).any()
     return np.append(every, 0) if closed and len(every) > 2 else every
 
 

@@ -18,7 +18,7 @@ class ProfileWork(Measure):
     Attributes
     ----------
     profile : str
-        Label of a contact whose points are particles.
+        Label of a contact, whose points are particles where the profile turns.
     """
 
     profile: str
@@ -32,7 +32,7 @@ class ProfileWork(Measure):
         places = np.array([term.motion.coordinates(n) for n in at])
         rates = np.array([term.motion.rates_at(n) for n in at])
         travels, travel_rates = _travels(places), _travels(rates)
-        particle, value, by_motion = term.where.at_particles, 0.0, np.zeros(rates.shape[1])
+        value, by_motion = 0.0, np.zeros(rates.shape[1])
         for number, step in enumerate(steps):
             response = result.response(self.profile, step)
             travel, angle = travels[number, :2], travels[number, 2]
@@ -42,8 +42,10 @@ class ProfileWork(Measure):
             # the force is that of the body on the profile
             value -= response.total @ travel + moment * angle
             partials.force(self.profile, step)[0] -= travel + quarter_turn(arm) * angle
-            partials.displacement(step)[0, particle] -= on_arm * angle
-            partials.particles[0, particle] -= on_arm * angle
+            if angle != 0.0:
+                particle = term.where.at_particles
+                partials.displacement(step)[0, particle] -= on_arm * angle
+                partials.particles[0, particle] -= on_arm * angle
             by_motion -= travel_rates[number] @ np.array([*response.total, moment])
             by_motion += angle * (rates[number + 1, :, :2] @ on_arm.sum(axis=0))
         for name, slope in zip(term.motion.names, by_motion, strict=True):

@@ -16,6 +16,7 @@ from seal_mdao.plotting.gap import boundary_coordinate
 from seal_mdao.plotting.section import stress_levels, window
 from seal_mdao.plotting.style import STRESS_MAP
 from seal_mdao.report.ring import RingGrid, ring_grid
+from seal_mdao.seals.door.measures import DOOR
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.profiles import contacts, pressure
 
@@ -33,11 +34,17 @@ REACH = 60.0
 
 
 def fine_grid(result: DoorSealResult) -> RingGrid:
-    """A grid with about as many points whatever the model's refinement."""
-    grid = result.seal.grid
-    along = max(1, round(POINTS_AROUND / grid.rays))
+    """A grid with about as many points whatever the model's refinement, those that may touch among
+    them."""
+    grid, beside = result.seal.grid, _beside(result).shape[1]
+    along = beside * max(1, round(POINTS_AROUND / (beside * grid.rays)))
     across = max(1, round((POINTS_ACROSS - 1) / (grid.layers - 1)))
     return ring_grid(result, along, across)
+
+
+def _beside(result: DoorSealResult) -> np.ndarray:
+    """Particles at the points that may touch, shape (k, 1), or to either side of them, (k, 2)."""
+    return result.term(DOOR).where.points.anchors
 
 
 def kept_steps(result: DoorSealResult) -> np.ndarray:
@@ -85,7 +92,7 @@ class Pictures:
             "low": self._low.tolist(),
             "high": self._high.tolist(),
             "base": [base[:, 0].min(), base[:, 0].max(), base[:, 1].min()],
-            "contact": self._grid_points(seal.grid.free_outer),
+            "contact": self._contact_points(),
             "watched": self._grid_points(self._start.points.stress),
             "paths": [self._path(self._start), self._path(self._end)],
             "designs": [self._design(result) for result in self._between],
@@ -98,6 +105,12 @@ class Pictures:
         along, through = around // grid.rays, (across - 1) // (grid.layers - 1)
         ray, layer = np.divmod(particles, grid.layers)
         return (ray * along * across + layer * through).tolist()
+
+    def _contact_points(self) -> list[int]:
+        """Points of the fine grid that may touch."""
+        beside = _beside(self._start)
+        ends = np.reshape(self._grid_points(beside.ravel()), beside.shape)
+        return ends.mean(axis=1).astype(int).tolist()
 
     def _deformed(self, result: DoorSealResult, step: int) -> np.ndarray:
         return field.deformed(result, self._fine[id(result)], step)

@@ -43,10 +43,17 @@ class MaterialPoints:
         """
         if self.points.anchors.shape[1] != 1:
             raise ValueError(
-                "these points lie between particles; measures along a boundary and of work want contact "
-                "at particles (Body.edge_points)"
+                "these points lie between particles; the work of a profile that turns, trapped air, "
+                "fluids and contact of the body with itself want contact at particles (Body.edge_points)"
             )
         return self.points.anchors[:, 0]
+
+    def mean_at_particles(self, values: np.ndarray, n_particles: int) -> np.ndarray:
+        """At every particle the mean of the ``values`` (k,) of the points beside it, zero elsewhere."""
+        anchors, weights = self.points.anchors.ravel(), self.points.weights
+        total = np.bincount(anchors, weights.ravel(), n_particles)
+        summed = np.bincount(anchors, (weights * values[:, None]).ravel(), n_particles)
+        return summed / np.where(total > 0.0, total, 1.0)
 
     def lengths(self, particles: np.ndarray) -> np.ndarray:
         """Measure of every point, shape (k,)."""

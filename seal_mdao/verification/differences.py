@@ -75,14 +75,14 @@ def same_sequence(a: DoorSealResult, b: DoorSealResult) -> bool:
 
 def measure_names(result: DoorSealResult) -> list[str]:
     """Names of the measures in the order of ``measure_values``; particles in the names."""
-    gap_particles = result.seal.grid.free_outer[result.points.gap]
+    gaps = result.term(DOOR).where.points.anchors[result.points.gap]
     return [
         "area",
         *(f"von_mises_{p}" for p in result.points.stress),
         "gap_square_sum",
         "reaction_x",
         "reaction_y",
-        *(f"gap_{p}" for p in gap_particles),
+        *("_".join(map(str, ["gap", *particles])) for particles in gaps),
     ]
 
 

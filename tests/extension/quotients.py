@@ -25,7 +25,7 @@ def quotients(seal, name, step, parameters=None):
         f"the contact sequence changes with {name}"
     )
     out = {}
-    for measure in seal.standard:
+    for measure in results[3].measures():
         values = np.array([result.value(measure) for result in results])
         fine, coarse = FINE @ values / step, COARSE @ values / step
         square = np.diff(values, 4, axis=0) ** 2 / 70.0

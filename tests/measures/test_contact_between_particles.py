@@ -1,0 +1,98 @@
+"""Contact in the middle of the edges between particles: all measures and their derivatives."""
+
+import numpy as np
+import pytest
+from quotients import quotients
+
+import seal_mdao as sm
+from seal_mdao.contact.friction import OPEN
+from seal_mdao.export.vtu import point_data
+from seal_mdao.measures.contact import ContactWidth, way_round
+from seal_mdao.measures.work import ProfileWork
+from seal_mdao.report.shapes import Pictures
+from seal_mdao.seals.door.measures import FURTHER, STANDARD
+from seal_mdao.terms.points import edge_points
+
+NAMES = tuple(measure.name for measure in (*STANDARD, *FURTHER))
+MORE = ContactWidth("door"), ProfileWork("door")
+
+
+@pytest.fixture(scope="module")
+def seal():
+    return sm.door_seal(
+        accuracy="engineering", n_steps=6, newton=sm.NewtonOptions(tolerance=1e-11)
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def result(seal):
+    return sm.analyze(seal, keep_factors=True)
+
+
+def test_points_lie_half_way_between_the_free_particles(seal):
+    term = seal.terms()[1]
+    particles, outer = seal.drawn_particles, seal.grid.free_outer
+    np.testing.assert_array_equal(
+        term.where.points.anchors, np.column_stack([outer[:-1], outer[1:]])
+    )
+    np.testing.assert_allclose(
+        term.where.points.at(particles), 0.5 * (particles[outer[:-1]] + particles[outer[1:]])
+    )
+    ends = np.diff(particles[outer], axis=0)
+    np.testing.assert_allclose(term.where.lengths(particles), np.hypot(*ends.T))
+
+
+def test_direct_and_adjoint_agree(result):
+    names = "door_radius", "friction", "normal_penalty", "c10", "depth", "door_angle"
+    found = [
+        sm.differentiate(result, names, (*NAMES, *MORE), method) for method in ("direct", "adjoint")
+    ]
+    for name in (*NAMES, *(measure.name for measure in MORE)):
+        one, other = (np.atleast_2d(values[name]) for values in found)
+        size = np.abs(one).max(axis=0)
+        assert size.max() > 0.0, name
+        assert np.all(np.abs(one - other) <= 1e-9 * size + 1e-12 * size.max()), name
+
+
+@pytest.mark.parametrize("name", ["boundary_offsets[7]", "friction", "depth"])
+def test_derivatives_are_those_of_the_path(seal, result, name):
+    parameters = (name,) if name in seal.scalars else ("friction",)
+    direct = sm.differentiate(result, parameters, method="direct")
+    column = direct.parameters.index(name)
+    for measure, (quotient, bound) in quotients(seal, name, 2e-5).items():
+        one = np.atleast_2d(direct[measure])[:, column]
+        assert np.all(np.abs(one - quotient) <= bound), measure
+        assert bound.max() <= 1e-3 * np.abs(one).max(), measure
+
+
+def test_order_round_a_closed_boundary_is_known():
+    ring = edge_points(np.column_stack([np.arange(5), np.roll(np.arange(5), -1)]), 1)
+    np.testing.assert_array_equal(way_round(ring), [0, 1, 2, 3, 4, 0])
+    row = edge_points(np.column_stack([np.arange(4), np.arange(1, 5)]), 1)
+    np.testing.assert_array_equal(way_round(row), [0, 1, 2, 3])
+
+
+def test_width_is_that_of_the_touching_stretches(result):
+    state, x = result.contact.state, result.term("door").reference
+    touching = state != OPEN
+    inside = np.hypot(*np.diff(x, axis=0).T)[touching[:-1] & touching[1:]].sum()
+    width = float(result.value(MORE[0])[0])
+    assert inside < width < inside + 4.0 * np.hypot(*np.diff(x[:2], axis=0)[0])
+
+
+def test_pressure_of_particles_is_the_mean_of_the_points_beside(result):
+    pytest.importorskip("meshio")
+    outer = result.seal.grid.free_outer
+    points = -result.seal.normal_penalty * np.minimum(result.contact.gap, 0.0)
+    found = point_data(result, len(result.path.nominal_steps) - 1)["pressure_door"]
+    np.testing.assert_allclose(found[outer[1:-1]], 0.5 * (points[:-1] + points[1:]), rtol=1e-12)
+    assert np.flatnonzero(found).size == np.isin(outer, np.flatnonzero(found)).sum()
+
+
+def test_pictures_of_the_report_have_the_points_where_they_are(result):
+    data = Pictures(result, result, [result]).as_data()
+    fine, where = Pictures(result, result, [result])._fine[id(result)], result.term("door").where
+    np.testing.assert_allclose(
+        fine.points.at(result.particles)[data["contact"]],
+        where.points.at(result.particles), rtol=0.0, atol=1e-12,
+    )  # fmt: skip
