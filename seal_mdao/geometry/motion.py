@@ -159,6 +159,10 @@ class Motion:
         return int(self.steps.sum())
 
     @cached_property
+    def _stage_ends(self) -> np.ndarray:
+        return np.cumsum(self.steps)
+
+    @cached_property
     def _nominal(self) -> np.ndarray:
         """x, y, angle at the start and after every nominal step, shape (n_steps + 1, 3)."""
         waypoints = np.column_stack([self.positions, self.angles])
@@ -184,7 +188,7 @@ class Motion:
 
     def rates_at(self, fraction: float) -> np.ndarray:
         """Derivatives of x, y and angle with respect to the parameters, shape (n_parameters, 3)."""
-        ends = np.cumsum(self.steps)
+        ends = self._stage_ends
         stage = int(np.searchsorted(ends, self._step(fraction), side="right"))
         share = (fraction - (ends[stage] - self.steps[stage])) / self.steps[stage]
         first = self.rates[:, stage]

@@ -86,14 +86,18 @@ def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) 
 
 
 def integration_points(mapping: CellMap, rule: EdgeRule, column: int = 1) -> PointSet:
-    """Gauss points followed by edge points of every cell; ``column`` cells in succession are a group."""
+    """Gauss points followed by edge points of every cell; ``column`` cells in succession are a group.
+
+    Of the edge points only the values are used.
+    """
     n_cells, q = len(mapping.cells), mapping.n_points
     anchors = np.empty((n_cells, q + EDGE_POINTS, 4), int)
     weights = np.zeros((n_cells, q + EDGE_POINTS, 4))
     anchors[:, :q], weights[:, :q] = mapping.cells[:, None], mapping.values
     anchors[:, q:] = np.tile(rule.ends, (1, 1, 2))
     weights[:, q:, :2] = rule.weights
-    return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), column * (q + EDGE_POINTS))
+    sloped = np.tile(np.arange(q + EDGE_POINTS) < q, column)
+    return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), sloped.size, sloped)
 
 
 @dataclass(frozen=True)

@@ -35,19 +35,26 @@ def neighbour_terms(x, neighbours, cloud, h, k):
 
 @inlined
 def moment_matrices(h, k, moments):
-    """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y."""
+    """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y; (1, m, m) M."""
     moments[:] = 0.0
     m = h.shape[2]
+    part = np.empty(m)
     for i in range(h.shape[0]):
         if k[i, 0] == 0.0:
             continue
+        for j in range(moments.shape[0]):
+            # half of the gradient: H (H_j phi + H phi_j / 2)^T, to which its transpose is added below
+            for a in range(m):
+                part[a] = h[i, j, a] * k[i, 0]
+                if j > 0:
+                    part[a] += 0.5 * h[i, 0, a] * k[i, j]
+            for a in range(m):
+                for b in range(m):
+                    moments[j, a, b] += h[i, 0, a] * part[b]
+    for j in range(1, moments.shape[0]):
         for a in range(m):
-            for b in range(m):
-                hh = h[i, 0, a] * h[i, 0, b]
-                moments[0, a, b] += hh * k[i, 0]
-                for j in (1, 2):
-                    dhh = h[i, j, a] * h[i, 0, b] + h[i, 0, a] * h[i, j, b]
-                    moments[j, a, b] += dhh * k[i, 0] + hh * k[i, j]
+            for b in range(a + 1):
+                moments[j, a, b] = moments[j, b, a] = moments[j, a, b] + moments[j, b, a]
 
 
 @inlined
@@ -84,16 +91,15 @@ def invert_moment(moment, inverse):
 
 @inlined
 def correction_coefficients(moments, inverse, b):
-    """q(x) = M^-1 H(0) of Eq. (7) and its gradient: ``b`` (3, m) holds q, q_x, q_y."""
+    """q(x) = M^-1 H(0) of Eq. (7) and its gradient: ``b`` (3, m) holds q, q_x, q_y; (1, m) q."""
     m = inverse.shape[0]
     for a in range(m):
         b[0, a] = inverse[a, 0]
-    for j in (1, 2):
-        for a in range(m):
-            s = 0.0
-            for c in range(m):
-                t = 0.0
-                for e in range(m):
-                    t += moments[j, c, e] * b[0, e]
-                s -= inverse[a, c] * t
-            b[j, a] = s
+    for j in range(1, b.shape[0]):
+        b[j] = 0.0
+        for c in range(m):
+            t = 0.0
+            for e in range(m):
+                t += moments[j, c, e] * b[0, e]
+            for a in range(m):
+                b[j, a] -= inverse[a, c] * t

@@ -8,8 +8,11 @@ q_j = -M^-1 M_j q:
 
     (Phi, Phi_,x, Phi_,y)' = D r' + S (q, q_x, q_y)',    (q, q_x, q_y)' = G C^T r'
 
-``linearize_point`` collects the exact coefficients D, S, G, C of one point once; the forward kernel
-(design velocities, direct method) and the reverse kernel (adjoint seeds) are products with them.
+``linearize_point`` collects the exact coefficients D, S G, C of one point once; the forward kernel
+(design velocities, direct method) and the reverse kernel (adjoint seeds) are products with them. S G is
+formed: where M is badly conditioned G is large, and both ways agree only with the same product. All
+arrays of a point have ``rows`` blocks: 3, or 1 where only Phi_I is asked for; and only those of its
+neighbours whose support reaches it.
 """
 
 import numpy as np
@@ -29,41 +32,35 @@ def _second(j, k):
     return 3 + j + k
 
 
-@internal
-def _fill_part(sign, part, row, column, out):
-    """``out[row:, column:]`` = +-part."""
-    for a in range(part.shape[0]):
-        for b in range(part.shape[1]):
-            out[row + a, column + b] = sign * part[a, b]
+@inlined
+def _first(row):
+    """The first monomial whose derivative in a row of the tables is not zero everywhere."""
+    return 0 if row == 0 else (1 if row < 3 else 3)
 
 
 @internal
-def linearize_point(h, k, b, moments, inverse, direct, pull, chain):
+def linearize_point(h, k, b, direct, pull):
     """Coefficients of the derivative of one point's shape functions with respect to r_I.
 
     Parameters
     ----------
     h, k : ndarray, shapes (n, 6, m), (n, 6)
         Basis and kernel terms of the neighbours.
-    b : ndarray, shape (3, m)
+    b : ndarray, shape (rows, m)
         q, q_x, q_y.
-    moments, inverse : ndarray, shapes (3, m, m), (m, m)
-        M, M_x, M_y, and M^-1.
-    direct : ndarray, shape (n, 3, 2)
+    direct : ndarray, shape (n, rows, 2)
         Written: D, whose row of each neighbour sees its own r_I only.
-    pull : ndarray, shape (2 n, 3 m)
+    pull : ndarray, shape (2 n, rows m)
         Written: C, derivatives of M q, M_x q + M q_x, M_y q + M q_y at fixed q, q_x, q_y.
-    chain : ndarray, shape (3 n, 3 m)
-        Written: S G, rows (Phi, Phi_,x, Phi_,y) by neighbour.
     """
     n, _, m = h.shape
-    dots = np.empty((3, 6))
-    spread, solve = np.zeros((3 * n, 3 * m)), np.zeros((3 * m, 3 * m))
+    rows = b.shape[0]
+    dots = np.empty((rows, 6))
     for i in range(n):
-        for u in range(3):
+        for u in range(rows):
             for row in range(6):
                 value = 0.0
-                for a in range(m):
+                for a in range(_first(row), m):
                     value += b[u, a] * h[i, row, a]
                 dots[u, row] = value
         f = k[i]
@@ -72,8 +69,8 @@ def linearize_point(h, k, b, moments, inverse, direct, pull, chain):
             direct[i, 0, c] = dots[0, kc] * f[0] + dots[0, 0] * f[kc]
             for a in range(m):
                 pull[at, a] = h[i, kc, a] * dots[0, 0] * f[0] + h[i, 0, a] * direct[i, 0, c]
-            for j in range(2):
-                kj, kjc = 1 + j, _second(j, c)
+            for kj in range(1, rows):
+                kjc = _second(kj - 1, c)
                 t = (
                     dots[kj, kc] * f[0]
                     + dots[kj, 0] * f[kc]
@@ -90,43 +87,87 @@ def linearize_point(h, k, b, moments, inverse, direct, pull, chain):
                 on_hjc = dots[0, 0] * f[0]
                 for a in range(m):
                     pull[at, kj * m + a] = (
-                        h[i, 0, a] * t
-                        + h[i, kc, a] * on_hc
-                        + h[i, kj, a] * on_hj
-                        + h[i, kjc, a] * on_hjc
+                        h[i, 0, a] * t + h[i, kc, a] * on_hc + h[i, kj, a] * on_hj
                     )
+                for a in range(_first(kjc), m):
+                    pull[at, kj * m + a] += h[i, kjc, a] * on_hjc
+
+
+@internal
+def _add_block(sign, block, row, column, out):
+    """``out[row:, column:]`` += +-``block``."""
+    for a in range(block.shape[0]):
+        for c in range(block.shape[1]):
+            out[row + a, column + c] += sign * block[a, c]
+
+
+@internal
+def _fill_chain(h, k, moments, inverse, spread, solve, chain):
+    """S G: rows (Phi, Phi_,x, Phi_,y) by neighbour; q_j' = -M^-1 ((M_j q + M q_j)' at fixed q, q_j +
+    M_j q')."""
+    n, _, m = h.shape
+    rows = len(moments)
+    spread[:], solve[:] = 0.0, 0.0
+    for i in range(n):
         for a in range(m):
-            g0 = h[i, 0, a] * f[0]
-            spread[i, a] = g0
-            for j in (1, 2):
-                spread[j * n + i, a] = h[i, j, a] * f[0] + h[i, 0, a] * f[j]
-                spread[j * n + i, j * m + a] = g0
-    # q_j' = -M^-1 ((M_j q + M q_j)' at fixed q, q_j  +  M_j q')
-    for u in range(3):
-        _fill_part(-1.0, inverse, u * m, u * m, solve)
+            g = h[i, 0, a] * k[i, 0]
+            spread[i, a] = g
+            for j in range(1, rows):
+                spread[j * n + i, a] = h[i, j, a] * k[i, 0] + h[i, 0, a] * k[i, j]
+                spread[j * n + i, j * m + a] = g
+    for u in range(rows):
+        _add_block(-1.0, inverse, u * m, u * m, solve)
         if u > 0:
-            _fill_part(1.0, inverse @ moments[u] @ inverse, u * m, 0, solve)
+            _add_block(1.0, inverse @ moments[u] @ inverse, u * m, 0, solve)
     np.dot(spread, solve, chain)
 
 
 @internal
-def _prepare(x, near, cloud, h, k, moments, inverse, b):
+def _workspace(n, m, rows):
+    """M and its gradient, q and its gradient, D, C, S, G, S G."""
+    return (
+        np.empty((rows, m, m)),
+        np.empty((rows, m)),
+        np.empty((n, rows, 2)),
+        np.empty((2 * n, rows * m)),
+        np.empty((rows * n, rows * m)),
+        np.empty((rows * m, rows * m)),
+        np.empty((rows * n, rows * m)),
+    )
+
+
+@internal
+def _prepare(x, near, cloud, h, k, seen, inverse, work):
+    """Everything of one point: D, C, S G, and ``seen``, the places of the neighbours that it sees."""
+    moments, b, direct, pull, spread, solve, chain = work
     neighbour_terms(x, near, cloud, h, k)
+    n = 0
+    for i in range(near.size):
+        if k[i, 0] > 0.0:
+            if n < i:
+                h[n], k[n] = h[i], k[i]
+            seen[n] = i
+            n += 1
+    h, k, rows = h[:n], k[:n], len(moments)
     moment_matrices(h, k, moments)
     invert_moment(moments[0], inverse)
     correction_coefficients(moments, inverse, b)
+    direct, pull, chain = direct[:n], pull[: 2 * n], chain[: rows * n]
+    linearize_point(h, k, b, direct, pull)
+    _fill_chain(h, k, moments, inverse, spread[: rows * n], solve, chain)
+    return direct, pull, chain, seen[:n]
 
 
 @internal
 def forward_point(direct, pull, chain, delta, out):
     """Derivatives of one point's shape functions along P motions ``delta`` (2 n, P) of r_I.
 
-    ``out`` (3 n, P) receives Phi', Phi_,x', Phi_,y'.
+    ``out`` (rows n, P) receives Phi', Phi_,x', Phi_,y'.
     """
-    n = direct.shape[0]
+    n, rows, _ = direct.shape
     np.dot(chain, pull.T @ delta, out)
     for i in range(n):
-        for u in range(3):
+        for u in range(rows):
             dx, dy, row = direct[i, u, 0], direct[i, u, 1], out[u * n + i]
             for p in range(row.size):
                 row[p] += dx * delta[2 * i, p] + dy * delta[2 * i + 1, p]
@@ -134,11 +175,11 @@ def forward_point(direct, pull, chain, delta, out):
 
 @internal
 def reverse_point(direct, pull, chain, seed, out):
-    """Transpose of ``forward_point``: ``seed`` (3 n, M) on Phi, Phi_,x, Phi_,y to ``out`` (2 n, M)."""
-    n = direct.shape[0]
+    """Transpose of ``forward_point``: ``seed`` (rows n, M) on Phi, Phi_,x, Phi_,y ``out`` (2 n, M)."""
+    n, rows, _ = direct.shape
     np.dot(pull, chain.T @ seed, out)
     for i in range(n):
-        for u in range(3):
+        for u in range(rows):
             row = seed[u * n + i]
             for c in range(2):
                 d = direct[i, u, c]
@@ -148,7 +189,7 @@ def reverse_point(direct, pull, chain, seed, out):
 
 @compiled
 def forward_shape_functions(
-    cloud, points, start, neighbours, velocity, point_velocity, active, dstart, dphi, dgrad
+    cloud, points, start, neighbours, velocity, point_velocity, sloped, active, dstart, dphi, dgrad
 ):
     """Derivatives of a whole table along design velocities.
 
@@ -156,88 +197,110 @@ def forward_shape_functions(
     ----------
     velocity, point_velocity : ndarray, shapes (P, n_particles, 2), (P, n_points, 2)
         Design velocities V of Eq. (48) at the particles and at the points.
+    sloped : ndarray of bool, shape (group_size,)
+        Points of a group whose gradients are asked for.
     active, dstart : ndarray of int
         Parameters that touch group g: ``active[dstart[g, 0]:dstart[g + 1, 0]]``;
         ``dstart[g, 1]`` is where its entries begin in ``dphi``.
     dphi, dgrad : ndarray
         Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter).
     """
-    m = cloud.n_basis
-    n_groups = start.size - 1
-    group_size = points.shape[0] // n_groups
-    moments, inverse, b = np.empty((3, m, m)), np.empty((m, m)), np.empty((3, m))
-    for g in range(n_groups):
-        n = start[g + 1] - start[g]
+    m, group_size = cloud.n_basis, sloped.size
+    inverse = np.empty((m, m))
+    for g in range(start.size - 1):
         near = neighbours[start[g] : start[g + 1]]
         which = active[dstart[g, 0] : dstart[g + 1, 0]]
-        count = which.size
+        n, count = near.size, which.size
         if count == 0:
             continue
-        h, k = np.empty((n, 6, m)), np.empty((n, 6))
-        direct, pull, chain = (
-            np.empty((n, 3, 2)),
-            np.empty((2 * n, 3 * m)),
-            np.empty((3 * n, 3 * m)),
-        )
-        delta, out = np.empty((2 * n, count)), np.empty((3 * n, count))
+        h, k, places = np.empty((n, 6, m)), np.empty((n, 6)), np.empty(n, np.int64)
+        of_value, of_slope = _workspace(n, m, 1), _workspace(n, m, 3)
+        deltas, outs = np.empty((2 * n, count)), np.empty((3 * n, count))
         for q in range(group_size):
-            point = g * group_size + q
-            _prepare(points[point], near, cloud, h, k, moments, inverse, b)
-            linearize_point(h, k, b, moments, inverse, direct, pull, chain)
-            for i in range(n):
+            point, rows = g * group_size + q, 3 if sloped[q] else 1
+            direct, pull, chain, seen = _prepare(
+                points[point],
+                near,
+                cloud,
+                h,
+                k,
+                places,
+                inverse,
+                of_slope if sloped[q] else of_value,
+            )
+            s = seen.size
+            delta, out = deltas[: 2 * s], outs[: rows * s]
+            for i in range(s):
                 for c in range(2):
                     for p in range(count):
                         delta[2 * i + c, p] = (
-                            point_velocity[which[p], point, c] - velocity[which[p], near[i], c]
+                            point_velocity[which[p], point, c]
+                            - velocity[which[p], near[seen[i]], c]
                         )
             forward_point(direct, pull, chain, delta, out)
             at = dstart[g, 1] + q * n * count
-            for i in range(n):
+            phi, grad = dphi[at : at + n * count], dgrad[2 * at : 2 * (at + n * count)]
+            phi[:] = 0.0
+            if rows > 1:
+                grad[:] = 0.0
+            for i in range(s):
                 for p in range(count):
-                    dphi[at + i * count + p] = out[i, p]
-            for i in range(2 * n):
-                for p in range(count):
-                    dgrad[2 * at + i * count + p] = out[n + i, p]
+                    phi[seen[i] * count + p] = out[i, p]
+                for u in range(1, rows):
+                    to = ((u - 1) * n + seen[i]) * count
+                    for p in range(count):
+                        grad[to + p] = out[u * s + i, p]
 
 
 @compiled
-def reverse_shape_functions(cloud, points, start, neighbours, phi_bar, grad_bar, x_bar, point_bar):
+def reverse_shape_functions(
+    cloud, points, start, neighbours, sloped, phi_bar, grad_bar, x_bar, point_bar
+):
     """Pull seeds on a whole table back to the particles and to the points.
 
     Parameters
     ----------
+    sloped : ndarray of bool, shape (group_size,)
+        Points of a group whose gradients have seeds.
     phi_bar, grad_bar : ndarray, shapes (..., M)
         Seeds of M measures in the flat layout of ``ShapeTable``.
     x_bar, point_bar : ndarray, shapes (n_particles, 2, M), (n_points, 2, M)
         Added to: derivatives with respect to the particle and the point coordinates.
     """
-    m, n_measures = cloud.n_basis, phi_bar.shape[1]
-    n_groups = start.size - 1
-    group_size = points.shape[0] // n_groups
-    moments, inverse, b = np.empty((3, m, m)), np.empty((m, m)), np.empty((3, m))
-    for g in range(n_groups):
-        n = start[g + 1] - start[g]
+    m, group_size, n_measures = cloud.n_basis, sloped.size, phi_bar.shape[1]
+    inverse = np.empty((m, m))
+    for g in range(start.size - 1):
         near = neighbours[start[g] : start[g + 1]]
-        h, k = np.empty((n, 6, m)), np.empty((n, 6))
-        direct, pull, chain = (
-            np.empty((n, 3, 2)),
-            np.empty((2 * n, 3 * m)),
-            np.empty((3 * n, 3 * m)),
-        )
-        seed, out = np.empty((3 * n, n_measures)), np.empty((2 * n, n_measures))
+        n = near.size
+        h, k, places = np.empty((n, 6, m)), np.empty((n, 6)), np.empty(n, np.int64)
+        of_value, of_slope = _workspace(n, m, 1), _workspace(n, m, 3)
+        seeds, outs = np.empty((3 * n, n_measures)), np.empty((2 * n, n_measures))
         for q in range(group_size):
-            point = g * group_size + q
-            _prepare(points[point], near, cloud, h, k, moments, inverse, b)
-            linearize_point(h, k, b, moments, inverse, direct, pull, chain)
+            point, rows = g * group_size + q, 3 if sloped[q] else 1
+            direct, pull, chain, seen = _prepare(
+                points[point],
+                near,
+                cloud,
+                h,
+                k,
+                places,
+                inverse,
+                of_slope if sloped[q] else of_value,
+            )
+            s = seen.size
+            seed, out = seeds[: rows * s], outs[: 2 * s]
             at = start[g] * group_size + q * n
-            for measure in range(n_measures):
-                for i in range(n):
-                    seed[i, measure] = phi_bar[at + i, measure]
-                for i in range(2 * n):
-                    seed[n + i, measure] = grad_bar[2 * at + i, measure]
-            reverse_point(direct, pull, chain, seed, out)
-            for i in range(n):
-                for d in range(2):
+            for i in range(s):
+                for measure in range(n_measures):
+                    seed[i, measure] = phi_bar[at + seen[i], measure]
+                for u in range(1, rows):
+                    source = 2 * at + (u - 1) * n + seen[i]
                     for measure in range(n_measures):
-                        x_bar[near[i], d, measure] -= out[2 * i + d, measure]
-                        point_bar[point, d, measure] += out[2 * i + d, measure]
+                        seed[u * s + i, measure] = grad_bar[source, measure]
+            reverse_point(direct, pull, chain, seed, out)
+            for i in range(s):
+                for d in range(2):
+                    row = out[2 * i + d]
+                    for measure in range(n_measures):
+                        x_bar[near[seen[i]], d, measure] -= row[measure]
+                        point_bar[point, d, measure] += row[measure]

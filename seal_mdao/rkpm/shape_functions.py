@@ -61,11 +61,19 @@ class PointSet(NamedTuple):
     weights : ndarray, shape (n_points, k)
     group_size : int
         Points in a group; consecutive points share one neighbour list.
+    sloped : ndarray of bool, shape (group_size,), or None
+        Points of a group whose gradients are used; None: all. Rates and seeds are for them alone.
     """
 
     anchors: np.ndarray
     weights: np.ndarray
     group_size: int
+    sloped: np.ndarray | None = None
+
+    @property
+    def with_gradients(self) -> np.ndarray:
+        """``sloped``, shape (group_size,)."""
+        return np.ones(self.group_size, bool) if self.sloped is None else self.sloped
 
     def at(self, particles):
         """Coordinates of the points, shape (n_points, 2), length unit of ``particles``."""

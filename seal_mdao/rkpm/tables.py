@@ -136,7 +136,10 @@ def _active_parameters(point_table, velocity, transformation):
 
 
 def raw_rates(cloud, point_table: PointTable, velocity, transformation=None) -> TableRates:
-    """Rates of the raw shape functions along design velocities ``velocity`` (P, n_particles, 2)."""
+    """Rates of the raw shape functions along design velocities ``velocity`` (P, n_particles, 2).
+
+    Those of gradients that are not used hold no numbers.
+    """
     points, raw = point_table.points, point_table.raw
     start, active = _active_parameters(point_table, velocity, transformation)
     starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
@@ -144,7 +147,7 @@ def raw_rates(cloud, point_table: PointTable, velocity, transformation=None) -> 
     dphi, dgrad = np.empty(starts[-1, 1]), np.empty(2 * starts[-1, 1])
     forward_shape_functions(
         cloud, point_table.coordinates, raw.start, raw.neighbours, velocity, point_velocity,
-        active, starts, dphi, dgrad,
+        points.with_gradients, active, starts, dphi, dgrad,
     )  # fmt: skip
     return TableRates(starts, active, dphi, dgrad)
 
@@ -162,12 +165,15 @@ def table_rates(
 
 
 def raw_seeds(cloud: Cloud, point_table: PointTable, phi_bar, grad_bar, x_bar) -> None:
-    """Transpose of ``raw_rates``: seeds on the raw table added to ``x_bar`` (n_particles, 2, M)."""
+    """Transpose of ``raw_rates``: seeds on the raw table added to ``x_bar`` (n_particles, 2, M).
+
+    Those on gradients that are not used are left out.
+    """
     raw, points = point_table.raw, point_table.points
     point_bar = np.zeros((*point_table.coordinates.shape, x_bar.shape[2]))
     reverse_shape_functions(
-        cloud, point_table.coordinates, raw.start, raw.neighbours, phi_bar, grad_bar, x_bar,
-        point_bar,
+        cloud, point_table.coordinates, raw.start, raw.neighbours, points.with_gradients, phi_bar,
+        grad_bar, x_bar, point_bar,
     )  # fmt: skip
     add_point_seeds(points, point_bar, x_bar)
 

@@ -33,14 +33,12 @@ def _add_pressure(weight, f, e0, e1, e2, e3, out):
 
 
 @internal
-def _stress_of(w, a, f, pressure, e0, e1, e2, e3, d0, d1, d2, d3):
-    """d = w (A : e + p cof F), components 11, 12, 21, 22, over all parameters."""
-    for m in range(pressure.size):
-        x0, x1, x2, x3, p = w * e0[m], w * e1[m], w * e2[m], w * e3[m], w * pressure[m]
-        d0[m] = a[0, 0] * x0 + a[0, 1] * x1 + a[0, 2] * x2 + a[0, 3] * x3 + p * f[3]
-        d1[m] = a[1, 0] * x0 + a[1, 1] * x1 + a[1, 2] * x2 + a[1, 3] * x3 - p * f[2]
-        d2[m] = a[2, 0] * x0 + a[2, 1] * x1 + a[2, 2] * x2 + a[2, 3] * x3 - p * f[1]
-        d3[m] = a[3, 0] * x0 + a[3, 1] * x1 + a[3, 2] * x2 + a[3, 3] * x3 + p * f[0]
+def _stress_row(w, a, cofactor, p, e0, e1, e2, e3, pressure, weight_rate, out):
+    """One component of (w P)' = w (A : e + p' cof F) + w' P, over all parameters."""
+    a0, a1, a2, a3, c = w * a[0], w * a[1], w * a[2], w * a[3], w * cofactor
+    for m in range(out.size):
+        strained = a0 * e0[m] + a1 * e1[m] + a2 * e2[m] + a3 * e3[m]
+        out[m] = strained + c * pressure[m] + p * weight_rate[m]
 
 
 @internal
@@ -101,15 +99,14 @@ def _stress_rates(
             pressure_rate[:] = 0.0
             for h in range(len(functions)):
                 _add_scaled(pressure_rate, bulk * functions[h, q], swelling_rate[h])
-            _stress_of(
-                weight, a, f[q], pressure_rate, slope_rates[i, x], slope_rates[i, y],
-                slope_rates[j, x], slope_rates[j, y], stress_rates[x, i], stress_rates[y, i],
-                stress_rates[x, j], stress_rates[y, j],
-            )  # fmt: skip
-            _add_scaled(stress_rates[x, i], p[0], weight_rate[q])
-            _add_scaled(stress_rates[y, i], p[1], weight_rate[q])
-            _add_scaled(stress_rates[x, j], p[2], weight_rate[q])
-            _add_scaled(stress_rates[y, j], p[3], weight_rate[q])
+            e0, e1 = slope_rates[i, x], slope_rates[i, y]
+            e2, e3 = slope_rates[j, x], slope_rates[j, y]
+            cofactors = f[q, 3], -f[q, 2], -f[q, 1], f[q, 0]
+            for c in range(4):
+                _stress_row(
+                    weight, a[c], cofactors[c], p[c], e0, e1, e2, e3, pressure_rate, weight_rate[q],
+                    stress_rates[x + c % 2, i + c // 2],
+                )  # fmt: skip
 
 
 @compiled

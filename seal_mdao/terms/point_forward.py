@@ -1,6 +1,7 @@
 """The direct method's part of a term at single points: Eqs. (57), (63), (66) for contact."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,6 +38,21 @@ class PointSeeds:
         self.force[rows], self.outputs[rows] = other.force, other.outputs
 
 
+class Linearized(NamedTuple):
+    """Local derivatives of a term's points at one step.
+
+    Attributes
+    ----------
+    points : ndarray of int
+        Those that matter.
+    local : ndarray, shape (k, rows, columns)
+        Zero at all others.
+    """
+
+    points: np.ndarray
+    local: np.ndarray
+
+
 class PointForward(Forward):
     """Rates of a term's points for P parameters.
 
@@ -61,26 +77,34 @@ class PointForward(Forward):
         self.count = rates.count
 
     def _linearized(self, step, following=None):
-        """Local derivatives (k, rows, columns), zero at points that do not matter."""
         term, place = self.term, self.term.place
         response, before = step.responses[place], step.before[place]
         if following is None:
-            return term.linearize(response, step.fraction, before, self.every)
+            return Linearized(
+                self.every, term.linearize(response, step.fraction, before, self.every)
+            )
         matters = response.branch != 0
         matters[term.uses_history(following.responses[place])] = True
         points = np.flatnonzero(matters)
         local = np.zeros((len(matters), *term.local_shape))
         local[points] = term.linearize(response, step.fraction, before, points)
-        return local
+        return Linearized(points, local)
+
+    def _rates(self, kept, rows):
+        """Rates of some ``rows`` of the outputs, shape (k, r, P)."""
+        own = kept.local[:, rows]
+        found = np.zeros((*own.shape[:2], self.count))
+        found[kept.points] = own[kept.points] @ self.inputs[kept.points]
+        return found
 
     def start(self, step):
         inputs = self.inputs
         inputs[:, :2] = self.velocity
         inputs[:, self.remembered] = 0.0
-        return self._linearized(step)[:, self.remembered] @ inputs
+        return self._rates(self._linearized(step), self.remembered)
 
     def linearize(self, step, following, history_rates, held, load):
-        local, response = self._linearized(step, following), step.responses[self.term.place]
+        kept, response = self._linearized(step, following), step.responses[self.term.place]
         explicit = self.velocity.copy()
         table, equations = self.term.table.table, self.term.discretization.layout.equations
         displacement_rates(table, self.table_rates, step.d, explicit)
@@ -88,15 +112,16 @@ class PointForward(Forward):
             add_nodal_rates(table, held, explicit)
         self.inputs[:, :2] = explicit
         self.inputs[:, self.remembered] = history_rates
-        force_rate = local[:, :2] @ self.inputs
+        force_rate = self._rates(kept, slice(2))
         add_force_rates(
             table, self.table_rates, response.force, force_rate, response.branch, equations, load
         )
-        return local
+        return kept
 
     def handed_on(self, kept, following):
         layout = self.term.discretization.layout
-        self._handed = self.term.handed_on(following.responses[self.term.place], kept, self.every)
+        response = following.responses[self.term.place]
+        self._handed = self.term.handed_on(response, kept.local, self.every)
         columns = np.zeros((layout.n_equations + 1, self._handed.points.size))
         add_handed_columns(self.term.table.table, *self._handed, layout.equations, columns)
         return columns
@@ -109,12 +134,11 @@ class PointForward(Forward):
         add_solution_rates(self.term.table.table, equations, solution, self.inputs[:, :2])
 
     def history(self, kept):
-        return kept[:, self.remembered] @ self.inputs
+        return self._rates(kept, self.remembered)
 
     def outputs(self, kept):
         """Rates of force and outputs, shape (k, 2 + o, P)."""
-        rows = np.concatenate([kept[:, :2], kept[:, 2 + self.term.history_size :]], axis=1)
-        return rows @ self.inputs
+        return np.delete(self._rates(kept, slice(None)), self.remembered, axis=1)
 
     def contract(self, seeds: PointSeeds, outputs):
         taken = np.concatenate([seeds.force, seeds.outputs], axis=2)
