@@ -137,6 +137,10 @@ class _Compilation(event.Listener):
     def on_end(self, event):
         self.depth -= 1
         if self.depth == 0 and self.collects:
+            if gc.get_freeze_count() == 0:
+                # all that is new goes to the oldest generation as it is, not through the younger ones
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()
 
 

@@ -96,7 +96,8 @@ def correction_coefficients(moments, inverse, b):
     for a in range(m):
         b[0, a] = inverse[a, 0]
     for j in range(1, b.shape[0]):
-        b[j] = 0.0
+        for a in range(m):
+            b[j, a] = 0.0
         for c in range(m):
             t = 0.0
             for e in range(m):

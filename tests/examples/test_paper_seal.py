@@ -13,6 +13,8 @@ from seal_mdao.seals.result import frozen_measures
 from seal_mdao.verification.flat_door_reference import REACTION
 
 FILE = Path(__file__).parents[2] / "examples" / "paper_seal.toml"
+# the particles of both differ in the last digit, of which tangents of condition 2e5 pass on as much
+ROUNDING = 2e5 * np.finfo(float).eps
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +51,10 @@ def test_the_path_is_that_of_the_door_seal(both):
     seal, door = both
     assert np.array_equal(seal.newton_iterations, door.newton_iterations)
     for step in range(105):
-        assert np.abs(seal.displacement(step) - door.displacement(step)).max() < 1e-12 * 10.0
+        assert np.abs(seal.displacement(step) - door.displacement(step)).max() < ROUNDING * 10.0
     for result_of in (lambda r: r.response("door").total, lambda r: r.response("door").gap):
         mine, known = result_of(seal), result_of(door)
-        assert np.abs(mine - known).max() < 1e-12 * np.abs(known).max()
+        assert np.abs(mine - known).max() < ROUNDING * np.abs(known).max()
 
 
 @pytest.mark.parametrize(
