@@ -33,7 +33,7 @@ def neighbour_terms(x, neighbours, cloud, h, k):
         )
 
 
-@inlined
+@internal
 def moment_matrices(h, k, moments):
     """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y; (1, m, m) M."""
     moments[:] = 0.0
@@ -57,7 +57,7 @@ def moment_matrices(h, k, moments):
                 moments[j, a, b] = moments[j, b, a] = moments[j, a, b] + moments[j, b, a]
 
 
-@inlined
+@internal
 def invert_moment(moment, inverse):
     """Inverse of the symmetric positive definite M by Cholesky; False where M is singular."""
     m = moment.shape[0]

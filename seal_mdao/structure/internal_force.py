@@ -6,7 +6,7 @@ material: they take the derivatives of W(T, J) at the quadrature points as array
 
 import numpy as np
 
-from seal_mdao.compilation import compiled, inlined
+from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.structure.deformation import at_point, volume_of, widest_group
 
 
@@ -19,7 +19,7 @@ def point_stress(f, w_t, w_j, p):
     p[3] = 2.0 * w_t * f[3] + w_j * f[0]
 
 
-@inlined
+@internal
 def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
     """Moduli A = dP/dF in ``a`` (4, 4) at fixed pressure, which ``w_j`` contains."""
     cof = (f[3], -f[2], -f[1], f[0])
@@ -34,7 +34,7 @@ def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
     a[2, 1] -= w_j
 
 
-@inlined
+@internal
 def _moduli_rows(weight, a, b, n, c):
     """c = weight A B of one quadrature point, (4, 2 n): rows 11, 12, 21, 22, columns x then y."""
     for r in range(4):
@@ -88,7 +88,7 @@ def _row_of_any(b, c, g, factor, i, a, row):
             row[j] += b0 * c0[j] + b1 * c1[j]
 
 
-@inlined
+@internal
 def _scatter_tangent(grad, c, g, factor, buffer, slots, values):
     """Add sum_q B^T (w A B) + sum_h K/V_h g_h g_h^T of one column of cells to the tangent.
 
