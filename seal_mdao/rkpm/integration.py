@@ -163,21 +163,28 @@ def _cell_correction(grad, phi, weights, normals, n, q_count, out):
 
 @compiled
 def _correct(full, weights, normals, phi, grad):
+    """As ``_cell_correction``, in flat arrays: half as much to compile."""
     n_cells, q_count = weights.shape
     points = q_count + normals.shape[1]
     for cell in range(n_cells):
         _, n, _, s0 = _place(full, cell, n_cells)
-        old_phi = full.phi[s0 * points : (s0 + n) * points].reshape(points, n)
-        old = full.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
-        new = grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
-        shift = np.empty((2, n))
-        _cell_correction(old, old_phi, weights[cell], normals[cell], n, q_count, shift)
+        edges, first, to = s0 * points + q_count * n, 2 * s0 * points, 2 * s0 * q_count
+        volume = 0.0
         for q in range(q_count):
-            at = s0 * q_count + q * n
+            volume += weights[cell, q]
+        for j in range(2):
             for i in range(n):
-                phi[at + i] = old_phi[q, i]
-                new[q, 0, i] = old[q, 0, i] + shift[0, i]
-                new[q, 1, i] = old[q, 1, i] + shift[1, i]
+                shift = 0.0
+                for q in range(q_count):
+                    shift -= weights[cell, q] * full.grad[first + (2 * q + j) * n + i]
+                for e in range(normals.shape[1]):
+                    shift += full.phi[edges + e * n + i] * normals[cell, e, j]
+                shift /= volume
+                for q in range(q_count):
+                    at = (2 * q + j) * n + i
+                    grad[to + at] = full.grad[first + at] + shift
+        for i in range(q_count * n):
+            phi[s0 * q_count + i] = full.phi[s0 * points + i]
 
 
 @compiled
