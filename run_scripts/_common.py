@@ -15,10 +15,11 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
+from seal_mdao.seals.door.door_seal import ACCURACIES
 
 SEAL_OPTIONS = (
-    "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers", "refinement",
-    "support", "n_steps", "depth", "normal_penalty", "tangent_penalty",
+    "accuracy", "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers",
+    "refinement", "support", "n_steps", "depth", "normal_penalty", "tangent_penalty",
 )  # fmt: skip
 
 
@@ -60,14 +61,22 @@ def parser(description: str, out: str, positional: str = "") -> argparse.Argumen
 
 
 def add_seal_arguments(made: argparse.ArgumentParser) -> None:
-    """Options that change the door seal; what is left out keeps the example's value."""
+    """Options that change the door seal; what is left out keeps the example's value, or that of the
+    accuracy."""
     drawn = sm.door_seal()
     group = made.add_argument_group("model")
 
     def add(name: str, kind, text: str, **more):
         flag, default = f"--{name.replace('_', '-')}", getattr(drawn, name)
+        if name in of_accuracy:
+            default, text = None, f"{text}; that of the accuracy when left out"
         group.add_argument(flag, type=kind, default=default, help=text, **more)
 
+    of_accuracy = {name for changes in ACCURACIES.values() for name in changes}
+    group.add_argument(
+        "--accuracy", choices=tuple(ACCURACIES), default=next(iter(ACCURACIES)),
+        help="particles and load steps: those of the paper, or those with the best error per second",
+    )  # fmt: skip
     add("friction", float, "Coulomb coefficient", metavar="MU")
     rules = ("accumulated", "incremental")
     add("friction_history", str, "how elastic slip is carried from step to step", choices=rules)
@@ -117,7 +126,8 @@ def seal_from(arguments: argparse.Namespace, **more) -> sm.DoorSeal:
     """The seal that the options describe."""
     with checked_arguments():
         options = {name: getattr(arguments, name) for name in SEAL_OPTIONS}
-        return sm.door_seal(**options, **more)
+        given = {name: value for name, value in options.items() if value is not None}
+        return sm.door_seal(**given, **more)
 
 
 def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:

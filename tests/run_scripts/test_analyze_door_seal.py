@@ -49,6 +49,22 @@ def test_flat_door_keeps_the_symmetry(tmp_path, run_script, assert_drawn):
     assert_drawn(tmp_path, *FIGURES)
 
 
+def test_accuracy_decides_what_no_option_says(tmp_path, run_script, assert_drawn):
+    """Four layers and 20 steps; the contact is between particles."""
+    code, s = run_script("analyze_door_seal", tmp_path, "--accuracy", "engineering")
+    assert code == 0
+    assert (s["n_particles"], s["n_steps"]) == (4 * 58, 20)
+    assert np.array(s["reaction_N_per_m"])[-1, 2] == pytest.approx(55.7, abs=0.3)
+    assert s["max_gap_mm"] == pytest.approx(0.1196, abs=0.001)
+    assert_drawn(tmp_path, *FIGURES)
+    one = tmp_path / "one"
+    code, s = run_script(
+        "analyze_door_seal", one, "--accuracy", "engineering", "--layers", 5, "--depth", 1
+    )
+    assert code == 0
+    assert (s["n_particles"], s["n_steps"]) == (5 * 58, 20)
+
+
 def test_options_reach_the_model(tmp_path, run_script):
     arguments = (
         "--depth",
