@@ -54,7 +54,8 @@ def test_accuracy_decides_what_no_option_says(tmp_path, run_script, assert_drawn
     code, s = run_script("analyze_door_seal", tmp_path, "--accuracy", "engineering")
     assert code == 0
     assert (s["n_particles"], s["n_steps"]) == (4 * 58, 20)
-    assert np.array(s["reaction_N_per_m"])[-1, 2] == pytest.approx(55.7, abs=0.3)
+    # 57.4 N/m is what refinement in all directions converges to
+    assert np.array(s["reaction_N_per_m"])[-1, 2] == pytest.approx(57.4, rel=5e-3)
     assert s["max_gap_mm"] == pytest.approx(0.1196, abs=0.001)
     assert_drawn(tmp_path, *FIGURES)
     one = tmp_path / "one"
