@@ -3,6 +3,7 @@
 The ordering is found once for a design; each factorisation then is numerical only.
 """
 
+import ctypes
 import os
 import sys
 from contextlib import suppress
@@ -99,7 +100,7 @@ class PardisoStorage(CompressedColumns):
         handles = vars(self._of_thread)
         handle = handles.get(str(kind))
         if handle is None or not handle.shared:
-            handle = _handle_class(self._module)(mtype=kind)
+            handle = _handle_class(self._module)(matrix, kind)
             if kind == STRUCTURALLY_SYMMETRIC:
                 for place, value in SETTINGS.items():
                     handle.set_iparm(place, value)
@@ -144,15 +145,41 @@ class PardisoStorage(CompressedColumns):
         return True
 
 
+def _integer(value: int):
+    return ctypes.byref(ctypes.c_int32(value))
+
+
+def _address(array: np.ndarray):
+    """Where an array begins."""
+    kind = ctypes.c_double if array.dtype == np.float64 else ctypes.c_int32
+    return array.ctypes.data_as(ctypes.POINTER(kind))
+
+
 def _handle_class(module):
-    """PARDISO's handle, which frees MKL's memory when it is dropped."""
+    """PARDISO's handle for one pattern, which frees MKL's memory when it is dropped."""
 
     class Handle(module.PyPardisoSolver):
         shared = True
 
-        def __init__(self, **options):
-            super().__init__(**options)
+        def __init__(self, matrix, kind: int):
+            super().__init__(mtype=kind)
             self.lock = Lock()
+            self._pattern = matrix.indptr + np.int32(1), matrix.indices + np.int32(1)
+
+        def _call_pardiso(self, matrix, rhs):
+            """As of pypardiso, which makes the pattern anew in every call."""
+            x, error = np.zeros_like(rhs), ctypes.c_int32(0)
+            numbers = 1, 1, self.mtype, self.phase, matrix.shape[0]
+            arrays = matrix.data, *self._pattern, self.perm
+            columns = 1 if rhs.ndim == 1 else rhs.shape[1]
+            self._mkl_pardiso(
+                self.pt.ctypes.data_as(ctypes.POINTER(self._pt_type[0])), *map(_integer, numbers),
+                *map(_address, arrays), _integer(columns), _address(self.iparm),
+                _integer(self.msglvl), _address(rhs), _address(x), ctypes.byref(error),
+            )  # fmt: skip
+            if error.value != 0:
+                raise module.pardiso_wrapper.PyPardisoError(error.value)
+            return np.ascontiguousarray(x)
 
         def __del__(self, ending=sys.is_finalizing):  # ``sys`` may be gone by then
             if not ending():
