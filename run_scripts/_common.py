@@ -18,10 +18,12 @@ from seal_mdao.analysis import cost as cost_of
 from seal_mdao.seals.door.door_seal import ACCURACIES
 
 SEAL_OPTIONS = (
-    "accuracy", "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers",
+    "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers",
     "refinement", "support", "n_steps", "depth", "normal_penalty", "tangent_penalty",
 )  # fmt: skip
-
+"""Attributes of the seal that are arguments of the same name."""
+OF_ACCURACY = {name for changes in ACCURACIES.values() for name in changes}
+"""Attributes that ``--accuracy`` decides."""
 
 CASES = "cases.sql"
 """Recorder file in the output folder."""
@@ -68,11 +70,10 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
 
     def add(name: str, kind, text: str, **more):
         flag, default = f"--{name.replace('_', '-')}", getattr(drawn, name)
-        if name in of_accuracy:
+        if name in OF_ACCURACY:
             default, text = None, f"{text}; that of the accuracy when left out"
         group.add_argument(flag, type=kind, default=default, help=text, **more)
 
-    of_accuracy = {name for changes in ACCURACIES.values() for name in changes}
     group.add_argument(
         "--accuracy", choices=tuple(ACCURACIES), default=next(iter(ACCURACIES)),
         help="particles and load steps: those of the paper, or those with the best error per second",
@@ -127,7 +128,7 @@ def seal_from(arguments: argparse.Namespace, **more) -> sm.DoorSeal:
     with checked_arguments():
         options = {name: getattr(arguments, name) for name in SEAL_OPTIONS}
         given = {name: value for name, value in options.items() if value is not None}
-        return sm.door_seal(**given, **more)
+        return sm.door_seal(arguments.accuracy, **given, **more)
 
 
 def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:

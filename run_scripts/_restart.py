@@ -3,8 +3,9 @@
 import argparse
 from pathlib import Path
 
-from _common import CASES, SEAL_OPTIONS, WrongArgumentError, checked_arguments
+from _common import CASES, OF_ACCURACY, SEAL_OPTIONS, WrongArgumentError, checked_arguments
 
+import seal_mdao as sm
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import require_free
@@ -31,7 +32,10 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
     if optimizer is not None:
         recorded["optimizer"] = optimizer
     for name in sorted(arguments.given.intersection(recorded)):
-        _require_same(path, name, getattr(arguments, name), recorded[name])
+        value = getattr(arguments, name)
+        _require_same(path, name, value, recorded[name], _argument(name, value))
+    if "accuracy" in arguments.given:
+        _require_accuracy(arguments, problem.seal)
     return problem, optimizer or arguments.optimizer
 
 
@@ -74,11 +78,22 @@ def continued_file(arguments: argparse.Namespace) -> Path:
     return cases
 
 
-def _require_same(path: Path, name: str, given, recorded) -> None:
+def _require_accuracy(arguments: argparse.Namespace, recorded: sm.DoorSeal) -> None:
+    """What the accuracy decides, and no other argument, is as it was recorded."""
+    seal = sm.door_seal(arguments.accuracy)
+    flag = _argument("accuracy", arguments.accuracy)
+    for name in sorted(OF_ACCURACY - arguments.given):
+        _require_same(arguments.restart, name, getattr(seal, name), getattr(recorded, name), flag)
+
+
+def _argument(name: str, value) -> str:
+    flag = f"--{name.replace('_', '-')}"
+    return flag if isinstance(value, bool) else f"{flag} {value}"
+
+
+def _require_same(path: Path, name: str, given, recorded, argument: str) -> None:
     if given != recorded:
-        flag = f"--{name.replace('_', '-')}"
-        asked = flag if isinstance(given, bool) else f"{flag} {given}"
         raise WrongArgumentError(
-            f"{asked}: {path} was recorded with {name} = {recorded}; a run is continued with its own "
-            "settings, so leave this argument out"
+            f"{argument}: {path} was recorded with {name} = {recorded}; a run is continued with its "
+            "own settings, so leave this argument out"
         )

@@ -85,7 +85,7 @@ def study_of(arguments) -> ToleranceStudy:
 
 def of_file(arguments):
     """Seal, tolerances and label of a seal file."""
-    wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "design")))
+    wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "accuracy", "design")))
     if wrong:
         name = wrong[0].replace("_", "-")
         raise WrongArgumentError(f"--{name} is for the door seal, and {arguments.file} is given")

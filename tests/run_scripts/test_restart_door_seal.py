@@ -99,6 +99,7 @@ def test_folder_is_that_of_the_file_and_its_settings_may_be_repeated(
     monkeypatch.chdir(tmp_path)
     script = sys.modules["optimize_door_seal"]
     arguments = ["--restart", "cases.sql", "--friction", "0.25", "--optimizer", USED, *CHEAP]
+    arguments += ["--accuracy", "paper"]
     code = script.run(script.arguments_parser(), script.main, arguments)
     assert code == 0
     assert (tmp_path / "summary.json").exists()
@@ -111,6 +112,8 @@ def test_folder_is_that_of_the_file_and_its_settings_may_be_repeated(
         (("--friction", "0.4"), "recorded with friction = 0.25"),
         (("--n-steps", "105"), "recorded with n_steps = 21"),
         (("--optimizer", OTHER), f"recorded with optimizer = {USED}"),
+        (("--accuracy", "engineering"), "--accuracy engineering: "),
+        (("--accuracy", "engineering"), "recorded with basis_order = 1"),
         (("--keep-force",), "recorded with keep_force = False"),
     ],
 )
