@@ -25,6 +25,12 @@ from seal_mdao.verification.error_sources import (
 )
 from seal_mdao.verification.flat_door_reference import REACTION
 from seal_mdao.verification.flexure import bend_block
+from seal_mdao.verification.outline_errors import (
+    flat_door_seal,
+    reaction_error,
+    with_contact_at_edges,
+    with_kernels,
+)
 
 PRODUCT = (1.8, 2.5)
 ROUND = 2.0
@@ -42,7 +48,7 @@ CLOUDS = ((58, 3), (58, 5), (116, 3))
 def make(out: Path, reduced: bool) -> dict:
     """All figures of the page on accuracy."""
     numbers = {}
-    for part in (_support, _layers, _bending, _integration, _penalty, _steps, _preset):
+    for part in (_support, _layers, _bending, _integration, _penalty, _steps, _preset, _outline):
         numbers |= part(out, reduced)
     return numbers
 
@@ -228,3 +234,21 @@ def _preset(out, reduced) -> dict:
 def _curve(result) -> np.ndarray:
     """Force at the travels of the flat door's reference, N/m."""
     return np.interp(REACTION[:, 0], result.door_travel, result.reaction[:, 1])
+
+
+def _outline(out, reduced) -> dict:
+    """The same section filled as that of a seal file."""
+    rows = []
+    for spacing in (1.2,) if reduced else (1.2, 0.9, 0.7, 0.5):
+        seal = flat_door_seal(spacing)
+        schemes = (
+            with_kernels(seal, 1.8), seal, with_kernels(seal, 3.0), with_contact_at_edges(seal),
+            with_contact_at_edges(with_kernels(seal, 2.6, 2)),
+        )  # fmt: skip
+        found = [percent(reaction_error(scheme)) for scheme in schemes]
+        rows.append([f"{spacing:g}", len(seal.drawn_particles), *found])
+    head = [
+        "spacing (mm)", "particles", "1.8", "2.2, as in files", "3", "2.2, at edges",
+        "2.6, quadratic, at edges",
+    ]  # fmt: skip
+    return {"outline_table": table(head, rows)}

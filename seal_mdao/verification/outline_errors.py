@@ -1,0 +1,82 @@
+"""Error of the door seal when its section is filled as that of any seal file, by spacing."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.geometry.motion import straight_motion
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.visibility import hidden_pairs
+from seal_mdao.seals.door.section import Section
+from seal_mdao.seals.door.shapes import FlatDoor
+from seal_mdao.seals.file.build import boundaries_of
+from seal_mdao.seals.outline.arcs import Arc, Circle
+from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
+from seal_mdao.seals.outline.section import Contour, Outline
+from seal_mdao.seals.outline.segments import Line
+from seal_mdao.seals.result import analyze
+from seal_mdao.seals.wall_grid import ray_directions
+from seal_mdao.terms.points import edge_points
+from seal_mdao.verification.flat_door_reference import REACTION
+
+STEPS = 35
+START, DEPTH = 10.0, 10.0
+"""The door's flat at the start; its final depth below the top of the drawn seal, mm."""
+
+
+def door_outline() -> Outline:
+    """The drawn door seal as contours."""
+    section = Section()
+    top, base = section.outer_radius, section.base_angle
+    foot = (top * np.tan(base), -top)
+    touch = tuple((top * ray_directions(np.array(2.0 * base))).tolist())
+    mirrored = [(-x, y) for x, y in (foot, touch)]
+    first = np.arctan2(touch[1], touch[0])
+    outer = (
+        Line(mirrored[0], foot, "base"),
+        Line(foot, touch, "seal"),
+        Arc((0.0, 0.0), top, first, np.pi - 2.0 * first, "seal"),
+        Line(mirrored[1], mirrored[0], "seal"),
+    )
+    return Outline(
+        Contour(outer), (Contour((Circle((0.0, 0.0), section.inner_radius, "cavity"),)),)
+    )
+
+
+def flat_door_seal(spacing: float) -> OutlineSeal:
+    """The door seal under the flat door with the cloud that a seal file with this spacing gets."""
+    end = Section().outer_radius - DEPTH
+    motion = straight_motion((0.0, START), (0.0, end), STEPS)
+    contact = EdgeContact("door", ("seal",), FlatDoor(), motion, ContactLaw(1e4, 1e2, 0.25, True))
+    return outline_seal(
+        *boundaries_of(door_outline(), spacing), MooneyRivlin(), n_steps=STEPS, fixed=("base",),
+        contacts=(contact,),
+    )  # fmt: skip
+
+
+def with_kernels(seal: OutlineSeal, support: float, basis_order: int = 1) -> OutlineSeal:
+    """The same cloud with other supports, over the longest side of a cell, and another basis."""
+    cells, places = seal.body.cells, seal.drawn_particles
+    radius = support_radii(cells, places, support)
+    hidden = hidden_pairs(cells, places, radius)
+    body = replace(seal.body, support_radius=radius, hidden=hidden, basis_order=basis_order)
+    return replace(seal, body=body, support=support)
+
+
+def with_contact_at_edges(seal: OutlineSeal) -> OutlineSeal:
+    """Contact in the middle of the edges between particles in place of the particles."""
+    elastic, door = seal.definitions
+    where = edge_points(seal.body.edge("seal").sides, 1)
+    return replace(seal, definitions=(elastic, replace(door, where=where)))
+
+
+def reaction_error(seal: OutlineSeal) -> float:
+    """Worst relative error of the reaction at 2, 4, 6, 8 and 10 mm."""
+    result = analyze(seal)
+    result.require_converged()
+    top = Section().outer_radius
+    travel = np.linspace(START, top - DEPTH, STEPS + 1)[1:]
+    found = np.interp(REACTION[:, 0], top - travel, result.path.reaction("door")[:, 1])
+    return float(np.abs(found / REACTION[:, 1] - 1.0).max())
