@@ -91,7 +91,8 @@ def _within_reach(profile, x, y):
     """A distance that the profile is certainly not farther away than, a little enlarged."""
     nearest = np.inf
     for run in range(profile.run_radius.size):
-        nearest = min(nearest, _distance(profile, run, x, y) + profile.run_radius[run])
+        farthest = _distance(profile, run, x, y) + profile.run_radius[run]
+        nearest = farthest if farthest < nearest else nearest
     return (1.0 + 1e-9) * nearest
 
 
@@ -121,7 +122,9 @@ def closest_point(profile, x, y):
     for run in range(profile.run_radius.size):
         if _distance(profile, run, x, y) - profile.run_radius[run] > farthest:
             continue
-        for piece in range(run * PIECES_A_RUN, min((run + 1) * PIECES_A_RUN, count)):
+        for piece in range(run * PIECES_A_RUN, (run + 1) * PIECES_A_RUN):
+            if piece == count:
+                break
             square, gap, s, over = _candidate(pieces, piece, x, y, goes_on, farthest)
             slack = 1e-12 * (square + best) if best < np.inf else 0.0
             better = square < best - slack
@@ -129,7 +132,8 @@ def closest_point(profile, x, y):
                 better = abs(gap) > abs(best_gap) if over == best_over else best_over
             if better:
                 best, best_gap, best_s, best_piece, best_over = square, gap, s, piece, over
-                farthest = min(farthest, (1.0 + 1e-9) * square**0.5)
+                reach = (1.0 + 1e-9) * square**0.5
+                farthest = reach if reach < farthest else farthest
     return best_piece, profile.start[best_piece] + best_s, best_gap
 
 

@@ -129,6 +129,7 @@ class ContactTerm(PointTerm):
             definition.label, definition.scalars, definition.where, discretization, place
         )
         self.profile = definition.shape.profile()
+        self.curve = self.profile.curve
         self.motion, self.law = definition.motion, definition.law
         k = len(self.where)
         self._force, self._tangent = np.empty((k, 2)), np.empty((k, 2, 2))
@@ -161,12 +162,12 @@ class ContactTerm(PointTerm):
     def gaps(self, x: np.ndarray, fraction: float) -> np.ndarray:
         """Normal gaps (m,) of any places ``x`` (m, 2) after ``fraction`` nominal steps."""
         gap = np.empty(len(x))
-        normal_gaps(self.profile, self.pose(fraction), np.ascontiguousarray(x), gap)
+        normal_gaps(self.curve, self.pose(fraction), np.ascontiguousarray(x), gap)
         return gap
 
     def respond(self, x, fraction, history) -> ContactResponse:
         made_to_stick = contact_points(
-            self.profile, self.law, self.pose(fraction), x, self.length, history,
+            self.curve, self.law, self.pose(fraction), x, self.length, history,
             self._direction, self._force, self._tangent, self._state, self._kept, self._gap[:, 0],
         )  # fmt: skip
         return ContactResponse(
@@ -231,7 +232,7 @@ class ContactTerm(PointTerm):
         k = len(self.where)
         force = np.empty((k, 2))
         contact_points(
-            self.profile, self.law, self.pose(fraction), response.x, self.length,
+            self.curve, self.law, self.pose(fraction), response.x, self.length,
             response.history, np.zeros(k, np.int64), force, np.empty((k, 2, 2)),
             np.empty(k, np.int64), np.empty((k, 3)), np.empty(k),
         )  # fmt: skip

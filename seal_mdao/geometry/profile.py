@@ -17,6 +17,11 @@ PROFILE_EXTENT = 100.0
 """Length of the straight end pieces (mm for the door); they continue beyond it."""
 
 
+RATES = (
+    "origin_rate", "angle_rate", "radius_rate", "start_rate", "coefficient_rate", "period_rate",
+)  # fmt: skip
+
+
 class RigidProfile(NamedTuple):
     """Pieces of a rigid curve and their derivatives with respect to S shape parameters.
 
@@ -69,6 +74,11 @@ class RigidProfile(NamedTuple):
     def n_shapes(self) -> int:
         """Number S of shape parameters."""
         return self.period_rate.size
+
+    @property
+    def curve(self) -> "RigidProfile":
+        """The profile without its rates: what does not ask for them compiles faster."""
+        return self._replace(**dict.fromkeys(RATES))
 
 
 def _piece_circles(kind, origin, radius, length, coefficient):

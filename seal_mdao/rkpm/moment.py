@@ -3,7 +3,7 @@
 import numpy as np
 
 from seal_mdao.compilation import inlined, internal
-from seal_mdao.rkpm.basis import fill_basis
+from seal_mdao.rkpm.basis import LOWERED, N_PRODUCTS, POWER, PRODUCT, fill_basis, fill_monomials
 from seal_mdao.rkpm.kernel import kernel_derivatives, product_kernel_derivatives
 
 # Smallest pivot of M, relative to M_00, at which the supports still count as covering the point.
@@ -19,73 +19,80 @@ def _kernel(rx, ry, radius, axes, particle):
 
 
 @inlined
-def neighbour_terms(x, neighbours, cloud, h, k):
-    """Basis ``h`` (n, 6, m) and kernel ``k`` (n, 6) terms of every neighbour of the point ``x``.
+def neighbour_terms(x, neighbours, cloud, h, k, seen):
+    """Basis ``h`` (n, 6, m) and kernel ``k`` (n, 6) terms of the neighbours whose supports reach ``x``.
 
-    The six rows are the value, the two first and the three second derivatives (xx, xy, yy).
+    The six rows are the value, the two first and the three second derivatives (xx, xy, yy). ``seen``
+    receives their places among all ``neighbours``; returns how many they are.
     """
+    n = 0
     for i in range(neighbours.size):
         p = neighbours[i]
         rx, ry = x[0] - cloud.particles[p, 0], x[1] - cloud.particles[p, 1]
-        fill_basis(rx, ry, cloud.scale, h[i])
-        k[i, 0], k[i, 1], k[i, 2], k[i, 3], k[i, 4], k[i, 5] = _kernel(
+        k[n, 0], k[n, 1], k[n, 2], k[n, 3], k[n, 4], k[n, 5] = _kernel(
             rx, ry, cloud.radius[p], cloud.axes, p
         )
+        if k[n, 0] > 0.0:
+            fill_basis(rx, ry, cloud.scale, h[n])
+            seen[n] = i
+            n += 1
+    return n
 
 
 @internal
 def moment_matrices(h, k, moments):
-    """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y; (1, m, m) M."""
-    moments[:] = 0.0
-    m = h.shape[2]
-    part = np.empty(m)
+    """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y; (1, m, m) M.
+
+    Many of their entries are equal: they are the moments of the kernels, of twice the basis' degree."""
+    rows, m, _ = moments.shape
+    size = N_PRODUCTS[m]
+    monomials, sums = np.empty(size), np.empty((rows, size))
+    sums[:] = 0.0
     for i in range(h.shape[0]):
-        if k[i, 0] == 0.0:
-            continue
-        for j in range(moments.shape[0]):
-            # half of the gradient: H (H_j phi + H phi_j / 2)^T, to which its transpose is added below
-            for a in range(m):
-                part[a] = h[i, j, a] * k[i, 0]
-                if j > 0:
-                    part[a] += 0.5 * h[i, 0, a] * k[i, j]
-            for a in range(m):
-                for b in range(m):
-                    moments[j, a, b] += h[i, 0, a] * part[b]
-    for j in range(1, moments.shape[0]):
-        for a in range(m):
-            for b in range(a + 1):
-                moments[j, a, b] = moments[j, b, a] = moments[j, a, b] + moments[j, b, a]
+        fill_monomials(h[i, 0, 1], h[i, 0, 2], monomials)
+        for j in range(rows):
+            for e in range(size):
+                sums[j, e] += monomials[e] * k[i, j]
+    for a in range(m):
+        for b in range(m):
+            e = PRODUCT[a, b]
+            moments[0, a, b] = sums[0, e]
+            for j in range(1, rows):
+                moments[j, a, b] = sums[j, e]
+                if POWER[j - 1, e] > 0:
+                    lower = sums[0, LOWERED[j - 1, e]]
+                    moments[j, a, b] += POWER[j - 1, e] * h[0, j, j] * lower
 
 
 @internal
 def invert_moment(moment, inverse):
-    """Inverse of the symmetric positive definite M by Cholesky; False where M is singular."""
+    """Inverse of the symmetric positive definite M = L L^T as L^-T L^-1; False where M is singular."""
     m = moment.shape[0]
-    lower = np.empty((m, m))
+    lower, turned = np.empty((m, m)), np.empty((m, m))
     for i in range(m):
-        for j in range(i + 1):
+        for j in range(i):
             s = moment[i, j]
             for a in range(j):
                 s -= lower[i, a] * lower[j, a]
-            if i == j:
-                # written so that NaN fails too
-                if not s > PIVOT_TOLERANCE * moment[0, 0]:
-                    return False
-                lower[i, i] = s**0.5
-            else:
-                lower[i, j] = s / lower[j, j]
-    for col in range(m):
-        column = inverse[:, col]
-        for i in range(m):
-            s = 1.0 if i == col else 0.0
-            for a in range(i):
-                s -= lower[i, a] * column[a]
-            column[i] = s / lower[i, i]
-        for i in range(m - 1, -1, -1):
-            s = column[i]
-            for a in range(i + 1, m):
-                s -= lower[a, i] * column[a]
-            column[i] = s / lower[i, i]
+            lower[i, j] = s * turned[j, j]
+        pivot = moment[i, i]
+        for a in range(i):
+            pivot -= lower[i, a] * lower[i, a]
+        # written so that NaN fails too
+        if not pivot > PIVOT_TOLERANCE * moment[0, 0]:
+            return False
+        turned[i, i] = pivot**-0.5
+        for j in range(i):
+            s = 0.0
+            for a in range(j, i):
+                s -= lower[i, a] * turned[a, j]
+            turned[i, j] = s * turned[i, i]
+    for i in range(m):
+        for j in range(i + 1):
+            s = 0.0
+            for a in range(i, m):
+                s += turned[a, i] * turned[a, j]
+            inverse[i, j] = inverse[j, i] = s
     return True
 
 

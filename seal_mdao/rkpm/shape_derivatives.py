@@ -94,67 +94,47 @@ def linearize_point(h, k, b, direct, pull):
 
 
 @internal
-def _add_block(sign, block, row, column, out):
-    """``out[row:, column:]`` += +-``block``."""
-    for a in range(block.shape[0]):
-        for c in range(block.shape[1]):
-            out[row + a, column + c] += sign * block[a, c]
-
-
-@internal
-def _fill_chain(h, k, moments, inverse, spread, solve, chain):
+def _fill_chain(h, k, moments, inverse, spread, chain):
     """S G: rows (Phi, Phi_,x, Phi_,y) by neighbour; q_j' = -M^-1 ((M_j q + M q_j)' at fixed q, q_j +
-    M_j q')."""
+    M_j q'). Written are its first m columns; of the others only S_0 G_0, the block in the first n
+    rows, again in the row and the column of each gradient, is not zero."""
     n, _, m = h.shape
-    rows = len(moments)
-    spread[:], solve[:] = 0.0, 0.0
-    for i in range(n):
-        for a in range(m):
-            g = h[i, 0, a] * k[i, 0]
-            spread[i, a] = g
-            for j in range(1, rows):
-                spread[j * n + i, a] = h[i, j, a] * k[i, 0] + h[i, 0, a] * k[i, j]
-                spread[j * n + i, j * m + a] = g
-    for u in range(rows):
-        _add_block(-1.0, inverse, u * m, u * m, solve)
-        if u > 0:
-            _add_block(1.0, inverse @ moments[u] @ inverse, u * m, 0, solve)
-    np.dot(spread, solve, chain)
+    for u in range(len(moments)):
+        for i in range(n):
+            for a in range(m):
+                spread[u * n + i, a] = -h[i, u, a] * k[i, 0]
+                if u > 0:
+                    spread[u * n + i, a] -= h[i, 0, a] * k[i, u]
+    np.dot(spread, inverse, chain)
+    for u in range(1, len(moments)):
+        chain[u * n : (u + 1) * n] -= chain[:n] @ (moments[u] @ inverse)
 
 
 @internal
 def _workspace(n, m, rows):
-    """M and its gradient, q and its gradient, D, C, S, G, S G."""
+    """M and its gradient, q and its gradient, D, C, S, S G."""
     return (
         np.empty((rows, m, m)),
         np.empty((rows, m)),
         np.empty((n, rows, 2)),
         np.empty((2 * n, rows * m)),
-        np.empty((rows * n, rows * m)),
-        np.empty((rows * m, rows * m)),
-        np.empty((rows * n, rows * m)),
+        np.empty((rows * n, m)),
+        np.empty((rows * n, m)),
     )
 
 
 @internal
 def _prepare(x, near, cloud, h, k, seen, inverse, work):
     """Everything of one point: D, C, S G, and ``seen``, the places of the neighbours that it sees."""
-    moments, b, direct, pull, spread, solve, chain = work
-    neighbour_terms(x, near, cloud, h, k)
-    n = 0
-    for i in range(near.size):
-        if k[i, 0] > 0.0:
-            if n < i:
-                h[n], k[n] = h[i], k[i]
-            seen[n] = i
-            n += 1
+    moments, b, direct, pull, spread, chain = work
+    n = neighbour_terms(x, near, cloud, h, k, seen)
     h, k, rows = h[:n], k[:n], len(moments)
     moment_matrices(h, k, moments)
     invert_moment(moments[0], inverse)
     correction_coefficients(moments, inverse, b)
     direct, pull, chain = direct[:n], pull[: 2 * n], chain[: rows * n]
     linearize_point(h, k, b, direct, pull)
-    _fill_chain(h, k, moments, inverse, spread[: rows * n], solve, chain)
+    _fill_chain(h, k, moments, inverse, spread[: rows * n], chain)
     return direct, pull, chain, seen[:n]
 
 
@@ -165,10 +145,15 @@ def forward_point(direct, pull, chain, delta, out):
     ``out`` (rows n, P) receives Phi', Phi_,x', Phi_,y'.
     """
     n, rows, _ = direct.shape
-    np.dot(chain, pull.T @ delta, out)
-    for i in range(n):
-        for u in range(rows):
-            dx, dy, row = direct[i, u, 0], direct[i, u, 1], out[u * n + i]
+    m = chain.shape[1]
+    moved = pull.T @ delta
+    np.dot(chain, moved[:m], out)
+    for u in range(rows):
+        own = out[u * n : (u + 1) * n]
+        if u > 0:
+            own += chain[:n] @ moved[u * m : (u + 1) * m]
+        for i in range(n):
+            dx, dy, row = direct[i, u, 0], direct[i, u, 1], own[i]
             for p in range(row.size):
                 row[p] += dx * delta[2 * i, p] + dy * delta[2 * i + 1, p]
 
@@ -177,14 +162,19 @@ def forward_point(direct, pull, chain, delta, out):
 def reverse_point(direct, pull, chain, seed, out):
     """Transpose of ``forward_point``: ``seed`` (rows n, M) on Phi, Phi_,x, Phi_,y ``out`` (2 n, M)."""
     n, rows, _ = direct.shape
-    np.dot(pull, chain.T @ seed, out)
+    m = chain.shape[1]
+    moved = np.empty((rows * m, seed.shape[1]))
+    np.dot(chain.T, seed, moved[:m])
+    for u in range(1, rows):
+        np.dot(chain[:n].T, seed[u * n : (u + 1) * n], moved[u * m : (u + 1) * m])
+    np.dot(pull, moved, out)
     for i in range(n):
         for u in range(rows):
             row = seed[u * n + i]
             for c in range(2):
                 d = direct[i, u, c]
-                for m in range(row.size):
-                    out[2 * i + c, m] += d * row[m]
+                for p in range(row.size):
+                    out[2 * i + c, p] += d * row[p]
 
 
 @compiled

@@ -112,21 +112,22 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
     m = cloud.n_basis
     n_groups = start.size - 1
     group_size = points.shape[0] // n_groups
-    moments, inverse = np.empty((3, m, m)), np.empty((m, m))
-    b = np.empty((3, m))
+    moments, inverse, b = np.empty((3, m, m)), np.empty((m, m)), np.empty((3, m))
     for g in range(n_groups):
         s0, n = start[g], start[g + 1] - start[g]
         near = neighbours[s0 : s0 + n]
-        h, k = np.empty((n, 6, m)), np.empty((n, 6))
+        h, k, seen = np.empty((n, 6, m)), np.empty((n, 6)), np.empty(n, np.int64)
         for q in range(group_size):
             point = g * group_size + q
-            neighbour_terms(points[point], near, cloud, h, k)
-            moment_matrices(h, k, moments)
+            count = neighbour_terms(points[point], near, cloud, h, k, seen)
+            moment_matrices(h[:count], k[:count], moments)
             if not invert_moment(moments[0], inverse):
                 return point
             correction_coefficients(moments, inverse, b)
             at = s0 * group_size + q * n
             for i in range(n):
+                phi[at + i] = grad[2 * at + i] = grad[2 * at + n + i] = 0.0
+            for i in range(count):
                 value, slope_x, slope_y = 0.0, 0.0, 0.0
                 for a in range(m):
                     g0 = h[i, 0, a] * k[i, 0]
@@ -137,7 +138,8 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
                     slope_y += b[2, a] * g0 + b[0, a] * (
                         h[i, 2, a] * k[i, 0] + h[i, 0, a] * k[i, 2]
                     )
-                phi[at + i] = value
-                grad[2 * at + i] = slope_x
-                grad[2 * at + n + i] = slope_y
+                to = at + seen[i]
+                phi[to] = value
+                grad[at + to] = slope_x
+                grad[at + to + n] = slope_y
     return -1

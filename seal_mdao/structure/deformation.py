@@ -96,7 +96,8 @@ def widest_group(table):
     """Largest number of neighbours of a group."""
     widest = 0
     for group in range(table.start.size - 1):
-        widest = max(widest, table.start[group + 1] - table.start[group])
+        count = table.start[group + 1] - table.start[group]
+        widest = count if count > widest else widest
     return widest
 
 
