@@ -64,6 +64,14 @@ def test_study_of_a_seal_file_needs_tolerances(run_script, tmp_path, capsys):
     assert "--tolerances FILE.toml" in capsys.readouterr().err
 
 
+def test_options_of_the_door_seal_are_not_for_a_seal_file(run_script, tmp_path, capsys):
+    file = written(tmp_path)
+    for option, value in (("accuracy", "engineering"), ("rays", 116)):
+        with pytest.raises(SystemExit):
+            run_script("tolerance_study", tmp_path / "out", file, f"--{option}", value)
+        assert f"--{option} is for the door seal" in capsys.readouterr().err
+
+
 def test_study_of_a_seal_file_with_a_profile_that_is_displaced(run_script, tmp_path):
     pytest.importorskip("netgen")
     file, tolerances = written(tmp_path), tmp_path / "tolerances.toml"
