@@ -58,34 +58,34 @@ def condense_force(condensation, force):
 
 @compiled
 def condense_tangent(condensation, values):
-    """Add T^T K_C. N and K_.C T to the tangent buffer, from the rows and columns kept aside.
+    """Add T^T K_C. N and K_.C T to the tangent buffer, from the rows and columns kept aside; the rows
+    are changed.
 
     Loops where ``np.dot`` would do: that takes a second more to compile.
     """
     matrix, at_c, at_u = condensation.matrix, condensation.constrained_at, condensation.union_at
     c, u = matrix.shape
     v = condensation.union_slots.shape[3]
-    block, row = np.empty((c, v)), np.empty(v)
+    row = np.empty(v)
     for i in range(2):
         for k in range(2):
             # rows (component, constrained; component, coupled), columns the other way round
             first = condensation.first_row + (2 * i * c + k) * v
             for a in range(c):
-                for b in range(v):
-                    block[a, b] = values[first + 2 * a * v + b]
+                own = values[first + 2 * a * v : first + (2 * a + 1) * v]
                 for b in range(c):
-                    row[b] = block[a, at_c[b]]
-                    block[a, at_c[b]] = 0.0
+                    row[b] = own[at_c[b]]
+                    own[at_c[b]] = 0.0
                 for b in range(c):
                     for j in range(u):
-                        block[a, at_u[j]] += row[b] * matrix[b, j]
+                        own[at_u[j]] += row[b] * matrix[b, j]
             for j in range(u):
                 for b in range(v):
                     row[b] = 0.0
                 for a in range(c):
-                    factor = matrix[a, j]
+                    own, factor = values[first + 2 * a * v : first + (2 * a + 1) * v], matrix[a, j]
                     for b in range(v):
-                        row[b] += factor * block[a, b]
+                        row[b] += factor * own[b]
                 for b in range(v):
                     values[condensation.union_slots[i, j, k, b]] += row[b]
             first = condensation.first_column + (2 * k * v + i) * c

@@ -165,14 +165,15 @@ def _cell_correction(grad, phi, weights, normals, n, q_count, out):
 def _correct(full, weights, normals, phi, grad):
     """As ``_cell_correction``, in flat arrays: half as much to compile."""
     n_cells, q_count = weights.shape
-    points = q_count + normals.shape[1]
+    # the components from a shape: where numba knows of two it makes two loops of this one
+    points, components = q_count + normals.shape[1], normals.shape[2]
     for cell in range(n_cells):
         _, n, _, s0 = _place(full, cell, n_cells)
         edges, first, to = s0 * points + q_count * n, 2 * s0 * points, 2 * s0 * q_count
         volume = 0.0
         for q in range(q_count):
             volume += weights[cell, q]
-        for j in range(2):
+        for j in range(components):
             for i in range(n):
                 shift = 0.0
                 for q in range(q_count):

@@ -37,7 +37,7 @@ def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
 @internal
 def _moduli_rows(weight, a, b, n, c):
     """c = weight A B of one quadrature point, (4, 2 n): rows 11, 12, 21, 22, columns x then y."""
-    for r in range(4):
+    for r in range(len(a)):  # not range(4): unrolled there is twice as much to compile
         ax0, ax1 = weight * a[r, 0], weight * a[r, 1]
         ay0, ay1 = weight * a[r, 2], weight * a[r, 3]
         row, b0, b1 = c[r], b[0], b[1]
