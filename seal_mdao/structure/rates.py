@@ -8,105 +8,122 @@ quadrature weights w. With the projected pressure p = K sum_h N_h s_h of ``press
     s_h'  = sum_q N_h (w cof F : F' + w' (det F - 1 - s_h)) / V_h
 
 Neither needs what is solved for at other steps, so whole blocks of load steps are taken at once:
-what a column of cells does then is matrix products over (step, component) and a pass over its points.
+what a column of cells does then is matrix products over (component, step) and a pass over its points
+with the steps side by side in memory, for there are more of them than of parameters in a column.
 """
 
 import numpy as np
 
 from seal_mdao.compilation import compiled, internal
-from seal_mdao.structure.deformation import (
-    at_point,
-    block,
-    group_displacements,
-    volume_of,
-    widest_group,
-)
+from seal_mdao.structure.deformation import at_point, block, volume_of, widest_group
 from seal_mdao.structure.internal_force import point_moduli, point_stress
 
-
-@internal
-def _add_pressure(weight, f, e0, e1, e2, e3, out):
-    """out += weight cof F : e, over all parameters."""
-    c0, c1, c2, c3 = weight * f[3], -weight * f[2], -weight * f[1], weight * f[0]
-    for m in range(out.size):
-        out[m] += c0 * e0[m] + c1 * e1[m] + c2 * e2[m] + c3 * e3[m]
+# Rows of the coefficients of a point, a column for each step: P, w cof F, w A, det F - 1.
+STRESS, COFACTOR, MODULI, VOLUME_CHANGE = 0, 4, 8, 24
+ROWS = 25
 
 
 @internal
-def _stress_row(w, a, cofactor, p, e0, e1, e2, e3, pressure, weight_rate, out):
-    """One component of (w P)' = w (A : e + p' cof F) + w' P, over all parameters."""
-    a0, a1, a2, a3, c = w * a[0], w * a[1], w * a[2], w * a[3], w * cofactor
-    for m in range(out.size):
-        strained = a0 * e0[m] + a1 * e1[m] + a2 * e2[m] + a3 * e3[m]
-        out[m] = strained + c * pressure[m] + p * weight_rate[m]
+def _fill_coefficients(column, weights, functions, deformation, w, bulk, out):
+    """Coefficients (q, ROWS, K) of the points of one column of cells."""
+    p, a = np.empty(4), np.empty((4, 4))
+    for k in range(out.shape[2]):
+        swelling = deformation.swelling[k, column]
+        for q in range(weights.size):
+            f, weight = deformation.f[k, column, q], weights[q]
+            pressure = bulk * at_point(functions, q, swelling)
+            w_t, w_j = w[0, k, column, q], w[1, k, column, q] + pressure
+            w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
+            point_stress(f, w_t, w_j, p)
+            point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a)
+            for r in range(4):
+                out[q, STRESS + r, k] = p[r]
+                out[q, COFACTOR + r, k] = weight * (-f[3 - r] if r == 1 or r == 2 else f[3 - r])
+                for c in range(4):
+                    out[q, MODULI + 4 * r + c, k] = weight * a[r, c]
+            out[q, VOLUME_CHANGE, k] = f[4]
+
+
+@internal
+def _contract(coefficients, row, rates, q, p, out):
+    """Four rows of coefficients, from ``row`` on, times F' of one point and parameter."""
+    a0, a1, a2, a3 = (
+        coefficients[row], coefficients[row + 1], coefficients[row + 2], coefficients[row + 3]
+    )  # fmt: skip
+    e0, e1 = rates[2 * q, p, 0], rates[2 * q + 1, p, 0]
+    e2, e3 = rates[2 * q, p, 1], rates[2 * q + 1, p, 1]
+    for k in range(out.size):
+        out[k] = a0[k] * e0[k] + a1[k] * e1[k] + a2[k] * e2[k] + a3[k] * e3[k]
+
+
+@internal
+def _add_swelling_rate(share, change, weight_rate, volume_change, swelling, out):
+    """out += N_h / V_h (w cof F : F' + w' (det F - 1 - s_h)), over all steps."""
+    for k in range(out.size):
+        out[k] += share * (change[k] + weight_rate * (volume_change[k] - swelling[k]))
 
 
 @internal
 def _add_scaled(out, factor, values):
     """out += factor values."""
-    for m in range(out.size):
-        out[m] += factor * values[m]
+    for k in range(out.size):
+        out[k] += factor * values[k]
 
 
 @internal
-def _swelling_rates(functions, weights, weight_rate, f, swelling, f_x, f_y, out):
-    """s_h' of one column at one step, ``out`` (m, P); F' as rows ``f_x``, ``f_y`` (2 q, P)."""
-    out[:] = 0.0
-    for h in range(swelling.size):
-        volume = volume_of(functions[h], weights)
-        for q in range(weights.size):
-            share = functions[h, q] / volume
-            if share != 0.0:
-                x, y = 2 * q, 2 * q + 1
-                _add_pressure(share * weights[q], f[q], f_x[x], f_x[y], f_y[x], f_y[y], out[h])
-                _add_scaled(out[h], share * (f[q, 4] - swelling[h]), weight_rate[q])
+def _add_stress_rate(cofactor, pressure, stress, weight_rate, out):
+    """out += w p' cof F + w' P of one component, over all steps."""
+    for k in range(out.size):
+        out[k] += cofactor[k] * pressure[k] + stress[k] * weight_rate
 
 
 @internal
 def _stress_rates(
-    column, weights, weight_rate, functions, deformation, w, bulk, slope_rates, stress, stress_rates
-):
-    """(w P) and (w P)' of one column of cells at all steps.
+    weights, weight_rate, functions, swelling, bulk, coefficients, slope_rates, swelling_rates,
+    stress_rates,
+):  # fmt: skip
+    """(w P)' of one column of cells at all steps.
 
     Parameters
     ----------
     weights, weight_rate, functions : ndarray, shapes (q,), (q, P), (m, q)
-    w : ndarray, shape (5, K, n_columns, q)
+    swelling : ndarray, shape (m, K)
+        s_h.
     bulk : float
-    slope_rates : ndarray, shape (2 K, 2 q, P)
-        F', rows (step, component).
-    stress, stress_rates : ndarray, shapes (2 K, 2 q), (2 q, 2 K, P)
-        Written.
+    coefficients : ndarray, shape (q, ROWS, K)
+    slope_rates : ndarray, shape (2 q, P, 2, K)
+        F'_ij at [(point, j), parameter, i].
+    swelling_rates : ndarray, shape (m, P, K)
+        Written: s_h'.
+    stress_rates : ndarray, shape (2 q, P, 2, K)
+        Written, as F'.
     """
-    count, p, a = weight_rate.shape[1], np.empty(4), np.empty((4, 4))
-    swelling_rate, pressure_rate = np.empty((len(functions), count)), np.empty(count)
-    for k in range(slope_rates.shape[0] // 2):
-        f, swelling = deformation.f[k, column], deformation.swelling[k, column]
-        i, j = 2 * k, 2 * k + 1
-        _swelling_rates(
-            functions, weights, weight_rate, f, swelling, slope_rates[i], slope_rates[j],
-            swelling_rate,
-        )  # fmt: skip
-        for q in range(weights.size):
-            x, y, weight = 2 * q, 2 * q + 1, weights[q]
-            pressure = bulk * at_point(functions, q, swelling)
-            w_t, w_j = w[0, k, column, q], w[1, k, column, q] + pressure
-            w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
-            point_stress(f[q], w_t, w_j, p)
-            point_moduli(f[q], w_t, w_j, w_tt, w_tj, w_jj, a)
-            stress[i, x], stress[i, y] = weight * p[0], weight * p[1]
-            stress[j, x], stress[j, y] = weight * p[2], weight * p[3]
-            pressure_rate[:] = 0.0
+    pressure, volume = np.empty(swelling.shape[1]), np.empty(len(functions))
+    for h in range(len(functions)):
+        volume[h] = volume_of(functions[h], weights)
+    swelling_rates[:] = 0.0
+    for q in range(weights.size):
+        own = coefficients[q]
+        for p in range(weight_rate.shape[1]):
+            _contract(own, COFACTOR, slope_rates, q, p, pressure)
             for h in range(len(functions)):
-                _add_scaled(pressure_rate, bulk * functions[h, q], swelling_rate[h])
-            e0, e1 = slope_rates[i, x], slope_rates[i, y]
-            e2, e3 = slope_rates[j, x], slope_rates[j, y]
-            cofactors = f[q, 3], -f[q, 2], -f[q, 1], f[q, 0]
+                if functions[h, q] != 0.0:
+                    _add_swelling_rate(
+                        functions[h, q] / volume[h], pressure, weight_rate[q, p],
+                        own[VOLUME_CHANGE], swelling[h], swelling_rates[h, p],
+                    )  # fmt: skip
+    for q in range(weights.size):
+        own = coefficients[q]
+        for p in range(weight_rate.shape[1]):
+            pressure[:] = 0.0
+            for h in range(len(functions)):
+                _add_scaled(pressure, bulk * functions[h, q], swelling_rates[h, p])
             for c in range(4):
-                _stress_row(
-                    weight, a[c], cofactors[c], p[c], e0, e1, e2, e3, pressure_rate, weight_rate[q],
-                    stress_rates[x + c % 2, i + c // 2],
-                )  # fmt: skip
+                out = stress_rates[2 * q + c % 2, p, c // 2]
+                _contract(own, MODULI + 4 * c, slope_rates, q, p, out)
+                _add_stress_rate(
+                    own[COFACTOR + c], pressure, own[STRESS + c], weight_rate[q, p], out
+                )
 
 
 @compiled
@@ -130,13 +147,14 @@ def add_internal_rates(
     d : ndarray, shape (K, n, 2)
     """
     q_count, n_steps, most = table.group_size, d.shape[0], out.shape[2]
-    rows, points = 2 * d.shape[0], 2 * table.group_size
+    rows, points, m = 2 * d.shape[0], 2 * table.group_size, len(functions)
     widest = widest_group(table)
     displacements, turned = np.empty(rows * widest), np.empty(points * widest)
-    stress, by_neighbour = np.empty((rows, points)), np.empty(points * widest * most)
+    stress, by_parameter = np.empty((rows, points)), np.empty(points * widest * most)
     slope_rates, stress_rates = np.empty(rows * points * most), np.empty(rows * points * most)
     moving, moved = np.empty(rows * widest * most), np.empty(rows * widest * most)
-    weight_rate = np.empty(q_count * most)
+    weight_rate, coefficients = np.empty(q_count * most), np.empty((q_count, ROWS, n_steps))
+    swelling, swelling_rates = np.empty((m, n_steps)), np.empty((m, most, n_steps))
     for column in range(table.start.size - 1):
         which = rates.active[rates.start[column, 0] : rates.start[column + 1, 0]]
         count, s0 = which.size, table.start[column]
@@ -147,33 +165,44 @@ def add_internal_rates(
         grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
         at = 2 * rates.start[column, 1]
         b_rate = rates.grad[at : at + points * n * count].reshape(points, n * count)
-        u = block(displacements, rows, n)
-        b = block(turned, n, points)
-        b_rate_of = block(by_neighbour, n, points * count)
-        group_displacements(d, near, u)
-        for r in range(points):
-            for a in range(n):
+        u, b = block(displacements, n, rows), block(turned, n, points)
+        b_rate_of = block(by_parameter, points * count, n)
+        for a in range(n):
+            for k in range(n_steps):
+                u[a, k], u[a, n_steps + k] = d[k, near[a], 0], d[k, near[a], 1]
+            for r in range(points):
                 b[a, r] = grad[r, a]
                 for p in range(count):
-                    b_rate_of[a, r * count + p] = b_rate[r, a * count + p]
+                    b_rate_of[r * count + p, a] = b_rate[r, a * count + p]
         w_rate = block(weight_rate, q_count, count)
         for q in range(q_count):
             for p in range(count):
                 w_rate[q, p] = weight_rates[which[p], column, q]
-        f_rate = block(slope_rates, rows, points * count)
-        np.dot(u, b_rate_of, f_rate)
-        p_rate = block(stress_rates, points, rows * count)
+        _fill_coefficients(
+            column, weights[column], functions, deformation, w, bulk[column], coefficients
+        )
+        for k in range(n_steps):
+            for h in range(m):
+                swelling[h, k] = deformation.swelling[k, column, h]
+            for q in range(q_count):
+                for r in range(4):
+                    weighted = weights[column, q] * coefficients[q, STRESS + r, k]
+                    stress[r // 2 * n_steps + k, 2 * q + r % 2] = weighted
+        f_rate = block(slope_rates, points * count, rows)
+        np.dot(b_rate_of, u, f_rate)
+        p_rate = block(stress_rates, points, count * rows)
         _stress_rates(
-            column, weights[column], w_rate, functions, deformation, w, bulk[column],
-            f_rate.reshape(rows, points, count), stress, p_rate.reshape(points, rows, count),
+            weights[column], w_rate, functions, swelling, bulk[column], coefficients,
+            f_rate.reshape(points, count, 2, n_steps), swelling_rates[:, :count],
+            p_rate.reshape(points, count, 2, n_steps),
         )  # fmt: skip
-        on_rates, on_b = block(moving, rows, n * count), block(moved, n, rows * count)
+        on_rates, on_b = block(moving, rows, n * count), block(moved, n, count * rows)
         np.dot(stress, b_rate, on_rates)
         np.dot(b, p_rate, on_b)
         for k in range(n_steps):
             for i in range(2):
-                row = 2 * k + i
+                row = i * n_steps + k
                 for a in range(n):
                     to = out[k, equations[near[a], i]]
                     for p in range(count):
-                        to[which[p]] += on_rates[row, a * count + p] + on_b[a, row * count + p]
+                        to[which[p]] += on_rates[row, a * count + p] + on_b[a, p * rows + row]
