@@ -248,7 +248,7 @@ def _outline(out, reduced) -> dict:
         found = [percent(reaction_error(scheme)) for scheme in schemes]
         rows.append([f"{spacing:g}", len(seal.drawn_particles), *found])
     head = [
-        "spacing (mm)", "particles", "1.8", "2.2, as in files", "3", "2.2, at edges",
+        "spacing (mm)", "particles", "support 1.8", "2.2, as in files", "3", "2.2, at edges",
         "2.6, quadratic, at edges",
     ]  # fmt: skip
     return {"outline_table": table(head, rows)}
