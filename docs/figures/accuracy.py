@@ -23,13 +23,12 @@ from seal_mdao.verification.error_sources import (
     largest_opened_gap,
     worst_error,
 )
-from seal_mdao.verification.flat_door_reference import REACTION
+from seal_mdao.verification.flat_door_reference import at_its_travels
 from seal_mdao.verification.flexure import bend_block
 from seal_mdao.verification.outline_errors import (
     flat_door_seal,
     reaction_error,
     with_contact_at_edges,
-    with_kernels,
 )
 
 PRODUCT = (1.8, 2.5)
@@ -233,20 +232,17 @@ def _preset(out, reduced) -> dict:
 
 def _curve(result) -> np.ndarray:
     """Force at the travels of the flat door's reference, N/m."""
-    return np.interp(REACTION[:, 0], result.door_travel, result.reaction[:, 1])
+    return at_its_travels(result.door_travel, result.reaction[:, 1])
 
 
 def _outline(out, reduced) -> dict:
     """The same section filled as that of a seal file."""
     rows = []
     for spacing in (1.2,) if reduced else (1.2, 0.9, 0.7, 0.5):
-        seal = flat_door_seal(spacing)
-        schemes = (
-            with_kernels(seal, 1.8), seal, with_kernels(seal, 3.0), with_kernels(seal, 2.6, 2),
-            with_contact_at_edges(with_kernels(seal, 2.6, 2)),
-        )  # fmt: skip
+        schemes = [flat_door_seal(spacing, *kernels) for kernels in ((1.8,), (), (3.0,), (2.6, 2))]
+        schemes.append(with_contact_at_edges(schemes[-1]))
         found = [percent(reaction_error(scheme)) for scheme in schemes]
-        rows.append([f"{spacing:g}", len(seal.drawn_particles), *found])
+        rows.append([f"{spacing:g}", len(schemes[0].drawn_particles), *found])
     head = [
         "spacing (mm)", "particles", "support 1.8", "2.2, as in files", "3", "2.6, quadratic",
         "the same, at edges",

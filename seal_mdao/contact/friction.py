@@ -341,12 +341,16 @@ def _add_motion(pose, motion_rates, x, force, first, out):
 
 
 @compiled
-def contact_linearization(profile, law, pose, motion_rates, x, length, force, history, points, out):
+def contact_linearization(
+    profile, curve, law, pose, motion_rates, x, length, force, history, points, out
+):
     """Full local derivatives of the ``points`` (s,) at a converged step, ``out`` (s, 6, SHAPE + S + m)
     written; see the input names above.
 
     Parameters
     ----------
+    curve : RigidProfile
+        The profile without its rates, for which the closest point is compiled already.
     motion_rates : ndarray, shape (m, 3)
         Rates of x, y and angle of the pose, whose columns come last.
     force : ndarray, shape (n, 2)
@@ -355,7 +359,7 @@ def contact_linearization(profile, law, pose, motion_rates, x, length, force, hi
     columns = SHAPE + profile.period_rate.size
     for k, i in enumerate(points):
         x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
-        piece, xi, g_n = closest_point(profile, x_1, x_2)
+        piece, xi, g_n = closest_point(curve, x_1, x_2)
         state_0, carried = history.state[i], history.variables[i]
         state, tau = OPEN, 0.0
         if g_n < 0.0:

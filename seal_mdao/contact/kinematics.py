@@ -91,6 +91,7 @@ def _within_reach(profile, x, y):
     """A distance that the profile is certainly not farther away than, a little enlarged."""
     nearest = np.inf
     for run in range(profile.run_radius.size):
+        # comparisons here and below: numba compiles functions of its own for min
         farthest = _distance(profile, run, x, y) + profile.run_radius[run]
         nearest = farthest if farthest < nearest else nearest
     return (1.0 + 1e-9) * nearest

@@ -178,8 +178,8 @@ class ContactTerm(PointTerm):
     def linearize(self, response, fraction, history, points):
         out = np.empty((points.size, *self.local_shape))
         contact_linearization(
-            self.profile, self.law, self.pose(fraction), self.motion_rates(fraction), response.x,
-            self.length, response.force, history, points, out,
+            self.profile, self.curve, self.law, self.pose(fraction), self.motion_rates(fraction),
+            response.x, self.length, response.force, history, points, out,
         )  # fmt: skip
         return out
 

@@ -77,7 +77,8 @@ class RigidProfile(NamedTuple):
 
     @property
     def curve(self) -> "RigidProfile":
-        """The profile without its rates: what does not ask for them compiles faster."""
+        """The profile without its rates: kernels that do not ask for them compile faster, and once for
+        all profiles if none of them is given the rates."""
         return self._replace(**dict.fromkeys(RATES))
 
 

@@ -51,6 +51,7 @@ class Closing:
 
     def __init__(self, contact: RigidContact, particles: np.ndarray, names: tuple):
         self.profile, self.law = contact.shape.profile(), contact.law
+        self.curve = self.profile.curve
         self.touches = np.flatnonzero(np.isin(particles, contact.where.at_particles))
         self.pose, self.motion_rates = cache(contact.motion.pose), cache(contact.motion.rates_at)
         self.columns = [names.index(name) for name in closing_names(contact)]
@@ -59,7 +60,7 @@ class Closing:
     def _gaps(self, x, fraction):
         gap = np.empty(len(self.touches))
         places = np.ascontiguousarray(x[self.touches])
-        normal_gaps(self.profile, self.pose(fraction), places, gap)
+        normal_gaps(self.curve, self.pose(fraction), places, gap)
         return gap
 
     def pressure(self, x: np.ndarray, fraction: float) -> np.ndarray:
@@ -78,8 +79,8 @@ class Closing:
         # of all that the point could do no more is wanted than its gap
         open_before = ContactHistory(np.zeros(k, np.int64), np.ones((k, 3)))
         contact_linearization(
-            self.profile, self.law, self.pose(fraction), motion, x, np.ones(k), np.zeros((k, 2)),
-            open_before, points, local,
+            self.profile, self.curve, self.law, self.pose(fraction), motion, x, np.ones(k),
+            np.zeros((k, 2)), open_before, points, local,
         )  # fmt: skip
         out = ClosingRates(np.zeros((k, 2)), np.zeros((k, self.n_names)))
         by_gap = -self.law.normal_penalty * local[:, GAP]

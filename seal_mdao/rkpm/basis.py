@@ -17,8 +17,6 @@ LOWERED = np.array(
     [[_PLACE.get((a - x, b - y), 0) for a, b in _POWERS] for x, y in ((1, 0), (0, 1))]
 )
 """Place of each of them with one x, one y less, shape (2, 15)."""
-N_PRODUCTS = np.array([0, 0, 0, 6, 0, 0, 15])
-"""How many of them are products of a basis of 3 or 6."""
 
 
 @inlined

@@ -141,51 +141,43 @@ def _place(table, cell, n_cells):
 
 
 @inlined
-def _cell_correction(grad, phi, weights, normals, n, q_count, out):
-    """The shift (2, n) of one cell's gradients; returns the cell's volume."""
-    volume = 0.0
-    for i in range(n):
-        out[0, i] = out[1, i] = 0.0
-    for q in range(q_count):
+def _cell_correction(grad, phi, weights, normals, n, out):
+    """The shift (2, n) of one cell's gradients, which begin ``grad`` and ``phi`` (flat, as in a table);
+    returns the cell's volume."""
+    volume, edges = 0.0, weights.size * n
+    for q in range(weights.size):
         volume += weights[q]
-        for j in range(2):
-            for i in range(n):
-                out[j, i] -= weights[q] * grad[q, j, i]
-    for e in range(normals.shape[0]):
-        for j in range(2):
-            for i in range(n):
-                out[j, i] += phi[q_count + e, i] * normals[e, j]
-    for j in range(2):
+    # the components from a shape: where numba knows of two it makes two loops of this one
+    for j in range(normals.shape[1]):
         for i in range(n):
-            out[j, i] /= volume
+            shift = 0.0
+            for q in range(weights.size):
+                shift -= weights[q] * grad[(2 * q + j) * n + i]
+            for e in range(normals.shape[0]):
+                shift += phi[edges + e * n + i] * normals[e, j]
+            out[j, i] = shift / volume
     return volume
 
 
 @compiled
 def _correct(full, weights, normals, phi, grad):
-    """As ``_cell_correction``, in flat arrays: half as much to compile."""
     n_cells, q_count = weights.shape
-    # the components from a shape: where numba knows of two it makes two loops of this one
-    points, components = q_count + normals.shape[1], normals.shape[2]
+    points = q_count + normals.shape[1]
     for cell in range(n_cells):
         _, n, _, s0 = _place(full, cell, n_cells)
-        edges, first, to = s0 * points + q_count * n, 2 * s0 * points, 2 * s0 * q_count
-        volume = 0.0
+        old_phi, old, shift = (
+            full.phi[s0 * points :],
+            full.grad[2 * s0 * points :],
+            np.empty((2, n)),
+        )
+        _cell_correction(old, old_phi, weights[cell], normals[cell], n, shift)
         for q in range(q_count):
-            volume += weights[cell, q]
-        for j in range(components):
-            for i in range(n):
-                shift = 0.0
-                for q in range(q_count):
-                    shift -= weights[cell, q] * full.grad[first + (2 * q + j) * n + i]
-                for e in range(normals.shape[1]):
-                    shift += full.phi[edges + e * n + i] * normals[cell, e, j]
-                shift /= volume
-                for q in range(q_count):
-                    at = (2 * q + j) * n + i
-                    grad[to + at] = full.grad[first + at] + shift
+            for j in range(normals.shape[2]):
+                at = (2 * q + j) * n
+                for i in range(n):
+                    grad[2 * s0 * q_count + at + i] = old[at + i] + shift[j, i]
         for i in range(q_count * n):
-            phi[s0 * q_count + i] = full.phi[s0 * points + i]
+            phi[s0 * q_count + i] = old_phi[i]
 
 
 @compiled
@@ -207,7 +199,10 @@ def _correct_rates(full, full_rates, weights, normals, weight_rates, normal_rate
         new_phi = rates.phi[at : at + size].reshape(q_count, n, count)
         new_grad = rates.grad[2 * at : 2 * (at + size)].reshape(q_count, 2, n, count)
         shift = np.empty((2, n))
-        volume = _cell_correction(grad, phi, weights[cell], normals[cell], n, q_count, shift)
+        volume = _cell_correction(
+            full.grad[2 * s0 * points :], full.phi[s0 * points :], weights[cell], normals[cell], n,
+            shift,
+        )  # fmt: skip
         d_shift = np.zeros((2, n, count))
         for p in range(count):
             for q in range(q_count):
@@ -247,7 +242,10 @@ def _correct_seeds(
         phi = full.phi[s0 * points : (s0 + n) * points].reshape(points, n)
         grad = full.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
         shift, shift_bar = np.empty((2, n)), np.zeros((2, n, count))
-        volume = _cell_correction(grad, phi, weights[cell], normals[cell], n, q_count, shift)
+        volume = _cell_correction(
+            full.grad[2 * s0 * points :], full.phi[s0 * points :], weights[cell], normals[cell], n,
+            shift,
+        )  # fmt: skip
         here, full_here = (
             slice(s0 * q_count, (s0 + n) * q_count),
             slice(s0 * points, (s0 + n) * points),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from seal_mdao.compilation import inlined, internal
-from seal_mdao.rkpm.basis import LOWERED, N_PRODUCTS, POWER, PRODUCT, fill_basis, fill_monomials
+from seal_mdao.rkpm.basis import LOWERED, POWER, PRODUCT, fill_basis, fill_monomials
 from seal_mdao.rkpm.kernel import kernel_derivatives, product_kernel_derivatives
 
 # Smallest pivot of M, relative to M_00, at which the supports still count as covering the point.
@@ -45,7 +45,7 @@ def moment_matrices(h, k, moments):
 
     Many of their entries are equal: they are the moments of the kernels, of twice the basis' degree."""
     rows, m, _ = moments.shape
-    size = N_PRODUCTS[m]
+    size = PRODUCT[m - 1, m - 1] + 1  # the square of the last monomial comes last
     monomials, sums = np.empty(size), np.empty((rows, size))
     sums[:] = 0.0
     for i in range(h.shape[0]):
@@ -58,10 +58,9 @@ def moment_matrices(h, k, moments):
             e = PRODUCT[a, b]
             moments[0, a, b] = sums[0, e]
             for j in range(1, rows):
-                moments[j, a, b] = sums[j, e]
-                if POWER[j - 1, e] > 0:
-                    lower = sums[0, LOWERED[j - 1, e]]
-                    moments[j, a, b] += POWER[j - 1, e] * h[0, j, j] * lower
+                # H_j = h[0, j, j], the inverse scale, in the monomial x or y
+                slope = POWER[j - 1, e] * h[0, j, j] * sums[0, LOWERED[j - 1, e]]
+                moments[j, a, b] = sums[j, e] + slope
 
 
 @internal

@@ -18,6 +18,17 @@ REACTION = np.array(
     ]
 )
 
+
+def at_its_travels(travel: np.ndarray, reaction: np.ndarray) -> np.ndarray:
+    """A vertical reaction (k,) along the travel (k,) since first touch, mm, at those of ``REACTION``."""
+    return np.interp(REACTION[:, 0], travel, reaction)
+
+
+def reaction_errors(travel: np.ndarray, reaction: np.ndarray) -> np.ndarray:
+    """Its relative errors there, shape (5,)."""
+    return at_its_travels(travel, reaction) / REACTION[:, 1] - 1.0
+
+
 # the right half of the outer boundary at the rays of the 58 x 3 particles, from the base to the
 # top: undeformed X, Y and deformed x, y at 10 mm (mm); the left half mirrors it
 BOUNDARY = np.array(

@@ -84,7 +84,7 @@ def linearized(profile, law, x, history, length=1.0, pose=AT_REST):
     before = ContactHistory(np.array([state]), np.array([variables], float))
     out = np.full((1, 6, SHAPE + profile.n_shapes), np.nan)
     contact_linearization(
-        profile, law, pose, np.empty((0, 3)), np.array([x], float), np.array([float(length)]),
-        np.zeros((1, 2)), before, np.array([0]), out,
+        profile, profile.curve, law, pose, np.empty((0, 3)), np.array([x], float),
+        np.array([float(length)]), np.zeros((1, 2)), before, np.array([0]), out,
     )  # fmt: skip
     return out[0]

@@ -15,7 +15,7 @@ LOOK = 1e-4
 
 def gap_at_start(profile):
     """Gap of a place to a profile at the start, as a function of x and y."""
-    curve, pose = rigid_profile_of(profile), motion_of(profile, 1).pose(0.0)
+    curve, pose = rigid_profile_of(profile).curve, motion_of(profile, 1).pose(0.0)
     return lambda x, y: closest_point(curve, *in_frame(pose, x, y))[2]
 
 
