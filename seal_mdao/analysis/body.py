@@ -15,7 +15,7 @@ from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
 from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud
-from seal_mdao.rkpm.tables import PointTable, build_table, raw_table
+from seal_mdao.rkpm.tables import PointTable, build_table, raw_tables
 from seal_mdao.structure.pressure import PressureSpace, through_column
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
 
@@ -265,12 +265,12 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     tables = tuple(None if p is None else build_table(cloud, p, transformation) for p in points)
     couples = tuple(term.couples for term in terms)
     coupling = zip(tables, couples, strict=True)
-    raw_tables = [cells.raw, *(table.raw for table, own in coupling if own and table is not None)]
+    coupled = [cells.raw, *(table.raw for table, own in coupling if own and table is not None)]
     equations = body.equations
     if equations is None:
-        equations = equation_numbers(body.fixed, raw_tables, transformation)
+        equations = equation_numbers(body.fixed, coupled, transformation)
     layout = tangent_layout(
-        equations, raw_tables, transformation, body.solver, _links(terms, tables),
+        equations, coupled, transformation, body.solver, _links(terms, tables),
         sum(term.n_columns for term in terms),
     )  # fmt: skip
     return Discretization(
@@ -288,7 +288,6 @@ def _links(terms, tables) -> list:
 
 def _essential(body: Body, particles: np.ndarray):
     """Particles with their kernels, the essential transformation, and the rows it is made of."""
-    cloud, points = body.cloud(particles), single_points(body.constrained)
-    coordinates, raw = raw_table(cloud, points)
-    rows = PointTable(points, coordinates, raw, raw)
-    return cloud, essential_transformation(body.constrained, raw), rows
+    cloud = body.cloud(particles)
+    (rows,) = raw_tables(cloud, single_points(body.constrained)._replace(sloped=False))
+    return cloud, essential_transformation(body.constrained, rows.raw), rows

@@ -20,10 +20,8 @@ from seal_mdao.compilation import compiled, inlined
 from seal_mdao.rkpm.cells import CellMap
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
-from seal_mdao.rkpm.tables import PointTable, raw_rates, raw_seeds, raw_table
+from seal_mdao.rkpm.tables import PointTable, raw_rates, raw_seeds, raw_tables
 from seal_mdao.rkpm.transformed import (
-    TableRates,
-    entry_starts,
     transform_table,
     transformed_rates,
     untransformed_seeds,
@@ -85,19 +83,14 @@ def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) 
     scatter_add(x_bar, rule.ends[..., 0], -pull)
 
 
-def integration_points(mapping: CellMap, rule: EdgeRule, column: int = 1) -> PointSet:
-    """Gauss points followed by edge points of every cell; ``column`` cells in succession are a group.
-
-    Of the edge points only the values are used.
-    """
+def integration_points(mapping: CellMap, rule: EdgeRule, column: int = 1) -> tuple:
+    """Gauss points and edge points of every cell; ``column`` cells in succession are a group."""
     n_cells, q = len(mapping.cells), mapping.n_points
-    anchors = np.empty((n_cells, q + EDGE_POINTS, 4), int)
-    weights = np.zeros((n_cells, q + EDGE_POINTS, 4))
-    anchors[:, :q], weights[:, :q] = mapping.cells[:, None], mapping.values
-    anchors[:, q:] = np.tile(rule.ends, (1, 1, 2))
-    weights[:, q:, :2] = rule.weights
-    sloped = np.tile(np.arange(q + EDGE_POINTS) < q, column)
-    return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), sloped.size, sloped)
+    anchors = np.broadcast_to(mapping.cells[:, None], (n_cells, q, 4)).reshape(-1, 4)
+    weights = np.broadcast_to(mapping.values, (n_cells, q, 4)).reshape(-1, 4)
+    gauss = PointSet(anchors, weights, q * column)
+    ends, shares = rule.ends.reshape(-1, 2), rule.weights.reshape(-1, 2)
+    return gauss, PointSet(ends, shares, rule.ends.shape[1] * column, sloped=False)
 
 
 @dataclass(frozen=True)
@@ -109,17 +102,20 @@ class CellTable:
     rule : EdgeRule
     weights : ndarray, shape (n_cells, q)
         Quadrature weights.
-    full : PointTable
-        Gauss and edge points, as Eq. (13) gives them.
+    gauss : PointTable
+        Gauss points, as Eq. (13) gives them.
+    edges : PointTable
+        Values at the edge points; the groups have the lists of those of the Gauss points.
     raw : ShapeTable
-        Gauss points with consistent gradients.
+        Gauss points: consistent gradients, and no values.
     table : ShapeTable
         After the essential transformation; what the analysis uses.
     """
 
     rule: EdgeRule
     weights: np.ndarray
-    full: PointTable
+    gauss: PointTable
+    edges: PointTable
     raw: ShapeTable
     table: ShapeTable
 
@@ -140,142 +136,98 @@ def _place(table, cell, n_cells):
     return column, n, before, cells * table.start[column] + before
 
 
-@inlined
-def _cell_correction(grad, phi, weights, normals, n, out):
-    """The shift (2, n) of one cell's gradients, which begin ``grad`` and ``phi`` (flat, as in a table);
-    returns the cell's volume."""
-    volume, edges = 0.0, weights.size * n
-    for q in range(weights.size):
-        volume += weights[q]
-    # the components from a shape: where numba knows of two it makes two loops of this one
-    for j in range(normals.shape[1]):
-        for i in range(n):
-            shift = 0.0
-            for q in range(weights.size):
-                shift -= weights[q] * grad[(2 * q + j) * n + i]
-            for e in range(normals.shape[0]):
-                shift += phi[edges + e * n + i] * normals[e, j]
-            out[j, i] = shift / volume
-    return volume
-
-
 @compiled
-def _correct(full, weights, normals, phi, grad):
+def _correct(gauss, edges, weights, normals, out):
     n_cells, q_count = weights.shape
-    points = q_count + normals.shape[1]
+    e_count = normals.shape[1]
     for cell in range(n_cells):
-        _, n, _, s0 = _place(full, cell, n_cells)
-        old_phi, old, shift = (
-            full.phi[s0 * points :],
-            full.grad[2 * s0 * points :],
-            np.empty((2, n)),
-        )
-        _cell_correction(old, old_phi, weights[cell], normals[cell], n, shift)
+        _, n, _, s0 = _place(gauss, cell, n_cells)
+        first, volume = 2 * s0 * q_count, 0.0
         for q in range(q_count):
-            for j in range(normals.shape[2]):
-                at = (2 * q + j) * n
-                for i in range(n):
-                    grad[2 * s0 * q_count + at + i] = old[at + i] + shift[j, i]
-        for i in range(q_count * n):
-            phi[s0 * q_count + i] = old_phi[i]
+            volume += weights[cell, q]
+        # the components from a shape: where numba knows of two it makes two loops of this one
+        for j in range(normals.shape[2]):
+            for i in range(n):
+                at, shift = first + j * n + i, 0.0
+                for q in range(q_count):
+                    shift -= weights[cell, q] * gauss.grad[at + 2 * q * n]
+                for e in range(e_count):
+                    shift += edges.phi[s0 * e_count + e * n + i] * normals[cell, e, j]
+                shift /= volume
+                for q in range(q_count):
+                    out[at + 2 * q * n] = gauss.grad[at + 2 * q * n] + shift
 
 
 @compiled
-def _correct_rates(full, full_rates, weights, normals, weight_rates, normal_rates, rates):
+def _correct_rates(raw, edges, d_gauss, d_edges, weights, normals, weight_rates, normal_rates):
+    """Rates of the gradients at the Gauss points, ``d_gauss``, to those of the consistent ``raw``."""
     n_cells, q_count = weights.shape
-    points = q_count + normals.shape[1]
+    e_count = normals.shape[1]
     for cell in range(n_cells):
-        column, n, before, s0 = _place(full, cell, n_cells)
-        which = rates.active[rates.start[column, 0] : rates.start[column + 1, 0]]
+        column, n, before, s0 = _place(raw, cell, n_cells)
+        which = d_gauss.active[d_gauss.start[column, 0] : d_gauss.start[column + 1, 0]]
         count = which.size
         if count == 0:
             continue
-        phi = full.phi[s0 * points : (s0 + n) * points].reshape(points, n)
-        grad = full.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
-        at, size = full_rates.start[column, 1] + before * points * count, n * points * count
-        d_phi = full_rates.phi[at : at + size].reshape(points, n, count)
-        d_grad = full_rates.grad[2 * at : 2 * (at + size)].reshape(points, 2, n, count)
-        at, size = rates.start[column, 1] + before * q_count * count, n * q_count * count
-        new_phi = rates.phi[at : at + size].reshape(q_count, n, count)
-        new_grad = rates.grad[2 * at : 2 * (at + size)].reshape(q_count, 2, n, count)
-        shift = np.empty((2, n))
-        volume = _cell_correction(
-            full.grad[2 * s0 * points :], full.phi[s0 * points :], weights[cell], normals[cell], n,
-            shift,
-        )  # fmt: skip
-        d_shift = np.zeros((2, n, count))
-        for p in range(count):
-            for q in range(q_count):
-                dw = weight_rates[which[p], cell, q]
-                for j in range(2):
-                    for i in range(n):
-                        d_shift[j, i, p] -= (
-                            dw * (grad[q, j, i] + shift[j, i])
-                            + weights[cell, q] * d_grad[q, j, i, p]
-                        )
-            for e in range(normals.shape[1]):
-                for j in range(2):
-                    dn = normal_rates[which[p], cell, e, j]
-                    for i in range(n):
-                        d_shift[j, i, p] += (
-                            d_phi[q_count + e, i, p] * normals[cell, e, j]
-                            + phi[q_count + e, i] * dn
-                        )
+        grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        phi = edges.phi[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n)
+        at = 2 * (d_gauss.start[column, 1] + before * q_count * count)
+        d_grad = d_gauss.grad[at : at + 2 * q_count * n * count].reshape(q_count, 2, n, count)
+        at = d_edges.start[column, 1] + before * e_count * count
+        d_phi = d_edges.phi[at : at + e_count * n * count].reshape(e_count, n, count)
+        volume, d_shift = weights[cell].sum(), np.zeros((2, n, count))
         for q in range(q_count):
-            for i in range(n):
-                for p in range(count):
-                    new_phi[q, i, p] = d_phi[q, i, p]
             for j in range(2):
                 for i in range(n):
                     for p in range(count):
-                        new_grad[q, j, i, p] = d_grad[q, j, i, p] + d_shift[j, i, p] / volume
+                        dw = weight_rates[which[p], cell, q]
+                        d_shift[j, i, p] -= (
+                            dw * grad[q, j, i] + weights[cell, q] * d_grad[q, j, i, p]
+                        )
+        for e in range(e_count):
+            for j in range(2):
+                for i in range(n):
+                    for p in range(count):
+                        dn = normal_rates[which[p], cell, e, j]
+                        d_shift[j, i, p] += d_phi[e, i, p] * normals[cell, e, j] + phi[e, i] * dn
+        for q in range(q_count):
+            for j in range(2):
+                for i in range(n):
+                    for p in range(count):
+                        d_grad[q, j, i, p] += d_shift[j, i, p] / volume
 
 
 @compiled
 def _correct_seeds(
-    full, weights, normals, phi_bar, grad_bar, full_phi_bar, full_grad_bar, weight_bar, normal_bar
+    raw, edges, weights, normals, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
 ):
+    """Seeds on the consistent gradients ``raw`` to those on the gradients at the Gauss points, on the
+    values at the edge points, the weights and the normals."""
     n_cells, q_count = weights.shape
-    points, count = q_count + normals.shape[1], phi_bar.shape[1]
+    e_count, count = normals.shape[1], seeds.shape[1]
     for cell in range(n_cells):
-        _, n, _, s0 = _place(full, cell, n_cells)
-        phi = full.phi[s0 * points : (s0 + n) * points].reshape(points, n)
-        grad = full.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
-        shift, shift_bar = np.empty((2, n)), np.zeros((2, n, count))
-        volume = _cell_correction(
-            full.grad[2 * s0 * points :], full.phi[s0 * points :], weights[cell], normals[cell], n,
-            shift,
-        )  # fmt: skip
-        here, full_here = (
-            slice(s0 * q_count, (s0 + n) * q_count),
-            slice(s0 * points, (s0 + n) * points),
-        )
-        phi_seed, out_phi = phi_bar[here], full_phi_bar[full_here]
-        seed = grad_bar[2 * here.start : 2 * here.stop].reshape(q_count, 2, n, count)
-        out = full_grad_bar[2 * full_here.start : 2 * full_here.stop].reshape(points, 2, n, count)
+        _, n, _, s0 = _place(raw, cell, n_cells)
+        first, last = 2 * s0 * q_count, 2 * (s0 + n) * q_count
+        grad = raw.grad[first:last].reshape(q_count, 2 * n)
+        phi = edges.phi[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n)
+        # side by side: components, neighbours, measures
+        seed = seeds[first:last].reshape(q_count, 2 * n * count)
+        on_gauss = gauss_bar[first:last].reshape(q_count, 2 * n * count)
+        on_edges = edge_bar[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n * count)
+        volume, shift_bar = weights[cell].sum(), np.zeros(2 * n * count)
         for q in range(q_count):
-            for j in range(2):
-                for i in range(n):
-                    for m in range(count):
-                        shift_bar[j, i, m] += seed[q, j, i, m] / volume
-        for i in range(q_count * n):
-            for m in range(count):
-                out_phi[i, m] = phi_seed[i, m]
+            for a in range(shift_bar.size):
+                shift_bar[a] += seed[q, a] / volume
         for q in range(q_count):
-            w = weights[cell, q]
-            for j in range(2):
-                for i in range(n):
-                    slope = grad[q, j, i] + shift[j, i]
-                    for m in range(count):
-                        out[q, j, i, m] = seed[q, j, i, m] - w * shift_bar[j, i, m]
-                        weight_bar[cell, q, m] -= slope * shift_bar[j, i, m]
-        for e in range(normals.shape[1]):
-            for j in range(2):
-                for i in range(n):
-                    normal, value = normals[cell, e, j], phi[q_count + e, i]
-                    for m in range(count):
-                        out_phi[(q_count + e) * n + i, m] += shift_bar[j, i, m] * normal
-                        normal_bar[cell, e, j, m] += shift_bar[j, i, m] * value
+            for a in range(shift_bar.size):
+                on_gauss[q, a] = seed[q, a] - weights[cell, q] * shift_bar[a]
+        by_x, by_y = shift_bar[: n * count], shift_bar[n * count :]
+        for e in range(e_count):
+            for a in range(by_x.size):
+                on_edges[e, a] = by_x[a] * normals[cell, e, 0] + by_y[a] * normals[cell, e, 1]
+        weight_bar[cell] -= np.dot(grad, shift_bar.reshape(2 * n, count))
+        normal_bar[cell, :, 0] = np.dot(phi, by_x.reshape(n, count))
+        normal_bar[cell, :, 1] = np.dot(phi, by_y.reshape(n, count))
 
 
 def build_cell_table(
@@ -289,14 +241,11 @@ def build_cell_table(
         Cells in succession that share a list of neighbours.
     weights : ndarray, shape (n_cells, q)
     """
-    points = integration_points(mapping, rule, column)
-    coordinates, full = raw_table(cloud, points)
-    q = column * weights.shape[1]
-    phi, grad = np.empty(full.neighbours.size * q), np.empty(2 * full.neighbours.size * q)
-    _correct(full, weights, edge_normals(rule, cloud.particles), phi, grad)
-    raw = ShapeTable(full.start, full.neighbours, phi, grad, q)
-    table = transform_table(raw, transformation)
-    return CellTable(rule, weights, PointTable(points, coordinates, full, full), raw, table)
+    gauss, edges = raw_tables(cloud, *integration_points(mapping, rule, column))
+    grad = np.empty(gauss.raw.grad.size)
+    _correct(gauss.raw, edges.raw, weights, edge_normals(rule, cloud.particles), grad)
+    raw = gauss.raw._replace(phi=np.empty(0), grad=grad)
+    return CellTable(rule, weights, gauss, edges, raw, transform_table(raw, transformation))
 
 
 def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transformation, matrix_rate):
@@ -308,16 +257,13 @@ def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transforma
     matrix_rate : ndarray, shape (c, u, P)
         T' of ``essential.transformation_rates``.
     """
-    full_rates = raw_rates(cloud, cells.full, velocity, transformation)
-    starts = full_rates.start.copy()
-    starts[:, 1] = entry_starts(np.diff(starts[:, 0]), cells.raw)
-    rates = TableRates(
-        starts, full_rates.active, np.empty(starts[-1, 1]), np.empty(2 * starts[-1, 1])
-    )
+    rates = raw_rates(cloud, cells.gauss, velocity, transformation)
+    at_edges = raw_rates(cloud, cells.edges, velocity, transformation)
     _correct_rates(
-        cells.full.raw, full_rates, cells.weights, edge_normals(cells.rule, cloud.particles),
-        weight_rates, edge_normals(cells.rule, velocity), rates,
+        cells.raw, cells.edges.raw, rates, at_edges, cells.weights,
+        edge_normals(cells.rule, cloud.particles), weight_rates, edge_normals(cells.rule, velocity),
     )  # fmt: skip
+    rates = rates._replace(phi=np.empty(0))
     return transformed_rates(cells.raw, cells.table, rates, transformation, matrix_rate)
 
 
@@ -326,18 +272,25 @@ def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, trans
 
     ``weight_bar`` (n_cells, q, M) and ``x_bar`` (n, 2, M) are added to; returns the seeds on T.
     """
-    m = grad_bar.shape[1]
-    phi_bar = np.zeros((cells.table.phi.size, m))
-    phi_bar, grad_bar, matrix_bar = untransformed_seeds(
-        cells.raw, cells.table, phi_bar, grad_bar, transformation
+    m, gauss, edges = grad_bar.shape[1], cells.gauss.raw, cells.edges.raw
+    _, grad_bar, matrix_bar = untransformed_seeds(
+        cells.raw, cells.table, np.empty((0, m)), grad_bar, transformation
     )
-    full = cells.full.raw
-    full_phi, full_grad = np.zeros((full.phi.size, m)), np.zeros((full.grad.size, m))
+    gauss_bar, edge_bar = np.empty((gauss.grad.size, m)), np.empty((edges.phi.size, m))
     normals = edge_normals(cells.rule, cloud.particles)
-    normal_bar = np.zeros((*normals.shape, m))
+    normal_bar = np.empty((*normals.shape, m))
     _correct_seeds(
-        full, cells.weights, normals, phi_bar, grad_bar, full_phi, full_grad, weight_bar, normal_bar
+        cells.raw,
+        edges,
+        cells.weights,
+        normals,
+        grad_bar,
+        gauss_bar,
+        edge_bar,
+        weight_bar,
+        normal_bar,
     )
     add_normal_seeds(cells.rule, normal_bar, x_bar)
-    raw_seeds(cloud, cells.full, full_phi, full_grad, x_bar)
+    raw_seeds(cloud, cells.gauss, np.zeros((gauss.phi.size, m)), gauss_bar, x_bar)
+    raw_seeds(cloud, cells.edges, edge_bar, np.empty((0, m)), x_bar)
     return matrix_bar

@@ -179,7 +179,17 @@ def reverse_point(direct, pull, chain, seed, out):
 
 @compiled
 def forward_shape_functions(
-    cloud, points, start, neighbours, velocity, point_velocity, sloped, active, dstart, dphi, dgrad
+    cloud,
+    points,
+    start,
+    neighbours,
+    velocity,
+    point_velocity,
+    active,
+    dstart,
+    group_size,
+    dphi,
+    dgrad,
 ):
     """Derivatives of a whole table along design velocities.
 
@@ -187,15 +197,14 @@ def forward_shape_functions(
     ----------
     velocity, point_velocity : ndarray, shapes (P, n_particles, 2), (P, n_points, 2)
         Design velocities V of Eq. (48) at the particles and at the points.
-    sloped : ndarray of bool, shape (group_size,)
-        Points of a group whose gradients are asked for.
     active, dstart : ndarray of int
         Parameters that touch group g: ``active[dstart[g, 0]:dstart[g + 1, 0]]``;
         ``dstart[g, 1]`` is where its entries begin in ``dphi``.
     dphi, dgrad : ndarray
-        Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter).
+        Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter);
+        ``dgrad`` has no entries where gradients are not asked for.
     """
-    m, group_size = cloud.n_basis, sloped.size
+    m, rows = cloud.n_basis, 3 if dgrad.size > 0 else 1
     inverse = np.empty((m, m))
     for g in range(start.size - 1):
         near = neighbours[start[g] : start[g + 1]]
@@ -204,19 +213,12 @@ def forward_shape_functions(
         if count == 0:
             continue
         h, k, places = np.empty((n, 6, m)), np.empty((n, 6)), np.empty(n, np.int64)
-        of_value, of_slope = _workspace(n, m, 1), _workspace(n, m, 3)
-        deltas, outs = np.empty((2 * n, count)), np.empty((3 * n, count))
+        work = _workspace(n, m, rows)
+        deltas, outs = np.empty((2 * n, count)), np.empty((rows * n, count))
         for q in range(group_size):
-            point, rows = g * group_size + q, 3 if sloped[q] else 1
+            point = g * group_size + q
             direct, pull, chain, seen = _prepare(
-                points[point],
-                near,
-                cloud,
-                h,
-                k,
-                places,
-                inverse,
-                of_slope if sloped[q] else of_value,
+                points[point], near, cloud, h, k, places, inverse, work
             )
             s = seen.size
             delta, out = deltas[: 2 * s], outs[: rows * s]
@@ -229,53 +231,43 @@ def forward_shape_functions(
                         )
             forward_point(direct, pull, chain, delta, out)
             at = dstart[g, 1] + q * n * count
-            phi, grad = dphi[at : at + n * count], dgrad[2 * at : 2 * (at + n * count)]
-            phi[:] = 0.0
-            if rows > 1:
-                grad[:] = 0.0
+            dphi[at : at + n * count] = 0.0
+            dgrad[2 * at : 2 * at + (rows - 1) * n * count] = 0.0
             for i in range(s):
                 for p in range(count):
-                    phi[seen[i] * count + p] = out[i, p]
+                    dphi[at + seen[i] * count + p] = out[i, p]
                 for u in range(1, rows):
-                    to = ((u - 1) * n + seen[i]) * count
+                    to = 2 * at + ((u - 1) * n + seen[i]) * count
                     for p in range(count):
-                        grad[to + p] = out[u * s + i, p]
+                        dgrad[to + p] = out[u * s + i, p]
 
 
 @compiled
 def reverse_shape_functions(
-    cloud, points, start, neighbours, sloped, phi_bar, grad_bar, x_bar, point_bar
+    cloud, points, start, neighbours, group_size, phi_bar, grad_bar, x_bar, point_bar
 ):
     """Pull seeds on a whole table back to the particles and to the points.
 
     Parameters
     ----------
-    sloped : ndarray of bool, shape (group_size,)
-        Points of a group whose gradients have seeds.
     phi_bar, grad_bar : ndarray, shapes (..., M)
-        Seeds of M measures in the flat layout of ``ShapeTable``.
+        Seeds of M measures in the flat layout of ``ShapeTable``; ``grad_bar`` has no entries where
+        gradients are not asked for.
     x_bar, point_bar : ndarray, shapes (n_particles, 2, M), (n_points, 2, M)
         Added to: derivatives with respect to the particle and the point coordinates.
     """
-    m, group_size, n_measures = cloud.n_basis, sloped.size, phi_bar.shape[1]
+    m, rows, n_measures = cloud.n_basis, 3 if grad_bar.size > 0 else 1, phi_bar.shape[1]
     inverse = np.empty((m, m))
     for g in range(start.size - 1):
         near = neighbours[start[g] : start[g + 1]]
         n = near.size
         h, k, places = np.empty((n, 6, m)), np.empty((n, 6)), np.empty(n, np.int64)
-        of_value, of_slope = _workspace(n, m, 1), _workspace(n, m, 3)
-        seeds, outs = np.empty((3 * n, n_measures)), np.empty((2 * n, n_measures))
+        work = _workspace(n, m, rows)
+        seeds, outs = np.empty((rows * n, n_measures)), np.empty((2 * n, n_measures))
         for q in range(group_size):
-            point, rows = g * group_size + q, 3 if sloped[q] else 1
+            point = g * group_size + q
             direct, pull, chain, seen = _prepare(
-                points[point],
-                near,
-                cloud,
-                h,
-                k,
-                places,
-                inverse,
-                of_slope if sloped[q] else of_value,
+                points[point], near, cloud, h, k, places, inverse, work
             )
             s = seen.size
             seed, out = seeds[: rows * s], outs[: 2 * s]

@@ -61,19 +61,14 @@ class PointSet(NamedTuple):
     weights : ndarray, shape (n_points, k)
     group_size : int
         Points in a group; consecutive points share one neighbour list.
-    sloped : ndarray of bool, shape (group_size,), or None
-        Points of a group whose gradients are used; None: all. Rates and seeds are for them alone.
+    sloped : bool
+        Whether the gradients are used too; those of other points have no entries.
     """
 
     anchors: np.ndarray
     weights: np.ndarray
     group_size: int
-    sloped: np.ndarray | None = None
-
-    @property
-    def with_gradients(self) -> np.ndarray:
-        """``sloped``, shape (group_size,)."""
-        return np.ones(self.group_size, bool) if self.sloped is None else self.sloped
+    sloped: bool = True
 
     def at(self, particles):
         """Coordinates of the points, shape (n_points, 2), length unit of ``particles``."""
@@ -91,7 +86,8 @@ class ShapeTable(NamedTuple):
     phi : ndarray
         Flat (group, point, neighbour), dimensionless.
     grad : ndarray
-        Flat (group, point, component, neighbour), per length.
+        Flat (group, point, component, neighbour), per length. What a table is not asked for has no
+        entries.
     group_size : int
     """
 
@@ -108,11 +104,12 @@ class ShapeTable(NamedTuple):
 
 @compiled
 def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
-    """Fill ``phi`` and ``grad``; return the first point with a singular moment matrix, or -1."""
-    m = cloud.n_basis
+    """Fill ``phi``, and ``grad`` where it has entries; return the first point with a singular moment
+    matrix, or -1."""
+    m, rows = cloud.n_basis, 3 if grad.size > 0 else 1
     n_groups = start.size - 1
     group_size = points.shape[0] // n_groups
-    moments, inverse, b = np.empty((3, m, m)), np.empty((m, m)), np.empty((3, m))
+    moments, inverse, b = np.empty((rows, m, m)), np.empty((m, m)), np.empty((rows, m))
     for g in range(n_groups):
         s0, n = start[g], start[g + 1] - start[g]
         near = neighbours[s0 : s0 + n]
@@ -126,20 +123,19 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
             correction_coefficients(moments, inverse, b)
             at = s0 * group_size + q * n
             for i in range(n):
-                phi[at + i] = grad[2 * at + i] = grad[2 * at + n + i] = 0.0
+                phi[at + i] = 0.0
+            for i in range((rows - 1) * n):
+                grad[2 * at + i] = 0.0
             for i in range(count):
-                value, slope_x, slope_y = 0.0, 0.0, 0.0
+                value = 0.0
                 for a in range(m):
-                    g0 = h[i, 0, a] * k[i, 0]
-                    value += b[0, a] * g0
-                    slope_x += b[1, a] * g0 + b[0, a] * (
-                        h[i, 1, a] * k[i, 0] + h[i, 0, a] * k[i, 1]
-                    )
-                    slope_y += b[2, a] * g0 + b[0, a] * (
-                        h[i, 2, a] * k[i, 0] + h[i, 0, a] * k[i, 2]
-                    )
-                to = at + seen[i]
-                phi[to] = value
-                grad[at + to] = slope_x
-                grad[at + to + n] = slope_y
+                    value += b[0, a] * (h[i, 0, a] * k[i, 0])
+                phi[at + seen[i]] = value
+                for j in range(1, rows):
+                    slope = 0.0
+                    for a in range(m):
+                        slope += b[j, a] * (h[i, 0, a] * k[i, 0]) + b[0, a] * (
+                            h[i, j, a] * k[i, 0] + h[i, 0, a] * k[i, j]
+                        )
+                    grad[2 * at + (j - 1) * n + seen[i]] = slope
     return -1

@@ -4,7 +4,7 @@
 (direct differentiation), ``table_seeds`` its transpose (adjoint).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -45,12 +45,13 @@ class PointTable:
     table: ShapeTable
 
 
-def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, points: PointSet):
+def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
     """Particles whose support covers any point of a group, as (start, neighbours), sorted.
 
-    A particle that does not see one of the anchors of a group does not see the group.
+    Groups of the same number of several sets, whose ``coordinates`` follow each other, are one. A
+    particle that does not see one of the anchors of a group does not see the group.
     """
-    group_size = points.group_size
+    group_of = np.concatenate([np.arange(len(own.anchors)) // own.group_size for own in sets])
     tree = cKDTree(coordinates)
     hits = tree.query_ball_point(cloud.particles, cloud.radius, return_sorted=False)
     counts = np.fromiter((len(h) for h in hits), int, len(hits))
@@ -60,13 +61,13 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, points: PointSet):
         away = coordinates[point] - cloud.particles[particle]
         inside = np.all(np.abs(np.einsum("kij,kj->ki", cloud.axes[particle], away)) < 1.0, axis=1)
         particle, point = particle[inside], point[inside]
-    n_groups = len(coordinates) // group_size
     n = len(cloud.particles)
-    key = np.unique((point // group_size) * n + particle)
+    key = np.unique(group_of[point] * n + particle)
     if cloud.hidden.size:
-        key = np.setdiff1d(key, _unseen(cloud.hidden, points, n), assume_unique=True)
+        for own in sets:
+            key = np.setdiff1d(key, _unseen(cloud.hidden, own, n), assume_unique=True)
     group, neighbours = np.divmod(key, n)
-    start = np.searchsorted(group, np.arange(n_groups + 1))
+    start = np.searchsorted(group, np.arange(len(sets[0].anchors) // sets[0].group_size + 1))
     return start, neighbours
 
 
@@ -83,18 +84,26 @@ def _unseen(hidden: np.ndarray, points: PointSet, n: int) -> np.ndarray:
     return np.sort(group.astype(np.int64) * n + particle)
 
 
-def raw_table(cloud: Cloud, points: PointSet) -> tuple[np.ndarray, ShapeTable]:
-    """Coordinates and raw shape functions of a point set.
+def raw_tables(cloud: Cloud, *sets: PointSet) -> tuple[PointTable, ...]:
+    """Shape functions, not transformed, of point sets whose groups of the same number are one.
 
     Raises
     ------
     SingularMomentMatrixError
         Where the supports of the particles do not cover a point well enough.
     """
-    coordinates = points.at(cloud.particles)
-    start, neighbours = neighbour_lists(cloud, coordinates, points)
+    coordinates = [own.at(cloud.particles) for own in sets]
+    start, neighbours = neighbour_lists(cloud, np.concatenate(coordinates), *sets)
+    raw = [
+        _evaluated(cloud, own, x, start, neighbours)
+        for own, x in zip(sets, coordinates, strict=True)
+    ]
+    return tuple(map(PointTable, sets, coordinates, raw, raw))
+
+
+def _evaluated(cloud, points, coordinates, start, neighbours) -> ShapeTable:
     size = neighbours.size * points.group_size
-    phi, grad = np.empty(size), np.empty(2 * size)
+    phi, grad = np.empty(size), np.empty(2 * size if points.sloped else 0)
     bad = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad)
     if bad >= 0:
         x, y = coordinates[bad]
@@ -102,16 +111,17 @@ def raw_table(cloud: Cloud, points: PointSet) -> tuple[np.ndarray, ShapeTable]:
             f"the moment matrix is singular at ({x:.4g}, {y:.4g}): too few particle supports cover "
             "this point; use a larger support"
         )
-    return coordinates, ShapeTable(start, neighbours, phi, grad, points.group_size)
+    return ShapeTable(start, neighbours, phi, grad, points.group_size)
 
 
 def build_table(
     cloud: Cloud, points: PointSet, transformation: EssentialTransformation | None = None
 ) -> PointTable:
     """Shape functions of a point set, transformed for the essential conditions."""
-    coordinates, raw = raw_table(cloud, points)
-    table = raw if transformation is None else transform_table(raw, transformation)
-    return PointTable(points, coordinates, raw, table)
+    (plain,) = raw_tables(cloud, points)
+    if transformation is None:
+        return plain
+    return replace(plain, table=transform_table(plain.raw, transformation))
 
 
 def _active_parameters(point_table, velocity, transformation):
@@ -136,18 +146,15 @@ def _active_parameters(point_table, velocity, transformation):
 
 
 def raw_rates(cloud, point_table: PointTable, velocity, transformation=None) -> TableRates:
-    """Rates of the raw shape functions along design velocities ``velocity`` (P, n_particles, 2).
-
-    Those of gradients that are not used hold no numbers.
-    """
+    """Rates of the raw shape functions along design velocities ``velocity`` (P, n_particles, 2)."""
     points, raw = point_table.points, point_table.raw
     start, active = _active_parameters(point_table, velocity, transformation)
     starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
     point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
-    dphi, dgrad = np.empty(starts[-1, 1]), np.empty(2 * starts[-1, 1])
+    dphi, dgrad = np.empty(starts[-1, 1]), np.empty(2 * starts[-1, 1] if points.sloped else 0)
     forward_shape_functions(
-        cloud, point_table.coordinates, raw.start, raw.neighbours, velocity, point_velocity,
-        points.with_gradients, active, starts, dphi, dgrad,
+        cloud, point_table.coordinates, raw.start, raw.neighbours, velocity, point_velocity, active,
+        starts, points.group_size, dphi, dgrad,
     )  # fmt: skip
     return TableRates(starts, active, dphi, dgrad)
 
@@ -165,15 +172,12 @@ def table_rates(
 
 
 def raw_seeds(cloud: Cloud, point_table: PointTable, phi_bar, grad_bar, x_bar) -> None:
-    """Transpose of ``raw_rates``: seeds on the raw table added to ``x_bar`` (n_particles, 2, M).
-
-    Those on gradients that are not used are left out.
-    """
+    """Transpose of ``raw_rates``: seeds on the raw table added to ``x_bar`` (n_particles, 2, M)."""
     raw, points = point_table.raw, point_table.points
     point_bar = np.zeros((*point_table.coordinates.shape, x_bar.shape[2]))
     reverse_shape_functions(
-        cloud, point_table.coordinates, raw.start, raw.neighbours, points.with_gradients, phi_bar,
-        grad_bar, x_bar, point_bar,
+        cloud, point_table.coordinates, raw.start, raw.neighbours, points.group_size, phi_bar, grad_bar,
+        x_bar, point_bar,
     )  # fmt: skip
     add_point_seeds(points, point_bar, x_bar)
 

@@ -21,6 +21,7 @@ class TableRates(NamedTuple):
         Parameters that touch group g: ``active[start[g, 0]:start[g + 1, 0]]``.
     phi, grad : ndarray
         Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter).
+        What the table has no entries of has no rates.
     """
 
     start: np.ndarray
@@ -93,6 +94,8 @@ def _products(raw: ShapeTable, new: ShapeTable, transformation: EssentialTransfo
 
 def _transformed(raw: ShapeTable, new: ShapeTable, products, values, n_rows: int):
     """The products of all ``n_rows`` rows of a group, (point, component), of flat ``values``."""
+    if not values.size:
+        return values
     group, old, at, factor = products
     row = np.arange(n_rows)[:, None]
     count, count_new = np.diff(raw.start)[group], np.diff(new.start)[group]
@@ -129,13 +132,18 @@ def _transform_rates(
         n_raw, n_new = raw.start[g + 1] - raw.start[g], table.start[g + 1] - table.start[g]
         near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
         here = table.neighbours[table.start[g] : table.start[g + 1]]
+        which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
+        count = which.size
         in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
         _positions(near, constrained, in_c)
+        if in_c.max() < 0:
+            old_d, new_d = raw_rates.start[g, 1] * n_rows, rates.start[g, 1] * n_rows
+            size = raw.group_size * n_rows * n_raw * count
+            out[new_d : new_d + size] = raw_d[old_d : old_d + size]
+            continue
         _positions(near, here, in_new)
         of_union = np.empty(union.size, np.int64)
         _positions(union, here, of_union)
-        which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
-        count = which.size
         for row in range(raw.group_size * n_rows):
             old = raw.start[g] * raw.group_size * n_rows + row * n_raw
             old_d = raw_rates.start[g, 1] * n_rows + row * n_raw * count
@@ -168,6 +176,12 @@ def _transform_seeds(
         here = table.neighbours[table.start[g] : table.start[g + 1]]
         in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
         _positions(near, constrained, in_c)
+        if in_c.max() < 0:
+            size = raw.group_size * n_rows
+            raw_bar[raw.start[g] * size : raw.start[g + 1] * size] = bar[
+                table.start[g] * size : table.start[g + 1] * size
+            ]
+            continue
         _positions(near, here, in_new)
         of_union = np.empty(union.size, np.int64)
         _positions(union, here, of_union)
@@ -204,15 +218,16 @@ def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation,
         return rates
     count = np.diff(rates.start[:, 0])
     starts = np.column_stack([rates.start[:, 0], entry_starts(count, table)])
-    new = TableRates(starts, rates.active, np.zeros(starts[-1, 1]), np.zeros(2 * starts[-1, 1]))
+    new = TableRates(
+        starts, rates.active, np.zeros(rates.phi.size and starts[-1, 1]),
+        np.zeros(rates.grad.size and 2 * starts[-1, 1]),
+    )  # fmt: skip
     c, u, matrix = transformation.constrained, transformation.union, transformation.matrix
     matrix_rate = np.ascontiguousarray(matrix_rate)
-    _transform_rates(
-        raw, table, new, rates, c, u, matrix, matrix_rate, raw.phi, rates.phi, 1, new.phi
-    )
-    _transform_rates(
-        raw, table, new, rates, c, u, matrix, matrix_rate, raw.grad, rates.grad, 2, new.grad
-    )
+    parts = (raw.phi, rates.phi, 1, new.phi), (raw.grad, rates.grad, 2, new.grad)
+    for part in parts:
+        if part[1].size:
+            _transform_rates(raw, table, new, rates, c, u, matrix, matrix_rate, *part)
     return new
 
 
@@ -226,6 +241,8 @@ def untransformed_seeds(raw: ShapeTable, table: ShapeTable, phi_bar, grad_bar, t
     if c.size == 0:
         return phi_bar, grad_bar, matrix_bar
     raw_phi, raw_grad = np.empty((raw.phi.size, m)), np.empty((raw.grad.size, m))
-    _transform_seeds(raw, table, c, u, matrix, raw.phi, 1, phi_bar, raw_phi, matrix_bar)
-    _transform_seeds(raw, table, c, u, matrix, raw.grad, 2, grad_bar, raw_grad, matrix_bar)
+    parts = (raw.phi, 1, phi_bar, raw_phi), (raw.grad, 2, grad_bar, raw_grad)
+    for part in parts:
+        if part[2].size:
+            _transform_seeds(raw, table, c, u, matrix, *part, matrix_bar)
     return raw_phi, raw_grad, matrix_bar

@@ -14,27 +14,20 @@ import numpy as np
 
 from seal_mdao.analysis.body import Body, Discretization, discretize
 from seal_mdao.analysis.equations import equation_numbers, tangent_layout
-from seal_mdao.rkpm.integration import CellTable
-from seal_mdao.rkpm.shape_functions import PointSet, ShapeTable
-from seal_mdao.rkpm.tables import PointTable, build_table, raw_table, transform_table
+from seal_mdao.rkpm.integration import CellTable, EdgeRule, edge_normals, integration_points
+from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.rkpm.tables import build_table, raw_tables, transform_table
 
 
-def _points(body: Body, n_edge: int) -> tuple[PointSet, np.ndarray, np.ndarray]:
-    """Gauss points followed by edge points of every cell, edge ends and reference weights."""
+def _edge_rule(cells: np.ndarray, n_edge: int) -> tuple[EdgeRule, np.ndarray]:
+    """Gauss points on the edges of every cell, and their weights on an edge of length 2."""
     g, w = np.polynomial.legendre.leggauss(n_edge)
-    mapping, m = body.cell_map, len(body.cells)
-    q = mapping.n_points
-    ends = np.stack([body.cells, np.roll(body.cells, -1, axis=1)], axis=2).repeat(n_edge, axis=1)
-    size = q + ends.shape[1]
-    anchors, weights = np.empty((m, size, 4), int), np.zeros((m, size, 4))
-    anchors[:, :q], weights[:, :q] = mapping.cells[:, None], mapping.values
-    anchors[:, q:] = np.tile(ends, (1, 1, 2))
-    weights[:, q:, :2] = np.tile(0.5 * np.column_stack([1 - g, 1 + g]), (4, 1))
-    group = body.pressure.cells * size
-    return PointSet(anchors.reshape(-1, 4), weights.reshape(-1, 4), group), ends, np.tile(w, 4)
+    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).repeat(n_edge, axis=1)
+    shares = np.tile(0.5 * np.column_stack([1 - g, 1 + g]), (len(cells), 4, 1))
+    return EdgeRule(ends, shares), np.tile(w, 4)
 
 
-def _corrected(weights, normals, x, phi, grad):
+def _corrected(weights, normals, x, x_edge, phi, phi_edge, grad):
     """Gradients (q, 2, n) of one cell with the three moments of the divergence theorem.
 
     Parameters
@@ -42,46 +35,47 @@ def _corrected(weights, normals, x, phi, grad):
     weights : ndarray, shape (q,)
     normals : ndarray, shape (e, 2)
         Outward normal times weight at the edge points.
-    x : ndarray, shape (q + e, 2)
-    phi, grad : ndarray, shapes (q + e, n), (q + e, 2, n)
-        Gauss points first.
+    x, x_edge : ndarray, shapes (q, 2), (e, 2)
+    phi, phi_edge, grad : ndarray, shapes (q, n), (e, n), (q, 2, n)
     """
-    q, size = len(weights), np.sqrt(weights.sum())
-    m = np.column_stack([np.ones(len(x)), (x - x[:q].mean(axis=0)) / size])
+    centre, size = x.mean(axis=0), np.sqrt(weights.sum())
+    m, m_edge = (np.column_stack([np.ones(len(at)), (at - centre) / size]) for at in (x, x_edge))
     slope = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]) / size
-    lack = np.einsum("el,en,ej->ljn", m[q:], phi[q:], normals)
-    lack -= np.einsum("q,qn,lj->ljn", weights, phi[:q], slope)
-    lack -= np.einsum("q,ql,qjn->ljn", weights, m[:q], grad[:q])
-    gram = np.einsum("q,ql,qk->lk", weights, m[:q], m[:q])
+    lack = np.einsum("el,en,ej->ljn", m_edge, phi_edge, normals)
+    lack -= np.einsum("q,qn,lj->ljn", weights, phi, slope)
+    lack -= np.einsum("q,ql,qjn->ljn", weights, m, grad)
+    gram = np.einsum("q,ql,qk->lk", weights, m, m)
     share = np.linalg.solve(gram, lack.reshape(3, -1)).reshape(lack.shape)
-    return grad[:q] + np.einsum("ql,ljn->qjn", m[:q], share)
+    return grad + np.einsum("ql,ljn->qjn", m, share)
+
+
+def _of_cell(table: ShapeTable, values, components: int, cell: int, column: int) -> np.ndarray:
+    """Rows (point and component, neighbour) of one cell of flat ``values``."""
+    group, place = divmod(cell, column)
+    size = components * table.group_size
+    rows = values[table.start[group] * size : table.start[group + 1] * size]
+    return rows.reshape(column, size // column, -1)[place]
 
 
 def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Discretization:
     """As ``discretize``, with quadratically consistent gradients at the quadrature points."""
     disc = discretize(body, particles)
-    points, ends, reference = _points(body, n_edge)
-    x, full = raw_table(disc.cloud, points)
+    rule, reference = _edge_rule(body.cells, n_edge)
     column = body.pressure.cells
-    q, size = disc.weights.shape[1], points.group_size // column
-    edge = disc.particles[ends[..., 1]] - disc.particles[ends[..., 0]]
-    normals = 0.5 * reference[:, None] * np.stack([edge[..., 1], -edge[..., 0]], axis=-1)
-    phi, grad = [], []
+    sets = integration_points(body.cell_map, rule, column)
+    gauss, edges = raw_tables(disc.cloud, *sets)
+    normals = reference[:, None] * edge_normals(rule, disc.particles)
+    grad = []
     for cell in range(len(body.cells)):
-        group, place = divmod(cell, column)
-        rows = slice(full.start[group] * column * size, full.start[group + 1] * column * size)
-        here = full.phi[rows].reshape(column, size, -1)[place]
-        slope = full.grad[2 * rows.start : 2 * rows.stop].reshape(column, size, 2, -1)[place]
-        places = x[cell * size : (cell + 1) * size]
-        phi.append(here[:q].ravel())
-        grad.append(_corrected(disc.weights[cell], normals[cell], places, here, slope).ravel())
-    raw = ShapeTable(
-        full.start, full.neighbours, np.concatenate(phi), np.concatenate(grad), column * q
-    )
-    cells = CellTable(
-        body.edge_rule, disc.weights, PointTable(points, x, full, full), raw,
-        transform_table(raw, disc.transformation),
-    )  # fmt: skip
+        places = [own.coordinates.reshape(len(body.cells), -1, 2)[cell] for own in (gauss, edges)]
+        phi, phi_edge = (_of_cell(own.raw, own.raw.phi, 1, cell, column) for own in (gauss, edges))
+        slope = _of_cell(gauss.raw, gauss.raw.grad, 2, cell, column)
+        slope = slope.reshape(len(phi), 2, -1)
+        new = _corrected(disc.weights[cell], normals[cell], *places, phi, phi_edge, slope)
+        grad.append(new.ravel())
+    raw = gauss.raw._replace(phi=np.empty(0), grad=np.concatenate(grad))
+    table = transform_table(raw, disc.transformation)
+    cells = CellTable(body.edge_rule, disc.weights, gauss, edges, raw, table)
     where = [term.point_set() for term in terms]
     tables = [p and build_table(disc.cloud, p, disc.transformation) for p in where]
     couples = tuple(term.couples for term in terms)

@@ -36,7 +36,8 @@ def random_points(rng, cloud, groups=12, group_size=3):
 
 
 def rows(table, n_particles, values=None):
-    """A flat table as dense rows: phi (point, particle) and grad (point, component, particle)."""
+    """A flat table as dense rows, zero where it has no entries: phi (point, particle) and grad (point,
+    component, particle)."""
     q = table.group_size
     phi = np.zeros((table.n_groups * q, n_particles))
     grad = np.zeros((table.n_groups * q, 2, n_particles))
@@ -45,8 +46,10 @@ def rows(table, n_particles, values=None):
         near = table.neighbours[table.start[g] : table.start[g + 1]]
         low, high = q * table.start[g], q * table.start[g + 1]
         here = slice(g * q, (g + 1) * q)
-        phi[here, near] = source[0][low:high].reshape(q, near.size)
-        grad[here, :, near] = source[1][2 * low : 2 * high].reshape(q, 2, near.size)
+        if source[0].size:
+            phi[here, near] = source[0][low:high].reshape(q, near.size)
+        if source[1].size:
+            grad[here, :, near] = source[1][2 * low : 2 * high].reshape(q, 2, near.size)
     return phi, grad
 
 
@@ -61,9 +64,10 @@ def rate_rows(table, rates, n_particles, n_parameters):
         low, high = rates.start[g, 1], rates.start[g + 1, 1]
         shape = (near.size, active.size)
         for i in range(q):
-            block = rates.phi[low:high].reshape(q, *shape)[i]
-            phi[g * q + i][np.ix_(near, active)] = block
-            for c in range(2):
+            if rates.phi.size:
+                block = rates.phi[low:high].reshape(q, *shape)[i]
+                phi[g * q + i][np.ix_(near, active)] = block
+            for c in range(2 if rates.grad.size else 0):
                 block = rates.grad[2 * low : 2 * high].reshape(q, 2, *shape)[i, c]
                 grad[g * q + i, c][np.ix_(near, active)] = block
     return phi, grad

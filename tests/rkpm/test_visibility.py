@@ -53,7 +53,7 @@ def test_two_bars_do_not_feel_each_other():
     disc, moved = bent(together, both, (0.0, 1.0), (0.0, 0.0))
     alone, lower = bars(0.0)
     own, expected = bent(alone, lower, (0.0, 1.0))
-    n, table, single = BAR.n_particles, disc.cells.full.raw, own.cells.full.raw
+    n, table, single = BAR.n_particles, disc.cells.gauss.raw, own.cells.gauss.raw
     size = single.start[-1]
     assert np.array_equal(table.start[: len(BAR.cells) + 1], single.start)
     assert np.array_equal(table.neighbours[:size], single.neighbours)
@@ -209,7 +209,7 @@ def test_rates_are_exact_beside_a_slit(rng):
     radius = support_radii(cells, particles, 2.0)
     hidden = hidden_pairs(cells, particles, radius)
     body = Body(cells, radius, np.zeros(particles.shape, bool), hidden=hidden)
-    points = integration_points(body.cell_map, body.edge_rule)
+    _, points = integration_points(body.cell_map, body.edge_rule)
     table, n = build_table(body.cloud(particles), points), len(particles)
     velocity, step = rng.uniform(-1.0, 1.0, (1, n, 2)), 1e-5
     rates = raw_rates(body.cloud(particles), table, velocity)
