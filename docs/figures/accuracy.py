@@ -9,6 +9,8 @@ import numpy as np
 from figures.tables import percent, table
 from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplots
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
+from seal_mdao.seals.file.build import build_seal
+from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.step_choice import (
     FINER,
@@ -23,6 +25,15 @@ from seal_mdao.verification.error_sources import (
     largest_opened_gap,
     worst_error,
 )
+from seal_mdao.verification.file_errors import (
+    LINEAR,
+    QUADRATIC,
+    at_edges,
+    fine_forces,
+    force_error,
+    forces,
+    with_kernels,
+)
 from seal_mdao.verification.flat_door_reference import at_its_travels
 from seal_mdao.verification.flexure import bend_block
 from seal_mdao.verification.outline_errors import (
@@ -31,6 +42,7 @@ from seal_mdao.verification.outline_errors import (
     with_contact_at_edges,
 )
 
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 PRODUCT = (1.8, 2.5)
 ROUND = 2.0
 BY_CELL = {"support": ROUND}, {"support": PRODUCT}
@@ -47,7 +59,17 @@ CLOUDS = ((58, 3), (58, 5), (116, 3))
 def make(out: Path, reduced: bool) -> dict:
     """All figures of the page on accuracy."""
     numbers = {}
-    for part in (_support, _layers, _bending, _integration, _penalty, _steps, _preset, _outline):
+    for part in (
+        _support,
+        _layers,
+        _bending,
+        _integration,
+        _penalty,
+        _steps,
+        _preset,
+        _outline,
+        _files,
+    ):
         numbers |= part(out, reduced)
     return numbers
 
@@ -248,3 +270,26 @@ def _outline(out, reduced) -> dict:
         "the same, at edges",
     ]  # fmt: skip
     return {"outline_table": table(head, rows)}
+
+
+def _files(out, reduced) -> dict:
+    """Examples against half their spacing: kernels, and where the contact is."""
+    names = (
+        "lip",
+        "weatherstrip",
+        "o_ring",
+        "sealed_bulb",
+        "slipping_lip",
+        "o_ring_under_pressure",
+    )
+    rows = []
+    for name in names[3:4] if reduced else names:
+        file = read_seal_file(EXAMPLES / f"{name}.toml")
+        seal, exact = build_seal(file), fine_forces(file)
+        schemes = [with_kernels(seal, *kernels) for kernels in (LINEAR, QUADRATIC)]
+        if not file.fluids + file.cavities:
+            schemes.append(at_edges(seal, file))
+        found = [percent(force_error(forces(scheme), exact)) for scheme in schemes]
+        rows.append([name, len(seal.drawn_particles), *found, *["–"] * (3 - len(found))])
+    head = ["file", "particles", "linear, 2.2, as in files", "quadratic, 2.6", "linear, at edges"]
+    return {"files_table": table(head, rows)}

@@ -126,22 +126,22 @@ class CellTable:
 
 
 @inlined
-def _place(table, cell, n_cells):
+def _place(start, cell, n_cells):
     """Column of a cell, its number of neighbours, and the rows (point, neighbour) before the cell, in
     its column and in all, were there one point in a cell."""
-    cells = n_cells // (table.start.size - 1)
+    cells = n_cells // (start.size - 1)
     column = cell // cells
-    n = table.start[column + 1] - table.start[column]
+    n = start[column + 1] - start[column]
     before = (cell - cells * column) * n
-    return column, n, before, cells * table.start[column] + before
+    return column, n, before, cells * start[column] + before
 
 
 @compiled
-def _correct(gauss, edges, weights, normals, out):
+def _correct(start, grad, phi, weights, normals, out):
     n_cells, q_count = weights.shape
     e_count = normals.shape[1]
     for cell in range(n_cells):
-        _, n, _, s0 = _place(gauss, cell, n_cells)
+        _, n, _, s0 = _place(start, cell, n_cells)
         first, volume = 2 * s0 * q_count, 0.0
         for q in range(q_count):
             volume += weights[cell, q]
@@ -150,12 +150,12 @@ def _correct(gauss, edges, weights, normals, out):
             for i in range(n):
                 at, shift = first + j * n + i, 0.0
                 for q in range(q_count):
-                    shift -= weights[cell, q] * gauss.grad[at + 2 * q * n]
+                    shift -= weights[cell, q] * grad[at + 2 * q * n]
                 for e in range(e_count):
-                    shift += edges.phi[s0 * e_count + e * n + i] * normals[cell, e, j]
+                    shift += phi[s0 * e_count + e * n + i] * normals[cell, e, j]
                 shift /= volume
                 for q in range(q_count):
-                    out[at + 2 * q * n] = gauss.grad[at + 2 * q * n] + shift
+                    out[at + 2 * q * n] = grad[at + 2 * q * n] + shift
 
 
 @compiled
@@ -164,7 +164,7 @@ def _correct_rates(raw, edges, d_gauss, d_edges, weights, normals, weight_rates,
     n_cells, q_count = weights.shape
     e_count = normals.shape[1]
     for cell in range(n_cells):
-        column, n, before, s0 = _place(raw, cell, n_cells)
+        column, n, before, s0 = _place(raw.start, cell, n_cells)
         which = d_gauss.active[d_gauss.start[column, 0] : d_gauss.start[column + 1, 0]]
         count = which.size
         if count == 0:
@@ -206,7 +206,7 @@ def _correct_seeds(
     n_cells, q_count = weights.shape
     e_count, count = normals.shape[1], seeds.shape[1]
     for cell in range(n_cells):
-        _, n, _, s0 = _place(raw, cell, n_cells)
+        _, n, _, s0 = _place(raw.start, cell, n_cells)
         first, last = 2 * s0 * q_count, 2 * (s0 + n) * q_count
         grad = raw.grad[first:last].reshape(q_count, 2 * n)
         phi = edges.phi[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n)
@@ -242,8 +242,8 @@ def build_cell_table(
     weights : ndarray, shape (n_cells, q)
     """
     gauss, edges = raw_tables(cloud, *integration_points(mapping, rule, column))
-    grad = np.empty(gauss.raw.grad.size)
-    _correct(gauss.raw, edges.raw, weights, edge_normals(rule, cloud.particles), grad)
+    grad, normals = np.empty(gauss.raw.grad.size), edge_normals(rule, cloud.particles)
+    _correct(gauss.raw.start, gauss.raw.grad, edges.raw.phi, weights, normals, grad)
     raw = gauss.raw._replace(phi=np.empty(0), grad=grad)
     return CellTable(rule, weights, gauss, edges, raw, transform_table(raw, transformation))
 

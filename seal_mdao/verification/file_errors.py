@@ -1,0 +1,68 @@
+"""Errors of the seals of files with their own cloud, against clouds of half the spacing."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.visibility import hidden_pairs
+from seal_mdao.seals.file.build import build_seal
+from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.outline.seal import SUPPORT, OutlineSeal
+from seal_mdao.seals.result import analyze
+from seal_mdao.terms.points import edge_points
+
+LINEAR, QUADRATIC = (SUPPORT, 1), (2.6, 2)
+"""Support over the longest edge and order of the basis: what files have, and what they might have."""
+
+
+def with_kernels(seal: OutlineSeal, support: float, basis_order: int) -> OutlineSeal:
+    """The seal with other kernels on the same cloud."""
+    cells, places = seal.body.cells, seal.body.drawn
+    radius = support_radii(cells, places, support)
+    hidden = hidden_pairs(cells, places, radius)
+    body = replace(seal.body, support_radius=radius, hidden=hidden, basis_order=basis_order)
+    return replace(seal, body=body, support=support)
+
+
+def at_edges(seal: OutlineSeal, file: SealFile) -> OutlineSeal:
+    """The seal with contact in the middle of the edges between particles in place of the particles."""
+    edges = {profile.name: profile.contact for profile in file.profiles}
+
+    def moved(term):
+        if not isinstance(term, RigidContact):
+            return term
+        sides = np.concatenate([seal.body.edge(name).sides for name in edges[term.label]])
+        return replace(term, where=edge_points(sides, 1))
+
+    return replace(seal, definitions=tuple(map(moved, seal.definitions)))
+
+
+def refined(file: SealFile) -> OutlineSeal:
+    """The seal of a file with half its spacing."""
+    section = replace(file.section, spacing=0.5 * file.section.spacing)
+    return build_seal(replace(file, section=section))
+
+
+def forces(seal: OutlineSeal) -> list:
+    """Force on every profile along the load path, (n_steps, 2) each, N/mm."""
+    result = analyze(seal)
+    result.require_converged()
+    labels = [term.label for term in seal.definitions if isinstance(term, RigidContact)]
+    return [result.path.reaction(label) for label in labels]
+
+
+def fine_forces(file: SealFile) -> list:
+    """Mean of both kinds of kernels on the cloud of half the spacing: they differ by some 0.1 %."""
+    fine = refined(file)
+    both = [forces(with_kernels(fine, *kernels)) for kernels in (LINEAR, QUADRATIC)]
+    return [0.5 * (one + other) for one, other in zip(*both, strict=True)]
+
+
+def force_error(found: list, reference: list) -> float:
+    """Largest difference along the path, of any profile, over the largest force of that profile."""
+    return max(
+        float(np.abs(own - exact).max() / np.abs(exact).max())
+        for own, exact in zip(found, reference, strict=True)
+    )

@@ -1,0 +1,72 @@
+"""Errors of seals from files against half their spacing: what the page on accuracy says of them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.seals.file.build import build_seal
+from seal_mdao.seals.file.read import read_seal_file
+from seal_mdao.verification.file_errors import (
+    LINEAR,
+    QUADRATIC,
+    at_edges,
+    fine_forces,
+    force_error,
+    forces,
+    refined,
+    with_kernels,
+)
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+def example(name):
+    file = read_seal_file(EXAMPLES / f"{name}.toml")
+    return file, build_seal(file)
+
+
+def test_kernels_of_files_are_those_called_linear():
+    _, seal = example("sealed_bulb")
+    same = with_kernels(seal, *LINEAR)
+    assert np.array_equal(same.body.support_radius, seal.body.support_radius)
+    assert same.body.basis_order == seal.body.basis_order
+
+
+def test_half_the_spacing_has_more_than_three_times_the_particles():
+    file, seal = example("sealed_bulb")
+    assert len(refined(file).drawn_particles) > 3 * len(seal.drawn_particles)
+
+
+def test_contact_at_edges_is_halfway_between_particles():
+    file, seal = example("lip")
+    (here,) = (t for t in seal.definitions if isinstance(t, RigidContact))
+    (moved,) = (t for t in at_edges(seal, file).definitions if isinstance(t, RigidContact))
+    x = seal.drawn_particles
+    own, middle = here.where.points.at(x), moved.where.points.at(x)
+    nearest = np.sort(np.hypot(*(middle[:, None] - own).T), axis=0)[:2]
+    # both ends of an edge are contact points but for held ones
+    inner = nearest[1] < 1.5 * nearest[0]
+    assert inner.sum() > 0.8 * len(middle)
+    np.testing.assert_allclose(nearest[0, inner], nearest[1, inner], rtol=1e-12)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["sealed_bulb", "weatherstrip"])
+def test_both_bases_converge_and_the_linear_one_has_the_smaller_error(name):
+    file, seal = example(name)
+    exact = fine_forces(file)
+    linear, quadratic = (
+        force_error(forces(with_kernels(seal, *kernels)), exact) for kernels in (LINEAR, QUADRATIC)
+    )
+    fine = force_error(forces(with_kernels(refined(file), *LINEAR)), exact)
+    assert fine < 0.5 * linear
+    assert linear < quadratic < 0.1
+
+
+@pytest.mark.long
+def test_contact_at_edges_misses_the_tip_of_a_lip():
+    file, seal = example("lip")
+    exact = fine_forces(file)
+    assert force_error(forces(at_edges(seal, file)), exact) > 2.0 * force_error(forces(seal), exact)
