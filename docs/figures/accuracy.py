@@ -11,6 +11,7 @@ from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplot
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.read import read_seal_file
+from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.step_choice import (
     FINER,
@@ -261,7 +262,10 @@ def _outline(out, reduced) -> dict:
     """The same section filled as that of a seal file."""
     rows = []
     for spacing in (1.2,) if reduced else (1.2, 0.9, 0.7, 0.5):
-        schemes = [flat_door_seal(spacing, *kernels) for kernels in ((1.8,), (), (3.0,), (2.6, 2))]
+        schemes = [
+            flat_door_seal(spacing, kernels)
+            for kernels in (Kernels(1.8), LINEAR, Kernels(3.0), QUADRATIC)
+        ]
         schemes.append(with_contact_at_edges(schemes[-1]))
         found = [percent(reaction_error(scheme)) for scheme in schemes]
         rows.append([f"{spacing:g}", len(schemes[0].drawn_particles), *found])
@@ -286,7 +290,7 @@ def _files(out, reduced) -> dict:
     for name in names[3:4] if reduced else names:
         file = read_seal_file(EXAMPLES / f"{name}.toml")
         seal, exact = build_seal(file), fine_forces(file)
-        schemes = [with_kernels(seal, *kernels) for kernels in (LINEAR, QUADRATIC)]
+        schemes = [with_kernels(seal, kernels) for kernels in (LINEAR, QUADRATIC)]
         if not file.fluids + file.cavities:
             schemes.append(at_edges(seal, file))
         found = [percent(force_error(forces(scheme), exact)) for scheme in schemes]

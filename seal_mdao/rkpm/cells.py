@@ -115,6 +115,20 @@ def circumscribed_radii(axes: np.ndarray) -> np.ndarray:
     return np.max([np.hypot(*(widths @ [1.0, sign]).T) for sign in (1.0, -1.0)], axis=0)
 
 
+def kernel_supports(cells: np.ndarray, particles: np.ndarray, support) -> tuple:
+    """Radii of the supports and, of product kernels, their axes, else None.
+
+    Parameters
+    ----------
+    support : float, or pair of float
+        As of ``support_radii``, or of ``support_axes``.
+    """
+    if np.ndim(support) == 0:
+        return support_radii(cells, particles, support), None
+    axes = support_axes(cells, particles, support)
+    return circumscribed_radii(axes), axes
+
+
 def quadrilateral_rule(n_gauss: int) -> ReferenceRule:
     """``n_gauss`` x ``n_gauss`` Gauss points under the bilinear map of [-1, 1]^2."""
     g, w = np.polynomial.legendre.leggauss(n_gauss)

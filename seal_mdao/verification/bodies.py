@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.analysis.body import Body, Edge
-from seal_mdao.rkpm.cells import circumscribed_radii, support_axes, support_radii
+from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 
 
@@ -82,10 +82,8 @@ def grid_body(grid: Grid, particles: np.ndarray, fixed: np.ndarray, support=2.0,
 
     Two of them are the half-widths of product kernels along the first and the second direction.
     """
-    if np.ndim(support) == 0:
-        return Body(grid.cells, support_radii(grid.cells, particles, support), fixed, **options)
-    axes = support_axes(grid.cells, particles, support)
-    return Body(grid.cells, circumscribed_radii(axes), fixed, support_axes=axes, **options)
+    radius, axes = kernel_supports(grid.cells, particles, support)
+    return Body(grid.cells, radius, fixed, support_axes=axes, **options)
 
 
 def row_points(row: np.ndarray, n_ends: int = 0) -> MaterialPoints:

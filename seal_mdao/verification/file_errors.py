@@ -5,25 +5,28 @@ from dataclasses import replace
 import numpy as np
 
 from seal_mdao.contact.rigid_contact import RigidContact
-from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.tables import SealFile
-from seal_mdao.seals.outline.seal import SUPPORT, OutlineSeal
+from seal_mdao.seals.outline.kernels import Kernels
+from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import edge_points
 
-LINEAR, QUADRATIC = (SUPPORT, 1), (2.6, 2)
-"""Support over the longest edge and order of the basis: what files have, and what they might have."""
+LINEAR, QUADRATIC = Kernels(), Kernels(2.6, 2)
+"""What files have, and what they might have."""
 
 
-def with_kernels(seal: OutlineSeal, support: float, basis_order: int) -> OutlineSeal:
+def with_kernels(seal: OutlineSeal, kernels: Kernels) -> OutlineSeal:
     """The seal with other kernels on the same cloud."""
     cells, places = seal.body.cells, seal.body.drawn
-    radius = support_radii(cells, places, support)
-    hidden = hidden_pairs(cells, places, radius)
-    body = replace(seal.body, support_radius=radius, hidden=hidden, basis_order=basis_order)
-    return replace(seal, body=body, support=support)
+    radius, axes = kernel_supports(cells, places, kernels.support)
+    body = replace(
+        seal.body, support_radius=radius, support_axes=axes, basis_order=kernels.basis_order,
+        hidden=hidden_pairs(cells, places, radius),
+    )  # fmt: skip
+    return replace(seal, body=body, kernels=kernels)
 
 
 def at_edges(seal: OutlineSeal, file: SealFile) -> OutlineSeal:
@@ -56,7 +59,7 @@ def forces(seal: OutlineSeal) -> list:
 def fine_forces(file: SealFile) -> list:
     """Mean of both kinds of kernels on the cloud of half the spacing: they differ by some 0.1 %."""
     fine = refined(file)
-    both = [forces(with_kernels(fine, *kernels)) for kernels in (LINEAR, QUADRATIC)]
+    both = [forces(with_kernels(fine, kernels)) for kernels in (LINEAR, QUADRATIC)]
     return [0.5 * (one + other) for one, other in zip(*both, strict=True)]
 
 

@@ -11,7 +11,8 @@ from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.outline.arcs import Arc, Circle
-from seal_mdao.seals.outline.seal import SUPPORT, EdgeContact, OutlineSeal, outline_seal
+from seal_mdao.seals.outline.kernels import Kernels
+from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
 from seal_mdao.seals.outline.section import Contour, Outline
 from seal_mdao.seals.outline.segments import Line
 from seal_mdao.seals.result import analyze
@@ -43,17 +44,16 @@ def door_outline() -> Outline:
     )
 
 
-def flat_door_seal(spacing: float, support: float = SUPPORT, basis_order: int = 1) -> OutlineSeal:
+def flat_door_seal(spacing: float, kernels: Kernels | None = None) -> OutlineSeal:
     """The door seal under the flat door with the cloud that a seal file with this spacing gets, and its
     kernels, or others."""
     end = Section().outer_radius - DEPTH
     motion = straight_motion((0.0, START), (0.0, end), STEPS)
     contact = EdgeContact("door", ("seal",), FlatDoor(), motion, ContactLaw(1e4, 1e2, 0.25, True))
-    seal = outline_seal(
+    return outline_seal(
         *boundaries_of(door_outline(), spacing), MooneyRivlin(), n_steps=STEPS, fixed=("base",),
-        contacts=(contact,), support=support,
+        contacts=(contact,), kernels=kernels,
     )  # fmt: skip
-    return replace(seal, body=replace(seal.body, basis_order=basis_order))
 
 
 def with_contact_at_edges(seal: OutlineSeal) -> OutlineSeal:

@@ -29,7 +29,7 @@ def example(name):
 
 def test_kernels_of_files_are_those_called_linear():
     _, seal = example("sealed_bulb")
-    same = with_kernels(seal, *LINEAR)
+    same = with_kernels(seal, LINEAR)
     assert np.array_equal(same.body.support_radius, seal.body.support_radius)
     assert same.body.basis_order == seal.body.basis_order
 
@@ -58,9 +58,9 @@ def test_both_bases_converge_and_the_linear_one_has_the_smaller_error(name):
     file, seal = example(name)
     exact = fine_forces(file)
     linear, quadratic = (
-        force_error(forces(with_kernels(seal, *kernels)), exact) for kernels in (LINEAR, QUADRATIC)
+        force_error(forces(with_kernels(seal, kernels)), exact) for kernels in (LINEAR, QUADRATIC)
     )
-    fine = force_error(forces(with_kernels(refined(file), *LINEAR)), exact)
+    fine = force_error(forces(with_kernels(refined(file), LINEAR)), exact)
     assert fine < 0.5 * linear
     assert linear < quadratic < 0.1
 

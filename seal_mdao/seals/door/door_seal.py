@@ -17,7 +17,7 @@ from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.motion import Motion, straight_motion
 from seal_mdao.geometry.profile import PROFILE_EXTENT, RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.rkpm.cells import circumscribed_radii, support_axes, support_radii
+from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.seals.door.area import section_area
 from seal_mdao.seals.door.measures import BY_NAME, DOOR, STANDARD, measure_points
 from seal_mdao.seals.door.result import DoorSealResult
@@ -370,7 +370,9 @@ class DoorSeal(Seal):
         fixed = np.zeros((len(self.drawn_particles), 2), bool)
         fixed[grid.base] = True
         inner = grid.particle(np.arange(grid.rays), 0)
-        radius, axes = self._supports()
+        # the cells' first direction is across the wall
+        support = self.support if np.ndim(self.support) == 0 else self.support[::-1]
+        radius, axes = kernel_supports(grid.cells, self.drawn_particles, support)
         return Body(
             cells=grid.cells,
             support_radius=radius,
@@ -388,15 +390,6 @@ class DoorSeal(Seal):
             solver=self.solver,
             column=self.layers - 1 if self.pressure == "wall" else 1,
         )
-
-    def _supports(self):
-        """Support radii and, of product kernels, their axes."""
-        cells, particles = self.grid.cells, self.drawn_particles
-        if np.ndim(self.support) == 0:
-            return support_radii(cells, particles, self.support), None
-        # the cells' first direction is across the wall
-        axes = support_axes(cells, particles, self.support[::-1])
-        return circumscribed_radii(axes), axes
 
     @property
     def law(self) -> ContactLaw:

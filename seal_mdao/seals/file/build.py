@@ -25,9 +25,8 @@ from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import EdgeDesign
 from seal_mdao.seals.outline.edge_fluid import EdgeFluid
 from seal_mdao.seals.outline.moved import moved_outline
-from seal_mdao.seals.outline.rays import RAY_SUPPORT, Rays, ray_boundaries
+from seal_mdao.seals.outline.rays import Rays, ray_boundaries
 from seal_mdao.seals.outline.seal import (
-    SUPPORT,
     EdgeContact,
     OutlineSeal,
     SealedHole,
@@ -53,7 +52,6 @@ def build_seal(file: SealFile) -> OutlineSeal:
     """
     values.instance("file", file, SealFile)
     section = file.section
-    by_rays = isinstance(section.spacing, Rays)
     cuts = section.cuts
     try:
         seal = outline_seal(
@@ -67,7 +65,6 @@ def build_seal(file: SealFile) -> OutlineSeal:
                 SectionRegion(file.materials[r.material], r.at, f"{r.material}_")
                 for r in section.regions
             ],
-            support=RAY_SUPPORT if by_rays else SUPPORT,
             prefix=f"{section.material}_" if section.regions else "",
             contacts=[_contact(profile, file) for profile in file.profiles],
             sealed=[SealedHole(c.name, c.hole, c.pressure, c.gamma) for c in file.cavities],

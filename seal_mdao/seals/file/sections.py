@@ -22,19 +22,23 @@ from seal_mdao.seals.file.tables import RegionTable, SectionTable
 from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
-from seal_mdao.seals.outline.rays import Rays
+from seal_mdao.seals.outline.rays import ACCURACIES, Rays
 from seal_mdao.seals.outline.section import Contour, Outline
 
 RAY_KEYS = {
     "rays": Key(whole(8, 100_000)),
     "layers": Key(whole(2, 1000)),
     "centre": Key(POINT, (0.0, 0.0)),
+    "accuracy": Key(one_of(*ACCURACIES), ACCURACIES[0]),
 }
+LEAST_LAYERS = {"engineering": 3, "paper": 2}
+"""Of particles across a wall: the quadratic basis needs three."""
 SECTION_KEYS = {
     "material": Key(TEXT),
     "spacing": Key(number(above=0.0), None),
     "rays": Key(
-        Check("a table { rays, layers, centre }", lambda v: table("rays", v, RAY_KEYS)), None
+        Check("a table { rays, layers, centre, accuracy }", lambda v: table("rays", v, RAY_KEYS)),
+        None,
     ),
     "cloud": Key(TEXT, None),
     "outer": Key(LIST, None),
@@ -88,13 +92,23 @@ def _filling(where, values, folder, outline) -> float | Rays | GivenCloud:
             f"it has {' and '.join(given) or 'none of them'}"
         )
     if given == ["rays"]:
-        return Rays(**values["rays"])
+        return _rays(where, Rays(**values["rays"]))
     if given == ["spacing"]:
         return values["spacing"]
     try:
         return read_cloud(folder / values["cloud"], outline)
     except (GeometryError, ImportError) as error:
         raise SealFileError(f"{where}: cloud: {error}") from None
+
+
+def _rays(where, rays: Rays) -> Rays:
+    least = LEAST_LAYERS[rays.accuracy]
+    if rays.layers < least:
+        raise SealFileError(
+            f"{where}: rays: layers = {rays.layers} with the accuracy {rays.accuracy!r}, which needs at "
+            f"least {least}; 4 are a good start"
+        )
+    return rays
 
 
 def _drawing(where, values, folder) -> Outline:

@@ -45,6 +45,8 @@ class OutlineCloud(NamedTuple):
         Where the particles were when their kernels were chosen; None for where they are.
     support_radius : ndarray, shape (n,), or None
         Chosen then; None for one by the cells.
+    support_axes : ndarray, shape (n, 2, 2), or None
+        Of product kernels, chosen then.
     """
 
     particles: np.ndarray
@@ -53,6 +55,7 @@ class OutlineCloud(NamedTuple):
     parts: np.ndarray
     first_places: np.ndarray | None = None
     support_radius: np.ndarray | None = None
+    support_axes: np.ndarray | None = None
 
     @property
     def n_boundary(self) -> int:

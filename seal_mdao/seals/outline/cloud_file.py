@@ -1,6 +1,6 @@
 """Clouds in files of their own (VTU and every other format of meshio, extra ``vtk``)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -8,12 +8,16 @@ import numpy as np
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.mesh_files import cell_blocks, flat, library
+from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.seals.outline.cloud import OutlineCloud
+from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.located import located
 from seal_mdao.seals.outline.section import Outline
 
-FIRST, SUPPORT, PART = "first_place", "support_radius", "part"
-"""Names of the data of points and of cells."""
+FIRST, SUPPORT, AXES = "first_place", "support_radius", "support_axes"
+"""Names of the data of points."""
+PART, BASIS, COLUMN = "part", "basis_order", "column"
+"""Names of the data of cells; those of one ``column`` have one pressure through them."""
 
 KINDS = {"quad": 4, "triangle": 3}
 """Cells that bodies are made of; lines and points beside them are passed over."""
@@ -28,15 +32,18 @@ class GivenCloud:
     cloud : OutlineCloud
     boundaries : tuple of Boundary
         Its points along the contours of the section.
+    kernels : Kernels
+        Their basis and pressure; supports are those of the cloud, if it has them.
     """
 
     cloud: OutlineCloud
     boundaries: tuple
+    kernels: Kernels = field(default_factory=Kernels)
 
 
 def write_cloud(seal, offsets, path) -> Path:
     """Write the cloud of a design: particles and cells, where the particles were when kernels were
-    chosen, their supports, and to which part of the section every cell belongs.
+    chosen, their supports, and of every cell the part of the section, the basis and the column.
 
     Parameters
     ----------
@@ -49,11 +56,17 @@ def write_cloud(seal, offsets, path) -> Path:
     ImportError
         Without meshio.
     """
-    blocks = cell_blocks(seal.body.cells, seal.parts)
+    body = seal.body
+    of_points = {FIRST: flat(body.drawn), SUPPORT: body.support_radius}
+    if body.support_axes is not None:
+        of_points[AXES] = body.support_axes.reshape(-1, 4)
+    columns = np.arange(len(body.cells)) // body.column
+    of_cells = {PART: seal.parts, BASIS: np.full(len(columns), body.basis_order), COLUMN: columns}
+    blocks = {name: cell_blocks(body.cells, values) for name, values in of_cells.items()}
     mesh = library().Mesh(
-        flat(seal.particles(offsets)), [(kind, corners) for kind, corners, _ in blocks],
-        point_data={FIRST: flat(seal.body.drawn), SUPPORT: seal.body.support_radius},
-        cell_data={PART: [parts for _, _, parts in blocks]},
+        flat(seal.particles(offsets)), [(kind, corners) for kind, corners, _ in blocks[PART]],
+        point_data=of_points,
+        cell_data={name: [own for _, _, own in found] for name, found in blocks.items()},
     )  # fmt: skip
     mesh.write(Path(path))
     return Path(path)
@@ -62,9 +75,10 @@ def write_cloud(seal, offsets, path) -> Path:
 def read_cloud(path, outline: Outline) -> GivenCloud:
     """A cloud whose boundary is that of a section, to 1e-6 mm.
 
-    Quadrilaterals and triangles of any mesh. The data of points ``first_place`` and ``support_radius``
-    give the kernels, which otherwise are chosen for the cloud as it is; the data of cells ``part``
-    tells the parts of a section of several materials apart.
+    Quadrilaterals and triangles of any mesh. The data of points ``first_place``, ``support_radius``,
+    ``support_axes`` and those of cells ``basis_order``, ``column`` give the kernels, which otherwise are
+    chosen for the cloud as it is; the data of cells ``part`` tells the parts of a section of several
+    materials apart.
 
     Raises
     ------
@@ -78,13 +92,17 @@ def read_cloud(path, outline: Outline) -> GivenCloud:
         mesh = _mesh(path)
         particles, cells, used = _cells(mesh)
         loops, boundaries = _matched(outline, particles, _loops(cells))
-        first, support = (mesh.point_data.get(name) for name in (FIRST, SUPPORT))
+        first, support, axes = (
+            None if data is None else np.asarray(data, float)[used]
+            for data in map(mesh.point_data.get, (FIRST, SUPPORT, AXES))
+        )
         cloud = OutlineCloud(
-            particles, cells, loops, _parts(mesh),
-            None if first is None else np.ascontiguousarray(np.asarray(first, float)[used, :2]),
-            None if support is None else np.asarray(support, float)[used].ravel(),
+            particles, cells, loops, _of_cells(mesh, PART, 0),
+            None if first is None else np.ascontiguousarray(first[:, :2]),
+            None if support is None else support.ravel(),
+            None if axes is None else axes.reshape(-1, 2, 2),
         )  # fmt: skip
-        return GivenCloud(cloud, boundaries)
+        return GivenCloud(cloud, boundaries, _kernels(mesh))
     except GeometryError as error:
         raise GeometryError(f"{path}: {error}") from None
 
@@ -163,10 +181,22 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
     return tuple(found), tuple(boundaries)
 
 
-def _parts(mesh) -> np.ndarray:
-    """Part of every cell; one part where the file does not tell."""
+def _kernels(mesh) -> Kernels:
+    """Basis and pressure of the cells."""
+    order, column = _of_cells(mesh, BASIS, 1), _of_cells(mesh, COLUMN, None)
+    if order.min() != order.max() or order[0] not in BASIS_SIZE:
+        raise GeometryError(f"{BASIS} of its cells must be 1 or 2, the same for all")
+    size = np.count_nonzero(column == column[0])
+    if len(column) % size or np.any(column != np.repeat(column[::size], size)):
+        raise GeometryError(f"its cells of one {COLUMN} must follow each other, as many in each")
+    return Kernels(basis_order=int(order[0]), column=int(size))
+
+
+def _of_cells(mesh, name: str, default) -> np.ndarray:
+    """Integers of every cell; without a default their own numbers where the file does not tell."""
     blocks = [i for i, block in enumerate(mesh.cells) if block.type in KINDS]
-    data = mesh.cell_data.get(PART)
+    data = mesh.cell_data.get(name)
     if data is None:
-        return np.zeros(sum(len(mesh.cells[i].data) for i in blocks), int)
+        numbers = np.arange(sum(len(mesh.cells[i].data) for i in blocks))
+        return numbers if default is None else np.full(numbers.shape, default)
     return np.concatenate([np.asarray(data[i]).ravel() for i in blocks]).astype(int)

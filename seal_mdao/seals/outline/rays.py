@@ -7,11 +7,12 @@ from scipy.optimize import brentq
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.cloud import OutlineCloud
+from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Boundary, Outline
 from seal_mdao.seals.wall_grid import WallGrid
 
-RAY_SUPPORT = 2.0
-"""Support radius over the longest side of a cell at a particle, that of the door seal."""
+ACCURACIES = "engineering", "paper"
+"""What the kernels of rays are called; as of ``DoorSeal``."""
 
 BACK = 1e-9
 """By how much an angle may fall back along a contour, radians."""
@@ -25,9 +26,21 @@ class Rays(WallGrid):
     ----------
     centre : pair of float
         Where the rays come from, mm.
+    accuracy : str
+        ``"engineering"``: product kernels of 2 edges around and 3.15 across the wall, quadratic basis,
+        pressure through the wall. ``"paper"``: as Kim, Choi, Chen and Park have them.
     """
 
     centre: tuple = (0.0, 0.0)
+    accuracy: str = ACCURACIES[0]
+
+    @property
+    def kernels(self) -> Kernels:
+        """Those of the door seal of this accuracy."""
+        if self.accuracy == "paper":
+            return Kernels(2.0)
+        # the cells' first direction is across the wall
+        return Kernels((3.15, 2.0), 2, self.layers - 1)
 
     def across(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
         """Values (..., n, 2) of all particles from those (..., rays, 2) of the two boundaries."""

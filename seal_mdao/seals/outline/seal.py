@@ -1,6 +1,6 @@
 """A seal from the boundary of any section."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -13,20 +13,18 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.shape import Shape
 from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE, TrappedAir
-from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.assembled import AssembledSeal
 from seal_mdao.seals.outline.cloud import OutlineCloud, cloud
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.extension import harmonic_extension
+from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.self_touch import SelfTouch
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
-
-SUPPORT = 2.2
-"""Support radius over the longest side of a cell at a particle."""
 
 
 class EdgeContact(NamedTuple):
@@ -105,15 +103,15 @@ class OutlineSeal(AssembledSeal):
         Boundary particles of every loop, which come first.
     spacing : float, Rays or GivenCloud
         Of its cloud, mm; or the rays that fill its wall; or the cloud itself.
-    support : float
-        Support radius over the longest side of a cell at a particle.
+    kernels : Kernels
+        Of its cloud.
     cuts : tuple of ndarray
         Lines that divide the drawn section between materials, their corners (k, 2), mm.
     """
 
     loops: tuple = ()
     spacing: float | Rays | GivenCloud = 1.0
-    support: float = SUPPORT
+    kernels: Kernels = field(default_factory=Kernels)
     cuts: tuple = ()
 
     @property
@@ -126,7 +124,7 @@ class OutlineSeal(AssembledSeal):
 def outline_seal(
     boundaries, spacing: float | Rays | GivenCloud, material, *, n_steps: int, fixed=(), planes=(),
     contacts=(), sealed=(), touching: SelfTouch | None = None, fluids=(), designs=(), cuts=(),
-    regions=(), prefix: str = "", support: float = SUPPORT, standard=(), inputs=(),
+    regions=(), prefix: str = "", kernels: Kernels | None = None, standard=(), inputs=(),
     newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
     """A seal from the boundary of its section.
@@ -159,8 +157,8 @@ def outline_seal(
         Parts between them, and bodies, that are not of ``material``.
     prefix : str
         Put before the names of the constants of ``material``.
-    support : float
-        Support radius over the longest side of a cell at a particle.
+    kernels : Kernels, optional
+        Those of rays and of clouds with kernels of their own unless given, else ``Kernels()``.
     standard, inputs, newton
         As of ``AssembledSeal``.
 
@@ -190,7 +188,8 @@ def outline_seal(
         held[edges[name].particles] = True
     for name, component in planes:
         held[edges[name].particles, component] = True
-    body = _body(filled, support, held, edges)
+    kernels = kernels or getattr(spacing, "kernels", None) or Kernels()
+    body = _body(filled, kernels, held, edges)
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
     profiles = tuple(contact.on(body) for contact in contacts)
@@ -199,7 +198,7 @@ def outline_seal(
     loads += [fluid.on(body, profiles, n_steps) for fluid in fluids]
     return OutlineSeal(
         filled.particles, velocity, body, (elastic, *loads), n_steps, tuple(standard), tuple(inputs),
-        newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, support=support,
+        newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, kernels=kernels,
         cuts=tuple(np.asarray(cut, float) for cut in cuts),
     )  # fmt: skip
 
@@ -242,7 +241,7 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
         seal,
         drawn_particles=filled.particles - np.tensordot(offsets, velocity, 1),
         design_velocity=velocity,
-        body=_body(filled, seal.support, held, seal.body.edges),
+        body=_body(filled, seal.kernels, held, seal.body.edges),
     )
 
 
@@ -289,12 +288,16 @@ def _part_at(filled: OutlineCloud, point) -> int:
     return int(filled.parts[np.flatnonzero(inside)[0]])
 
 
-def _body(filled: OutlineCloud, support, held, edges) -> Body:
-    cells, places, radius = filled.cells, filled.first_places, filled.support_radius
+def _body(filled: OutlineCloud, kernels: Kernels, held, edges) -> Body:
+    cells, places = filled.cells, filled.first_places
     places = filled.particles if places is None else places
-    radius = support_radii(cells, places, support) if radius is None else radius
-    hidden = hidden_pairs(cells, places, radius)
-    return Body(cells, radius, held, edges, drawn=places, hidden=hidden)
+    radius, axes = filled.support_radius, filled.support_axes
+    if radius is None:
+        radius, axes = kernel_supports(cells, places, kernels.support)
+    return Body(
+        cells, radius, held, edges, drawn=places, hidden=hidden_pairs(cells, places, radius),
+        support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
+    )  # fmt: skip
 
 
 def _inside(filled: OutlineCloud, velocity: np.ndarray) -> np.ndarray:
