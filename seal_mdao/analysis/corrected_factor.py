@@ -55,9 +55,7 @@ class CorrectedFactor:
 
     def kept(self) -> "CorrectedFactor":
         """One that survives the next factorisation in the same storage."""
-        other = object.__new__(CorrectedFactor)
-        other.__dict__.update(self.__dict__, factor=self.factor.kept())
-        return other
+        return CorrectedFactor(self.factor.kept(), self.columns, self.change, self.symmetric)
 
     def solve(self, rhs: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solve for one or several right-hand sides, shape (n,) or (n, m)."""

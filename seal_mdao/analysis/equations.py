@@ -115,7 +115,13 @@ class TangentLayout:
 
         The factor is good until the buffer is filled again; ``factor.kept()`` stays.
         """
-        factor = self.storage.factorize(values, symmetric)
+        return self._with_columns(self.storage.factorize(values, symmetric), values, symmetric)
+
+    def factorize_roughly(self, values: np.ndarray):
+        """As ``factorize``, good to some digits where the storage has such a way."""
+        return self._with_columns(self.storage.factorize_roughly(values), values, False)
+
+    def _with_columns(self, factor, values, symmetric):
         if not self.n_columns:
             return factor
         columns, sizes = self.columns(values)

@@ -18,10 +18,10 @@ SOLVERS = ("auto", "banded", "superlu", "pardiso")
 
 # The band does without fill-in and in large blocks, but every Newton iteration factorises it; a sparse
 # storage takes one factorisation a step and a few quasi-Newton iterations. With r entries of the band
-# for one of the pattern and n unknowns the former takes (r n^(1/5) / 10.5)^1.1 of the time of the
-# latter: fitted on one core to sixteen rings with 330 to 2,400 unknowns and shares of 0.67 to 1.6, to
-# a sixth; all fall on the right side of 1.
-WIDEST_BAND = 10.5
+# for one of the pattern and n unknowns the former takes (r n^(1/5) / c)^1.3 of the time of the latter:
+# fitted on one core to fourteen rings of 330 to 1,700 unknowns with PARDISO, and to seven with SuperLU,
+# to a third and to a quarter.
+WIDEST_BAND = {"pardiso": 8.4, "superlu": 12.6}
 
 
 class BandedFactor:
@@ -175,7 +175,7 @@ def storage_for(solver: str, n: int, width: int, equations, coupling) -> Storage
     if solver == "auto":
         sparse = "pardiso" if find_spec("pypardiso") else "superlu"
         entries = width * n / (2.0 * coupling.nnz)
-        solver = "banded" if entries * n**0.2 <= WIDEST_BAND else sparse
+        solver = "banded" if entries * n**0.2 <= WIDEST_BAND[sparse] else sparse
     if solver == "banded":
         return BandedStorage(n, width)
     storage = SparseStorage if solver == "superlu" else PardisoStorage

@@ -138,6 +138,12 @@ class PathProblem:
         self.factor = self.discretization.layout.factorize(self.values, check and self.symmetric)
         return self.factor
 
+    def factorize_roughly(self):
+        """As ``factorize``, good to the digits that a predictor and quasi-Newton iterations need."""
+        self.factor = None
+        self.factor = self.discretization.layout.factorize_roughly(self.values)
+        return self.factor
+
     def assemble_at(self, step: ConvergedStep) -> None:
         """Fill forces and tangent at a converged step."""
         self.begin()

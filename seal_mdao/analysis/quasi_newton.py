@@ -173,10 +173,16 @@ def quasi_newton(
 
 
 def _factorize(problem, d, target, last) -> Status:
-    """Factorise the tangent where the iterations converged; the forces stay, bit for bit."""
+    """Factorise the tangent where the iterations converged; the forces stay, bit for bit.
+
+    A symmetric one tells at every step whether it is stable, which rough factors do not.
+    """
     problem.assemble(d, target, last.after)
     try:
-        problem.factorize(check=True)
+        if problem.symmetric:
+            problem.factorize(check=True)
+        else:
+            problem.factorize_roughly()
     except np.linalg.LinAlgError:
         return Status.SINGULAR
     return Status.CONVERGED

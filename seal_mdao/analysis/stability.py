@@ -62,7 +62,8 @@ def critical_mode(problem: PathProblem, factor, way, negative: bool) -> np.ndarr
     positive sum of x, else of y, else of turning to the left.
     """
     layout, x = problem.discretization.layout, problem.discretization.particles
-    _, mode = nearest_mode(factor, layout.n_equations, problem.symmetric, negative)
+    # that of the last step may be rough; what is kept is exact
+    _, mode = nearest_mode(factor.kept(), layout.n_equations, problem.symmetric, negative)
     mode = layout.gather(mode / np.abs(mode).max())
     turn = np.column_stack([-x[:, 1], x[:, 0]])
     for sense in (way, np.array([1.0, 0.0]), np.array([0.0, 1.0]), turn):
@@ -75,8 +76,9 @@ def critical_mode(problem: PathProblem, factor, way, negative: bool) -> np.ndarr
 
 def is_stable(problem: PathProblem, at_any_cost: bool = False) -> bool:
     """Whether the tangent factorised last says so; True where asking an unsymmetric one costs much."""
-    cheap = problem.symmetric or problem.discretization.layout.storage.tells_sign
-    return problem.factor.positive if cheap or at_any_cost else True
+    if problem.symmetric or problem.discretization.layout.storage.tells_sign:
+        return problem.factor.positive
+    return problem.factor.kept().positive if at_any_cost else True
 
 
 def follows_stable(problem: PathProblem, options: NewtonOptions) -> bool:

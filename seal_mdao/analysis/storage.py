@@ -81,3 +81,9 @@ class Storage(Protocol):
         LinAlgError
             The matrix is singular.
         """
+
+    def factorize_roughly(self, values: np.ndarray) -> Factor:
+        """Factor good to some digits, for quasi-Newton iterations; what it ``kept`` is good to all.
+
+        Asked of those that reuse factors.
+        """

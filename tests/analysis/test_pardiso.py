@@ -42,6 +42,62 @@ def test_factors_solve_and_outlive_the_next_factorisation(rng):
         assert factor.nbytes > 0
 
 
+def random_tangent(rng):
+    """A layout, a buffer with an unsymmetric tangent, and a right-hand side."""
+    disc = square(rng, n=12, solver="pardiso")
+    layout = disc.layout
+    values = internal(disc, np.where(disc.body.fixed, 0.0, wave(disc, 0.05)))[1]
+    values[: layout.storage.size] *= 1.0 + 0.1 * rng.standard_normal(layout.storage.size)
+    return layout, values, rng.standard_normal(layout.n_equations)
+
+
+def test_rough_factors_have_single_precision_and_what_is_kept_of_them_double(rng):
+    pytest.importorskip("pypardiso")
+    layout, values, rhs = random_tangent(rng)
+    matrix, given = dense(layout, values), values.copy()
+    rough = layout.factorize_roughly(values)
+    values[:] = np.nan  # the next tangent is assembled into the buffer
+    condition = np.linalg.cond(matrix)
+    for transposed, system in ((False, matrix), (True, matrix.T)):
+        exact = np.linalg.solve(system, rhs)
+        error = np.abs(rough.solve(rhs, transposed) - exact).max() / np.abs(exact).max()
+        assert 1e-9 < error < np.finfo(np.float32).eps * condition
+    found, expected = rough.kept().solve(rhs), layout.factorize(given).solve(rhs)
+    np.testing.assert_array_equal(found, expected)
+    assert rough.positive == layout.factorize(given).positive
+
+
+def test_kept_factors_share_a_handle_and_leave_their_place_to_others(rng):
+    pytest.importorskip("pypardiso")
+    layout, values, rhs = random_tangent(rng)
+    exact = layout.factorize(values).solve(rhs)
+    kept = [layout.factorize(2.0**k * values).kept() for k in range(6)]
+    handle = kept[0].handle
+    assert all(factor.handle is handle for factor in kept)
+    assert len({factor.number for factor in kept}) == 6
+    assert kept[2].kept() is kept[2]
+    left = {kept.pop(1).number, kept.pop(3).number}
+    more = [layout.factorize(8.0 * values).kept() for _ in range(2)]
+    last = layout.factorize(16.0 * values)
+    assert left <= {factor.number for factor in (*more, last)}
+    # powers of two scale every number of a factorisation exactly
+    for factor, scale in zip((*kept, *more, last), (1, 4, 8, 32, 8, 8, 16), strict=True):
+        np.testing.assert_allclose(scale * factor.solve(rhs), exact, rtol=1e-12)
+
+
+def test_a_path_does_not_depend_on_whether_its_factors_are_kept():
+    pytest.importorskip("pypardiso")
+    model = sm.door_seal(depth=2.0, n_steps=10, solver="pardiso")
+    plain, kept = (sm.analyze(model, keep_factors=keep) for keep in (False, True))
+    assert np.array_equal(plain.displacement(), kept.displacement())
+    again, once = (sm.differentiate(result, method="adjoint") for result in (plain, kept))
+    scale = np.abs(once.von_mises).max()
+    # made again after a scaling for another tangent: rounding times the condition of the tangents
+    np.testing.assert_allclose(
+        again.von_mises, once.von_mises, rtol=0.0, atol=2e5 * np.finfo(float).eps * scale
+    )
+
+
 def test_analysis_and_sensitivities_do_not_depend_on_the_solver(tight):
     pytest.importorskip("pypardiso")
     model = sm.door_seal(depth=3.0, n_steps=14, start=10.03, newton=tight)
