@@ -88,7 +88,7 @@ def integration_points(mapping: CellMap, rule: EdgeRule, column: int = 1) -> tup
     n_cells, q = len(mapping.cells), mapping.n_points
     anchors = np.broadcast_to(mapping.cells[:, None], (n_cells, q, 4)).reshape(-1, 4)
     weights = np.broadcast_to(mapping.values, (n_cells, q, 4)).reshape(-1, 4)
-    gauss = PointSet(anchors, weights, q * column)
+    gauss = PointSet(anchors, weights, q * column, valued=False)
     ends, shares = rule.ends.reshape(-1, 2), rule.weights.reshape(-1, 2)
     return gauss, PointSet(ends, shares, rule.ends.shape[1] * column, sloped=False)
 
@@ -103,11 +103,11 @@ class CellTable:
     weights : ndarray, shape (n_cells, q)
         Quadrature weights.
     gauss : PointTable
-        Gauss points, as Eq. (13) gives them.
+        Gradients at the Gauss points, as Eq. (13) gives them.
     edges : PointTable
         Values at the edge points; the groups have the lists of those of the Gauss points.
     raw : ShapeTable
-        Gauss points: consistent gradients, and no values.
+        Consistent gradients at the Gauss points.
     table : ShapeTable
         After the essential transformation; what the analysis uses.
     """
@@ -244,7 +244,7 @@ def build_cell_table(
     gauss, edges = raw_tables(cloud, *integration_points(mapping, rule, column))
     grad, normals = np.empty(gauss.raw.grad.size), edge_normals(rule, cloud.particles)
     _correct(gauss.raw.start, gauss.raw.grad, edges.raw.phi, weights, normals, grad)
-    raw = gauss.raw._replace(phi=np.empty(0), grad=grad)
+    raw = gauss.raw._replace(grad=grad)
     return CellTable(rule, weights, gauss, edges, raw, transform_table(raw, transformation))
 
 
@@ -263,7 +263,6 @@ def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transforma
         cells.raw, cells.edges.raw, rates, at_edges, cells.weights,
         edge_normals(cells.rule, cloud.particles), weight_rates, edge_normals(cells.rule, velocity),
     )  # fmt: skip
-    rates = rates._replace(phi=np.empty(0))
     return transformed_rates(cells.raw, cells.table, rates, transformation, matrix_rate)
 
 
@@ -291,6 +290,6 @@ def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, trans
         normal_bar,
     )
     add_normal_seeds(cells.rule, normal_bar, x_bar)
-    raw_seeds(cloud, cells.gauss, np.zeros((gauss.phi.size, m)), gauss_bar, x_bar)
+    raw_seeds(cloud, cells.gauss, np.empty((0, m)), gauss_bar, x_bar)
     raw_seeds(cloud, cells.edges, edge_bar, np.empty((0, m)), x_bar)
     return matrix_bar

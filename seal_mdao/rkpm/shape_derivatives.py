@@ -139,16 +139,16 @@ def _prepare(x, near, cloud, h, k, seen, inverse, work):
 
 
 @internal
-def forward_point(direct, pull, chain, delta, out):
+def forward_point(direct, pull, chain, delta, first, out):
     """Derivatives of one point's shape functions along P motions ``delta`` (2 n, P) of r_I.
 
-    ``out`` (rows n, P) receives Phi', Phi_,x', Phi_,y'.
+    ``out`` (rows n, P) receives Phi', Phi_,x', Phi_,y' from the block ``first`` on.
     """
     n, rows, _ = direct.shape
     m = chain.shape[1]
     moved = pull.T @ delta
-    np.dot(chain, moved[:m], out)
-    for u in range(rows):
+    np.dot(chain[first * n :], moved[:m], out[first * n :])
+    for u in range(first, rows):
         own = out[u * n : (u + 1) * n]
         if u > 0:
             own += chain[:n] @ moved[u * m : (u + 1) * m]
@@ -159,17 +159,17 @@ def forward_point(direct, pull, chain, delta, out):
 
 
 @internal
-def reverse_point(direct, pull, chain, seed, out):
+def reverse_point(direct, pull, chain, seed, first, out):
     """Transpose of ``forward_point``: ``seed`` (rows n, M) on Phi, Phi_,x, Phi_,y ``out`` (2 n, M)."""
     n, rows, _ = direct.shape
     m = chain.shape[1]
     moved = np.empty((rows * m, seed.shape[1]))
-    np.dot(chain.T, seed, moved[:m])
+    np.dot(chain[first * n :].T, seed[first * n :], moved[:m])
     for u in range(1, rows):
         np.dot(chain[:n].T, seed[u * n : (u + 1) * n], moved[u * m : (u + 1) * m])
     np.dot(pull, moved, out)
     for i in range(n):
-        for u in range(rows):
+        for u in range(first, rows):
             row = seed[u * n + i]
             for c in range(2):
                 d = direct[i, u, c]
@@ -201,10 +201,10 @@ def forward_shape_functions(
         Parameters that touch group g: ``active[dstart[g, 0]:dstart[g + 1, 0]]``;
         ``dstart[g, 1]`` is where its entries begin in ``dphi``.
     dphi, dgrad : ndarray
-        Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter);
-        ``dgrad`` has no entries where gradients are not asked for.
+        Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter); what
+        is not asked for has no entries.
     """
-    m, rows = cloud.n_basis, 3 if dgrad.size > 0 else 1
+    m, first, rows = cloud.n_basis, 0 if dphi.size > 0 else 1, 3 if dgrad.size > 0 else 1
     inverse = np.empty((m, m))
     for g in range(start.size - 1):
         near = neighbours[start[g] : start[g + 1]]
@@ -229,13 +229,14 @@ def forward_shape_functions(
                             point_velocity[which[p], point, c]
                             - velocity[which[p], near[seen[i]], c]
                         )
-            forward_point(direct, pull, chain, delta, out)
+            forward_point(direct, pull, chain, delta, first, out)
             at = dstart[g, 1] + q * n * count
             dphi[at : at + n * count] = 0.0
             dgrad[2 * at : 2 * at + (rows - 1) * n * count] = 0.0
             for i in range(s):
-                for p in range(count):
-                    dphi[at + seen[i] * count + p] = out[i, p]
+                if first == 0:
+                    for p in range(count):
+                        dphi[at + seen[i] * count + p] = out[i, p]
                 for u in range(1, rows):
                     to = 2 * at + ((u - 1) * n + seen[i]) * count
                     for p in range(count):
@@ -251,12 +252,12 @@ def reverse_shape_functions(
     Parameters
     ----------
     phi_bar, grad_bar : ndarray, shapes (..., M)
-        Seeds of M measures in the flat layout of ``ShapeTable``; ``grad_bar`` has no entries where
-        gradients are not asked for.
+        Seeds of M measures in the flat layout of ``ShapeTable``; what is not asked for has no entries.
     x_bar, point_bar : ndarray, shapes (n_particles, 2, M), (n_points, 2, M)
         Added to: derivatives with respect to the particle and the point coordinates.
     """
-    m, rows, n_measures = cloud.n_basis, 3 if grad_bar.size > 0 else 1, phi_bar.shape[1]
+    m, first, rows = cloud.n_basis, 0 if phi_bar.size > 0 else 1, 3 if grad_bar.size > 0 else 1
+    n_measures = phi_bar.shape[1]
     inverse = np.empty((m, m))
     for g in range(start.size - 1):
         near = neighbours[start[g] : start[g + 1]]
@@ -273,13 +274,14 @@ def reverse_shape_functions(
             seed, out = seeds[: rows * s], outs[: 2 * s]
             at = start[g] * group_size + q * n
             for i in range(s):
-                for measure in range(n_measures):
-                    seed[i, measure] = phi_bar[at + seen[i], measure]
+                if first == 0:
+                    for measure in range(n_measures):
+                        seed[i, measure] = phi_bar[at + seen[i], measure]
                 for u in range(1, rows):
                     source = 2 * at + (u - 1) * n + seen[i]
                     for measure in range(n_measures):
                         seed[u * s + i, measure] = grad_bar[source, measure]
-            reverse_point(direct, pull, chain, seed, out)
+            reverse_point(direct, pull, chain, seed, first, out)
             for i in range(s):
                 for d in range(2):
                     row = out[2 * i + d]

@@ -61,13 +61,14 @@ class PointSet(NamedTuple):
     weights : ndarray, shape (n_points, k)
     group_size : int
         Points in a group; consecutive points share one neighbour list.
-    sloped : bool
-        Whether the gradients are used too; those of other points have no entries.
+    valued, sloped : bool
+        Whether the values, and whether the gradients are used; what is not has no entries in tables.
     """
 
     anchors: np.ndarray
     weights: np.ndarray
     group_size: int
+    valued: bool = True
     sloped: bool = True
 
     def at(self, particles):
@@ -104,7 +105,7 @@ class ShapeTable(NamedTuple):
 
 @compiled
 def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
-    """Fill ``phi``, and ``grad`` where it has entries; return the first point with a singular moment
+    """Fill ``phi`` and ``grad``, those that have entries; return the first point with a singular moment
     matrix, or -1."""
     m, rows = cloud.n_basis, 3 if grad.size > 0 else 1
     n_groups = start.size - 1
@@ -122,15 +123,14 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
                 return point
             correction_coefficients(moments, inverse, b)
             at = s0 * group_size + q * n
-            for i in range(n):
-                phi[at + i] = 0.0
-            for i in range((rows - 1) * n):
-                grad[2 * at + i] = 0.0
+            phi[at : at + n] = 0.0
+            grad[2 * at : 2 * at + (rows - 1) * n] = 0.0
             for i in range(count):
                 value = 0.0
                 for a in range(m):
                     value += b[0, a] * (h[i, 0, a] * k[i, 0])
-                phi[at + seen[i]] = value
+                if phi.size > 0:
+                    phi[at + seen[i]] = value
                 for j in range(1, rows):
                     slope = 0.0
                     for a in range(m):

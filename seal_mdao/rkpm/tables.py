@@ -103,7 +103,7 @@ def raw_tables(cloud: Cloud, *sets: PointSet) -> tuple[PointTable, ...]:
 
 def _evaluated(cloud, points, coordinates, start, neighbours) -> ShapeTable:
     size = neighbours.size * points.group_size
-    phi, grad = np.empty(size), np.empty(2 * size if points.sloped else 0)
+    phi, grad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
     bad = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad)
     if bad >= 0:
         x, y = coordinates[bad]
@@ -151,7 +151,8 @@ def raw_rates(cloud, point_table: PointTable, velocity, transformation=None) -> 
     start, active = _active_parameters(point_table, velocity, transformation)
     starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
     point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
-    dphi, dgrad = np.empty(starts[-1, 1]), np.empty(2 * starts[-1, 1] if points.sloped else 0)
+    size = starts[-1, 1]
+    dphi, dgrad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
     forward_shape_functions(
         cloud, point_table.coordinates, raw.start, raw.neighbours, velocity, point_velocity, active,
         starts, points.group_size, dphi, dgrad,

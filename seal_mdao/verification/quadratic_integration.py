@@ -62,8 +62,8 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
     disc = discretize(body, particles)
     rule, reference = _edge_rule(body.cells, n_edge)
     column = body.pressure.cells
-    sets = integration_points(body.cell_map, rule, column)
-    gauss, edges = raw_tables(disc.cloud, *sets)
+    points, on_edges = integration_points(body.cell_map, rule, column)
+    gauss, edges = raw_tables(disc.cloud, points._replace(valued=True), on_edges)
     normals = reference[:, None] * edge_normals(rule, disc.particles)
     grad = []
     for cell in range(len(body.cells)):

@@ -84,10 +84,9 @@ def test_gauss_and_edge_points_have_one_list_of_neighbours(seal):
     np.testing.assert_array_equal(gauss.start, edges.start)
     np.testing.assert_array_equal(gauss.neighbours, edges.neighbours)
     n = len(disc.particles)
-    sees = sum(
-        (np.abs(rows(own, n)[0]) > 0.0).reshape(gauss.n_groups, -1, n).any(axis=1) * 1
-        for own in (gauss, edges)
-    )
+    at_edges = np.abs(rows(edges, n)[0]).reshape(gauss.n_groups, -1, n)
+    inside = np.abs(rows(gauss, n)[1]).reshape(gauss.n_groups, -1, n)
+    sees = np.concatenate([at_edges, inside], axis=1).any(axis=1)
     listed = [np.flatnonzero(own) for own in sees]
     for g, near in enumerate(listed):
         np.testing.assert_array_equal(gauss.neighbours[gauss.start[g] : gauss.start[g + 1]], near)
