@@ -20,7 +20,7 @@ from seal_mdao.plotting.style import (
 )
 from seal_mdao.rkpm.kernel import cubic_b_spline
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet
-from seal_mdao.rkpm.tables import raw_table
+from seal_mdao.rkpm.tables import raw_tables
 
 
 def make(out: Path, reduced: bool) -> dict:
@@ -45,7 +45,7 @@ def row_functions(n: int = 9, points: int = 401):
     left = np.minimum(s.astype(int), n - 2)
     weights = np.column_stack([1 - (s - left), s - left])
     along = PointSet(np.column_stack([middle[left], middle[left + 1]]), weights, 1)
-    _, table = raw_table(cloud, along)
+    table = raw_tables(cloud, along)[0].raw
     values = np.zeros((points, len(particles)))
     point = np.repeat(np.arange(points), np.diff(table.start))
     values[point, table.neighbours] = table.phi
