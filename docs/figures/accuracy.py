@@ -266,7 +266,7 @@ def _outline(out, reduced) -> dict:
             flat_door_seal(spacing, kernels)
             for kernels in (Kernels(1.8), LINEAR, Kernels(3.0), QUADRATIC)
         ]
-        schemes.append(with_contact_at_edges(schemes[-1]))
+        schemes.append(with_contact_at_edges(schemes[-1], {"door": ("seal",)}))
         found = [percent(reaction_error(scheme)) for scheme in schemes]
         rows.append([f"{spacing:g}", len(schemes[0].drawn_particles), *found])
     head = [

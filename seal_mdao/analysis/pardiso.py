@@ -70,10 +70,8 @@ class PardisoFactor:
 
     @property
     def nbytes(self) -> int:
-        return (
-            self.matrix.data.itemsize * int(self.handle.get_iparm(ENTRIES))
-            + self.matrix.data.nbytes
-        )
+        data = self.matrix.data
+        return data.itemsize * (int(self.handle.get_iparm(ENTRIES)) + data.size)
 
     def kept(self):
         """This factor, with a matrix of its own; the next factorisation takes another number."""
@@ -134,7 +132,7 @@ class RoughFactor:
 
 
 class PardisoStorage(CompressedColumns):
-    """Factorised by PARDISO; every thread has an ordered handle of its own."""
+    """Factorised by PARDISO; every thread has ordered handles of its own, one a kind of factors."""
 
     def __init__(self, n, pointers, indices):
         super().__init__(n, pointers, indices)
@@ -233,9 +231,12 @@ def _handle_class(module):
         def drop(self, number: int) -> None:
             """Free the memory of factors, now or, where the handle is in use, with the next call."""
             self._dropped.append(number)
+            # the collector may come in the middle of a call, so there is no waiting here
             if self._lock.acquire(blocking=False):
-                self._let_go()
-                self._lock.release()
+                try:
+                    self._let_go()
+                finally:
+                    self._lock.release()
 
         def _let_go(self) -> None:
             while self._dropped:

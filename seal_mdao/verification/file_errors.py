@@ -12,7 +12,7 @@ from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import analyze
-from seal_mdao.terms.points import edge_points
+from seal_mdao.verification.outline_errors import with_contact_at_edges
 
 LINEAR, QUADRATIC = Kernels(), Kernels(2.6, 2)
 """What files have, and what they might have."""
@@ -30,16 +30,8 @@ def with_kernels(seal: OutlineSeal, kernels: Kernels) -> OutlineSeal:
 
 
 def at_edges(seal: OutlineSeal, file: SealFile) -> OutlineSeal:
-    """The seal with contact in the middle of the edges between particles in place of the particles."""
-    edges = {profile.name: profile.contact for profile in file.profiles}
-
-    def moved(term):
-        if not isinstance(term, RigidContact):
-            return term
-        sides = np.concatenate([seal.body.edge(name).sides for name in edges[term.label]])
-        return replace(term, where=edge_points(sides, 1))
-
-    return replace(seal, definitions=tuple(map(moved, seal.definitions)))
+    """The seal of a file with contact in the middle of the edges between particles."""
+    return with_contact_at_edges(seal, {own.name: own.contact for own in file.profiles})
 
 
 def refined(file: SealFile) -> OutlineSeal:

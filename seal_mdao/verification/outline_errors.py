@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.seals.door.section import Section
@@ -56,11 +57,22 @@ def flat_door_seal(spacing: float, kernels: Kernels | None = None) -> OutlineSea
     )  # fmt: skip
 
 
-def with_contact_at_edges(seal: OutlineSeal) -> OutlineSeal:
-    """Contact in the middle of the edges between particles in place of the particles."""
-    elastic, door = seal.definitions
-    where = edge_points(seal.body.edge("seal").sides, 1)
-    return replace(seal, definitions=(elastic, replace(door, where=where)))
+def with_contact_at_edges(seal: OutlineSeal, edges: dict) -> OutlineSeal:
+    """Contact in the middle of the edges between particles in place of the particles.
+
+    Parameters
+    ----------
+    edges : dict
+        Names of the edges that touch a profile, by its label.
+    """
+
+    def moved(term):
+        if not isinstance(term, RigidContact):
+            return term
+        sides = np.concatenate([seal.body.edge(name).sides for name in edges[term.label]])
+        return replace(term, where=edge_points(sides, 1))
+
+    return replace(seal, definitions=tuple(map(moved, seal.definitions)))
 
 
 def reaction_error(seal: OutlineSeal) -> float:

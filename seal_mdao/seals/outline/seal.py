@@ -188,7 +188,8 @@ def outline_seal(
         held[edges[name].particles] = True
     for name, component in planes:
         held[edges[name].particles, component] = True
-    kernels = kernels or getattr(spacing, "kernels", None) or Kernels()
+    if kernels is None:
+        kernels = spacing.kernels if isinstance(spacing, Rays | GivenCloud) else Kernels()
     body = _body(filled, kernels, held, edges)
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
