@@ -258,7 +258,7 @@ def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transforma
         T' of ``essential.transformation_rates``.
     """
     rates = raw_rates(cloud, cells.gauss, velocity, transformation)
-    at_edges = raw_rates(cloud, cells.edges, velocity, transformation)
+    at_edges = raw_rates(cloud, cells.edges, velocity, like=rates)
     _correct_rates(
         cells.raw, cells.edges.raw, rates, at_edges, cells.weights,
         edge_normals(cells.rule, cloud.particles), weight_rates, edge_normals(cells.rule, velocity),
@@ -279,16 +279,9 @@ def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, trans
     normals = edge_normals(cells.rule, cloud.particles)
     normal_bar = np.empty((*normals.shape, m))
     _correct_seeds(
-        cells.raw,
-        edges,
-        cells.weights,
-        normals,
-        grad_bar,
-        gauss_bar,
-        edge_bar,
-        weight_bar,
+        cells.raw, edges, cells.weights, normals, grad_bar, gauss_bar, edge_bar, weight_bar,
         normal_bar,
-    )
+    )  # fmt: skip
     add_normal_seeds(cells.rule, normal_bar, x_bar)
     raw_seeds(cloud, cells.gauss, np.empty((0, m)), gauss_bar, x_bar)
     raw_seeds(cloud, cells.edges, edge_bar, np.empty((0, m)), x_bar)

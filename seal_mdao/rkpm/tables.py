@@ -145,10 +145,19 @@ def _active_parameters(point_table, velocity, transformation):
     return start, np.nonzero(hit)[1]
 
 
-def raw_rates(cloud, point_table: PointTable, velocity, transformation=None) -> TableRates:
-    """Rates of the raw shape functions along design velocities ``velocity`` (P, n_particles, 2)."""
+def raw_rates(
+    cloud, point_table: PointTable, velocity, transformation=None, like: TableRates | None = None
+) -> TableRates:
+    """Rates of the raw shape functions along design velocities ``velocity`` (P, n_particles, 2).
+
+    ``like``, if given, are those of a table whose groups have the same neighbours and anchors, so the
+    same active parameters.
+    """
     points, raw = point_table.points, point_table.raw
-    start, active = _active_parameters(point_table, velocity, transformation)
+    if like is None:
+        start, active = _active_parameters(point_table, velocity, transformation)
+    else:
+        start, active = like.start[:, 0], like.active
     starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
     point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
     size = starts[-1, 1]

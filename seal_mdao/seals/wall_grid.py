@@ -4,6 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+SUPPORTS = {"paper": 2.0, "engineering": (2.0, 3.15)}
+"""Supports of a wall's particles over the sides of their cells by the name of the accuracy: of round
+kernels, or of product kernels around and across the wall."""
+
 
 @dataclass(frozen=True)
 class WallGrid:
@@ -46,6 +50,11 @@ class WallGrid:
         )
         corners = [(ray, layer), (ray, layer + 1), (ray + 1, layer + 1), (ray + 1, layer)]
         return np.column_stack([self.particle(r, k) for r, k in corners])
+
+    @staticmethod
+    def along_cells(support):
+        """Supports around and across the wall in the order of the cells' directions, across first."""
+        return support if np.ndim(support) == 0 else tuple(support[::-1])
 
 
 def ray_directions(angle: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from seal_mdao.rkpm.integration import (
     edge_rule,
     integration_points,
 )
-from seal_mdao.rkpm.tables import build_table, table_seeds
+from seal_mdao.rkpm.tables import build_table, raw_rates, table_seeds
 
 
 @pytest.fixture(params=[1, 2])
@@ -95,6 +95,12 @@ def test_gauss_and_edge_points_have_one_list_of_neighbours(seal):
 def test_consistent_gradients_reproduce_linear_fields(seal):
     """Also after the essential transformation, with values of the field as coefficients."""
     _, disc = seal
+    points = integration_points(disc.body.cell_map, disc.body.edge_rule)
+    for own in points:
+        valued = build_table(disc.cloud, own._replace(valued=True), disc.transformation)
+        for table in (valued.raw, valued.table):
+            phi, _ = rows(table, len(disc.particles))
+            np.testing.assert_allclose(phi.sum(axis=1), 1.0, rtol=1e-12)
     for table in (disc.cells.raw, disc.cells.table):
         _, grad = rows(table, len(disc.particles))
         np.testing.assert_allclose(grad.sum(axis=2), 0.0, atol=1e-11)
@@ -154,18 +160,26 @@ def test_cell_rates_are_the_limit_of_central_differences(seal, rng):
     n = len(disc.particles)
     velocity = rng.standard_normal((1, n, 2))
     rates = discretization_rates(disc, velocity).cells
-    exact = rate_rows(disc.cells.table, rates, n, 1)[1][..., 0]
+    at_edges = raw_rates(disc.cloud, disc.cells.edges, velocity)
+    exact = (
+        rate_rows(disc.cells.edges.raw, at_edges, n, 1)[0][..., 0],
+        rate_rows(disc.cells.table, rates, n, 1)[1][..., 0],
+    )
     errors = []
     for step in (1e-4, 1e-5):
-        sides = [
-            rows(discretize(model.body, disc.particles + s * step * velocity[0]).cells.table, n)[1]
-            for s in (1, -1)
+        moved = [
+            discretize(model.body, disc.particles + s * step * velocity[0]).cells for s in (1, -1)
         ]
-        rate = (sides[0] - sides[1]) / (2 * step)
-        errors.append(np.abs(rate - exact).max() / np.abs(exact).max())
-    assert errors[1] < 1e-6
-    # the derivative is Lipschitz only
-    assert errors[0] > 5 * errors[1]
+        sides = [(rows(cells.edges.raw, n)[0], rows(cells.table, n)[1]) for cells in moved]
+        errors.append(
+            [
+                np.abs((plus - minus) / (2 * step) - rate).max() / np.abs(rate).max()
+                for plus, minus, rate in zip(*sides, exact, strict=True)
+            ]
+        )
+    assert np.all(np.array(errors[1]) < 1e-6)
+    # gradients have a Lipschitz derivative only, values one order more
+    assert np.all(np.array(errors[0]) > 5 * np.array(errors[1]))
 
 
 def test_cell_seeds_are_the_transpose_of_cell_rates(seal, rng):

@@ -26,6 +26,7 @@ from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
 from seal_mdao.seals.door.splines import BoundarySplines, design_velocity
 from seal_mdao.seals.seal import Seal
 from seal_mdao.seals.step_choice import choose_steps
+from seal_mdao.seals.wall_grid import SUPPORTS
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 from seal_mdao.terms.term import Scalar
@@ -157,7 +158,7 @@ class DoorSeal(Seal):
     rays: int = BASE_RAYS
     layers: int = 3
     refinement: int = 1
-    support: float | tuple[float, float] = 2.0
+    support: float | tuple[float, float] = SUPPORTS["paper"]
     basis_order: int = 1
     n_gauss: int = 2
     pressure: str = "cell"
@@ -370,8 +371,7 @@ class DoorSeal(Seal):
         fixed = np.zeros((len(self.drawn_particles), 2), bool)
         fixed[grid.base] = True
         inner = grid.particle(np.arange(grid.rays), 0)
-        # the cells' first direction is across the wall
-        support = self.support if np.ndim(self.support) == 0 else self.support[::-1]
+        support = grid.along_cells(self.support)
         radius, axes = kernel_supports(grid.cells, self.drawn_particles, support)
         return Body(
             cells=grid.cells,
@@ -505,7 +505,7 @@ class DoorSeal(Seal):
 ACCURACIES = {
     "paper": {},
     "engineering": {
-        "layers": 4, "support": (2.0, 3.15), "basis_order": 2, "pressure": "wall",
+        "layers": 4, "support": SUPPORTS["engineering"], "basis_order": 2, "pressure": "wall",
         "contact_points": "edges", "n_steps": 20, "solver": "banded",
     },
 }  # fmt: skip

@@ -22,17 +22,17 @@ from seal_mdao.seals.file.tables import RegionTable, SectionTable
 from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
-from seal_mdao.seals.outline.rays import ACCURACIES, Rays
+from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Contour, Outline
 
+LEAST_LAYERS = {"engineering": 3, "paper": 2}
+"""Of particles across a wall: the quadratic basis needs three."""
 RAY_KEYS = {
     "rays": Key(whole(8, 100_000)),
     "layers": Key(whole(2, 1000)),
     "centre": Key(POINT, (0.0, 0.0)),
-    "accuracy": Key(one_of(*ACCURACIES), ACCURACIES[0]),
+    "accuracy": Key(one_of(*LEAST_LAYERS), Rays.accuracy),
 }
-LEAST_LAYERS = {"engineering": 3, "paper": 2}
-"""Of particles across a wall: the quadratic basis needs three."""
 SECTION_KEYS = {
     "material": Key(TEXT),
     "spacing": Key(number(above=0.0), None),

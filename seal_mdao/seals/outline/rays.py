@@ -9,10 +9,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.cloud import OutlineCloud
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Boundary, Outline
-from seal_mdao.seals.wall_grid import WallGrid
-
-ACCURACIES = "engineering", "paper"
-"""What the kernels of rays are called; as of ``DoorSeal``."""
+from seal_mdao.seals.wall_grid import SUPPORTS, WallGrid
 
 BACK = 1e-9
 """By how much an angle may fall back along a contour, radians."""
@@ -32,15 +29,15 @@ class Rays(WallGrid):
     """
 
     centre: tuple = (0.0, 0.0)
-    accuracy: str = ACCURACIES[0]
+    accuracy: str = "engineering"
 
     @property
     def kernels(self) -> Kernels:
         """Those of the door seal of this accuracy."""
-        if self.accuracy == "paper":
-            return Kernels(2.0)
-        # the cells' first direction is across the wall
-        return Kernels((3.15, 2.0), 2, self.layers - 1)
+        support = self.along_cells(SUPPORTS[self.accuracy])
+        return (
+            Kernels(support) if self.accuracy == "paper" else Kernels(support, 2, self.layers - 1)
+        )
 
     def across(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
         """Values (..., n, 2) of all particles from those (..., rays, 2) of the two boundaries."""
