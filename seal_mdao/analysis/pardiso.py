@@ -210,7 +210,7 @@ def _handle_class(module):
         def __init__(self, matrix, kind: int):
             super().__init__(mtype=kind)
             self.number, self._lock, self._unused, self._dropped = 1, Lock(), [], deque()
-            self._highest = self.number
+            self._highest, self._is_free = self.number, False
             settings = SETTINGS if kind == STRUCTURALLY_SYMMETRIC else {}
             # -1: tell the entries of the factors
             settings = settings | {ENTRIES: -1, SINGLE: int(matrix.dtype == np.float32)}
@@ -230,6 +230,8 @@ def _handle_class(module):
 
         def drop(self, number: int) -> None:
             """Free the memory of factors, now or, where the handle is in use, with the next call."""
+            if self._is_free:  # the collector takes a handle and its factors in any order
+                return
             self._dropped.append(number)
             # the collector may come in the middle of a call, so there is no waiting here
             if self._lock.acquire(blocking=False):
@@ -269,6 +271,7 @@ def _handle_class(module):
 
         def __del__(self, ending=sys.is_finalizing):
             if not ending():
+                self._is_free = True
                 self._call(LET_ALL_GO, 1, None, np.zeros(0))
 
     return Handle

@@ -1,5 +1,6 @@
 """PARDISO gives the same solutions; without pypardiso the error names the extra."""
 
+import gc
 import glob
 import subprocess
 import sys
@@ -83,6 +84,21 @@ def test_kept_factors_share_a_handle_and_leave_their_place_to_others(rng):
     # powers of two scale every number of a factorisation exactly
     for factor, scale in zip((*kept, *more, last), (1, 4, 8, 32, 8, 8, 16), strict=True):
         np.testing.assert_allclose(scale * factor.solve(rhs), exact, rtol=1e-12)
+
+
+@pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
+def test_the_collector_may_take_the_handle_before_its_factors(rng):
+    pytest.importorskip("pypardiso")
+    layout, values, _ = random_tangent(rng)
+    ring = [layout.factorize(values).kept() for _ in range(3)]
+    ring[0].handle.factors = ring  # the handle holds what holds it
+    handle, layout = ring[0].handle, None
+    handle.__del__()
+    for factor in ring:
+        factor.__del__()
+    assert not handle._dropped
+    del ring, handle, factor
+    gc.collect()
 
 
 def test_a_path_does_not_depend_on_whether_its_factors_are_kept():
