@@ -20,44 +20,21 @@ LOWERED = np.array(
 
 
 @inlined
-def fill_basis(rx, ry, scale, h):
-    """Write H(r / scale) and its first and second derivatives.
-
-    Parameters
-    ----------
-    rx, ry : float
-        Components of ``x - x_I``.
-    scale : float
-        Length that makes the monomials dimensionless.
-    h : ndarray, shape (6, m)
-        Rows: H, H_x, H_y, H_xx, H_xy, H_yy; ``m`` is 3 (linear) or 6 (quadratic).
-    """
-    s = 1.0 / scale
-    x, y = rx * s, ry * s
-    h[:] = 0.0
-    h[0, 0] = 1.0
-    h[0, 1] = x
-    h[0, 2] = y
-    h[1, 1] = h[2, 2] = s
-    if h.shape[1] == 6:
-        h[0, 3] = x * x
-        h[0, 4] = x * y
-        h[0, 5] = y * y
-        h[1, 3] = 2.0 * x * s
-        h[1, 4] = y * s
-        h[2, 4] = x * s
-        h[2, 5] = 2.0 * y * s
-        h[3, 3] = h[5, 5] = 2.0 * s * s
-        h[4, 4] = s * s
+def basis_slope(a, j, scale):
+    """Derivative of monomial ``a`` along component ``j``: a factor, per length, and the monomial that
+    it multiplies."""
+    return POWER[j, a] / scale, LOWERED[j, a]
 
 
 @inlined
-def fill_monomials(x, y, monomials):
-    """Write 1, x, y, x^2, xy, y^2, ... of as many degrees as there are places for."""
-    monomials[0] = 1.0
-    before, at, degree = 0, 1, 1
-    while at < monomials.size:
-        for b in range(degree):
-            monomials[at + b] = x * monomials[before + b]
-        monomials[at + degree] = y * monomials[before + degree - 1]
-        before, at, degree = at, at + degree + 1, degree + 1
+def fill_monomials(h):
+    """Write 1, x, y, x^2, xy, y^2, ... of n points, as many as ``h`` (size, n) has rows; its rows 1 and
+    2 hold x and y."""
+    n = h.shape[1]
+    for i in range(n):
+        h[0, i] = 1.0
+    for e in range(3, len(h)):
+        by = 0 if POWER[0, e] > 0 else 1
+        lowered = LOWERED[by, e]
+        for i in range(n):
+            h[e, i] = h[1 + by, i] * h[lowered, i]

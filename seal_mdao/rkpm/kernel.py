@@ -53,20 +53,19 @@ def kernel_derivatives(rx, ry, a):
 
 
 @inlined
-def product_kernel_derivatives(rx, ry, axes):
-    """Product kernel phi(s) phi(t), (s, t) = axes . r, at ``r = x - x_I``: value, gradient, Hessian.
+def product_kernel_derivatives(rx, ry, ax, ay, bx, by):
+    """Product kernel phi(a . r) phi(b . r) at ``r = x - x_I``: value, gradient, Hessian.
 
     Parameters
     ----------
-    axes : ndarray, shape (2, 2)
-        Rows: inverse half-widths of the support along its two directions, per length.
+    ax, ay, bx, by : float
+        Inverse half-widths of the support along its two directions, per length.
 
     Returns
     -------
     tuple of float
         As of ``kernel_derivatives``.
     """
-    ax, ay, bx, by = axes[0, 0], axes[0, 1], axes[1, 0], axes[1, 1]
     s, t = ax * rx + ay * ry, bx * rx + by * ry
     p, p1, p2 = cubic_b_spline(abs(s))
     q, q1, q2 = cubic_b_spline(abs(t))

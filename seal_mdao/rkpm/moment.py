@@ -1,9 +1,9 @@
-"""Discrete moment matrix M(x) of Eqs. (7)-(8) with unit weights, and the vectors solved from it."""
+"""Discrete moment matrix M(x) of Eqs. (7)-(8) with unit weights, and the correction solved from it."""
 
 import numpy as np
 
 from seal_mdao.compilation import inlined, internal
-from seal_mdao.rkpm.basis import LOWERED, POWER, PRODUCT, fill_basis, fill_monomials
+from seal_mdao.rkpm.basis import PRODUCT, basis_slope, fill_monomials
 from seal_mdao.rkpm.kernel import kernel_derivatives, product_kernel_derivatives
 
 # Smallest pivot of M, relative to M_00, at which the supports still count as covering the point.
@@ -11,56 +11,76 @@ PIVOT_TOLERANCE = 1e-8
 
 
 @internal
-def _kernel(rx, ry, radius, axes, particle):
-    """The kernel of a particle: numba compiles only the one that ``axes``, None or not, calls for."""
+def _half_widths(radius, axes):
+    """The radii of round kernels, or the four inverse half-widths of product kernels: numba compiles
+    only what ``axes``, None or not, calls for."""
     if axes is None:
-        return kernel_derivatives(rx, ry, radius)
-    return product_kernel_derivatives(rx, ry, axes[particle])
-
-
-@inlined
-def neighbour_terms(x, neighbours, cloud, h, k, seen):
-    """Basis ``h`` (n, 6, m) and kernel ``k`` (n, 6) terms of the neighbours whose supports reach ``x``.
-
-    The six rows are the value, the two first and the three second derivatives (xx, xy, yy). ``seen``
-    receives their places among all ``neighbours``; returns how many they are.
-    """
-    n = 0
-    for i in range(neighbours.size):
-        p = neighbours[i]
-        rx, ry = x[0] - cloud.particles[p, 0], x[1] - cloud.particles[p, 1]
-        k[n, 0], k[n, 1], k[n, 2], k[n, 3], k[n, 4], k[n, 5] = _kernel(
-            rx, ry, cloud.radius[p], cloud.axes, p
-        )
-        if k[n, 0] > 0.0:
-            fill_basis(rx, ry, cloud.scale, h[n])
-            seen[n] = i
-            n += 1
-    return n
+        return radius.reshape(radius.size, 1)
+    return axes.reshape(radius.size, 4)
 
 
 @internal
-def moment_matrices(h, k, moments):
+def gathered(cloud, neighbours):
+    """Coordinates of the neighbours, and their radii or the four inverse half-widths: (3 or 6, n)."""
+    widths = _half_widths(cloud.radius, cloud.axes)
+    near = np.empty((2 + widths.shape[1], neighbours.size))
+    for i in range(neighbours.size):
+        p = neighbours[i]
+        near[0, i], near[1, i] = cloud.particles[p, 0], cloud.particles[p, 1]
+        for a in range(widths.shape[1]):
+            near[2 + a, i] = widths[p, a]
+    return near
+
+
+@inlined
+def _kernel(rx, ry, near, i):
+    """The kernel of neighbour ``i`` and its derivatives."""
+    if len(near) == 3:
+        return kernel_derivatives(rx, ry, near[2, i])
+    return product_kernel_derivatives(rx, ry, near[2, i], near[3, i], near[4, i], near[5, i])
+
+
+@inlined
+def neighbour_terms(x, near, scale, h, k):
+    """Monomials ``h`` (size, n) and kernel terms ``k`` (6, n) at ``x`` of ``gathered`` neighbours.
+
+    The six rows are the value, the two first and the three second derivatives (xx, xy, yy); they are
+    zero where the support of a neighbour does not reach ``x``.
+    """
+    n = near.shape[1]
+    for i in range(n):
+        rx, ry = x[0] - near[0, i], x[1] - near[1, i]
+        k[0, i], k[1, i], k[2, i], k[3, i], k[4, i], k[5, i] = _kernel(rx, ry, near, i)
+        h[1, i], h[2, i] = rx / scale, ry / scale
+    fill_monomials(h)
+
+
+@inlined
+def n_monomials(m):
+    """Monomials of twice the degree of a basis of ``m``: the square of the last one comes last."""
+    return PRODUCT[m - 1, m - 1] + 1
+
+
+@internal
+def moment_matrices(h, k, scale, moments):
     """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y; (1, m, m) M.
 
     Many of their entries are equal: they are the moments of the kernels, of twice the basis' degree."""
     rows, m, _ = moments.shape
-    size = PRODUCT[m - 1, m - 1] + 1  # the square of the last monomial comes last
-    monomials, sums = np.empty(size), np.empty((rows, size))
-    sums[:] = 0.0
-    for i in range(h.shape[0]):
-        fill_monomials(h[i, 0, 1], h[i, 0, 2], monomials)
-        for j in range(rows):
-            for e in range(size):
-                sums[j, e] += monomials[e] * k[i, j]
+    sums = np.empty((rows, len(h)))
+    for j in range(rows):
+        for e in range(len(h)):
+            value = 0.0
+            for i in range(h.shape[1]):
+                value += h[e, i] * k[j, i]
+            sums[j, e] = value
     for a in range(m):
         for b in range(m):
             e = PRODUCT[a, b]
             moments[0, a, b] = sums[0, e]
             for j in range(1, rows):
-                # H_j = h[0, j, j], the inverse scale, in the monomial x or y
-                slope = POWER[j - 1, e] * h[0, j, j] * sums[0, LOWERED[j - 1, e]]
-                moments[j, a, b] = sums[j, e] + slope
+                factor, lowered = basis_slope(e, j - 1, scale)
+                moments[j, a, b] = sums[j, e] + factor * sums[0, lowered]
 
 
 @internal
@@ -95,9 +115,20 @@ def invert_moment(moment, inverse):
     return True
 
 
+@internal
+def add_slope(b, j, scale, out):
+    """Add the coefficients of the derivative of b . H along component ``j``."""
+    for a in range(1, b.size):
+        factor, lowered = basis_slope(a, j, scale)
+        out[lowered] += factor * b[a]
+
+
 @inlined
-def correction_coefficients(moments, inverse, b):
-    """q(x) = M^-1 H(0) of Eq. (7) and its gradient: ``b`` (3, m) holds q, q_x, q_y; (1, m) q."""
+def correction_polynomials(moments, inverse, scale, b):
+    """Polynomials p = q . H and p_j = q_j . H + q . H_j, with which Phi = p phi_a, Phi_j = p_j phi_a +
+    p phi_a,j, by their coefficients: ``b`` (3, m) holds p, p_x, p_y; (1, m) p.
+
+    q = M^-1 H(0) of Eq. (7), q_j = -M^-1 M_j q its gradient."""
     m = inverse.shape[0]
     for a in range(m):
         b[0, a] = inverse[a, 0]
@@ -110,3 +141,14 @@ def correction_coefficients(moments, inverse, b):
                 t += moments[j, c, e] * b[0, e]
             for a in range(m):
                 b[j, a] -= inverse[a, c] * t
+        add_slope(b[0], j - 1, scale, b[j])
+
+
+@internal
+def polynomial_values(b, h, out):
+    """b . H at the neighbours."""
+    for i in range(out.size):
+        out[i] = b[0]
+    for a in range(1, b.size):
+        for i in range(out.size):
+            out[i] += b[a] * h[a, i]

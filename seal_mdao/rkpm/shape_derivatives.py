@@ -1,180 +1,191 @@
 """Derivatives of Phi_I and grad Phi_I when the particles and the evaluation point move.
 
-Everything depends on the differences r_I = x - X_I alone. With g_I = H phi_a, q = M^-1 H(0) and
-q_j = -M^-1 M_j q:
+Everything depends on the differences r_I = x - X_I alone. With q = M^-1 H(0), q_j = -M^-1 M_j q and the
+polynomials p = q . H, p_j = q_j . H + q . H_j:
 
-    Phi_I   = q . g_I
-    Phi_I,j = q_j . g_I + q . g_I,j
+    Phi_I   = p phi_a
+    Phi_I,j = p_j phi_a + p phi_a,j
 
     (Phi, Phi_,x, Phi_,y)' = D r' + S (q, q_x, q_y)',    (q, q_x, q_y)' = G C^T r'
 
-``linearize_point`` collects the exact coefficients D, S G, C of one point once; the forward kernel
-(design velocities, direct method) and the reverse kernel (adjoint seeds) are products with them. S G is
-formed: where M is badly conditioned G is large, and both ways agree only with the same product. All
-arrays of a point have ``rows`` blocks: 3, or 1 where only Phi_I is asked for; and only those of its
-neighbours whose support reaches it.
+``linearize_group`` collects the exact coefficients D, S G, C of the points of a group once; the forward
+kernel (design velocities, direct method) and the reverse kernel (adjoint seeds) are products with them.
+S G is formed: where M is badly conditioned G is large, and both ways agree only with the same product.
+All arrays of a point have ``rows`` blocks: 3, or 1 where only Phi_I is asked for.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.compilation import compiled, inlined, internal
+from seal_mdao.compilation import compiled, internal
+from seal_mdao.rkpm.basis import basis_slope
 from seal_mdao.rkpm.moment import (
-    correction_coefficients,
+    correction_polynomials,
+    gathered,
     invert_moment,
     moment_matrices,
+    n_monomials,
     neighbour_terms,
 )
 
 
-@inlined
+class Coefficients(NamedTuple):
+    """Of the derivatives at the Q points of a group of n neighbours.
+
+    Attributes
+    ----------
+    direct : ndarray, shape (Q, rows, 2, n)
+        D, by a neighbour's own r_I at fixed q, q_j.
+    pull : ndarray, shape (Q, rows, m, 2, n)
+        C: derivatives of M q, and of M_j q + M q_j, by r_I at fixed q, q_j.
+    pull_sums : ndarray, shape (Q, rows, m, 2)
+        Of all neighbours.
+    on_value : ndarray, shape (Q, m, n)
+        S G of Phi by what is pulled for q; of Phi_j by what is pulled for q_j.
+    on_slope : ndarray, shape (Q, m, rows - 1, n)
+        S G of Phi_j by what is pulled for q.
+    """
+
+    direct: np.ndarray
+    pull: np.ndarray
+    pull_sums: np.ndarray
+    on_value: np.ndarray
+    on_slope: np.ndarray
+
+
+@internal
 def _second(j, k):
     """Row of the second derivative (j, k), components counted from 0, in the six-row tables."""
     return 3 + j + k
 
 
-@inlined
-def _first(row):
-    """The first monomial whose derivative in a row of the tables is not zero everywhere."""
-    return 0 if row == 0 else (1 if row < 3 else 3)
-
-
 @internal
-def linearize_point(h, k, b, direct, pull):
-    """Coefficients of the derivative of one point's shape functions with respect to r_I.
-
-    Parameters
-    ----------
-    h, k : ndarray, shapes (n, 6, m), (n, 6)
-        Basis and kernel terms of the neighbours.
-    b : ndarray, shape (rows, m)
-        q, q_x, q_y.
-    direct : ndarray, shape (n, rows, 2)
-        Written: D, whose row of each neighbour sees its own r_I only.
-    pull : ndarray, shape (2 n, rows m)
-        Written: C, derivatives of M q, M_x q + M q_x, M_y q + M q_y at fixed q, q_x, q_y.
-    """
-    n, _, m = h.shape
-    rows = b.shape[0]
-    dots = np.empty((rows, 6))
-    for i in range(n):
-        for u in range(rows):
-            for row in range(6):
-                value = 0.0
-                for a in range(_first(row), m):
-                    value += b[u, a] * h[i, row, a]
-                dots[u, row] = value
-        f = k[i]
-        for c in range(2):
-            kc, at = 1 + c, 2 * i + c
-            direct[i, 0, c] = dots[0, kc] * f[0] + dots[0, 0] * f[kc]
-            for a in range(m):
-                pull[at, a] = h[i, kc, a] * dots[0, 0] * f[0] + h[i, 0, a] * direct[i, 0, c]
-            for kj in range(1, rows):
-                kjc = _second(kj - 1, c)
-                t = (
-                    dots[kj, kc] * f[0]
-                    + dots[kj, 0] * f[kc]
-                    + dots[0, kjc] * f[0]
-                    + dots[0, kj] * f[kc]
-                    + dots[0, kc] * f[kj]
-                    + dots[0, 0] * f[kjc]
-                )
-                direct[i, kj, c] = t
-                # (H H^T phi)_,c q_j + (H H^T phi)_,jc q, sorted by the H left of the dots;
-                # what H itself carries is t
-                on_hc = dots[kj, 0] * f[0] + dots[0, kj] * f[0] + dots[0, 0] * f[kj]
-                on_hj = dots[0, kc] * f[0] + dots[0, 0] * f[kc]
-                on_hjc = dots[0, 0] * f[0]
-                for a in range(m):
-                    pull[at, kj * m + a] = (
-                        h[i, 0, a] * t + h[i, kc, a] * on_hc + h[i, kj, a] * on_hj
-                    )
-                for a in range(_first(kjc), m):
-                    pull[at, kj * m + a] += h[i, kjc, a] * on_hjc
-
-
-@internal
-def _fill_chain(h, k, moments, inverse, spread, chain):
-    """S G: rows (Phi, Phi_,x, Phi_,y) by neighbour; q_j' = -M^-1 ((M_j q + M q_j)' at fixed q, q_j +
-    M_j q'). Written are its first m columns; of the others only S_0 G_0, the block in the first n
-    rows, again in the row and the column of each gradient, is not zero."""
-    n, _, m = h.shape
-    for u in range(len(moments)):
+def _fill_polynomials(b, h, scale, p):
+    """Values and slopes ``p`` (rows, 3, n) of the polynomials of ``moment`` at the neighbours."""
+    rows, m = b.shape
+    n = p.shape[2]
+    for u in range(rows):
         for i in range(n):
-            for a in range(m):
-                spread[u * n + i, a] = -h[i, u, a] * k[i, 0]
-                if u > 0:
-                    spread[u * n + i, a] -= h[i, 0, a] * k[i, u]
-    np.dot(spread, inverse, chain)
-    for u in range(1, len(moments)):
-        chain[u * n : (u + 1) * n] -= chain[:n] @ (moments[u] @ inverse)
-
-
-@internal
-def _workspace(n, m, rows):
-    """M and its gradient, q and its gradient, D, C, S, S G."""
-    return (
-        np.empty((rows, m, m)),
-        np.empty((rows, m)),
-        np.empty((n, rows, 2)),
-        np.empty((2 * n, rows * m)),
-        np.empty((rows * n, m)),
-        np.empty((rows * n, m)),
-    )
-
-
-@internal
-def _prepare(x, near, cloud, h, k, seen, inverse, work):
-    """Everything of one point: D, C, S G, and ``seen``, the places of the neighbours that it sees."""
-    moments, b, direct, pull, spread, chain = work
-    n = neighbour_terms(x, near, cloud, h, k, seen)
-    h, k, rows = h[:n], k[:n], len(moments)
-    moment_matrices(h, k, moments)
-    invert_moment(moments[0], inverse)
-    correction_coefficients(moments, inverse, b)
-    direct, pull, chain = direct[:n], pull[: 2 * n], chain[: rows * n]
-    linearize_point(h, k, b, direct, pull)
-    _fill_chain(h, k, moments, inverse, spread[: rows * n], chain)
-    return direct, pull, chain, seen[:n]
-
-
-@internal
-def forward_point(direct, pull, chain, delta, first, out):
-    """Derivatives of one point's shape functions along P motions ``delta`` (2 n, P) of r_I.
-
-    ``out`` (rows n, P) receives Phi', Phi_,x', Phi_,y' from the block ``first`` on.
-    """
-    n, rows, _ = direct.shape
-    m = chain.shape[1]
-    moved = pull.T @ delta
-    np.dot(chain[first * n :], moved[:m], out[first * n :])
-    for u in range(first, rows):
-        own = out[u * n : (u + 1) * n]
-        if u > 0:
-            own += chain[:n] @ moved[u * m : (u + 1) * m]
-        for i in range(n):
-            dx, dy, row = direct[i, u, 0], direct[i, u, 1], own[i]
-            for p in range(row.size):
-                row[p] += dx * delta[2 * i, p] + dy * delta[2 * i + 1, p]
-
-
-@internal
-def reverse_point(direct, pull, chain, seed, first, out):
-    """Transpose of ``forward_point``: ``seed`` (rows n, M) on Phi, Phi_,x, Phi_,y ``out`` (2 n, M)."""
-    n, rows, _ = direct.shape
-    m = chain.shape[1]
-    moved = np.empty((rows * m, seed.shape[1]))
-    np.dot(chain[first * n :].T, seed[first * n :], moved[:m])
-    for u in range(1, rows):
-        np.dot(chain[:n].T, seed[u * n : (u + 1) * n], moved[u * m : (u + 1) * m])
-    np.dot(pull, moved, out)
-    for i in range(n):
-        for u in range(first, rows):
-            row = seed[u * n + i]
+            p[u, 0, i] = b[u, 0]
+            p[u, 1, i] = p[u, 2, i] = 0.0
+        for a in range(1, m):
+            value = b[u, a]
+            for i in range(n):
+                p[u, 0, i] += value * h[a, i]
             for c in range(2):
-                d = direct[i, u, c]
-                for p in range(row.size):
-                    out[2 * i + c, p] += d * row[p]
+                factor, lowered = basis_slope(a, c, scale)
+                if factor > 0.0:
+                    value = factor * b[u, a]
+                    for i in range(n):
+                        p[u, 1 + c, i] += value * h[lowered, i]
+
+
+@internal
+def _fill_direct(p, k, phi, direct):
+    """Phi, Phi_x, Phi_y (``phi``), and D."""
+    rows, n = phi.shape
+    for i in range(n):
+        phi[0, i] = p[0, 0, i] * k[0, i]
+    for c in range(2):
+        for i in range(n):
+            direct[0, c, i] = p[0, 1 + c, i] * k[0, i] + p[0, 0, i] * k[1 + c, i]
+    for j in range(1, rows):
+        for i in range(n):
+            phi[j, i] = p[j, 0, i] * k[0, i] + p[0, 0, i] * k[j, i]
+        for c in range(2):
+            jc = _second(j - 1, c)
+            for i in range(n):
+                direct[j, c, i] = p[j, 1 + c, i] * k[0, i] + p[j, 0, i] * k[1 + c, i]
+            for i in range(n):
+                direct[j, c, i] += p[0, 1 + c, i] * k[j, i] + p[0, 0, i] * k[jc, i]
+
+
+@internal
+def _fill_pull(h, scale, phi, direct, pull, sums):
+    """C and its sums: M q = sum H Phi, so M_j q + M q_j = sum (H Phi)_j."""
+    rows, m, _, n = pull.shape
+    for u in range(rows):
+        for a in range(m):
+            for c in range(2):
+                by_c, ac = basis_slope(a, c, scale)
+                for i in range(n):
+                    pull[u, a, c, i] = h[a, i] * direct[u, c, i] + by_c * h[ac, i] * phi[u, i]
+                if u > 0:
+                    by_j, aj = basis_slope(a, u - 1, scale)
+                    by_jc, ajc = basis_slope(aj, c, scale)
+                    by_jc *= by_j
+                    if by_j > 0.0:
+                        for i in range(n):
+                            pull[u, a, c, i] += (
+                                by_j * h[aj, i] * direct[0, c, i] + by_jc * h[ajc, i] * phi[0, i]
+                            )
+                total = 0.0
+                for i in range(n):
+                    total += pull[u, a, c, i]
+                sums[u, a, c] = total
+
+
+@internal
+def _fill_chain(h, k, scale, moments, inverse, spread, on_value, on_slope):
+    """S G with G = (M^-1, -M^-1 M_j M^-1) and S = -(H phi_a, (H phi_a)_j)."""
+    m, n = on_value.shape
+    on_value[:] = 0.0
+    for a in range(m):
+        for i in range(n):
+            spread[i] = -h[a, i] * k[0, i]
+        for b in range(m):
+            for i in range(n):
+                on_value[b, i] += inverse[a, b] * spread[i]
+    on_slope[:] = 0.0
+    for j in range(on_slope.shape[1]):
+        for a in range(m):
+            factor, lowered = basis_slope(a, j, scale)
+            for i in range(n):
+                spread[i] = -h[a, i] * k[1 + j, i] - factor * h[lowered, i] * k[0, i]
+            for e in range(m):
+                for i in range(n):
+                    spread[i] -= moments[1 + j, a, e] * on_value[e, i]
+            for b in range(m):
+                for i in range(n):
+                    on_slope[b, j, i] += inverse[a, b] * spread[i]
+
+
+@internal
+def linearize_group(cloud, points, neighbours, rows):
+    """Coefficients of the derivatives at the points (Q, 2) of a group."""
+    m, n, q_count, scale = cloud.n_basis, neighbours.size, len(points), cloud.scale
+    near = gathered(cloud, neighbours)
+    h, k, spread = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty(n)
+    p, phi = np.empty((rows, 3, n)), np.empty((rows, n))
+    moments, inverse, b = np.empty((rows, m, m)), np.empty((m, m)), np.empty((rows, m))
+    out = Coefficients(
+        np.empty((q_count, rows, 2, n)),
+        np.empty((q_count, rows, m, 2, n)),
+        np.empty((q_count, rows, m, 2)),
+        np.empty((q_count, m, n)),
+        np.empty((q_count, m, rows - 1, n)),
+    )
+    for q in range(q_count):
+        neighbour_terms(points[q], near, scale, h, k)
+        moment_matrices(h, k, scale, moments)
+        invert_moment(moments[0], inverse)
+        correction_polynomials(moments, inverse, scale, b)
+        _fill_polynomials(b, h, scale, p)
+        _fill_direct(p, k, phi, out.direct[q])
+        _fill_pull(h, scale, phi, out.direct[q], out.pull[q], out.pull_sums[q])
+        _fill_chain(h, k, scale, moments, inverse, spread, out.on_value[q], out.on_slope[q])
+    return out
+
+
+@internal
+def _add_direct(direct, here, moves, out):
+    """Add D r' of P parameters, ``direct`` (2, n): r' = V(x) - V(X_I)."""
+    n, count = out.shape
+    for i in range(n):
+        dx, dy = direct[0, i], direct[1, i]
+        for p in range(count):
+            out[i, p] += dx * (here[0, p] - moves[0, i, p]) + dy * (here[1, p] - moves[1, i, p])
 
 
 @compiled
@@ -204,50 +215,63 @@ def forward_shape_functions(
         Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter); what
         is not asked for has no entries.
     """
-    m, first, rows = cloud.n_basis, 0 if dphi.size > 0 else 1, 3 if dgrad.size > 0 else 1
-    inverse = np.empty((m, m))
+    m, rows = cloud.n_basis, 3 if dgrad.size > 0 else 1
     for g in range(start.size - 1):
         near = neighbours[start[g] : start[g + 1]]
         which = active[dstart[g, 0] : dstart[g + 1, 0]]
-        n, count = near.size, which.size
+        n, count, first = near.size, which.size, g * group_size
         if count == 0:
             continue
-        h, k, places = np.empty((n, 6, m)), np.empty((n, 6)), np.empty(n, np.int64)
-        work = _workspace(n, m, rows)
-        deltas, outs = np.empty((2 * n, count)), np.empty((rows * n, count))
-        for q in range(group_size):
-            point = g * group_size + q
-            direct, pull, chain, seen = _prepare(
-                points[point], near, cloud, h, k, places, inverse, work
-            )
-            s = seen.size
-            delta, out = deltas[: 2 * s], outs[: rows * s]
-            for i in range(s):
+        own = linearize_group(cloud, points[first : first + group_size], near, rows)
+        moves, here = np.empty((2, n, count)), np.empty((2, count))
+        for p in range(count):
+            for i in range(n):
                 for c in range(2):
-                    for p in range(count):
-                        delta[2 * i + c, p] = (
-                            point_velocity[which[p], point, c]
-                            - velocity[which[p], near[seen[i]], c]
-                        )
-            forward_point(direct, pull, chain, delta, first, out)
-            at = dstart[g, 1] + q * n * count
-            dphi[at : at + n * count] = 0.0
-            dgrad[2 * at : 2 * at + (rows - 1) * n * count] = 0.0
-            for i in range(s):
-                if first == 0:
-                    for p in range(count):
-                        dphi[at + seen[i] * count + p] = out[i, p]
+                    moves[c, i, p] = velocity[which[p], near[i], c]
+        pull = own.pull.reshape(group_size * rows * m, 2 * n)
+        moved = np.dot(pull, moves.reshape(2 * n, count)).reshape(group_size, rows * m, count)
+        for q in range(group_size):
+            for p in range(count):
+                for c in range(2):
+                    here[c, p] = point_velocity[which[p], first + q, c]
+            sums = own.pull_sums[q].reshape(rows * m, 2)
+            for a in range(rows * m):
+                for p in range(count):
+                    moved[q, a, p] = (
+                        sums[a, 0] * here[0, p] + sums[a, 1] * here[1, p] - moved[q, a, p]
+                    )
+            at, size = dstart[g, 1] + q * n * count, n * count
+            if dphi.size > 0:
+                out = dphi[at : at + size].reshape(n, count)
+                np.dot(own.on_value[q].T, moved[q, :m], out)
+                _add_direct(own.direct[q, 0], here, moves, out)
+            if rows > 1:
+                out = dgrad[2 * at : 2 * (at + size)].reshape(2 * n, count)
+                np.dot(own.on_slope[q].reshape(m, 2 * n).T, moved[q, :m], out)
                 for u in range(1, rows):
-                    to = 2 * at + ((u - 1) * n + seen[i]) * count
-                    for p in range(count):
-                        dgrad[to + p] = out[u * s + i, p]
+                    row = out[(u - 1) * n : u * n]
+                    row += np.dot(own.on_value[q].T, moved[q, u * m : (u + 1) * m])
+                    _add_direct(own.direct[q, u], here, moves, row)
+
+
+@internal
+def _add_direct_seeds(direct, seed, on_near, on_point):
+    """Transpose of ``_add_direct``."""
+    n, count = seed.shape
+    for c in range(2):
+        for i in range(n):
+            d = direct[c, i]
+            for p in range(count):
+                value = d * seed[i, p]
+                on_near[c * n + i, p] += value
+                on_point[c, p] += value
 
 
 @compiled
 def reverse_shape_functions(
     cloud, points, start, neighbours, group_size, phi_bar, grad_bar, x_bar, point_bar
 ):
-    """Pull seeds on a whole table back to the particles and to the points.
+    """Transpose of ``forward_shape_functions``: pull seeds back to the particles and to the points.
 
     Parameters
     ----------
@@ -256,35 +280,39 @@ def reverse_shape_functions(
     x_bar, point_bar : ndarray, shapes (n_particles, 2, M), (n_points, 2, M)
         Added to: derivatives with respect to the particle and the point coordinates.
     """
-    m, first, rows = cloud.n_basis, 0 if phi_bar.size > 0 else 1, 3 if grad_bar.size > 0 else 1
-    n_measures = phi_bar.shape[1]
-    inverse = np.empty((m, m))
+    m, rows, count = cloud.n_basis, 3 if grad_bar.size > 0 else 1, phi_bar.shape[1]
+    moved, seed = np.empty((group_size, rows * m, count)), np.empty((0, count))
     for g in range(start.size - 1):
         near = neighbours[start[g] : start[g + 1]]
-        n = near.size
-        h, k, places = np.empty((n, 6, m)), np.empty((n, 6)), np.empty(n, np.int64)
-        work = _workspace(n, m, rows)
-        seeds, outs = np.empty((rows * n, n_measures)), np.empty((2 * n, n_measures))
+        n, first = near.size, g * group_size
+        own = linearize_group(cloud, points[first : first + group_size], near, rows)
+        on_near = np.empty((2 * n, count))
         for q in range(group_size):
-            point = g * group_size + q
-            direct, pull, chain, seen = _prepare(
-                points[point], near, cloud, h, k, places, inverse, work
-            )
-            s = seen.size
-            seed, out = seeds[: rows * s], outs[: 2 * s]
             at = start[g] * group_size + q * n
-            for i in range(s):
-                if first == 0:
-                    for measure in range(n_measures):
-                        seed[i, measure] = phi_bar[at + seen[i], measure]
+            moved[q] = 0.0
+            if phi_bar.size > 0:
+                np.dot(own.on_value[q], phi_bar[at : at + n], moved[q, :m])
+            if rows > 1:
+                seed = grad_bar[2 * at : 2 * (at + n)]
+                moved[q, :m] += np.dot(own.on_slope[q].reshape(m, 2 * n), seed)
                 for u in range(1, rows):
-                    source = 2 * at + (u - 1) * n + seen[i]
-                    for measure in range(n_measures):
-                        seed[u * s + i, measure] = grad_bar[source, measure]
-            reverse_point(direct, pull, chain, seed, first, out)
-            for i in range(s):
-                for d in range(2):
-                    row = out[2 * i + d]
-                    for measure in range(n_measures):
-                        x_bar[near[seen[i]], d, measure] -= row[measure]
-                        point_bar[point, d, measure] += row[measure]
+                    by_slope = seed[(u - 1) * n : u * n]
+                    np.dot(own.on_value[q], by_slope, moved[q, u * m : (u + 1) * m])
+        pull = own.pull.reshape(group_size * rows * m, 2 * n)
+        np.dot(pull.T, moved.reshape(group_size * rows * m, count), on_near)
+        for q in range(group_size):
+            at, on_point = start[g] * group_size + q * n, point_bar[first + q]
+            sums = own.pull_sums[q].reshape(rows * m, 2)
+            for a in range(rows * m):
+                for c in range(2):
+                    for p in range(count):
+                        on_point[c, p] += sums[a, c] * moved[q, a, p]
+            if phi_bar.size > 0:
+                _add_direct_seeds(own.direct[q, 0], phi_bar[at : at + n], on_near, on_point)
+            for u in range(1, rows):
+                seed = grad_bar[2 * at + (u - 1) * n : 2 * at + u * n]
+                _add_direct_seeds(own.direct[q, u], seed, on_near, on_point)
+        for i in range(n):
+            for c in range(2):
+                for p in range(count):
+                    x_bar[near[i], c, p] -= on_near[c * n + i, p]

@@ -15,10 +15,13 @@ import numpy as np
 
 from seal_mdao.compilation import compiled
 from seal_mdao.rkpm.moment import (
-    correction_coefficients,
+    correction_polynomials,
+    gathered,
     invert_moment,
     moment_matrices,
+    n_monomials,
     neighbour_terms,
+    polynomial_values,
 )
 
 NOTHING_HIDDEN = np.empty((0, 2), int)
@@ -113,29 +116,23 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
     moments, inverse, b = np.empty((rows, m, m)), np.empty((m, m)), np.empty((rows, m))
     for g in range(n_groups):
         s0, n = start[g], start[g + 1] - start[g]
-        near = neighbours[s0 : s0 + n]
-        h, k, seen = np.empty((n, 6, m)), np.empty((n, 6)), np.empty(n, np.int64)
+        near = gathered(cloud, neighbours[s0 : s0 + n])
+        h, k, p = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty((rows, n))
         for q in range(group_size):
             point = g * group_size + q
-            count = neighbour_terms(points[point], near, cloud, h, k, seen)
-            moment_matrices(h[:count], k[:count], moments)
+            neighbour_terms(points[point], near, cloud.scale, h, k)
+            moment_matrices(h, k, cloud.scale, moments)
             if not invert_moment(moments[0], inverse):
                 return point
-            correction_coefficients(moments, inverse, b)
+            correction_polynomials(moments, inverse, cloud.scale, b)
+            for j in range(rows):
+                polynomial_values(b[j], h, p[j])
             at = s0 * group_size + q * n
-            phi[at : at + n] = 0.0
-            grad[2 * at : 2 * at + (rows - 1) * n] = 0.0
-            for i in range(count):
-                value = 0.0
-                for a in range(m):
-                    value += b[0, a] * (h[i, 0, a] * k[i, 0])
-                if phi.size > 0:
-                    phi[at + seen[i]] = value
-                for j in range(1, rows):
-                    slope = 0.0
-                    for a in range(m):
-                        slope += b[j, a] * (h[i, 0, a] * k[i, 0]) + b[0, a] * (
-                            h[i, j, a] * k[i, 0] + h[i, 0, a] * k[i, j]
-                        )
-                    grad[2 * at + (j - 1) * n + seen[i]] = slope
+            if phi.size > 0:
+                for i in range(n):
+                    phi[at + i] = p[0, i] * k[0, i]
+            for j in range(1, rows):
+                to = 2 * at + (j - 1) * n
+                for i in range(n):
+                    grad[to + i] = p[j, i] * k[0, i] + p[0, i] * k[j, i]
     return -1

@@ -24,14 +24,18 @@ from seal_mdao.structure.deformation import (
 
 @internal
 def _outer(stress, lam, dual, d, out):
-    """out = w P_ij (-lambda_i) + w S_ij d_i for one neighbour and one j; all (2, S) but ``out``."""
-    for c in range(out.size):
-        out[c] = (
-            stress[0, c] * lam[0, c]
-            + stress[1, c] * lam[1, c]
-            + dual[0, c] * d[0, c]
-            + dual[1, c] * d[1, c]
-        )
+    """out = w P_ij (-lambda_i) + w S_ij d_i of every j at a point and every neighbour: (rows, 2, S) of
+    the stresses and (n, 2, S) of the others give (rows n, S)."""
+    n, _, total = lam.shape
+    for r in range(len(stress)):
+        for a in range(n):
+            for c in range(total):
+                out[r * n + a, c] = (
+                    stress[r, 0, c] * lam[a, 0, c]
+                    + stress[r, 1, c] * lam[a, 1, c]
+                    + dual[r, 0, c] * d[a, 0, c]
+                    + dual[r, 1, c] * d[a, 1, c]
+                )
 
 
 @internal
@@ -197,10 +201,7 @@ def add_internal_seeds(
             column, weights[column], functions, deformation, w, by_constants, bulk[column],
             bulk_row[column], strain.reshape(points, 2, total), first, stress, dual, of_adjoints[size:],
         )  # fmt: skip
-        by_neighbour = lam.reshape(n, 2, total)
-        for r in range(points):
-            for a in range(n):
-                _outer(stress[r], by_neighbour[a], dual[r], moved[a], of_adjoints[r * n + a])
+        _outer(stress, lam.reshape(n, 2, total), dual, moved, of_adjoints)
         of_measures = block(mixed, size + n_scalars, count)
         np.dot(of_adjoints, mix, of_measures)
         _add_rows(of_measures, 0, size, grad_bar, s0 * points)

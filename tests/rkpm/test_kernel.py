@@ -69,7 +69,7 @@ def test_kernel_is_smooth_at_its_centre():
 @pytest.mark.parametrize("place", [(0.0, 0.0), (0.3, -0.8), (-0.9, 0.4), (0.2, 1.2), (-1.1, -0.3)])
 def test_product_kernel_gradient_and_hessian_by_complex_step(place):
     axes, r = np.array([[0.7, 0.2], [-0.1, 0.5]]), np.array(place)
-    value, fx, fy, fxx, fxy, fyy = product_kernel_derivatives(*r, axes)
+    value, fx, fy, fxx, fxy, fyy = product_kernel_derivatives(*r, *axes.ravel())
     found = [product_kernel(r + 1j * STEP * e, axes) for e in np.eye(2)]
     assert value == pytest.approx(found[0][0].real, rel=1e-13)
     np.testing.assert_allclose((fx, fy), [w.imag / STEP for w, _ in found], atol=1e-14)

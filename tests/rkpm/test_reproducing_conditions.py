@@ -80,7 +80,7 @@ def test_product_kernels_on_a_regular_grid_give_the_bicubic_b_splines(rng):
     inside = PointSet(cells[[36, 27, 45]], rng.dirichlet(np.ones(4), 3), 1)
     x, phi, _ = shape_rows(cloud, inside)
     for place, row in zip(x, phi, strict=True):
-        exact = [product_kernel_derivatives(*(place - p), axes[0])[0] for p in particles]
+        exact = [product_kernel_derivatives(*(place - p), *axes[0].ravel())[0] for p in particles]
         np.testing.assert_allclose(row, np.array(exact), atol=1e-14)
 
 
