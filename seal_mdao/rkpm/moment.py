@@ -11,47 +11,37 @@ PIVOT_TOLERANCE = 1e-8
 
 
 @internal
-def _half_widths(radius, axes):
-    """The radii of round kernels, or the four inverse half-widths of product kernels: numba compiles
-    only what ``axes``, None or not, calls for."""
-    if axes is None:
-        return radius.reshape(radius.size, 1)
-    return axes.reshape(radius.size, 4)
+def gathered(particles, radius, axes, neighbours):
+    """Coordinates of the neighbours, and their radii or the four inverse half-widths: (3 or 6, n).
 
-
-@internal
-def gathered(cloud, neighbours):
-    """Coordinates of the neighbours, and their radii or the four inverse half-widths: (3 or 6, n)."""
-    widths = _half_widths(cloud.radius, cloud.axes)
-    near = np.empty((2 + widths.shape[1], neighbours.size))
+    Here and in ``neighbour_terms`` numba compiles only what ``axes``, None or not, calls for."""
+    near = np.empty((3 if axes is None else 6, neighbours.size))
     for i in range(neighbours.size):
         p = neighbours[i]
-        near[0, i], near[1, i] = cloud.particles[p, 0], cloud.particles[p, 1]
-        for a in range(widths.shape[1]):
-            near[2 + a, i] = widths[p, a]
+        near[0, i], near[1, i], near[2, i] = particles[p, 0], particles[p, 1], radius[p]
+        if axes is not None:
+            near[2, i], near[3, i] = axes[p, 0, 0], axes[p, 0, 1]
+            near[4, i], near[5, i] = axes[p, 1, 0], axes[p, 1, 1]
     return near
 
 
-@inlined
-def _kernel(rx, ry, near, i):
-    """The kernel of neighbour ``i`` and its derivatives."""
-    if len(near) == 3:
-        return kernel_derivatives(rx, ry, near[2, i])
-    return product_kernel_derivatives(rx, ry, near[2, i], near[3, i], near[4, i], near[5, i])
-
-
-@inlined
-def neighbour_terms(x, near, scale, h, k):
+@internal
+def neighbour_terms(x, near, axes, scale, h, k):
     """Monomials ``h`` (size, n) and kernel terms ``k`` (6, n) at ``x`` of ``gathered`` neighbours.
 
     The six rows are the value, the two first and the three second derivatives (xx, xy, yy); they are
     zero where the support of a neighbour does not reach ``x``.
     """
-    n = near.shape[1]
-    for i in range(n):
+    for i in range(near.shape[1]):
         rx, ry = x[0] - near[0, i], x[1] - near[1, i]
-        k[0, i], k[1, i], k[2, i], k[3, i], k[4, i], k[5, i] = _kernel(rx, ry, near, i)
         h[1, i], h[2, i] = rx / scale, ry / scale
+        if axes is None:
+            terms = kernel_derivatives(rx, ry, near[2, i])
+        else:
+            terms = product_kernel_derivatives(
+                rx, ry, near[2, i], near[3, i], near[4, i], near[5, i]
+            )
+        k[0, i], k[1, i], k[2, i], k[3, i], k[4, i], k[5, i] = terms
     fill_monomials(h)
 
 

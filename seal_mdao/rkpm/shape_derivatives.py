@@ -155,7 +155,7 @@ def _fill_chain(h, k, scale, moments, inverse, spread, on_value, on_slope):
 def linearize_group(cloud, points, neighbours, rows):
     """Coefficients of the derivatives at the points (Q, 2) of a group."""
     m, n, q_count, scale = cloud.n_basis, neighbours.size, len(points), cloud.scale
-    near = gathered(cloud, neighbours)
+    near = gathered(cloud.particles, cloud.radius, cloud.axes, neighbours)
     h, k, spread = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty(n)
     p, phi = np.empty((rows, 3, n)), np.empty((rows, n))
     moments, inverse, b = np.empty((rows, m, m)), np.empty((m, m)), np.empty((rows, m))
@@ -167,7 +167,7 @@ def linearize_group(cloud, points, neighbours, rows):
         np.empty((q_count, m, rows - 1, n)),
     )
     for q in range(q_count):
-        neighbour_terms(points[q], near, scale, h, k)
+        neighbour_terms(points[q], near, cloud.axes, cloud.scale, h, k)
         moment_matrices(h, k, scale, moments)
         invert_moment(moments[0], inverse)
         correction_polynomials(moments, inverse, scale, b)

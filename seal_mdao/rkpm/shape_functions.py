@@ -116,11 +116,11 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
     moments, inverse, b = np.empty((rows, m, m)), np.empty((m, m)), np.empty((rows, m))
     for g in range(n_groups):
         s0, n = start[g], start[g + 1] - start[g]
-        near = gathered(cloud, neighbours[s0 : s0 + n])
+        near = gathered(cloud.particles, cloud.radius, cloud.axes, neighbours[s0 : s0 + n])
         h, k, p = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty((rows, n))
         for q in range(group_size):
             point = g * group_size + q
-            neighbour_terms(points[point], near, cloud.scale, h, k)
+            neighbour_terms(points[point], near, cloud.axes, cloud.scale, h, k)
             moment_matrices(h, k, cloud.scale, moments)
             if not invert_moment(moments[0], inverse):
                 return point
