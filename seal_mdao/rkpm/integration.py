@@ -16,15 +16,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.compilation import compiled, inlined
+from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.rkpm.cells import CellMap
 from seal_mdao.rkpm.scatter import scatter_add
+from seal_mdao.rkpm.shape_derivatives import reverse_group
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
-from seal_mdao.rkpm.tables import PointTable, raw_rates, raw_seeds, raw_tables
+from seal_mdao.rkpm.tables import PointTable, add_point_seeds, raw_rates, raw_tables
 from seal_mdao.rkpm.transformed import (
     transform_table,
     transformed_rates,
-    untransformed_seeds,
+    untransformed_group,
 )
 
 EDGE_POINTS = 8
@@ -197,23 +198,23 @@ def _correct_rates(raw, edges, d_gauss, d_edges, weights, normals, weight_rates,
                         d_grad[q, j, i, p] += d_shift[j, i, p] / volume
 
 
-@compiled
+@internal
 def _correct_seeds(
-    raw, edges, weights, normals, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
+    raw, edges, weights, normals, column, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
 ):
-    """Seeds on the consistent gradients ``raw`` to those on the gradients at the Gauss points, on the
-    values at the edge points, the weights and the normals."""
-    n_cells, q_count = weights.shape
+    """Seeds (rows, M) on the consistent gradients of a column to those on its gradients at the Gauss
+    points and its values at the edge points, and on the weights and normals of all cells."""
+    cells, q_count = len(weights) // (raw.start.size - 1), weights.shape[1]
     e_count, count = normals.shape[1], seeds.shape[1]
-    for cell in range(n_cells):
-        _, n, _, s0 = _place(raw.start, cell, n_cells)
-        first, last = 2 * s0 * q_count, 2 * (s0 + n) * q_count
-        grad = raw.grad[first:last].reshape(q_count, 2 * n)
+    for cell in range(cells * column, cells * (column + 1)):
+        _, n, before, s0 = _place(raw.start, cell, len(weights))
+        grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2 * n)
         phi = edges.phi[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n)
         # side by side: components, neighbours, measures
+        first, last = 2 * before * q_count, 2 * (before + n) * q_count
         seed = seeds[first:last].reshape(q_count, 2 * n * count)
         on_gauss = gauss_bar[first:last].reshape(q_count, 2 * n * count)
-        on_edges = edge_bar[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n * count)
+        on_edges = edge_bar[before * e_count : (before + n) * e_count].reshape(e_count, n * count)
         volume, shift_bar = weights[cell].sum(), np.zeros(2 * n * count)
         for q in range(q_count):
             for a in range(shift_bar.size):
@@ -228,6 +229,31 @@ def _correct_seeds(
         weight_bar[cell] -= np.dot(grad, shift_bar.reshape(2 * n, count))
         normal_bar[cell, :, 0] = np.dot(phi, by_x.reshape(n, count))
         normal_bar[cell, :, 1] = np.dot(phi, by_y.reshape(n, count))
+
+
+@compiled
+def _pull_columns(
+    cloud, raw, table, edges, at_gauss, at_edges, weights, normals, transformation, grad_bar,
+    matrix_bar, weight_bar, normal_bar, x_bar, gauss_bar, edge_bar,
+):  # fmt: skip
+    """Seeds (rows, M) on the gradients of all cells to the particles ``x_bar``, to the Gauss points and
+    the edge points ``at_gauss``, ``at_edges``, to T, the weights and the normals, a column at a time."""
+    count, of_gauss = grad_bar.shape[1], raw.group_size
+    nothing, of_edges = np.empty((0, count)), edges.group_size
+    for column in range(raw.start.size - 1):
+        near = raw.neighbours[raw.start[column] : raw.start[column + 1]]
+        seeds = untransformed_group(
+            raw, table, column, transformation, raw.grad, 2, grad_bar, matrix_bar
+        )
+        on_slopes = np.empty((2 * near.size * of_gauss, count))
+        on_values = np.empty((near.size * of_edges, count))
+        _correct_seeds(
+            raw, edges, weights, normals, column, seeds, on_slopes, on_values, weight_bar, normal_bar,
+        )  # fmt: skip
+        here = slice(column * of_gauss, (column + 1) * of_gauss)
+        reverse_group(cloud, at_gauss[here], near, nothing, on_slopes, x_bar, gauss_bar[here])
+        here = slice(column * of_edges, (column + 1) * of_edges)
+        reverse_group(cloud, at_edges[here], near, on_values, nothing, x_bar, edge_bar[here])
 
 
 def build_cell_table(
@@ -271,18 +297,17 @@ def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, trans
 
     ``weight_bar`` (n_cells, q, M) and ``x_bar`` (n, 2, M) are added to; returns the seeds on T.
     """
-    m, gauss, edges = grad_bar.shape[1], cells.gauss.raw, cells.edges.raw
-    _, grad_bar, matrix_bar = untransformed_seeds(
-        cells.raw, cells.table, np.empty((0, m)), grad_bar, transformation
+    m, gauss, edges, t = grad_bar.shape[1], cells.gauss, cells.edges, transformation
+    normals, matrix_bar = edge_normals(cells.rule, cloud.particles), np.zeros((*t.matrix.shape, m))
+    normal_bar, gauss_bar, edge_bar = (
+        np.zeros((*of.shape, m)) for of in (normals, gauss.coordinates, edges.coordinates)
     )
-    gauss_bar, edge_bar = np.empty((gauss.grad.size, m)), np.empty((edges.phi.size, m))
-    normals = edge_normals(cells.rule, cloud.particles)
-    normal_bar = np.empty((*normals.shape, m))
-    _correct_seeds(
-        cells.raw, edges, cells.weights, normals, grad_bar, gauss_bar, edge_bar, weight_bar,
-        normal_bar,
+    _pull_columns(
+        cloud, cells.raw, cells.table, edges.raw, gauss.coordinates, edges.coordinates, cells.weights,
+        normals, (t.constrained, t.union, t.matrix), grad_bar, matrix_bar, weight_bar, normal_bar,
+        x_bar, gauss_bar, edge_bar,
     )  # fmt: skip
     add_normal_seeds(cells.rule, normal_bar, x_bar)
-    raw_seeds(cloud, cells.gauss, np.empty((0, m)), gauss_bar, x_bar)
-    raw_seeds(cloud, cells.edges, edge_bar, np.empty((0, m)), x_bar)
+    add_point_seeds(gauss.points, gauss_bar, x_bar)
+    add_point_seeds(edges.points, edge_bar, x_bar)
     return matrix_bar

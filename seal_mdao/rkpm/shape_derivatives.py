@@ -267,6 +267,41 @@ def _add_direct_seeds(direct, seed, on_near, on_point):
                 on_point[c, p] += value
 
 
+@internal
+def reverse_group(cloud, points, near, phi_bar, grad_bar, x_bar, point_bar):
+    """Pull seeds on the rows of one group (its rows, M) back to the particles and to its points."""
+    m, rows, count = cloud.n_basis, 3 if grad_bar.size > 0 else 1, phi_bar.shape[1]
+    q_count, n = len(points), near.size
+    own = linearize_group(cloud, points, near, rows)
+    on_near, moved = np.empty((2 * n, count)), np.zeros((q_count, rows * m, count))
+    for q in range(q_count):
+        if phi_bar.size > 0:
+            np.dot(own.on_value[q], phi_bar[q * n : (q + 1) * n], moved[q, :m])
+        if rows > 1:
+            seed = grad_bar[2 * q * n : 2 * (q + 1) * n]
+            moved[q, :m] += np.dot(own.on_slope[q].reshape(m, 2 * n), seed)
+            for u in range(1, rows):
+                by_slope = seed[(u - 1) * n : u * n]
+                np.dot(own.on_value[q], by_slope, moved[q, u * m : (u + 1) * m])
+    pull = own.pull.reshape(q_count * rows * m, 2 * n)
+    np.dot(pull.T, moved.reshape(q_count * rows * m, count), on_near)
+    for q in range(q_count):
+        on_point, sums = point_bar[q], own.pull_sums[q].reshape(rows * m, 2)
+        for a in range(rows * m):
+            for c in range(2):
+                for p in range(count):
+                    on_point[c, p] += sums[a, c] * moved[q, a, p]
+        if phi_bar.size > 0:
+            _add_direct_seeds(own.direct[q, 0], phi_bar[q * n : (q + 1) * n], on_near, on_point)
+        for u in range(1, rows):
+            at = (2 * q + u - 1) * n
+            _add_direct_seeds(own.direct[q, u], grad_bar[at : at + n], on_near, on_point)
+    for i in range(n):
+        for c in range(2):
+            for p in range(count):
+                x_bar[near[i], c, p] -= on_near[c * n + i, p]
+
+
 @compiled
 def reverse_shape_functions(
     cloud, points, start, neighbours, group_size, phi_bar, grad_bar, x_bar, point_bar
@@ -280,39 +315,10 @@ def reverse_shape_functions(
     x_bar, point_bar : ndarray, shapes (n_particles, 2, M), (n_points, 2, M)
         Added to: derivatives with respect to the particle and the point coordinates.
     """
-    m, rows, count = cloud.n_basis, 3 if grad_bar.size > 0 else 1, phi_bar.shape[1]
-    moved, seed = np.empty((group_size, rows * m, count)), np.empty((0, count))
     for g in range(start.size - 1):
-        near = neighbours[start[g] : start[g + 1]]
-        n, first = near.size, g * group_size
-        own = linearize_group(cloud, points[first : first + group_size], near, rows)
-        on_near = np.empty((2 * n, count))
-        for q in range(group_size):
-            at = start[g] * group_size + q * n
-            moved[q] = 0.0
-            if phi_bar.size > 0:
-                np.dot(own.on_value[q], phi_bar[at : at + n], moved[q, :m])
-            if rows > 1:
-                seed = grad_bar[2 * at : 2 * (at + n)]
-                moved[q, :m] += np.dot(own.on_slope[q].reshape(m, 2 * n), seed)
-                for u in range(1, rows):
-                    by_slope = seed[(u - 1) * n : u * n]
-                    np.dot(own.on_value[q], by_slope, moved[q, u * m : (u + 1) * m])
-        pull = own.pull.reshape(group_size * rows * m, 2 * n)
-        np.dot(pull.T, moved.reshape(group_size * rows * m, count), on_near)
-        for q in range(group_size):
-            at, on_point = start[g] * group_size + q * n, point_bar[first + q]
-            sums = own.pull_sums[q].reshape(rows * m, 2)
-            for a in range(rows * m):
-                for c in range(2):
-                    for p in range(count):
-                        on_point[c, p] += sums[a, c] * moved[q, a, p]
-            if phi_bar.size > 0:
-                _add_direct_seeds(own.direct[q, 0], phi_bar[at : at + n], on_near, on_point)
-            for u in range(1, rows):
-                seed = grad_bar[2 * at + (u - 1) * n : 2 * at + u * n]
-                _add_direct_seeds(own.direct[q, u], seed, on_near, on_point)
-        for i in range(n):
-            for c in range(2):
-                for p in range(count):
-                    x_bar[near[i], c, p] -= on_near[c * n + i, p]
+        first, last = start[g] * group_size, start[g + 1] * group_size
+        here = slice(g * group_size, (g + 1) * group_size)
+        reverse_group(
+            cloud, points[here], neighbours[start[g] : start[g + 1]], phi_bar[first:last],
+            grad_bar[2 * first : 2 * last], x_bar, point_bar[here],
+        )  # fmt: skip

@@ -165,43 +165,49 @@ def _transform_rates(
                             )
 
 
-@compiled
-def _transform_seeds(
-    raw, table, constrained, union, matrix, values, n_rows, bar, raw_bar, matrix_bar
-):
-    """Transpose of ``transform_table`` for M measures: seeds on the new rows to the raw ones and T."""
-    for g in range(table.start.size - 1):
-        n_raw, n_new = raw.start[g + 1] - raw.start[g], table.start[g + 1] - table.start[g]
-        near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
-        here = table.neighbours[table.start[g] : table.start[g + 1]]
-        in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
-        _positions(near, constrained, in_c)
-        if in_c.max() < 0:
-            size = raw.group_size * n_rows
-            raw_bar[raw.start[g] * size : raw.start[g + 1] * size] = bar[
-                table.start[g] * size : table.start[g + 1] * size
-            ]
-            continue
-        _positions(near, here, in_new)
-        of_union = np.empty(union.size, np.int64)
-        _positions(union, here, of_union)
-        for row in range(raw.group_size * n_rows):
-            old = raw.start[g] * raw.group_size * n_rows + row * n_raw
-            new = table.start[g] * raw.group_size * n_rows + row * n_new
-            for i in range(n_raw):
-                out = raw_bar[old + i]
-                if in_c[i] < 0:
-                    seed = bar[new + in_new[i]]
-                    for m in range(out.size):
-                        out[m] = seed[m]
-                    continue
+@internal
+def untransformed_group(raw, table, g, transformation, values, n_rows, bar, matrix_bar):
+    """Transpose of ``transform_table``: seeds ``bar`` (rows, M) on the new rows of all groups to those
+    on the raw rows of one; seeds on T are added to ``matrix_bar``.
+
+    ``transformation`` are constrained, union and matrix."""
+    constrained, union, matrix = transformation
+    n_raw, n_new = raw.start[g + 1] - raw.start[g], table.start[g + 1] - table.start[g]
+    size = raw.group_size * n_rows
+    new, old = bar[table.start[g] * size : table.start[g + 1] * size], raw.start[g] * size
+    near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
+    here = table.neighbours[table.start[g] : table.start[g + 1]]
+    in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
+    _positions(near, constrained, in_c)
+    if in_c.max() < 0:
+        return new
+    _positions(near, here, in_new)
+    of_union = np.empty(union.size, np.int64)
+    _positions(union, here, of_union)
+    raw_bar = np.zeros((size * n_raw, bar.shape[1]))
+    for row in range(size):
+        for i in range(n_raw):
+            out = raw_bar[row * n_raw + i]
+            if in_c[i] < 0:
+                seed = new[row * n_new + in_new[i]]
                 for m in range(out.size):
-                    out[m] = 0.0
-                for u in range(union.size):
-                    seed, on_matrix = bar[new + of_union[u]], matrix_bar[in_c[i], u]
-                    for m in range(out.size):
-                        out[m] += seed[m] * matrix[in_c[i], u]
-                        on_matrix[m] += seed[m] * values[old + i]
+                    out[m] = seed[m]
+                continue
+            for u in range(union.size):
+                seed, on_matrix = new[row * n_new + of_union[u]], matrix_bar[in_c[i], u]
+                for m in range(out.size):
+                    out[m] += seed[m] * matrix[in_c[i], u]
+                    on_matrix[m] += seed[m] * values[old + row * n_raw + i]
+    return raw_bar
+
+
+@compiled
+def _untransform(raw, table, transformation, values, n_rows, bar, raw_bar, matrix_bar):
+    size = raw.group_size * n_rows
+    for g in range(table.start.size - 1):
+        raw_bar[raw.start[g] * size : raw.start[g + 1] * size] = untransformed_group(
+            raw, table, g, transformation, values, n_rows, bar, matrix_bar
+        )
 
 
 def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation, matrix_rate):
@@ -244,5 +250,5 @@ def untransformed_seeds(raw: ShapeTable, table: ShapeTable, phi_bar, grad_bar, t
     parts = (raw.phi, 1, phi_bar, raw_phi), (raw.grad, 2, grad_bar, raw_grad)
     for part in parts:
         if part[2].size:
-            _transform_seeds(raw, table, c, u, matrix, *part, matrix_bar)
+            _untransform(raw, table, (c, u, matrix), *part, matrix_bar)
     return raw_phi, raw_grad, matrix_bar
