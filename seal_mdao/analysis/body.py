@@ -224,8 +224,17 @@ class Discretization:
 
     @one_blas_thread
     def table_at(self, which: np.ndarray) -> PointTable:
-        """Shape functions at the particles ``which``."""
-        return build_table(self.cloud, single_points(which), self.transformation)
+        """Shape functions at the particles ``which``; kept, for measures ask for the same ones again."""
+        key = np.asarray(which, int).tobytes()
+        if key not in self._tables_at:
+            self._tables_at[key] = build_table(
+                self.cloud, single_points(which), self.transformation
+            )
+        return self._tables_at[key]
+
+    @cached_property
+    def _tables_at(self) -> dict:
+        return {}
 
     @cached_property
     def everywhere(self) -> PointTable:

@@ -27,6 +27,9 @@ from seal_mdao.geometry.pose import in_frame, turned
 
 FRICTION_HISTORIES = ("accumulated", "incremental")
 
+# Share of two terms below which their sum is rounding.
+ROUNDING = 1e-13
+
 # Contact states.
 OPEN, STICK, SLIP = 0, 1, 2
 
@@ -139,6 +142,37 @@ def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
     whole = g_n - carried
     share_r = (g_n * carried_r - carried * gap_r) / (whole * whole)
     return slid_r * g_n / whole + slid * share_r
+
+
+@compiled
+def slip_slopes(profile, points, history, xi, gap, slopes, out):
+    """Derivatives ``out`` (s, 2) of the elastic slip of ``points`` (s,) with their displacements at the
+    step before.
+
+    What a point that goes on sticking on |t| = |t0| hands on, s0 - |t0| xi0, does not change with its
+    displacement; what is left of it is rounding, and zero here.
+
+    Parameters
+    ----------
+    history : ContactHistory
+        Handed on by the step before, of all points.
+    xi, gap : ndarray, shape (n,)
+        Natural coordinates and normal gaps of all points at the step.
+    slopes : ndarray, shape (s, 2, 2)
+        Derivatives of xi0, and of what is carried, with the displacement.
+    """
+    for k, i in enumerate(points):
+        state_0, before = history.state[i], history.variables[i]
+        xi_0, size_0, carried = before[0], before[1], before[2]
+        way = way_along(profile, xi[i], xi_0)
+        by_xi = elastic_slip_rate(XI_0, gap[i], 0.0, way, -1.0, state_0, size_0, carried)
+        by_carried = elastic_slip_rate(SLIP_0, gap[i], 0.0, way, 0.0, state_0, size_0, carried)
+        scale = 0.0
+        for c in range(2):
+            a, b = by_xi * slopes[k, 0, c], by_carried * slopes[k, 1, c]
+            out[k, c], scale = a + b, max(scale, abs(a) + abs(b))
+        if max(abs(out[k, 0]), abs(out[k, 1])) <= ROUNDING * scale:
+            out[k] = 0.0
 
 
 @inlined

@@ -15,6 +15,7 @@ from seal_mdao.contact.friction import (
     contact_linearization,
     contact_points,
     no_history,
+    slip_slopes,
     uses_history,
 )
 from seal_mdao.contact.kinematics import normal_gaps
@@ -188,14 +189,21 @@ class ContactTerm(PointTerm):
     def uses_history(self, following):
         return np.flatnonzero(uses_history(self._speed_varies, following.branch))
 
-    def handed_on(self, following, local, points) -> HandedOn:
+    def handed_on(self, response, following, local, points) -> HandedOn:
+        """The next step takes one function of what a point hands on, its elastic slip; where |t| varies
+        two, the natural coordinate, with which |t0| goes, and what is carried."""
         used = self.uses_history(following)
         at = used if len(points) == len(self.where) else np.searchsorted(points, used)
         slopes = local[at][:, XI : CARRIED + 1 : 2, :2]
         if self._speed_varies:
-            # |t0| changes with the natural coordinate alone
             slopes[following.branch[used] == SLIP, 1] = 0.0
-        return directions_of(used, slopes)
+            return directions_of(used, slopes)
+        of_slip = np.zeros((used.size, 2, 2))
+        slip_slopes(
+            self.curve, used, response.history, following.history.variables[:, 0], following.gap,
+            slopes, of_slip[:, 0],
+        )  # fmt: skip
+        return directions_of(used, of_slip)
 
     # ---- the path ----
 

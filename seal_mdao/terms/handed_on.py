@@ -41,7 +41,8 @@ def directions_of(used: np.ndarray, slopes: np.ndarray) -> HandedOn:
     Parameters
     ----------
     slopes : ndarray, shape (s, 2, 2)
-        Derivatives of two functions of every point with its displacement. The second may be zero.
+        Derivatives of two functions of every point with its displacement. The second may be zero; a
+        point where both are hands on nothing.
     """
     points, directions = np.empty(2 * used.size, int), np.empty((2 * used.size, 2))
     count = _fill_directions(used, slopes, points, directions)
@@ -55,6 +56,8 @@ def _fill_directions(used, slopes, points, directions):
     for k, i in enumerate(used):
         a_x, a_y, b_x, b_y = slopes[k, 0, 0], slopes[k, 0, 1], slopes[k, 1, 0], slopes[k, 1, 1]
         size = math.hypot(a_x, a_y)
+        if size == 0.0:
+            continue
         points[count] = i
         if abs(a_x * b_y - a_y * b_x) <= PARALLEL * size * math.hypot(b_x, b_y):
             directions[count, 0], directions[count, 1] = a_x / size, a_y / size

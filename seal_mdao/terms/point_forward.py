@@ -47,10 +47,12 @@ class Linearized(NamedTuple):
         Those that matter.
     local : ndarray, shape (k, rows, columns)
         Zero at all others.
+    response : PointResponse
     """
 
     points: np.ndarray
     local: np.ndarray
+    response: tuple
 
 
 class PointForward(Forward):
@@ -80,15 +82,14 @@ class PointForward(Forward):
         term, place = self.term, self.term.place
         response, before = step.responses[place], step.before[place]
         if following is None:
-            return Linearized(
-                self.every, term.linearize(response, step.fraction, before, self.every)
-            )
+            local = term.linearize(response, step.fraction, before, self.every)
+            return Linearized(self.every, local, response)
         matters = response.branch != 0
         matters[term.uses_history(following.responses[place])] = True
         points = np.flatnonzero(matters)
         local = np.zeros((len(matters), *term.local_shape))
         local[points] = term.linearize(response, step.fraction, before, points)
-        return Linearized(points, local)
+        return Linearized(points, local, response)
 
     def _rates(self, kept, rows):
         """Rates of some ``rows`` of the outputs, shape (k, r, P)."""
@@ -120,8 +121,8 @@ class PointForward(Forward):
 
     def handed_on(self, kept, following):
         layout = self.term.discretization.layout
-        response = following.responses[self.term.place]
-        self._handed = self.term.handed_on(response, kept.local, self.every)
+        after = following.responses[self.term.place]
+        self._handed = self.term.handed_on(kept.response, after, kept.local, self.every)
         columns = np.zeros((layout.n_equations + 1, self._handed.points.size))
         add_handed_columns(self.term.table.table, *self._handed, layout.equations, columns)
         return columns

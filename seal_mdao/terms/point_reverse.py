@@ -66,7 +66,7 @@ class PointReverse(Reverse):
         out_bar[:, self.remembered] = history_bar[points]
         handed = HandedOn(np.empty(0, int), np.empty((0, 2)))
         if used.size:
-            handed = term.handed_on(following.responses[term.place], local, points)
+            handed = term.handed_on(response, following.responses[term.place], local, points)
         return PointPlan(points, local, out_bar, handed)
 
     def add_handed(self, plan, loads, mix):

@@ -115,9 +115,9 @@ class PointTerm(Term):
         """
         raise NotImplementedError
 
-    def handed_on(self, following: PointResponse, local: np.ndarray, points) -> HandedOn:
-        """Displacements of this step that ``following`` uses, linearised in ``local`` (s, ...) at
-        the ``points`` (s,)."""
+    def handed_on(self, response, following: PointResponse, local: np.ndarray, points) -> HandedOn:
+        """Displacements of the step of ``response`` that ``following`` uses, linearised in ``local``
+        (s, ...) at the ``points`` (s,)."""
         used = np.flatnonzero(np.isin(points, self.uses_history(following)))
         both = np.broadcast_to(np.eye(2), (used.size, 2, 2))
         return directions_of(points[used], both)

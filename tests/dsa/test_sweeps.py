@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.contact.friction import OPEN, STICK
+from seal_mdao.contact.friction import OPEN, STICK, slip_slopes
 from seal_mdao.dsa.adjoint import AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.parameters import parameter_rates
@@ -125,21 +125,52 @@ def test_few_parameters_and_few_measures_are_solved_for_themselves(random_design
     )
 
 
-def test_a_point_that_goes_on_sticking_hands_on_its_natural_coordinate_alone(random_design):
+def test_a_point_that_goes_on_sticking_hands_on_nothing(random_design):
+    """Its elastic slip does not change with where it stuck; of others that stick next one direction is
+    wanted."""
     term, path = random_design.term("door"), random_design.path
     every, place, seen = np.arange(51), path.place("door"), set()
     for step, following in pairwise(path.steps):
         before, now = step.before[place], step.responses[place]
         local = term.linearize(now, step.fraction, before, every)
         after = following.responses[place]
-        points, directions = term.handed_on(after, local, every)
-        assert set(points) == set(np.flatnonzero(after.state == STICK))
+        points, directions = term.handed_on(now, after, local, every)
+        assert np.unique(points).size == points.size
         np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0, rtol=1e-14)
-        for i in set(points):
+        for i in np.flatnonzero(after.state == STICK):
             went_on = now.state[i] == STICK and before.state[i] != OPEN
-            assert np.sum(points == i) == (1 if went_on else 2)
-            seen.add(bool(went_on))
-    assert seen == {True, False}
+            speeds = now.history.variables[i, 1], before.variables[i, 1]
+            same_speed = np.isclose(*speeds, rtol=1e-14, atol=0.0)
+            assert (i in points) != (went_on and same_speed)
+            seen.add((bool(went_on), bool(same_speed)))
+        assert set(points) <= set(np.flatnonzero(after.state == STICK))
+    assert {went_on for went_on, _ in seen} == {True, False}
+
+
+def test_slopes_of_the_elastic_slip_are_those_of_complex_steps(random_design):
+    """d g_t / d x_n through xi0 and what is carried, of points that were open or in contact."""
+    term, path = random_design.term("door"), random_design.path
+    place, seen = path.place("door"), set()
+    for step, following in pairwise(path.steps):
+        now, after = step.responses[place], following.responses[place]
+        used = np.flatnonzero(after.state == STICK)
+        slopes = np.random.default_rng(4).standard_normal((used.size, 2, 2))
+        out = np.empty((used.size, 2))
+        xi, gap = after.history.variables[:, 0], after.gap
+        slip_slopes(term.curve, used, now.history, xi, gap, slopes, out)
+        for k, i in enumerate(used):
+            for c in range(2):
+                xi_0, size, carried = now.history.variables[i] + 1e-30j * np.array(
+                    [slopes[k, 0, c], 0.0, slopes[k, 1, c]]
+                )
+                slip = size * (xi[i] - xi_0)
+                if now.state[i] == OPEN:
+                    slip *= gap[i] / (gap[i] - carried)
+                else:
+                    slip += carried
+                np.testing.assert_allclose(out[k, c], slip.imag / 1e-30, rtol=1e-12, atol=1e-14)
+            seen.add(int(now.state[i]))
+    assert seen == {OPEN, STICK}  # after slip as after stick
 
 
 def test_factors_beyond_the_memory_are_made_again(drawn_model):
