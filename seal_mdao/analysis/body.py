@@ -270,8 +270,7 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
         raise ValueError(f"particle {where} has a coordinate that is not a finite number")
     cloud, transformation, rows = _essential(body, particles)
     cells = body.cell_table(cloud, transformation)
-    points = [term.point_set() for term in terms]
-    tables = tuple(None if p is None else build_table(cloud, p, transformation) for p in points)
+    tables = tuple(_table_of(term.point_set(), cloud, transformation) for term in terms)
     couples = tuple(term.couples for term in terms)
     coupling = zip(tables, couples, strict=True)
     coupled = [cells.raw, *(table.raw for table, own in coupling if own and table is not None)]
@@ -286,6 +285,13 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
         body, cloud, transformation, rows, cells, tables, couples, layout,
         tuple(accumulate((term.n_columns for term in terms), initial=0)),
     )  # fmt: skip
+
+
+def _table_of(points, cloud, transformation) -> PointTable | None:
+    """Shape functions at the points of a term: it takes and gives displacements alone."""
+    if points is None:
+        return None
+    return build_table(cloud, points._replace(sloped=False), transformation)
 
 
 def _links(terms, tables) -> list:

@@ -233,11 +233,13 @@ def _correct_seeds(
 
 @compiled
 def _pull_columns(
-    cloud, raw, table, edges, at_gauss, at_edges, weights, normals, transformation, grad_bar,
+    cloud, raw, table, edges, gauss_points, edge_points, weights, normals, transformation, grad_bar,
     matrix_bar, weight_bar, normal_bar, x_bar, gauss_bar, edge_bar,
 ):  # fmt: skip
     """Seeds (rows, M) on the gradients of all cells to the particles ``x_bar``, to the Gauss points and
-    the edge points ``at_gauss``, ``at_edges``, to T, the weights and the normals, a column at a time."""
+    the edge points, to T, the weights and the normals, a column at a time.
+
+    ``gauss_points``, ``edge_points`` are their coordinates and M^-1."""
     count, of_gauss = grad_bar.shape[1], raw.group_size
     nothing, of_edges = np.empty((0, count)), edges.group_size
     for column in range(raw.start.size - 1):
@@ -250,10 +252,16 @@ def _pull_columns(
         _correct_seeds(
             raw, edges, weights, normals, column, seeds, on_slopes, on_values, weight_bar, normal_bar,
         )  # fmt: skip
+        x, inverses = gauss_points
         here = slice(column * of_gauss, (column + 1) * of_gauss)
-        reverse_group(cloud, at_gauss[here], near, nothing, on_slopes, x_bar, gauss_bar[here])
+        reverse_group(
+            cloud, x[here], inverses[here], near, nothing, on_slopes, x_bar, gauss_bar[here]
+        )
+        x, inverses = edge_points
         here = slice(column * of_edges, (column + 1) * of_edges)
-        reverse_group(cloud, at_edges[here], near, on_values, nothing, x_bar, edge_bar[here])
+        reverse_group(
+            cloud, x[here], inverses[here], near, on_values, nothing, x_bar, edge_bar[here]
+        )
 
 
 def build_cell_table(
@@ -303,9 +311,10 @@ def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, trans
         np.zeros((*of.shape, m)) for of in (normals, gauss.coordinates, edges.coordinates)
     )
     _pull_columns(
-        cloud, cells.raw, cells.table, edges.raw, gauss.coordinates, edges.coordinates, cells.weights,
-        normals, (t.constrained, t.union, t.matrix), grad_bar, matrix_bar, weight_bar, normal_bar,
-        x_bar, gauss_bar, edge_bar,
+        cloud, cells.raw, cells.table, edges.raw, (gauss.coordinates, gauss.inverses),
+        (edges.coordinates, edges.inverses), cells.weights, normals,
+        (t.constrained, t.union, t.matrix), grad_bar, matrix_bar, weight_bar, normal_bar, x_bar,
+        gauss_bar, edge_bar,
     )  # fmt: skip
     add_normal_seeds(cells.rule, normal_bar, x_bar)
     add_point_seeds(gauss.points, gauss_bar, x_bar)

@@ -23,7 +23,6 @@ from seal_mdao.rkpm.basis import basis_slope
 from seal_mdao.rkpm.moment import (
     correction_polynomials,
     gathered,
-    invert_moment,
     moment_matrices,
     n_monomials,
     neighbour_terms,
@@ -152,13 +151,13 @@ def _fill_chain(h, k, scale, moments, inverse, spread, on_value, on_slope):
 
 
 @internal
-def linearize_group(cloud, points, neighbours, rows):
-    """Coefficients of the derivatives at the points (Q, 2) of a group."""
+def linearize_group(cloud, points, inverses, neighbours, rows):
+    """Coefficients of the derivatives at the points (Q, 2) of a group with their M^-1 (Q, m, m)."""
     m, n, q_count, scale = cloud.n_basis, neighbours.size, len(points), cloud.scale
     near = gathered(cloud.particles, cloud.radius, cloud.axes, neighbours)
     h, k, spread = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty(n)
     p, phi = np.empty((rows, 3, n)), np.empty((rows, n))
-    moments, inverse, b = np.empty((rows, m, m)), np.empty((m, m)), np.empty((rows, m))
+    moments, b = np.empty((rows, m, m)), np.empty((rows, m))
     out = Coefficients(
         np.empty((q_count, rows, 2, n)),
         np.empty((q_count, rows, m, 2, n)),
@@ -167,9 +166,10 @@ def linearize_group(cloud, points, neighbours, rows):
         np.empty((q_count, m, rows - 1, n)),
     )
     for q in range(q_count):
-        neighbour_terms(points[q], near, cloud.axes, cloud.scale, h, k)
-        moment_matrices(h, k, scale, moments)
-        invert_moment(moments[0], inverse)
+        inverse = inverses[q]
+        neighbour_terms(points[q], near, cloud.axes, scale, h, k)
+        if rows > 1:
+            moment_matrices(h, k, scale, moments)
         correction_polynomials(moments, inverse, scale, b)
         _fill_polynomials(b, h, scale, p)
         _fill_direct(p, k, phi, out.direct[q])
@@ -192,6 +192,7 @@ def _add_direct(direct, here, moves, out):
 def forward_shape_functions(
     cloud,
     points,
+    inverses,
     start,
     neighbours,
     velocity,
@@ -208,6 +209,8 @@ def forward_shape_functions(
     ----------
     velocity, point_velocity : ndarray, shapes (P, n_particles, 2), (P, n_points, 2)
         Design velocities V of Eq. (48) at the particles and at the points.
+    inverses : ndarray, shape (n_points, m, m)
+        M^-1 at the points.
     active, dstart : ndarray of int
         Parameters that touch group g: ``active[dstart[g, 0]:dstart[g + 1, 0]]``;
         ``dstart[g, 1]`` is where its entries begin in ``dphi``.
@@ -222,7 +225,13 @@ def forward_shape_functions(
         n, count, first = near.size, which.size, g * group_size
         if count == 0:
             continue
-        own = linearize_group(cloud, points[first : first + group_size], near, rows)
+        own = linearize_group(
+            cloud,
+            points[first : first + group_size],
+            inverses[first : first + group_size],
+            near,
+            rows,
+        )
         moves, here = np.empty((2, n, count)), np.empty((2, count))
         for p in range(count):
             for i in range(n):
@@ -268,11 +277,11 @@ def _add_direct_seeds(direct, seed, on_near, on_point):
 
 
 @internal
-def reverse_group(cloud, points, near, phi_bar, grad_bar, x_bar, point_bar):
+def reverse_group(cloud, points, inverses, near, phi_bar, grad_bar, x_bar, point_bar):
     """Pull seeds on the rows of one group (its rows, M) back to the particles and to its points."""
     m, rows, count = cloud.n_basis, 3 if grad_bar.size > 0 else 1, phi_bar.shape[1]
     q_count, n = len(points), near.size
-    own = linearize_group(cloud, points, near, rows)
+    own = linearize_group(cloud, points, inverses, near, rows)
     on_near, moved = np.empty((2 * n, count)), np.zeros((q_count, rows * m, count))
     for q in range(q_count):
         if phi_bar.size > 0:
@@ -304,12 +313,14 @@ def reverse_group(cloud, points, near, phi_bar, grad_bar, x_bar, point_bar):
 
 @compiled
 def reverse_shape_functions(
-    cloud, points, start, neighbours, group_size, phi_bar, grad_bar, x_bar, point_bar
+    cloud, points, inverses, start, neighbours, group_size, phi_bar, grad_bar, x_bar, point_bar
 ):
     """Transpose of ``forward_shape_functions``: pull seeds back to the particles and to the points.
 
     Parameters
     ----------
+    inverses : ndarray, shape (n_points, m, m)
+        M^-1 at the points.
     phi_bar, grad_bar : ndarray, shapes (..., M)
         Seeds of M measures in the flat layout of ``ShapeTable``; what is not asked for has no entries.
     x_bar, point_bar : ndarray, shapes (n_particles, 2, M), (n_points, 2, M)
@@ -319,6 +330,6 @@ def reverse_shape_functions(
         first, last = start[g] * group_size, start[g + 1] * group_size
         here = slice(g * group_size, (g + 1) * group_size)
         reverse_group(
-            cloud, points[here], neighbours[start[g] : start[g + 1]], phi_bar[first:last],
-            grad_bar[2 * first : 2 * last], x_bar, point_bar[here],
+            cloud, points[here], inverses[here], neighbours[start[g] : start[g + 1]],
+            phi_bar[first:last], grad_bar[2 * first : 2 * last], x_bar, point_bar[here],
         )  # fmt: skip

@@ -107,19 +107,20 @@ class ShapeTable(NamedTuple):
 
 
 @compiled
-def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad):
-    """Fill ``phi`` and ``grad``, those that have entries; return the first point with a singular moment
-    matrix, or -1."""
+def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad, inverses):
+    """Fill ``phi`` and ``grad``, those that have entries, and M^-1 of every point, ``inverses``
+    (n_points, m, m); return the first point with a singular moment matrix, or -1."""
     m, rows = cloud.n_basis, 3 if grad.size > 0 else 1
     n_groups = start.size - 1
     group_size = points.shape[0] // n_groups
-    moments, inverse, b = np.empty((rows, m, m)), np.empty((m, m)), np.empty((rows, m))
+    moments, b = np.empty((rows, m, m)), np.empty((rows, m))
     for g in range(n_groups):
         s0, n = start[g], start[g + 1] - start[g]
         near = gathered(cloud.particles, cloud.radius, cloud.axes, neighbours[s0 : s0 + n])
         h, k, p = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty((rows, n))
         for q in range(group_size):
             point = g * group_size + q
+            inverse = inverses[point]
             neighbour_terms(points[point], near, cloud.axes, cloud.scale, h, k)
             moment_matrices(h, k, cloud.scale, moments)
             if not invert_moment(moments[0], inverse):

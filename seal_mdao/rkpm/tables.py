@@ -37,12 +37,15 @@ class PointTable:
         Eq. (13) as it stands.
     table : ShapeTable
         After the essential transformation; what the analysis uses.
+    inverses : ndarray, shape (n_points, m, m)
+        M^-1 of Eq. (7), which the derivatives use again.
     """
 
     points: PointSet
     coordinates: np.ndarray
     raw: ShapeTable
     table: ShapeTable
+    inverses: np.ndarray
 
 
 def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
@@ -94,24 +97,25 @@ def raw_tables(cloud: Cloud, *sets: PointSet) -> tuple[PointTable, ...]:
     """
     coordinates = [own.at(cloud.particles) for own in sets]
     start, neighbours = neighbour_lists(cloud, np.concatenate(coordinates), *sets)
-    raw = [
+    return tuple(
         _evaluated(cloud, own, x, start, neighbours)
         for own, x in zip(sets, coordinates, strict=True)
-    ]
-    return tuple(map(PointTable, sets, coordinates, raw, raw))
+    )
 
 
-def _evaluated(cloud, points, coordinates, start, neighbours) -> ShapeTable:
+def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
     size = neighbours.size * points.group_size
     phi, grad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
-    bad = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad)
+    inverses = np.empty((len(coordinates), cloud.n_basis, cloud.n_basis))
+    bad = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad, inverses)
     if bad >= 0:
         x, y = coordinates[bad]
         raise SingularMomentMatrixError(
             f"the moment matrix is singular at ({x:.4g}, {y:.4g}): too few particle supports cover "
             "this point; use a larger support"
         )
-    return ShapeTable(start, neighbours, phi, grad, points.group_size)
+    raw = ShapeTable(start, neighbours, phi, grad, points.group_size)
+    return PointTable(points, coordinates, raw, raw, inverses)
 
 
 def build_table(
@@ -163,8 +167,8 @@ def raw_rates(
     size = starts[-1, 1]
     dphi, dgrad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
     forward_shape_functions(
-        cloud, point_table.coordinates, raw.start, raw.neighbours, velocity, point_velocity, active,
-        starts, points.group_size, dphi, dgrad,
+        cloud, point_table.coordinates, point_table.inverses, raw.start, raw.neighbours, velocity,
+        point_velocity, active, starts, points.group_size, dphi, dgrad,
     )  # fmt: skip
     return TableRates(starts, active, dphi, dgrad)
 
@@ -186,8 +190,8 @@ def raw_seeds(cloud: Cloud, point_table: PointTable, phi_bar, grad_bar, x_bar) -
     raw, points = point_table.raw, point_table.points
     point_bar = np.zeros((*point_table.coordinates.shape, x_bar.shape[2]))
     reverse_shape_functions(
-        cloud, point_table.coordinates, raw.start, raw.neighbours, points.group_size, phi_bar, grad_bar,
-        x_bar, point_bar,
+        cloud, point_table.coordinates, point_table.inverses, raw.start, raw.neighbours,
+        points.group_size, phi_bar, grad_bar, x_bar, point_bar,
     )  # fmt: skip
     add_point_seeds(points, point_bar, x_bar)
 

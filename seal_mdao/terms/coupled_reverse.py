@@ -97,7 +97,7 @@ class CoupledReverse(Reverse):
         if term.history_size:
             plan = self.prepare(start, None, False, history_bar)
             self.input_bar += plan.local.reverse(plan.out_bar)
-        grad_bar = np.zeros((term.table.table.grad.size, self.m))
+        grad_bar = np.empty((0, self.m))
         matrix_bar = table_seeds(
             disc.cloud, term.table, self.phi_bar, grad_bar, particles_bar, disc.transformation
         )

@@ -115,7 +115,7 @@ class PointReverse(Reverse):
         at, x_bar = self.remembered.stop, self.input_bar[:, :2]
         if term.uses_reference:
             x_bar = x_bar + self.input_bar[:, -2:]
-        grad_bar = np.zeros((term.table.table.grad.size, self.m))
+        grad_bar = np.empty((0, self.m))
         matrix_bar = table_seeds(
             disc.cloud, term.table, self.phi_bar, grad_bar, particles_bar, disc.transformation
         )
