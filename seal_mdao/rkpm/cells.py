@@ -236,4 +236,7 @@ def add_weight_seeds(mapping, particles, weight_bar, x_bar) -> None:
 
 
 def _corner_seeds(scaled, slopes, turned):
-    return np.einsum("cqm,dqa,dcqi->caim", scaled, slopes, turned, optimize=True)
+    """Seeds (n_cells, 4, 2, M) on the corners."""
+    n, _, m = scaled.shape
+    of_weights = np.einsum("dqa,dcqi->caiq", slopes, turned).reshape(n, 8, -1)
+    return (of_weights @ scaled).reshape(n, 4, 2, m)
