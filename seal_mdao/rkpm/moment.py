@@ -75,33 +75,24 @@ def moment_matrices(h, k, scale, moments):
 
 @internal
 def invert_moment(moment, inverse):
-    """Inverse of the symmetric positive definite M = L L^T as L^-T L^-1; False where M is singular."""
-    m = moment.shape[0]
-    lower, turned = np.empty((m, m)), np.empty((m, m))
+    """Inverse of the symmetric positive definite M by Gauss and Jordan, which takes the pivots of
+    L D L^T; False where M is singular."""
+    m = len(moment)
     for i in range(m):
-        for j in range(i):
-            s = moment[i, j]
-            for a in range(j):
-                s -= lower[i, a] * lower[j, a]
-            lower[i, j] = s * turned[j, j]
-        pivot = moment[i, i]
-        for a in range(i):
-            pivot -= lower[i, a] * lower[i, a]
+        for j in range(m):
+            inverse[i, j] = moment[i, j]
+    for k in range(m):
         # written so that NaN fails too
-        if not pivot > PIVOT_TOLERANCE * moment[0, 0]:
+        if not inverse[k, k] > PIVOT_TOLERANCE * moment[0, 0]:
             return False
-        turned[i, i] = pivot**-0.5
-        for j in range(i):
-            s = 0.0
-            for a in range(j, i):
-                s -= lower[i, a] * turned[a, j]
-            turned[i, j] = s * turned[i, i]
-    for i in range(m):
-        for j in range(i + 1):
-            s = 0.0
-            for a in range(i, m):
-                s += turned[a, i] * turned[a, j]
-            inverse[i, j] = inverse[j, i] = s
+        scale, inverse[k, k] = 1.0 / inverse[k, k], 1.0
+        for j in range(m):
+            inverse[k, j] *= scale
+        for i in range(m):
+            if i != k:
+                factor, inverse[i, k] = inverse[i, k], 0.0
+                for j in range(m):
+                    inverse[i, j] -= factor * inverse[k, j]
     return True
 
 
