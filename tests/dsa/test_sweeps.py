@@ -108,6 +108,15 @@ def test_steps_passed_by_hand_on_all_that_matters(random_design):
         np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-10 * np.abs(b).max())
 
 
+def test_steps_passed_by_with_incremental_friction(tight):
+    """Slip begins again at every step, so a point that goes on sticking hands on its place."""
+    model = sm.door_seal(friction_history="incremental", depth=3.0, n_steps=35, newton=tight)
+    result = sm.analyze(model, keep_factors=True)
+    solved = end_rates(result, measured=range(len(result.path.steps))).solution
+    scale = np.abs(solved).max()
+    np.testing.assert_allclose(end_rates(result).solution, solved, rtol=0.0, atol=1e-10 * scale)
+
+
 def test_few_parameters_and_few_measures_are_solved_for_themselves(random_design):
     """With fewer of them than displacements handed on, both methods take the shorter way."""
     path, last = random_design.path, len(random_design.path.steps) - 1
