@@ -42,7 +42,8 @@ def _on_arc(ox, oy, angle, length, r):
     if a > span:
         over = a - span
     # chord law: distance to the end point of the arc
-    square = gap * gap + 4.0 * distance * size * np.sin(0.5 * over) ** 2
+    half = np.sin(0.5 * over)
+    square = gap * gap + 4.0 * distance * size * half * half
     return square, gap, size * a, over != 0.0
 
 

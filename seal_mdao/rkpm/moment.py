@@ -96,14 +96,6 @@ def invert_moment(moment, inverse):
     return True
 
 
-@internal
-def add_slope(b, j, scale, out):
-    """Add the coefficients of the derivative of b . H along component ``j``."""
-    for a in range(1, b.size):
-        factor, lowered = basis_slope(a, j, scale)
-        out[lowered] += factor * b[a]
-
-
 @inlined
 def correction_polynomials(moments, inverse, scale, b):
     """Polynomials p = q . H and p_j = q_j . H + q . H_j, with which Phi = p phi_a, Phi_j = p_j phi_a +
@@ -122,14 +114,15 @@ def correction_polynomials(moments, inverse, scale, b):
                 t += moments[j, c, e] * b[0, e]
             for a in range(m):
                 b[j, a] -= inverse[a, c] * t
-        add_slope(b[0], j - 1, scale, b[j])
+        for a in range(1, m):
+            factor, lowered = basis_slope(a, j - 1, scale)
+            b[j, lowered] += factor * b[0, a]
 
 
-@internal
-def polynomial_values(b, h, out):
-    """b . H at the neighbours."""
-    for i in range(out.size):
-        out[i] = b[0]
-    for a in range(1, b.size):
-        for i in range(out.size):
-            out[i] += b[a] * h[a, i]
+@inlined
+def polynomial_value(b, j, h, i):
+    """The polynomial with the coefficients ``b[j]`` at neighbour ``i``."""
+    value = b[j, 0]
+    for a in range(1, b.shape[1]):
+        value += b[j, a] * h[a, i]
+    return value

@@ -21,7 +21,7 @@ from seal_mdao.rkpm.moment import (
     moment_matrices,
     n_monomials,
     neighbour_terms,
-    polynomial_values,
+    polynomial_value,
 )
 
 NOTHING_HIDDEN = np.empty((0, 2), int)
@@ -117,7 +117,7 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad, invers
     for g in range(n_groups):
         s0, n = start[g], start[g + 1] - start[g]
         near = gathered(cloud.particles, cloud.radius, cloud.axes, neighbours[s0 : s0 + n])
-        h, k, p = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty((rows, n))
+        h, k = np.empty((n_monomials(m), n)), np.empty((6, n))
         for q in range(group_size):
             point = g * group_size + q
             inverse = inverses[point]
@@ -126,14 +126,12 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad, invers
             if not invert_moment(moments[0], inverse):
                 return point
             correction_polynomials(moments, inverse, cloud.scale, b)
-            for j in range(rows):
-                polynomial_values(b[j], h, p[j])
             at = s0 * group_size + q * n
-            if phi.size > 0:
-                for i in range(n):
-                    phi[at + i] = p[0, i] * k[0, i]
-            for j in range(1, rows):
-                to = 2 * at + (j - 1) * n
-                for i in range(n):
-                    grad[to + i] = p[j, i] * k[0, i] + p[0, i] * k[j, i]
+            for i in range(n):
+                p = polynomial_value(b, 0, h, i)
+                if phi.size > 0:
+                    phi[at + i] = p * k[0, i]
+                for j in range(1, rows):
+                    p_j = polynomial_value(b, j, h, i)
+                    grad[2 * at + (j - 1) * n + i] = p_j * k[0, i] + p * k[j, i]
     return -1

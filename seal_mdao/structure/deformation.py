@@ -82,7 +82,7 @@ def group_gradients(grad, displacement, n, q_count, f):
     for q in range(q_count):
         f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0
         for a in range(n):
-            bx, by = grad[q, 0, a], grad[q, 1, a]
+            bx, by = grad[2 * q * n + a], grad[(2 * q + 1) * n + a]
             f11 += displacement[0, a] * bx
             f12 += displacement[0, a] * by
             f21 += displacement[1, a] * bx
@@ -119,7 +119,7 @@ def deform(table, weights, functions, d, out):
     for column in range(table.start.size - 1):
         s0 = table.start[column]
         n = table.start[column + 1] - s0
-        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count]
         for i in range(n):
             near = table.neighbours[s0 + i]
             displacement[0, i], displacement[1, i] = d[near, 0], d[near, 1]
@@ -213,7 +213,7 @@ def particle_gradients(table, cells, d, out):
     for column in range(table.start.size - 1):
         s0 = table.start[column]
         n = table.start[column + 1] - s0
-        grad = table.grad[2 * s0 * points : 2 * (s0 + n) * points].reshape(points, 2, n)
+        grad = table.grad[2 * s0 * points : 2 * (s0 + n) * points]
         group_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, points, f)
         for x in range(of_column):
             corners = cells[column * of_column + x]

@@ -80,14 +80,14 @@ def energy_gradient(term, d: np.ndarray) -> EnergyGradient:
 @compiled
 def _fill_gradient(table, weights, f, w, pressure, d, out):
     """``out``: w P_ij d_i for every neighbour and j."""
-    q_count, p = table.group_size, np.empty(4)
+    q_count = table.group_size
     for column in range(table.start.size - 1):
         s0 = table.start[column]
         n = table.start[column + 1] - s0
         own = out[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
         for q in range(q_count):
             w_j = w[1, column, q] + pressure[column, q]
-            point_stress(f[column, q], w[0, column, q], w_j, p)
+            p = point_stress(f[column, q], w[0, column, q], w_j)
             for j in range(2):
                 x, y = weights[column, q] * p[j], weights[column, q] * p[2 + j]
                 for a in range(n):

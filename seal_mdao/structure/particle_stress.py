@@ -11,7 +11,7 @@ def _point_gradients(table, d, f):
     """F in the order 11, 12, 21, 22 and det F - 1 at single points, ``f`` (s, 5)."""
     for i in range(table.start.size - 1):
         s0, s1 = table.start[i], table.start[i + 1]
-        grad = table.grad[2 * s0 : 2 * s1].reshape(1, 2, s1 - s0)
+        grad = table.grad[2 * s0 : 2 * s1]
         group_gradients(grad, d[table.neighbours[s0:s1]].T, s1 - s0, 1, f[i : i + 1])
 
 

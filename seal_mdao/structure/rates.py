@@ -26,7 +26,7 @@ ROWS = 25
 @internal
 def _fill_coefficients(column, weights, functions, deformation, w, bulk, out):
     """Coefficients (q, ROWS, K) of the points of one column of cells."""
-    p, a = np.empty(4), np.empty((4, 4))
+    a = np.empty((4, 4))
     for k in range(out.shape[2]):
         swelling = deformation.swelling[k, column]
         for q in range(weights.size):
@@ -34,7 +34,7 @@ def _fill_coefficients(column, weights, functions, deformation, w, bulk, out):
             pressure = bulk * at_point(functions, q, swelling)
             w_t, w_j = w[0, k, column, q], w[1, k, column, q] + pressure
             w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
-            point_stress(f, w_t, w_j, p)
+            p = point_stress(f, w_t, w_j)
             point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a)
             for r in range(4):
                 out[q, STRESS + r, k] = p[r]

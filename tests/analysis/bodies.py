@@ -22,7 +22,7 @@ class AnyConstants(MooneyRivlin):
         pass
 
 
-def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1):
+def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1, n_gauss=2):
     """``n`` x ``n`` particles on the unit square, the inner ones moved; the rim or nothing fixed.
 
     The pressure is continuous upwards through ``column`` cells.
@@ -45,6 +45,7 @@ def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1):
         basis_order=order,
         solver=solver,
         column=column,
+        n_gauss=n_gauss,
     )
     return discretize(body, particles)
 

@@ -14,18 +14,20 @@ UNITS = {"c10": (1.0, 0.0, 0.0), "c01": (0.0, 1.0, 0.0), "bulk": (0.0, 0.0, 1.0)
 
 @pytest.fixture(
     params=[
-        (1, "banded", 1),
-        (1, "superlu", 1),
-        (2, "banded", 1),
-        (1, "superlu", 5),
-        (2, "banded", 5),
+        (1, "banded", 1, 2),
+        (1, "superlu", 1, 2),
+        (2, "banded", 1, 2),
+        (1, "superlu", 5, 2),
+        (2, "banded", 5, 2),
+        (1, "banded", 5, 1),
+        (1, "banded", 1, 3),
     ],
     ids=str,
 )
 def body(request, rng):
-    """A free square in a deformed state; basis order, solver and pressure vary."""
-    order, solver, column = request.param
-    disc = square(rng, order=order, solver=solver, fixed="nothing", column=column)
+    """A free square in a deformed state; basis order, solver, pressure and Gauss points vary."""
+    order, solver, column, n_gauss = request.param
+    disc = square(rng, order=order, solver=solver, fixed="nothing", column=column, n_gauss=n_gauss)
     d = wave(disc, 0.15) + rng.uniform(-0.01, 0.01, disc.particles.shape)
     return disc, d
 
