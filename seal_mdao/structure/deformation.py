@@ -76,8 +76,9 @@ def at_point(functions, q, values):
 def group_gradients(grad, displacement, n, q_count, f):
     """Deformation gradients of one group: ``f`` (q, 5) in the order 11, 12, 21, 22, and det F - 1.
 
-    The last is formed from the displacement gradient: det F itself would lose the small volume
-    change that the bulk modulus multiplies.
+    ``grad`` is flat (point, component, neighbour), ``displacement`` (2, n). det F - 1 is formed from the
+    displacement gradient: det F itself would lose the small volume change that the bulk modulus
+    multiplies.
     """
     for q in range(q_count):
         f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0

@@ -126,14 +126,14 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
     """
     q_count, widest = table.group_size, widest_group(table)
     a, local = np.empty((4, 4)), np.empty(2 * widest)
-    # as many functions as fours of points, see ``_fill_row``
+    # as many functions as fours of points, what is missing of either zero: see ``_fill_row``
     passes = (q_count + 3) // 4
     passes = passes if passes > len(functions) else len(functions)
     g, c = np.empty((passes, 2 * widest)), np.empty((16 * passes, 2 * widest))
     for i in range(2 * widest):
-        for h in range(passes):
+        for h in range(len(functions), passes):
             g[h, i] = 0.0
-        for r in range(16 * passes):
+        for r in range(4 * q_count, 16 * passes):
             c[r, i] = 0.0
     for column in range(table.start.size - 1):
         s0 = table.start[column]
