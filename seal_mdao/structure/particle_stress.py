@@ -39,8 +39,7 @@ def particle_stress(path, points: np.ndarray, step=None):
     step = path.steps[-1] if step is None else step
     # in order, as the sensitivities ask for their shape functions too
     which, place = np.unique(points, return_inverse=True)
-    table = disc.everywhere if len(which) == len(disc.particles) else disc.table_at(which)
-    f = deformation_gradients(table.table, step.d)[place]
+    f = deformation_gradients(disc.table_at(which).table, step.d)[place]
     t, j = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4]
     cofactor = f[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0)
     stress, by_gradient, by_constants = np.empty(len(points)), np.empty((len(points), 4)), {}
