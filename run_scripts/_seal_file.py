@@ -4,9 +4,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import seal_mdao as sm
+from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.seal import OutlineSeal
+from seal_mdao.seals.step_choice import FINER
 
 
 @contextmanager
@@ -20,13 +22,32 @@ def file_errors(path: Path):
         raise sm.SealFileError(f"{path}: {' '.join(str(error).split())}") from error
 
 
-def seal_of(path: Path) -> tuple[SealFile, OutlineSeal]:
-    """A seal file and the seal that it describes.
+def file_of(path: Path) -> SealFile:
+    """A seal file, read.
 
     Raises
     ------
     SealFileError
     """
     with file_errors(path):
-        file = sm.read_seal_file(path)
-        return file, build_seal(file)
+        return sm.read_seal_file(path)
+
+
+def seal_of(file: SealFile, step_ends=None) -> OutlineSeal:
+    """The seal that a file describes; load steps that are to be chosen are, behind a progress bar.
+
+    Raises
+    ------
+    SealFileError
+    LoadPathError
+        When the path on which load steps are to be chosen cannot be completed.
+    """
+    with file_errors(file.path):
+        if file.step_tolerance is None or step_ends is not None:
+            return build_seal(file, step_ends=step_ends)
+        with LoadStepProgress(None, "choosing load steps, analysis") as progress:
+            seal = build_seal(file, progress)
+    print(
+        f"{seal.n_steps} load steps, chosen within {file.step_tolerance:.2%} of {FINER} times as many"
+    )
+    return seal

@@ -87,9 +87,12 @@ LINES = {
         "translate = [0.0, -1e300]", "translate = [0.0]",
         "translate = [0.0, -5.9]",
     ),
-    "steps = 40": ("steps = 0", "steps = 2.5", "steps = 100000000", 'steps = "many"'),
+    "steps = 40": (
+        "steps = 0", "steps = 2.5", "steps = 100000000", 'steps = "many"', "steps = []",
+        "steps = [0.6, 0.5, 1.0]", "steps = [nan, 1.0]",
+    ),
     'type = "peak_pressure"': ('type = "pressure"', "type = 3"),
-    "[section]": ("[sektion]", "[[section]]"),
+    "[section]": ("[sektion]", "[[section]]", "[steps]\ntolerance = 0.1\n[section]"),
 }  # fmt: skip
 """Lines of it, and what is put in their places."""
 TEXTS = {

@@ -15,7 +15,7 @@ from _common import (
     run,
     write_summary,
 )
-from _seal_file import file_errors, seal_of
+from _seal_file import file_errors, file_of, seal_of
 
 import seal_mdao as sm
 from seal_mdao import plotting
@@ -33,12 +33,11 @@ def main(arguments) -> int:
     with file_errors(arguments.file):
         if arguments.vtu:
             library()
-        _, seal = seal_of(arguments.file)
-    announce(seal)
-    with file_errors(arguments.file):
-        begun = time.perf_counter()
-        with LoadStepProgress(seal) as progress:
-            result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
+    begun = time.perf_counter()
+    try:
+        result = analyzed(file_of(arguments.file))
+    except sm.LoadPathError as error:  # no load steps to be found; what was computed is shown
+        result = error.result
     summary = summarize(result)
     summary["wall_s"] = time.perf_counter() - begun
     write_summary(arguments.out, summary)
@@ -48,6 +47,14 @@ def main(arguments) -> int:
         write_contact(result, arguments.out)
     report(result, summary, write_series(result, arguments), arguments.out)
     return 0 if result.converged else 1
+
+
+def analyzed(file) -> SealResult:
+    """The drawn seal of a file."""
+    seal = seal_of(file)
+    announce(seal)
+    with file_errors(file.path), LoadStepProgress(seal) as progress:
+        return sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
 
 
 def summarize(result: SealResult) -> dict:

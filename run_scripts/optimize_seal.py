@@ -17,12 +17,12 @@ from _common import (
 from _history_figures import history_rows
 from _optimization import judged, optimize, report_run
 from _restart import recorded_optimizer, recorder_file
-from _seal_file import file_errors, seal_of
+from _seal_file import file_errors, file_of, seal_of
 
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.export.tables import write_boundary
-from seal_mdao.file_optimization import file_problem, on_new_cloud, problem_settings
+from seal_mdao.file_optimization import STEP_ENDS, file_problem, on_new_cloud, problem_settings
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.plotting.recorded import RecordedOptimization, label, read_optimization, unit_of
@@ -35,11 +35,12 @@ from seal_mdao.seals.result import frozen_measures
 
 
 def main(arguments) -> int:
-    file, seal = seal_of(arguments.file)
-    optimizer = arguments.optimizer
+    file = file_of(arguments.file)
+    optimizer, step_ends = arguments.optimizer, None
     if arguments.restart:
         arguments.restart = arguments.out / CASES
-        optimizer = continued(arguments.restart, file, arguments)
+        optimizer, step_ends = continued(arguments.restart, file, arguments)
+    seal = seal_of(file, step_ends)
     cases = recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
@@ -77,8 +78,8 @@ def main(arguments) -> int:
     return 0 if numbers["success"] else 1
 
 
-def continued(cases: Path, file, arguments) -> str:
-    """The optimiser of the run to continue, when its file is that of this seal file.
+def continued(cases: Path, file, arguments) -> tuple[str, list | None]:
+    """Optimiser and chosen load steps of the run to continue, when its file is that of this seal file.
 
     Raises
     ------
@@ -88,6 +89,7 @@ def continued(cases: Path, file, arguments) -> str:
         raise WrongArgumentError(f"--restart: there is no {cases} to continue")
     with checked_arguments():
         recorded = recorded_settings(open_cases(cases))
+    step_ends = recorded.pop(STEP_ENDS, None)
     if recorded != problem_settings(file):
         raise WrongArgumentError(
             f"--restart: {cases} was recorded with another seal file than {arguments.file} is now; a "
@@ -99,7 +101,7 @@ def continued(cases: Path, file, arguments) -> str:
             f"--optimizer {arguments.optimizer}: {cases} was recorded with {optimizer}; a run is "
             "continued with its own, so leave this argument out"
         )
-    return optimizer
+    return optimizer, step_ends
 
 
 def status(numbers: dict) -> str:

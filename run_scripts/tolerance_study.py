@@ -21,7 +21,7 @@ from _common import (
     write_summary,
 )
 from _executors import add_executor_arguments, executor
-from _seal_file import file_errors, seal_of
+from _seal_file import file_errors, file_of, seal_of
 from tqdm import tqdm
 
 import seal_mdao as sm
@@ -92,7 +92,7 @@ def of_file(arguments):
     if arguments.tolerances is None:
         raise WrongArgumentError("a seal file needs tolerances of its own: --tolerances FILE.toml")
     with file_errors(arguments.file):
-        seal = placeable(seal_of(arguments.file)[1])
+        seal = placeable(seal_of(file_of(arguments.file)))
         label = arguments.file.read_text(encoding="utf-8")
     return seal, read_tolerances(arguments.tolerances), label
 

@@ -22,8 +22,8 @@ class LoadStepProgress:
 
     Parameters
     ----------
-    seal : Seal
-        Gives the number of load steps.
+    seal : Seal or None
+        Gives the number of load steps; None where that is not the same in all analyses.
     label : str
         What the bar says before the number of the analysis.
     n_analyses : int, optional
@@ -35,10 +35,11 @@ class LoadStepProgress:
         Analyses that have begun.
     """
 
-    def __init__(self, seal: Seal, label: str = "analysis", n_analyses: int | None = None):
+    def __init__(self, seal: Seal | None, label: str = "analysis", n_analyses: int | None = None):
         self.analyses = 0
         self._label, self._of = label, "" if n_analyses is None else f"/{n_analyses}"
-        self._bar = tqdm(total=seal.n_steps, unit="step", disable=hidden(), leave=False)
+        total = None if seal is None else seal.n_steps
+        self._bar = tqdm(total=total, unit="step", disable=hidden(), leave=False)
         self._last, self._damped = None, False
 
     def __call__(self, step: ConvergedStep) -> None:

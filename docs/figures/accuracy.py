@@ -10,11 +10,13 @@ from figures.tables import percent, table
 from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplots
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.file.build import build_seal
+from seal_mdao.seals.file.load_steps import chosen_ends
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.step_choice import (
     FINER,
+    TOLERANCE,
     choose_steps,
     divided,
     force_differences,
@@ -175,23 +177,18 @@ def _penalty(out, reduced) -> dict:
     return {"penalty": percent(change[place], 3), "hardest": f"{penalties[-1]:g}"}
 
 
-def _with_ends(seal):
-    return lambda ends: replace(seal, n_steps=len(ends), step_ends=tuple(ends))
-
-
 def _step_errors(seal, ends):
     """Differences from four times as many steps: measures, forces."""
-    with_ends = _with_ends(seal)
-    coarse, fine = (analyze(with_ends(e)) for e in (ends, divided(np.array(ends), FINER).tolist()))
+    coarse, fine = (analyze(seal.with_ends(e)) for e in (ends, divided(np.array(ends), FINER)))
     return measure_difference(coarse, fine), float(force_differences(coarse, fine).max())
 
 
 def _steps(out, reduced) -> dict:
-    seal = door_seal(depth=3.0) if reduced else door_seal()
+    seal = door_seal(n_steps=1, depth=3.0) if reduced else door_seal(n_steps=1)
     counts = (10, 20) if reduced else (10, 20, 35, 50, 105)
     found = [_step_errors(seal, (np.arange(1, n + 1) / n).tolist()) for n in counts]
     tolerances = (1e-2,) if reduced else (2e-2, 5e-3, 2e-3)
-    chosen = [choose_steps(_with_ends(seal), tolerance) for tolerance in tolerances]
+    chosen = [choose_steps(seal, tolerance) for tolerance in tolerances]
     measures, forces = np.array(found).T
     lines = {
         "measures, equal steps": (counts, measures),
@@ -206,7 +203,37 @@ def _steps(out, reduced) -> dict:
         [f"{len(c.ends)} chosen for {percent(t, 1)}", *map(percent, _step_errors(seal, c.ends))]
         for t, c in zip(tolerances, chosen, strict=True)
     ]
-    return {"steps_table": table(["load steps", "measures", "forces"], rows)}
+    names = ["sealed_bulb"] if reduced else [path.stem for path in sorted(EXAMPLES.glob("*.toml"))]
+    examples = [_chosen_for(read_seal_file(EXAMPLES / f"{name}.toml")) for name in names]
+    head = [
+        "file", "load steps", "longest over shortest", "measures", "forces", "solved for the choice",
+    ]  # fmt: skip
+    return {
+        "steps_table": table(["load steps", "measures", "forces"], rows),
+        "examples_steps_table": table(head, examples),
+    }
+
+
+def _chosen_for(file) -> list:
+    """Row of a seal file whose load steps are chosen, whatever it gives."""
+    profiles = [
+        replace(p, stages=tuple(replace(stage, steps=1) for stage in p.stages))
+        for p in file.profiles
+    ]
+    file, solved = replace(
+        file, profiles=tuple(profiles), step_tolerance=TOLERANCE,
+        fluids=tuple(replace(fluid, steps=None) for fluid in file.fluids),
+    ), []  # fmt: skip
+    seal = build_seal(file, lambda step: solved.append(step.nominal))
+    ends = np.array(chosen_ends(seal))
+    lengths = np.diff(ends, prepend=0.0)
+    four_times = build_seal(file, step_ends=divided(ends, FINER))
+    coarse, fine = analyze(seal), analyze(four_times)
+    found = measure_difference(coarse, fine), float(force_differences(coarse, fine).max())
+    return [
+        f"`{file.path.stem}`", len(ends), f"{lengths.max() / lengths.min():.3g}",
+        *map(percent, found), len(solved),
+    ]  # fmt: skip
 
 
 def _preset(out, reduced) -> dict:

@@ -100,6 +100,8 @@ def begun(file):
     """The file with the first part of every stage."""
 
     def short(stage):
+        if file.step_tolerance is not None:
+            return Stage(1, tuple(x / SHARE for x in stage.translate), stage.rotate / SHARE)
         steps = max(1, stage.steps // SHARE)
         part = steps / stage.steps
         return Stage(steps, tuple(part * x for x in stage.translate), part * stage.rotate)

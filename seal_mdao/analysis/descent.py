@@ -63,6 +63,8 @@ def descend(
             residuals.append(size)
             if note is not None:
                 note(number, size)
+            if not np.isfinite(size):  # beyond the limit of a material
+                return Status.DIVERGED, d, tuple(residuals)
             factor, stable, shift = _definite(problem, least, residual, first)
             if stable and converged(problem, size, rounding, options):
                 return Status.CONVERGED, d, tuple(residuals)

@@ -94,6 +94,10 @@ class RigidContact(TermDefinition):
             motion=self.motion.moved(motion),
         )  # fmt: skip
 
+    def with_ends(self, ends) -> "RigidContact":
+        """The contact with its motion in other load steps."""
+        return replace(self, motion=self.motion.with_ends(ends))
+
     def point_set(self):
         """The points that may touch."""
         return self.where.points

@@ -37,11 +37,14 @@ class Motion:
     room : ndarray, shape (2,)
         From the first waypoint to where the first load step begins: it lengthens that step, and is no
         part of the travel.
+    shares : ndarray, shape (n_steps,), or None
+        Of its stage that is done at the end of every step, 1 at that of the stage; None for equal steps.
 
     Raises
     ------
     ValueError
-        For arrays that do not fit each other, numbers that are not finite, stages without steps.
+        For arrays that do not fit each other, numbers that are not finite, stages without steps, shares
+        that do not increase to 1.
     """
 
     positions: np.ndarray
@@ -51,6 +54,7 @@ class Motion:
     rates: np.ndarray | None = None
     names: tuple[str, ...] = ()
     room: np.ndarray = (0.0, 0.0)
+    shares: np.ndarray | None = None
 
     def __post_init__(self):
         steps = np.array(self.steps)
@@ -79,6 +83,18 @@ class Motion:
         _require(len(set(names)) == len(names), f"names of a motion's parameters repeat: {names}")
         object.__setattr__(self, "steps", steps.astype(np.int64))
         object.__setattr__(self, "names", names)
+        if self.shares is not None:
+            object.__setattr__(self, "shares", self._checked_shares())
+
+    def _checked_shares(self) -> np.ndarray:
+        shares = np.array(self.shares, float)
+        _require(
+            shares.shape == (self.n_steps,)
+            and all(map(_increases_to_one, np.split(shares, self._stage_ends[:-1]))),
+            f"shares of a motion must increase to 1 in every stage of {self.steps.tolist()} steps, got "
+            f"{self.shares!r}",
+        )
+        return shares
 
     def moved(self, values: Mapping[str, float]) -> "Motion":
         """The motion after its parameters have changed by ``values``.
@@ -121,7 +137,7 @@ class Motion:
         )
 
     def with_ends(self, ends) -> "Motion":
-        """The same motion with its load steps ending elsewhere: every step becomes a stage.
+        """The same motion with its load steps ending elsewhere.
 
         Parameters
         ----------
@@ -134,29 +150,31 @@ class Motion:
         ValueError
             For ends that do not increase or that leave out the end of a stage.
         """
-        ends = np.asarray(ends, float)
+        ends, stage_ends = np.asarray(ends, float), self._stage_ends
         _require(
             ends.ndim == 1
             and ends.size > 0
             and ends[0] > 0.0
             and bool(np.all(np.diff(ends) > 0.0))
-            and bool(np.isin(np.cumsum(self.steps), ends).all())
+            and bool(np.isin(stage_ends, ends).all())
             and ends[-1] == self.n_steps,
             f"ends of load steps must increase and hold the ends of all stages "
-            f"{np.cumsum(self.steps).tolist()}, got {ends.tolist()}",
+            f"{stage_ends.tolist()}, got {ends.tolist()}",
         )
-        places, along = np.concatenate([[0.0], ends]), replace(self, room=(0.0, 0.0))
-        waypoints = np.array([along.coordinates(place) for place in places])
-        rates = [self.rates_at(place) for place in places]
-        return replace(
-            self, positions=waypoints[:, :2], angles=waypoints[:, 2],
-            steps=np.ones(ends.size, int), rates=np.stack(rates, axis=1),
-        )  # fmt: skip
+        stages = np.searchsorted(stage_ends, ends)
+        shares = [self._share_in(*pair) for pair in zip(stages, ends, strict=True)]
+        return replace(self, steps=np.bincount(stages), shares=np.array(shares))
 
     @cached_property
     def n_steps(self) -> int:
         """Nominal load steps of all stages."""
         return int(self.steps.sum())
+
+    @cached_property
+    def ends(self) -> np.ndarray:
+        """Where the steps end, in stages, shape (n_steps,)."""
+        own = [stage + self._own_shares(stage)[1:] for stage in range(self.steps.size)]
+        return np.concatenate(own)
 
     @cached_property
     def _stage_ends(self) -> np.ndarray:
@@ -167,13 +185,37 @@ class Motion:
         """x, y, angle at the start and after every nominal step, shape (n_steps + 1, 3)."""
         waypoints = np.column_stack([self.positions, self.angles])
         parts = [waypoints[:1]]
-        for n, ends in zip(self.steps, pairwise(waypoints), strict=True):
-            # one component at a time: linspace of arrays rounds otherwise where one stands still
-            columns = [np.linspace(*pair, n + 1)[1:] for pair in zip(*ends, strict=True)]
-            parts.append(np.column_stack(columns))
+        for stage, ends in enumerate(pairwise(waypoints)):
+            parts.append(self._within(stage, *ends))
         nominal = np.concatenate(parts)
         nominal[0, :2] += self.room
         return nominal
+
+    def _within(self, stage: int, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+        """x, y, angle after every step of a stage from ``first`` to ``last``."""
+        n = self.steps[stage]
+        if self.shares is None:
+            # one component at a time: linspace of arrays rounds otherwise where one stands still
+            columns = [np.linspace(*pair, n + 1)[1:] for pair in zip(first, last, strict=True)]
+            return np.column_stack(columns)
+        along = first + self._own_shares(stage)[1:, None] * (last - first)
+        along[-1] = last
+        return along
+
+    def _own_shares(self, stage: int) -> np.ndarray:
+        """Shares of a stage done at its start and after each of its steps."""
+        n, end = self.steps[stage], self._stage_ends[stage]
+        if self.shares is None:
+            return np.concatenate([[0.0], step_shares(n)])
+        return np.concatenate([[0.0], self.shares[end - n : end]])
+
+    def _share_in(self, stage: int, fraction: float) -> float:
+        """Share of a stage done after ``fraction`` nominal steps, which are within it."""
+        since = fraction - (self._stage_ends[stage] - self.steps[stage])
+        if self.shares is None:
+            return since / self.steps[stage]
+        own = self._own_shares(stage)
+        return float(np.interp(since, np.arange(own.size), own))
 
     def coordinates(self, fraction: float) -> np.ndarray:
         """x, y and angle after ``fraction`` nominal steps, shape (3,)."""
@@ -188,9 +230,8 @@ class Motion:
 
     def rates_at(self, fraction: float) -> np.ndarray:
         """Derivatives of x, y and angle with respect to the parameters, shape (n_parameters, 3)."""
-        ends = self._stage_ends
-        stage = int(np.searchsorted(ends, self._step(fraction), side="right"))
-        share = (fraction - (ends[stage] - self.steps[stage])) / self.steps[stage]
+        stage = int(np.searchsorted(self._stage_ends, self._step(fraction), side="right"))
+        share = self._share_in(stage, fraction)
         first = self.rates[:, stage]
         return first + share * (self.rates[:, stage + 1] - first)
 
@@ -233,19 +274,31 @@ class Motion:
         units = ways / np.where(lengths == 0.0, 1.0, lengths)[:, None]
         growth = (rates * units).sum(axis=2)
         slopes = -(growth[:, :stage].sum(axis=1) + share * growth[:, stage]) / length
-        done, steps = int(self.steps[:stage].sum()), int(self.steps[stage])
-        if done + share * steps < 1.0 and self.room.any():
+        fraction, per_share = self._after(stage, share)
+        if fraction < 1.0 and self.room.any():
             across = rates[:, 0] @ self.room - growth[:, 0] * (units[0] @ self.room)
             return self._in_first_step(
                 travel, -units[0] @ self.room, growth[:, 0], -across / length
             )
-        return done + share * steps, steps * slopes
+        return fraction, per_share * slopes
+
+    def _after(self, stage: int, share: float) -> tuple[float, float]:
+        """Nominal steps done after a share of a stage, and their derivative with respect to it."""
+        n = int(self.steps[stage])
+        done = int(self._stage_ends[stage]) - n
+        if self.shares is None:
+            return done + share * n, n
+        own = self._own_shares(stage)
+        step = min(int(np.searchsorted(own, share, side="right")), n) - 1
+        length = own[step + 1] - own[step]
+        return done + step + (share - own[step]) / length, 1.0 / length
 
     def _in_first_step(self, travel, room, length_rates, room_rates) -> tuple[float, np.ndarray]:
         """``at_travel`` within the first nominal step, which is longer by ``room``."""
-        way = self._lengths[0] / self.steps[0] + room
+        first = self._own_shares(0)[1]
+        way = first * self._lengths[0] + room
         share = (travel + room) / way
-        return share, (room_rates - share * (length_rates / self.steps[0] + room_rates)) / way
+        return share, (room_rates - share * (first * length_rates + room_rates)) / way
 
     def _step(self, fraction: float) -> int:
         """The nominal step under way; the last one at the end."""
@@ -262,7 +315,8 @@ class Stage:
 
     Attributes
     ----------
-    steps : int
+    steps : int or tuple of float
+        How many equal ones, or the share of the stage that is done at the end of each of them.
     translate : pair of float
         Travel.
     rotate : float
@@ -272,10 +326,20 @@ class Stage:
         begin where this one ends, so they are moved too.
     """
 
-    steps: int
+    steps: int | tuple[float, ...]
     translate: tuple[float, float] = (0.0, 0.0)
     rotate: float = 0.0
     rates: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+
+    @property
+    def n_steps(self) -> int:
+        """How many load steps."""
+        return len(step_shares(self.steps))
+
+
+def step_shares(steps: int | tuple[float, ...]) -> np.ndarray:
+    """Share that is done at the end of every step, of so many equal ones or as it is given."""
+    return np.array(steps) if isinstance(steps, tuple) else np.arange(1, steps + 1) / steps
 
 
 def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0.0, 0.0)) -> Motion:
@@ -300,9 +364,11 @@ def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0
     for i, stage in enumerate(stages):
         for name, rate in stage.rates.items():
             rates[names.index(name), i + 1 :] += np.asarray(rate, float) * units
+    equal = not any(isinstance(stage.steps, tuple) for stage in stages)
     return Motion(
-        waypoints[:, :2], waypoints[:, 2], [stage.steps for stage in stages], pivot, rates, names
-    )
+        waypoints[:, :2], waypoints[:, 2], [stage.n_steps for stage in stages], pivot, rates, names,
+        shares=None if equal else np.concatenate([step_shares(stage.steps) for stage in stages]),
+    )  # fmt: skip
 
 
 def straight_motion(start, end, steps: int, rates: Mapping[str, tuple] | None = None) -> Motion:
@@ -329,6 +395,10 @@ def _checked(name, values, shape, stages, names) -> np.ndarray:
     )
     _require(np.isfinite(values).all(), f"{name} of a motion must be finite numbers")
     return values
+
+
+def _increases_to_one(shares) -> bool:
+    return bool(shares[-1] == 1.0 and np.all(np.diff(shares, prepend=0.0) > 0.0))
 
 
 def _require(condition, message) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from seal_mdao.loads.ramp import at_fraction
+from seal_mdao.loads.ramp import at_ends, at_fraction
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import Scalar, TermDefinition
@@ -52,6 +52,10 @@ class DeadLoad(TermDefinition):
             return self
         changed = {name: scalar.value for name, scalar in self.scalars.items()} | values
         return replace(self, density=np.array([changed[name] for name in self.scalars]))
+
+    def with_ends(self, ends) -> "DeadLoad":
+        """The load with its ramp in other load steps."""
+        return replace(self, ramp=at_ends(np.asarray(self.ramp, float), ends))
 
     def point_set(self):
         """Where it acts."""

@@ -17,7 +17,7 @@ from scipy.sparse import csr_array
 from seal_mdao import values
 from seal_mdao.loads.fluid_closing import Closing, ClosingRates, closing_names
 from seal_mdao.loads.fluid_law import accumulated, wetting
-from seal_mdao.loads.ramp import at_fraction
+from seal_mdao.loads.ramp import at_ends, at_fraction
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, fixed_points
@@ -131,6 +131,13 @@ class FluidPressure(TermDefinition):
         )
         pressure = values.get(self.own_name, self.pressure)
         return replace(self, pressure=pressure, contacts=contacts)
+
+    def with_ends(self, ends) -> "FluidPressure":
+        """The fluid with its ramp, and the profiles that hold it back, in other load steps."""
+        return replace(
+            self, ramp=at_ends(np.asarray(self.ramp, float), ends),
+            contacts=tuple(contact.with_ends(ends) for contact in self.contacts),
+        )  # fmt: skip
 
     def point_set(self):
         """Particles of the edge and middles of its sides."""

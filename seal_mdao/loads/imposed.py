@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from seal_mdao.loads.ramp import at_fraction
+from seal_mdao.loads.ramp import at_ends, at_fraction
 from seal_mdao.terms.term import Scalar
 
 
@@ -38,6 +38,11 @@ class ImposedDisplacements:
             np.zeros_like(self.values),
         )
         return replace(self, values=self.values + change)
+
+    def with_ends(self, ends) -> "ImposedDisplacements":
+        """The same in load steps that end elsewhere, ``ends`` in nominal steps of now."""
+        values, *rates = (at_ends(one, ends) for one in (self.values, *self.rates))
+        return replace(self, values=values, rates=np.array(rates) if rates else self.rates)
 
     def at(self, fraction: float) -> np.ndarray:
         """Displacements (n, 2) at a path parameter."""

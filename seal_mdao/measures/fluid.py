@@ -7,8 +7,8 @@ import numpy as np
 
 from seal_mdao.measures.measure import Measure
 
-BEYOND = 2.0
-"""Load steps beyond the last one that held to which the pressure may be extrapolated."""
+BEYOND = 0.1
+"""Of the fluid's pressure, to which it may be extrapolated beyond the last load step that held."""
 
 
 class _State(NamedTuple):
@@ -16,8 +16,6 @@ class _State(NamedTuple):
 
     Attributes
     ----------
-    number : int
-        0 at the start of the path.
     share : float
         Of the fluid's pressure that acts.
     closing : float
@@ -27,7 +25,6 @@ class _State(NamedTuple):
     step : ConvergedStep
     """
 
-    number: int
     share: float
     closing: float
     point: int
@@ -41,8 +38,8 @@ class BlowOffPressure(Measure):
     That is where the highest contact pressure along the edge has fallen to 1 + share times the fluid's
     (``FluidPressure.share``), on the line between the last load step that held and the one after it.
     Where there is none after it, because the path ended when the seal gave way or because the seal holds
-    all of the pressure, the line through the last two goes on, by ``BEYOND`` load steps at most: then
-    the value is above the pressure that was applied. One that nothing closes has 0.
+    all of the pressure, the line through the last two goes on, by ``BEYOND`` of the pressure at most:
+    then the value is above the pressure that was applied. One that nothing closes has 0.
 
     Attributes
     ----------
@@ -76,14 +73,14 @@ class BlowOffPressure(Measure):
             # nothing touches at the start
             closing = result.response(self.fluid, step).outputs[:, 1] if number else np.zeros(1)
             point = int(closing.argmax())
-            yield _State(number, float(term.ramp[number]), float(closing[point]), point, step)
+            yield _State(float(term.ramp[number]), float(closing[point]), point, step)
 
     def _crossing(self, partials, term, needed, first, second) -> float:
         """Pressure at which the line through two states comes to what is ``needed``."""
         span = second.share - first.share
         slope = (second.closing - first.closing) / span if span else 0.0
         stiff, start = needed - slope, first.closing - slope * first.share
-        most, on_pressure = self._most(term, second), partials.parameter(term.names[0])
+        most, on_pressure = second.share + BEYOND, partials.parameter(term.names[0])
         if start >= most * stiff:
             on_pressure[0] += most
             return most * term.pressure
@@ -95,8 +92,3 @@ class BlowOffPressure(Measure):
                 on_closing[0, state.point] += scale * own
         on_pressure[0] -= share * slope / stiff
         return share * term.pressure
-
-    def _most(self, term, last) -> float:
-        """Share of the pressure up to which a line is believed."""
-        following = min(last.number + 1, len(term.ramp) - 1)
-        return last.share + BEYOND * float(term.ramp[following] - term.ramp[following - 1])

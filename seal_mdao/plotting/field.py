@@ -136,13 +136,17 @@ def deformed(result: SealResult, fine, step: int = -1) -> np.ndarray:
 
 
 def von_mises(result: SealResult, fine, step: int = -1) -> np.ndarray:
-    """Von Mises stress on the fine grid after a nominal step, shape (k,), kPa."""
+    """Von Mises stress on the fine grid after a nominal step, shape (k,), kPa.
+
+    Beyond the limit of its law, which quadrature points do not pass but others may, a material has none:
+    there it is the highest of all others.
+    """
     f = deformation_gradients(fine.table.table, result.path.nominal_steps[step].d)
     square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
     for number, region in enumerate(result.term("structure").definition.regions):
         at = fine.region == number
         stress[at] = region.material.von_mises(square[at], jacobian[at])[0]
-    return stress
+    return np.nan_to_num(stress, nan=np.nanmax(stress))
 
 
 def triangulation(coordinates: np.ndarray, fine: FineGrid) -> Triangulation:

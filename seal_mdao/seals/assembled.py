@@ -120,6 +120,14 @@ class AssembledSeal(Seal):
         other.terms()  # values that are not admissible are refused here
         return other
 
+    def with_ends(self, ends) -> "AssembledSeal":
+        imposed = self.imposed_displacements
+        return replace(
+            self, n_steps=len(ends),
+            definitions=tuple(definition.with_ends(ends) for definition in self.definitions),
+            imposed_displacements=None if imposed is None else imposed.with_ends(ends),
+        )  # fmt: skip
+
     def area(self, offsets):
         value, by_particles = cells_area(self.body.cells, self.moved(offsets))
         return value, np.tensordot(self.design_velocity, by_particles, 2)

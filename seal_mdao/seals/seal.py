@@ -62,6 +62,21 @@ class Seal:
         """
         raise NotImplementedError
 
+    def with_ends(self, ends) -> "Seal":
+        """The same seal with load steps that end elsewhere.
+
+        Parameters
+        ----------
+        ends : sequence of float
+            Increasing, in nominal steps of this seal, the ends of all stages of motions among them.
+
+        Raises
+        ------
+        ValueError
+            For ends that leave out the end of a stage.
+        """
+        raise NotImplementedError
+
     def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
         """Area of the section, mm^2, and its gradient with respect to the offsets.
 

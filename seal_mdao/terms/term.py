@@ -72,6 +72,18 @@ class TermDefinition:
         """A copy with some of the ``scalars`` changed."""
         return self
 
+    def with_ends(self, ends) -> "TermDefinition":
+        """The same for a path whose load steps end elsewhere, ``ends`` in nominal steps of now.
+
+        What grows or moves along the path overrides it.
+
+        Raises
+        ------
+        ValueError
+            For ends that leave out the end of a stage.
+        """
+        return self
+
     def point_set(self) -> PointSet | None:
         """Points through whose shape functions it acts, those of a group all coupled; or None."""
 

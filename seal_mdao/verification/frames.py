@@ -112,7 +112,7 @@ def analyze_in_frame(seal: DoorSeal, frame: Frame) -> FrameResult:
     places, room = (frame.size * frame.vectors(way) for way in (motion.positions, motion.room))
     contact = replace(
         seal.terms()[1], law=law, shape=GivenShape(moved_profile(seal.profile, frame)),
-        motion=Motion(places, motion.angles, motion.steps, room=room),
+        motion=Motion(places, motion.angles, motion.steps, room=room, shares=motion.shares),
     )  # fmt: skip
     terms = elastic_body(material.with_(**stresses)), contact
     path = solve(body, particles, terms, seal.n_steps, options=seal.newton)

@@ -109,6 +109,12 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
         ({"positions": np.zeros((2, 2))}, r"positions .* must have shape \(3, 2\), got \(2, 2\)"),
         ({"angles": [0.0, np.inf, 0.0]}, "angles of a motion must be finite"),
         ({"pivot": (0.0, 0.0, 1.0)}, r"pivot .* must have shape \(2,\)"),
+        (
+            {"shares": (0.5, 1.0, 0.5, 1.0)},
+            r"shares .* must increase to 1 in every stage of \[2, 3\]",
+        ),
+        ({"shares": (0.5, 1.0, 0.5, 0.9, 0.99)}, "must increase to 1"),
+        ({"shares": (0.5, 1.0, 0.5, 0.5, 1.0)}, "must increase to 1"),
         ({"room": (1.0,)}, r"room .* must have shape \(2,\)"),
         (
             {"room": (0.1, -0.1), "positions": [[0.0, 0.0], [0.0, -2.0], [0.0, 0.0]]},
@@ -138,11 +144,46 @@ def test_steps_that_end_elsewhere_leave_the_motion_as_it_is():
     ends = [0.5, 3.9, 4.0, 4.25, 9.0, 11.0]
     other = motion.with_ends(ends)
     assert (other.n_steps, other.names) == (6, motion.names)
+    np.testing.assert_array_equal(other.steps, [3, 2, 1])
+    np.testing.assert_array_equal(other.positions, motion.positions)
     for number, end in enumerate(ends):
-        np.testing.assert_array_equal(other.coordinates(number + 1.0), motion.coordinates(end))
+        places = other.coordinates(number + 1.0), motion.coordinates(end)
+        np.testing.assert_allclose(*places, atol=1e-15)
+        if end in (4.0, 9.0, 11.0):
+            np.testing.assert_array_equal(*places)
         np.testing.assert_allclose(other.rates_at(number + 1.0), motion.rates_at(end), atol=1e-15)
     np.testing.assert_allclose(other.coordinates(1.5), motion.coordinates(2.2), atol=1e-15)
     np.testing.assert_allclose(other.rates_at(5.5), motion.rates_at(10.0), atol=1e-15)
+    again = other.with_ends([1.0, 2.5, 3.0, 5.0, 6.0])
+    np.testing.assert_allclose(again.coordinates(2.0), motion.coordinates(3.95), atol=1e-15)
+
+
+def test_stages_with_given_shares_are_those_of_ends_bit_for_bit():
+    """What a file writes of chosen steps gives the motion that they were chosen for."""
+    ends = np.array([0.1, 0.7, 1.0, 1.0 + 1.0 / 3.0, 2.0])
+    shares = [tuple((ends[:3]).tolist()), tuple((ends[3:] - 1.0).tolist())]
+    moves = ((0.3, -3.1), (1.7, 0.0))
+    one = staged_motion([Stage(1, m, 10.0) for m in moves], (0.1, 0.2)).with_ends(ends)
+    other = staged_motion(
+        [Stage(s, m, 10.0) for s, m in zip(shares, moves, strict=True)], (0.1, 0.2)
+    )
+    np.testing.assert_array_equal(one.shares, other.shares)
+    for fraction in (0.0, 0.5, 1.0, 2.7, 3.0, 4.2, 5.0):
+        np.testing.assert_array_equal(one.coordinates(fraction), other.coordinates(fraction))
+
+
+def test_travel_is_found_with_unequal_steps():
+    """The inverse of the coordinates, and its slope by differences of a piecewise linear function."""
+    motion = replace(closing(), angles=np.zeros(4)).with_ends([0.5, 3.9, 4.0, 4.25, 9.0, 11.0])
+    for travel in (0.2, 1.3, 2.99, 3.4):
+        fraction, rates = motion.at_travel(travel)
+        done = np.hypot(*np.diff([motion.coordinates(f)[:2] for f in (0.0, min(fraction, 3.0))],
+                                 axis=0)[0])  # fmt: skip
+        if fraction > 3.0:
+            done += np.hypot(*(motion.coordinates(fraction)[:2] - motion.positions[1]))
+        np.testing.assert_allclose(done, travel, atol=1e-14)
+        sides = [motion.moved({"depth": s * 1e-6}).at_travel(travel)[0] for s in (1.0, -1.0)]
+        np.testing.assert_allclose(rates[0], (sides[0] - sides[1]) / 2e-6, atol=1e-7)
 
 
 @pytest.mark.parametrize(

@@ -87,14 +87,14 @@ def test_derivatives_against_central_differences(blown, rng, name):
 
 
 def test_a_seal_that_holds_says_more_than_was_applied():
-    """Two load steps more, whatever its design: nothing for an optimiser to gain or to fear."""
+    """A tenth more, whatever design and load steps: nothing for an optimiser to gain or to fear."""
     result = sm.analyze(gasket(600.0, steps=6))
     assert result.converged
-    assert result.value(BLOW_OFF)[0] == pytest.approx(800.0)
+    assert result.value(BLOW_OFF)[0] == pytest.approx(660.0)
     for method in ("direct", "adjoint"):
         found = table(result, method)
         assert not found[:-1].any()
-        assert found[-1] == pytest.approx(800.0 / 600.0)
+        assert found[-1] == pytest.approx(1.1)
 
 
 def test_a_fluid_that_comes_through_in_the_first_load_step():
@@ -116,11 +116,11 @@ def test_where_nothing_closes_there_is_nothing_to_blow_off():
 
 
 def test_a_path_that_ends_where_the_seal_gives_way(blown):
-    """The line through the last two steps that held goes on, no farther than two load steps."""
+    """The line through the last two steps that held goes on, no farther than a tenth of the pressure."""
     shorter = replace(blown.path, steps=held(blown), status=Status.NOT_CONVERGED, failure="so")
     result = replace(blown, path=shorter)
     last = blown.term("fluid").pressure_at(held(blown)[-1].fraction)
-    assert last < result.value(BLOW_OFF)[0] <= last + 2.0 * PRESSURE / 20
+    assert last < result.value(BLOW_OFF)[0] <= last + 0.1 * PRESSURE
     direct, adjoint = (table(result, method) for method in ("direct", "adjoint"))
     assert direct[NAMES.index("squeeze") + 4] > 0.0
     assert (np.abs(direct - adjoint) <= 1e-9 * np.abs(direct).max()).all()

@@ -15,6 +15,9 @@ CHANGES = {
     "upper = 60.0": "upper = 18.0",
 }
 
+OPEN = {"\nsteps = 4": "", "\nsteps = 2": ""}
+"""Load steps are to be chosen."""
+
 
 def coarse(changes=()) -> str:
     """The text of the file, with some more of it changed."""

@@ -6,12 +6,19 @@ import json
 import meshio
 import numpy as np
 import pytest
-from coarse_seal import written
+from coarse_seal import OPEN, written
 
 import seal_mdao as sm
 from seal_mdao import mesh_files
 
 FIGURES = ("section", "deformed_shapes", "load_deflection", "contact_pressure", "contact_width")
+
+LIMITED = {
+    'law = "mooney_rivlin"\nc10 = 80.0\nc01 = 20.0': (
+        'law = "gent"\nshear_modulus = 200.0\nlimit = 0.05\nstable = [0.99, 1.01]'
+    ),
+}
+"""A rubber that hardly stretches."""
 
 
 @pytest.fixture(scope="module")
@@ -149,6 +156,42 @@ def test_path_that_fails_is_written_as_far_as_it_went(tmp_path, run_script, asse
     assert s["peak_pressure_kPa"] is None
     assert "NOT CONVERGED" in capsys.readouterr().out
     assert not (tmp_path / "vtu").exists()
+    assert_drawn(tmp_path, *FIGURES)
+
+
+def test_load_steps_are_chosen_where_the_file_gives_none(tmp_path, run_script, capsys):
+    path = written(tmp_path, OPEN)
+    code, s = run_script("analyze_seal", tmp_path, path, "--no-vtu")
+    assert code == 0
+    said = capsys.readouterr().out
+    assert f"{s['n_steps']} load steps, chosen within 0.50% of 4 times as many" in said
+    seal = sm.build_seal(sm.read_seal_file(path))
+    assert s["n_steps"] == seal.n_steps
+    result = sm.analyze(seal)
+    assert s["reaction_N_per_m"]["door"][-1][2:] == pytest.approx(
+        result.path.reaction("door")[-1], rel=1e-9
+    )
+
+
+def test_a_rubber_at_its_limit_is_drawn(tmp_path, run_script, assert_drawn):
+    """Between quadrature points, where no equation keeps it below, it has no stress."""
+    changes = OPEN | LIMITED | {"[0.0, -1.2]": "[0.0, -6.0]"}
+    code, s = run_script("analyze_seal", tmp_path, written(tmp_path, changes), "--no-vtu")
+    assert (code, s["converged"]) == (0, True)
+    assert_drawn(tmp_path, *FIGURES)
+
+
+def test_a_path_on_which_no_load_steps_are_found_is_written_as_far_as_it_went(
+    tmp_path, run_script, assert_drawn, capsys, monkeypatch
+):
+    monkeypatch.setattr("seal_mdao.seals.step_choice.MOST", 1)
+    changes = OPEN | LIMITED | {"[0.0, -1.2]": "[0.0, -9.0]"}
+    code, s = run_script("analyze_seal", tmp_path, written(tmp_path, changes), "--no-vtu")
+    assert code == 1
+    assert s["converged"] is False
+    assert 10 < s["n_steps"] < 80
+    assert "could not be completed" in s["failure"]
+    assert "NOT CONVERGED" in capsys.readouterr().out
     assert_drawn(tmp_path, *FIGURES)
 
 

@@ -5,10 +5,11 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from coarse_seal import written
+from coarse_seal import OPEN, written
 from shapely import LinearRing, Point
 
 import seal_mdao as sm
+from seal_mdao.seals.file.load_steps import chosen_ends
 
 FIGURES = ("designs", "start", "optimum")
 
@@ -116,6 +117,31 @@ def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
     with pytest.raises(SystemExit):
         run_script("optimize_seal", out, out / "seal.toml")
     assert "--overwrite" in capsys.readouterr().err
+
+
+def test_a_continued_run_has_the_load_steps_that_were_chosen(
+    tmp_path, run_script, monkeypatch, capsys
+):
+    """And so has the best design as a file."""
+    path = written(tmp_path, OPEN)
+    run_script("optimize_seal", tmp_path, path, "--max-iterations", 1)
+    assert "load steps, chosen within" in capsys.readouterr().out
+
+    def refusing(*_):
+        raise AssertionError("load steps are chosen again")
+
+    monkeypatch.setattr("seal_mdao.seals.file.build.choose_steps", refusing)
+    _, s = run_script("optimize_seal", tmp_path, path, "--restart", "--max-iterations", 2)
+    assert s["iterations"] == 2
+    best = sm.build_seal(sm.read_seal_file(tmp_path / "optimum.toml"))
+    offsets = np.array(s["boundary_offsets"])
+    monkeypatch.undo()
+    drawn = sm.build_seal(sm.read_seal_file(path))
+    assert chosen_ends(best) == chosen_ends(drawn)
+    (reaction,) = drawn.measures(("reaction",))
+    assert sm.analyze(best).value(reaction) == pytest.approx(
+        sm.analyze(drawn, offsets).value(reaction), rel=1e-6
+    )
 
 
 @pytest.mark.long

@@ -16,6 +16,8 @@ SECTION = BULB[BULB.index("[section]") : BULB.index("[fixed]")]
 PROFILE = BULB[BULB.index("[[profile]]") : BULB.index("[[design]]")]
 STAGES = BULB[BULB.index("[[profile.stage]]") : BULB.index("[[design]]")]
 OPTIMIZE = BULB[BULB.index("[optimize]") :]
+OPEN = BULB.replace("steps = 60\n", "").replace("steps = 20\n", "")
+OTHER = f'[[profile]]\nname = "other"\nfriction = 0.1\ncontact = ["seal"]\n{DOOR}\nstart = [0.0, 15.0]\n'
 SECOND = PROFILE.replace('"door"', '"wall"')
 WIDTH = 'type = "contact_width"\nprofile = "door"'
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
@@ -290,7 +292,23 @@ BAD = {
     "no penalty": (DOOR, DOOR + "\nnormal_penalty = 0.0", "normal_penalty = 0.0, but it must be a numb"),
     "no stage": (*without(STAGES), "[[profile]]: none has a [[profile.stage]]; at least one has to mo"),
     "stage no list": (STAGES, "[profile.stage]\nsteps = 3\n", "profile.stage must be a list of tables"),
-    "no steps": (*without("steps = 60\n"), "[[profile]] 1 ('door'): [[profile.stage]] 1: the key 'ste"),
+    "some steps": (*without("steps = 60\n"), "[[profile.stage]] 2 has steps, but [[profile]] 1 ('door'"
+                   "): [[profile.stage]] 1 has none; give them to all stages, or to none"),
+    "other words": ("steps = 60", 'steps = "few"', 'of the stage that increase to 1.0, or "auto"'),
+    "no shares": ("steps = 60", "steps = []", "steps = [], but it must be a whole number"),
+    "shares back": ("steps = 60", "steps = [0.5, 0.4, 1.0]", "[0.5, 0.4, 1.0], but it must be a whole"),
+    "shares to less": ("steps = 60", "steps = [0.5, 0.9]", "a list of shares of the stage that inc"),
+    "shares in words": ("steps = 60", 'steps = ["half", 1.0]', "['half', 1.0], but it must be a whole"),
+    "tolerance of none": ("[optimize]", "[steps]\ntolerance = 0.01\n[optimize]", "[steps]: tolerance is "
+                          "for load steps that are chosen, but all stages have steps; leave out either"),
+    "tolerance too large": (BULB, OPEN + "[steps]\ntolerance = 1.5\n", "tolerance = 1.5, but it must be "
+                            "a number above 0 and at most 1"),
+    "tolerance misspelt": (BULB, OPEN + "[steps]\ntoleranc = 0.1\n", "(did you mean 'tolerance'?)"),
+    "tolerances": (BULB, OPEN + "[[steps]]\ntolerance = 0.1\n", "[steps] must be one table"),
+    "uneven stages": (BULB, OPEN[: OPEN.index("[[measure]]")].replace(
+        "[[design]]", OTHER + "stage = [{ translate = [0.0, -1.0] }]\n[[design]]"),
+        "'door' has 2 of [[profile.stage]] and 'other' 1; stages without steps go on side by side"),
+    "steps of a fluid": (BULB, OPEN.replace(FIXED, FIXED + FLUID), "[[fluid]] 1: steps = 20, but load"),
     "half a step": ("steps = 60", "steps = 60.5", "[[profile.stage]] 1: steps = 60.5, but it must be a"),
     "zero steps": ("steps = 60", "steps = 0", "steps = 0, but it must be a whole number from 1 to"),
     "travel a number": ("translate = [2.0, 0.0]", "translate = 2.0", "[[profile.stage]] 2: translate "),

@@ -65,3 +65,21 @@ def test_wrong_part_is_named(seal, name, value):
 def test_wrong_number_of_a_contact_law_is_named(seal, name, value):
     with pytest.raises(ValueError, match=f"{name} of 'roll'"):
         seal.with_parameters({f"roll_{name}": value}).terms()
+
+
+def test_with_other_load_steps_it_is_the_same_seal(seal):
+    """Places of the roll at the old ends of steps; its parameters are what they were."""
+    ends = [1.0, 2.5, 5.0, 5.5, 8.0]
+    other = seal.with_parameters({"depth": 0.05}).with_ends(ends)
+    assert (other.n_steps, other.scalars) == (5, seal.with_parameters({"depth": 0.05}).scalars)
+    one, two = (
+        next(t.motion for t in own.terms() if t.label == "roll")
+        for own in (seal.with_parameters({"depth": 0.05}), other)
+    )
+    for number, end in enumerate(ends, 1):
+        np.testing.assert_allclose(two.coordinates(number), one.coordinates(end), atol=1e-14)
+    result = sm.analyze(other)
+    assert result.converged
+    assert len(result.path.nominal_steps) == 5
+    with pytest.raises(ValueError, match="ends of load steps must increase and hold"):
+        seal.with_ends([4.0, 8.0])

@@ -4,15 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from two_profiles import two_profiles
 
 import seal_mdao as sm
+from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.energy import StrainEnergy
 from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.step_choice import (
     FINER,
+    NOISE,
     choose_steps,
     divided,
     force_differences,
     halved,
+    least_scale,
     measure_difference,
 )
 
@@ -75,9 +81,36 @@ def test_halving_keeps_the_ends():
 
 def test_a_tolerance_that_is_not_reached_is_told():
     with pytest.raises(ValueError, match="were not found"):
-        choose_steps(
-            lambda ends: sm.door_seal(n_steps=len(ends), step_ends=ends, depth=0.6), 1e-14, first=1
-        )
+        choose_steps(sm.door_seal(n_steps=1, depth=0.6), 1e-14, first=1)
+
+
+def test_a_seal_that_stands_free_at_the_end_is_compared_with_its_path():
+    """Closed and opened again: force, energy and contact are zero but for rounding at the end."""
+    energy = StrainEnergy()
+    seal = replace(two_profiles(0.0, steps=1, way="back"), standard=(energy,))
+    choice = choose_steps(seal, TOLERANCE, first=12)
+    assert choice.error <= TOLERANCE
+    assert set(range(1, seal.n_steps + 1)) <= set(choice.ends)
+    end = sm.analyze(seal.with_ends(choice.ends))
+    assert end.value(energy)[0] < 1e-9 * least_scale(energy, end) / NOISE
+
+
+def test_one_component_of_a_force_is_compared_with_all_of_it():
+    """A flat door without friction is pressed straight up: what is across is rounding."""
+    across = Reaction("door", components=(0,))
+    fine = sm.analyze(sm.door_seal(door="flat", friction=0.0, depth=1.0, n_steps=8))
+    up = fine.path.reaction("door")[:, 1].max()
+    assert abs(fine.value(across)[0]) < 1e-6 * up
+    assert least_scale(across, fine) == up
+
+
+def test_a_door_in_chosen_steps_has_one_stage(chosen):
+    result = sm.analyze(chosen)
+    (history,) = profile_histories(result)
+    assert set(history.stage) == {1}
+    np.testing.assert_allclose(
+        history.travel, chosen.motion.ends * chosen.motion.travel, rtol=1e-12
+    )
 
 
 def test_settings_keep_supports_and_steps():

@@ -316,6 +316,11 @@ class DoorSeal(Seal):
             others["material"] = self.material.with_(**constants)
         return self._same_body(replace(self, **others)) if others else self
 
+    def with_ends(self, ends) -> "DoorSeal":
+        """As of ``Seal``; what it gives has the ends as ``step_ends``, shares of the way."""
+        shares = self.motion.with_ends(ends).shares
+        return self._same_body(replace(self, n_steps=len(shares), step_ends=tuple(shares.tolist())))
+
     def _same_body(self, other: "DoorSeal") -> "DoorSeal":
         """``other``, which has the same section and cloud, with what has been made of them."""
         for name in OF_THE_CLOUD:
@@ -552,11 +557,7 @@ def door_seal(
         f'steps must be None or "auto", got {values.shown(steps)}',
     )
     seal = DoorSeal(**{**ACCURACIES[accuracy], **changes})
-    return seal if steps is None else _with_chosen_steps(seal, step_tolerance)
-
-
-def _with_chosen_steps(seal: DoorSeal, tolerance: float) -> DoorSeal:
-    def seal_with(ends):
-        return replace(seal, n_steps=len(ends), step_ends=ends)
-
-    return seal_with(choose_steps(seal_with, tolerance).ends)
+    if steps is None:
+        return seal
+    seal = replace(seal, n_steps=1, step_ends=None)
+    return seal.with_ends(choose_steps(seal, step_tolerance).ends)

@@ -1,5 +1,6 @@
 """From the decisions of a seal file to a seal that can be analysed."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.seals.file.cross_checks import ROUNDING
 from seal_mdao.seals.file.edges import stretch_order
+from seal_mdao.seals.file.load_steps import FIRST
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.start import gap_at_start, nearest_at_start
@@ -35,22 +37,57 @@ from seal_mdao.seals.outline.seal import (
 )
 from seal_mdao.seals.outline.section import Outline, sampled
 from seal_mdao.seals.outline.self_touch import SelfTouch
+from seal_mdao.seals.step_choice import choose_steps
 
 
-def build_seal(file: SealFile) -> OutlineSeal:
+def build_seal(
+    file: SealFile, callback: Callable | None = None, step_ends: Sequence[float] | None = None
+) -> OutlineSeal:
     """The seal of a file: its cloud, terms, design and measures.
 
     Parameters of a profile have its name before theirs: ``door_friction``; so have constants of the
     materials where there are several: ``foot_c10``.
 
+    Load steps that the file does not give are chosen now, by analyses of the drawn seal
+    (``seals.step_choice``), and are the seal's own from then on, whatever its design.
+
+    Parameters
+    ----------
+    file : SealFile
+    callback : callable, optional
+        Called with every ``ConvergedStep`` that completes a load step of these analyses.
+    step_ends : sequence of float, optional
+        Ends of load steps that have been chosen before, in stages, in place of a choice.
+
     Raises
     ------
     SealFileError
-        For a section that cannot be filled at this spacing, or a design with too few parameters.
+        For a section that cannot be filled at this spacing, a design with too few parameters, load
+        steps that are not found within the tolerance, or ends of steps that are not those of the file.
+    LoadPathError
+        When load steps are to be chosen and the path of the drawn seal cannot be completed; its
+        ``result`` is as far as it came.
     TypeError
         For anything else than what ``read_seal_file`` returns.
     """
     values.instance("file", file, SealFile)
+    seal = _begun(file)
+    if file.step_tolerance is None:
+        if step_ends is not None:
+            raise SealFileError(
+                f"{file.path}: step_ends are given, but the file gives the load steps"
+            )
+        return seal
+    try:
+        if step_ends is None:
+            step_ends = choose_steps(seal, file.step_tolerance, FIRST, callback).ends
+        return seal.with_ends(step_ends)
+    except ValueError as error:
+        raise SealFileError(f"{file.path}: {error}") from error
+
+
+def _begun(file: SealFile) -> OutlineSeal:
+    """The seal with the steps of the file, one for every stage where they are to be chosen."""
     section = file.section
     cuts = section.cuts
     try:
@@ -158,7 +195,8 @@ def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:
 
 def _fluid(fluid: FluidTable, file: SealFile) -> EdgeFluid:
     edges, _ = stretch_order(fluid.edges, file.section.outline)
-    return EdgeFluid(fluid.name, edges, fluid.end, fluid.pressure, fluid.steps, fluid.share)
+    steps = file.last_stage.steps if fluid.steps is None else fluid.steps
+    return EdgeFluid(fluid.name, edges, fluid.end, fluid.pressure, steps, fluid.share)
 
 
 def _self_touch(given: SelfContactTable | None) -> SelfTouch | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.seals.file.build import outline_of
+from seal_mdao.seals.file.load_steps import write_steps
 from seal_mdao.seals.file.measures import places_of
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.cloud_file import write_cloud
@@ -27,7 +28,8 @@ ON_CUT = 1e-6
 def write_design(
     file: SealFile, seal: OutlineSeal, offsets, measures, folder, name: str
 ) -> list[Path]:
-    """Write a design as ``NAME.toml`` with ``NAME.dxf`` and ``NAME.vtu``, to be analysed as it is.
+    """Write a design as ``NAME.toml`` with ``NAME.dxf`` and ``NAME.vtu``, to be analysed as it is, in
+    the load steps that it has.
 
     Parameters
     ----------
@@ -63,6 +65,8 @@ def write_design(
     for material in given["material"].values():
         if "data" in material:
             material["data"] = _from(folder, file.path.parent / material["data"])
+    if file.step_tolerance is not None:
+        write_steps(given, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
     text = HEAD.format(name=file.path.name) + writer.dumps(given)
     paths[0].write_text(text, encoding="utf-8")

@@ -15,15 +15,14 @@ from seal_mdao.seals.file.checks import (
     point,
     table,
     tables,
-    whole,
 )
+from seal_mdao.seals.file.load_steps import STEPS
 from seal_mdao.seals.file.shapes import KEYS, segments_of
 from seal_mdao.seals.file.tables import ProfileTable
 from seal_mdao.seals.outline.chain import checked_chain
 from seal_mdao.seals.outline.crossings import check_simple
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Line, Spline
 
-MOST_STEPS = 100_000
 MOST_FRICTION, MOST_PENALTY, MOST_TURN = 10.0, 1e12, 3600.0
 """Coefficient, kPa/mm, degrees."""
 PLACE = point(1e5)
@@ -47,7 +46,7 @@ PROFILE_KEYS = {
 STAGE_KEYS = {
     "translate": Key(PLACE, (0.0, 0.0)),
     "rotate": Key(number(least=-MOST_TURN, most=MOST_TURN), 0.0),
-    "steps": Key(whole(1, MOST_STEPS)),
+    "steps": Key(STEPS, None),
 }
 
 

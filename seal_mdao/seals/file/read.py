@@ -22,14 +22,10 @@ from seal_mdao.seals.file.checks import (
 )
 from seal_mdao.seals.file.cross_checks import check
 from seal_mdao.seals.file.laws import read_law
+from seal_mdao.seals.file.load_steps import MOST_STEPS, read_steps
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import (
-    MOST_STEPS,
-    NORMAL_PENALTY,
-    TANGENT_PENALTY,
-    read_profile,
-)
+from seal_mdao.seals.file.profiles import NORMAL_PENALTY, TANGENT_PENALTY, read_profile
 from seal_mdao.seals.file.sections import read_section
 from seal_mdao.seals.file.tables import (
     CavityTable,
@@ -43,7 +39,7 @@ from seal_mdao.seals.file.tables import (
 
 TABLES = (
     "material", "section", "profile", "fixed", "symmetry", "cavity", "self_contact", "fluid", "design",
-    "measure", "optimize",
+    "measure", "optimize", "steps",
 )  # fmt: skip
 NEEDED = TABLES[:3]
 MOST_PARAMETERS = 1000
@@ -73,7 +69,7 @@ FLUID_KEYS = {
     "edge": Key(STRETCH),
     "from": Key(one_of(*ENDS)),
     "pressure": Key(number(above=0.0, most=MOST_PRESSURE)),
-    "steps": Key(whole(1, MOST_STEPS)),
+    "steps": Key(whole(1, MOST_STEPS), None),
     "name": Key(NAME, "fluid"),
     "share": Key(number(above=0.0, most=1.0), SHARE),
 }
@@ -140,6 +136,7 @@ def _read(given, path) -> SealFile:
         read_profile(i, one) for i, one in enumerate(tables("profile", given["profile"]), 1)
     )
     _check_profile_names(profiles)
+    profiles, step_tolerance = read_steps(given.get("steps"), profiles)
     measures = tuple(
         read_measure(f"[[measure]] {i}", one, profiles)
         for i, one in enumerate(_optional(given, "measure"), 1)
@@ -173,6 +170,7 @@ def _read(given, path) -> SealFile:
         if "self_contact" in given
         else None,
         tuple(_fluid(i, one) for i, one in enumerate(_optional(given, "fluid"), 1)),
+        step_tolerance,
     )
     check(file)
     return file

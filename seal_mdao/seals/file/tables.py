@@ -115,7 +115,7 @@ class ProfileTable:
     @property
     def n_steps(self) -> int:
         """Load steps of all stages."""
-        return sum(stage.steps for stage in self.stages)
+        return sum(stage.n_steps for stage in self.stages)
 
 
 @dataclass(frozen=True)
@@ -159,8 +159,8 @@ class FluidTable:
         "start" or "end" of them as they are walked, from which it comes.
     pressure : float
         kPa.
-    steps : int
-        The last load steps, over which it grows.
+    steps : int or None
+        The last load steps, over which it grows; None for those of the last stage.
     name : str
     share : float
         Of the pressure, by which the seal has to press with more where it is dry.
@@ -169,7 +169,7 @@ class FluidTable:
     edges: tuple
     end: str
     pressure: float
-    steps: int
+    steps: int | None
     name: str
     share: float
 
@@ -228,6 +228,9 @@ class SealFile:
     cavities : tuple of CavityTable
     self_contact : SelfContactTable or None
     fluids : tuple of FluidTable
+    step_tolerance : float or None
+        Within which the load steps are to be chosen: every stage has one until then. None where they
+        are given.
     """
 
     path: Path
@@ -242,11 +245,17 @@ class SealFile:
     cavities: tuple[CavityTable, ...] = ()
     self_contact: SelfContactTable | None = None
     fluids: tuple[FluidTable, ...] = ()
+    step_tolerance: float | None = None
 
     @property
     def n_steps(self) -> int:
-        """Load steps of the path."""
+        """Load steps of the path; its stages where the steps are to be chosen."""
         return max(profile.n_steps for profile in self.profiles)
+
+    @property
+    def last_stage(self) -> Stage:
+        """That of a profile that moves."""
+        return next(profile.stages[-1] for profile in self.profiles if profile.stages)
 
     @property
     def held(self) -> tuple:

@@ -6,6 +6,7 @@ import numpy as np
 
 from seal_mdao.analysis.body import Body
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.geometry.motion import step_shares
 from seal_mdao.loads.fluid_pressure import SHARE, FluidPressure
 
 
@@ -21,8 +22,9 @@ class EdgeFluid(NamedTuple):
         Of the stretch, from which the fluid comes.
     pressure : float
         kPa.
-    steps : int
-        The last load steps of the path, over which it grows.
+    steps : int or tuple of float
+        The last load steps of the path, over which it grows: so many equal parts, or the shares of the
+        pressure at their ends.
     share : float
         As of ``FluidPressure``.
     """
@@ -31,7 +33,7 @@ class EdgeFluid(NamedTuple):
     edges: tuple
     end: str
     pressure: float
-    steps: int
+    steps: int | tuple[float, ...]
     share: float = SHARE
 
     def on(self, body: Body, contacts: tuple[RigidContact, ...], n_steps: int) -> FluidPressure:
@@ -39,7 +41,8 @@ class EdgeFluid(NamedTuple):
         parts = [body.edge(name).particles for name in self.edges]
         particles = np.array(list(dict.fromkeys(np.concatenate(parts).tolist())))
         closing = tuple(c for c in contacts if np.isin(particles, c.where.at_particles).any())
-        ramp = np.clip(np.arange(self.steps - n_steps, self.steps + 1) / self.steps, 0.0, None)
+        grown = step_shares(self.steps)
+        ramp = np.concatenate([np.zeros(n_steps + 1 - len(grown)), grown])
         return FluidPressure(
             self.label, particles, self.end, self.pressure, ramp, closing, self.share
         )

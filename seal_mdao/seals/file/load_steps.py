@@ -1,0 +1,94 @@
+"""Load steps of a seal file: given for every stage, or left to be chosen (``[steps]``)."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.checks import Check, Key, number, table, whole
+from seal_mdao.seals.profiles import leading_motion
+from seal_mdao.seals.seal import Seal
+from seal_mdao.seals.step_choice import TOLERANCE
+
+MOST_STEPS = 100_000
+CHOSEN = "auto"
+FIRST = 20
+"""Load steps to begin the choice with: points for the curves that are drawn of a path."""
+
+
+def _steps(value):
+    """None to be chosen, how many equal ones, or the shares of the stage at their ends."""
+    if value == CHOSEN:
+        return None
+    if not isinstance(value, list):
+        return whole(1, MOST_STEPS).convert(value)
+    shares = tuple(map(number(above=0.0, most=1.0).convert, value))
+    if not shares or shares[-1] != 1.0 or any(a >= b for a, b in pairwise(shares)):
+        raise ValueError
+    return shares
+
+
+STEPS = Check(
+    f'{whole(1, MOST_STEPS).allowed}, a list of shares of the stage that increase to 1.0, or "{CHOSEN}"',
+    _steps,
+)
+KEYS = {"tolerance": Key(number(above=0.0, most=1.0), TOLERANCE)}
+
+
+def read_steps(given, profiles: tuple) -> tuple[tuple, float | None]:
+    """Profiles whose stages have load steps, and the tolerance within which these are to be chosen.
+
+    Parameters
+    ----------
+    given : object
+        What the file has as ``[steps]``; None for nothing.
+    profiles : tuple of ProfileTable
+        Stages whose steps are to be chosen have None; they get one.
+
+    Raises
+    ------
+    SealFileError
+        When only some of the stages have steps, or all of them and there is a tolerance.
+    """
+    values = table("[steps]", {} if given is None else given, KEYS)
+    named = [
+        (f"[[profile]] {i} ({profile.name!r}): [[profile.stage]] {k}", stage.steps)
+        for i, profile in enumerate(profiles, 1)
+        for k, stage in enumerate(profile.stages, 1)
+    ]
+    without = [where for where, steps in named if steps is None]
+    if not without:
+        if given is not None:
+            raise SealFileError(
+                "[steps]: tolerance is for load steps that are chosen, but all stages have steps; leave "
+                "out either"
+            )
+        return profiles, None
+    for where, steps in named:
+        if steps is not None:
+            raise SealFileError(
+                f"{where} has steps, but {without[0]} has none; give them to all stages, or to none, to "
+                "have them chosen"
+            )
+    begun = tuple(
+        replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))
+        for profile in profiles
+    )
+    return begun, values["tolerance"]
+
+
+def chosen_ends(seal: Seal) -> list[float]:
+    """Ends of the load steps that were chosen for the seal of a file, in stages (``step_ends`` of
+    ``build_seal``)."""
+    return leading_motion(seal).ends.tolist()
+
+
+def write_steps(given: dict, seal: Seal) -> None:
+    """Put the load steps that were chosen for a seal into the tables of its file, in their place."""
+    motion = leading_motion(seal)
+    by_stage = np.split(motion.shares, np.cumsum(motion.steps)[:-1])
+    given.pop("steps", None)
+    for profile in given["profile"]:
+        for stage, shares in zip(profile.get("stage", ()), by_stage, strict=False):
+            stage["steps"] = shares.tolist()

@@ -1,0 +1,198 @@
+"""Load steps that a seal file leaves open: chosen once, then part of the seal."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_build import COARSE, read
+
+import seal_mdao as sm
+from seal_mdao.analysis.result import ConvergedStep, Status
+from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.file.load_steps import chosen_ends
+from seal_mdao.seals.result import frozen_measures
+from seal_mdao.seals.step_choice import FINER, difference, divided
+
+OPEN = re.sub(r"steps = \d\n", "", COARSE)
+LISTED = COARSE.replace("steps = 6", "steps = [0.2, 0.3, 1]").replace("steps = 2", "steps = 1")
+TIGHT = sm.NewtonOptions(tolerance=1e-12)
+LIMITED = OPEN.replace(
+    'law = "mooney_rivlin"\nc10 = 80.0\nc01 = 20.0',
+    'law = "gent"\nshear_modulus = 200.0\nlimit = 0.05\nstable = [0.99, 1.01]',
+).replace("[0.0, -1.1]", "[0.0, -6.0]")
+"""Of a rubber that hardly stretches."""
+UNEQUAL = (0.3, 0.45, 0.5, 0.7, 0.8, 1.0, 1.1, 1.6, 2.0)
+WALL = """[[profile]]
+name = "wall"
+friction = 0.1
+contact = ["seal"]
+line = [[-30.0, -40.0], [-30.0, 40.0]]
+stage = [{ }, { translate = [0.5, 0.0] }]
+[[profile]]
+name = "post"
+friction = 0.1
+contact = ["seal"]
+line = [[30.0, 40.0], [30.0, -40.0]]
+[[fluid]]
+edge = "seal"
+from = "end"
+pressure = 4.0
+"""
+BESIDE = OPEN[: OPEN.index("[optimize]")].replace("[[design]]", f"{WALL}[[design]]")
+
+
+@pytest.fixture(scope="module")
+def bulb(tmp_path_factory):
+    """File, seal, and how many load steps its choice took."""
+    file, seen = read(tmp_path_factory.mktemp("bulb"), OPEN), []
+    return file, sm.build_seal(file, seen.append), len(seen)
+
+
+def lengths(seal):
+    return np.diff(chosen_ends(seal), prepend=0.0)
+
+
+def test_what_a_file_gives_and_what_it_leaves_open(tmp_path):
+    stages = {}
+    for name, text in {
+        "given": COARSE, "open": OPEN, "listed": LISTED,
+        "auto": COARSE.replace("steps = 6", 'steps = "auto"').replace("steps = 2\n", ""),
+        "tolerance": f"{OPEN}[steps]\ntolerance = 0.03\n",
+    }.items():  # fmt: skip
+        file = read(tmp_path, text)
+        stages[name] = file.step_tolerance, [s.steps for s in file.profiles[0].stages], file.n_steps
+    assert stages == {
+        "given": (None, [6, 2], 8), "listed": (None, [(0.2, 0.3, 1.0), 1], 4),
+        "open": (0.005, [1, 1], 2), "auto": (0.005, [1, 1], 2), "tolerance": (0.03, [1, 1], 2),
+    }  # fmt: skip
+
+
+def test_measures_and_forces_are_within_the_tolerance_of_four_times_as_many(bulb):
+    file, seal, _ = bulb
+    finer = sm.build_seal(file, step_ends=divided(np.array(chosen_ends(seal)), FINER))
+    assert finer.n_steps == FINER * seal.n_steps
+    found = difference(sm.analyze(seal), sm.analyze(finer))
+    assert 0.0 < found <= file.step_tolerance
+    assert 1.0 in chosen_ends(seal)
+
+
+def test_a_smaller_tolerance_takes_more_steps_where_they_are_needed(bulb, tmp_path):
+    tight = sm.build_seal(read(tmp_path, f"{OPEN}[steps]\ntolerance = 1e-4\n"))
+    assert tight.n_steps > bulb[1].n_steps
+    assert lengths(tight).max() >= 2.0 * lengths(tight).min()
+
+
+def test_they_are_the_seal_s_own_whatever_its_design(bulb, tmp_path):
+    _, seal, seen = bulb
+    assert seen >= (1 + FINER) * seal.n_steps
+    other = seal.with_parameters({"door_friction": 0.4, "c10": 60.0})
+    result = sm.analyze(other, np.full(seal.n_offsets, 0.05))
+    assert chosen_ends(result.seal) == chosen_ends(seal)
+    assert len(result.path.nominal_steps) == seal.n_steps
+    again = sm.build_seal(read(tmp_path, OPEN))
+    assert chosen_ends(again) == chosen_ends(seal)
+
+
+def test_chosen_before_they_are_not_chosen_again(bulb, tmp_path):
+    file, seal, _ = bulb
+    seen = []
+    again = sm.build_seal(file, seen.append, step_ends=chosen_ends(seal))
+    assert not seen
+    one, other = (sm.analyze(own) for own in (seal, again))
+    for a, b in zip(one.path.nominal_steps, other.path.nominal_steps, strict=True):
+        np.testing.assert_array_equal(a.d, b.d)
+    for wrong in ([0.5, 2.0], [0.5, 1.0], [0.0, 1.0, 2.0]):
+        with pytest.raises(sm.SealFileError, match="ends of load steps must increase and hold"):
+            sm.build_seal(file, step_ends=wrong)
+    with pytest.raises(sm.SealFileError, match="the file gives the load steps"):
+        sm.build_seal(read(tmp_path, COARSE), step_ends=[1.0, 2.0])
+
+
+def test_a_design_as_a_file_has_them(bulb, tmp_path):
+    file, seal, _ = bulb
+    offsets = np.random.default_rng(2).uniform(-0.1, 0.1, seal.n_offsets)
+    path = write_design(file, seal, offsets, frozen_measures(seal), tmp_path, "best")[0]
+    design = sm.read_seal_file(path)
+    assert design.step_tolerance is None
+    again = sm.build_seal(design)
+    one, other = (
+        next(term.motion for term in own.terms() if term.label == "door") for own in (seal, again)
+    )
+    np.testing.assert_array_equal(one.ends, other.ends)
+    for fraction in np.linspace(0.0, seal.n_steps, 40):
+        np.testing.assert_array_equal(one.coordinates(fraction), other.coordinates(fraction))
+
+
+def test_profiles_go_on_side_by_side_and_a_fluid_comes_in_the_last_stage(tmp_path):
+    file = read(tmp_path, BESIDE)
+    ends = [0.25, 1.0, 1.5, 2.0]
+    seal = sm.build_seal(file, step_ends=ends)
+    motions = {t.label: t.motion for t in seal.terms() if hasattr(t, "motion")}
+    assert [motion.n_steps for motion in motions.values()] == [4, 4, 4]
+    np.testing.assert_allclose(motions["door"].coordinates(1.0)[1], 14.5 - 1.1 / 4, atol=1e-14)
+    np.testing.assert_allclose(motions["wall"].coordinates(3.0)[0], 0.25, atol=1e-14)
+    assert np.ptp([motions["post"].coordinates(k) for k in range(5)], axis=0).tolist() == [0, 0, 0]
+    fluid = next(term for term in seal.terms() if term.label == "fluid")
+    assert fluid.ramp.tolist() == [0.0, 0.0, 0.0, 0.5, 1.0]
+    np.testing.assert_array_equal(fluid.contacts[0].motion.ends, ends)
+    path = write_design(file, seal, np.zeros(seal.n_offsets), (), tmp_path, "again")[0]
+    again = next(t for t in sm.build_seal(sm.read_seal_file(path)).terms() if t.label == "fluid")
+    np.testing.assert_array_equal(again.ramp, fluid.ramp)
+
+
+def test_derivatives_are_exact_with_them(bulb, rng):
+    file, *_ = bulb
+    seal = replace(sm.build_seal(file, step_ends=UNEQUAL), newton=TIGHT)
+    offsets = 0.05 * rng.uniform(-1.0, 1.0, seal.n_offsets)
+    result = sm.analyze(seal, offsets, keep_factors=True)
+    names = ("door_friction", "c10")
+    direct, adjoint = (
+        sm.differentiate(result, names, method=method) for method in ("direct", "adjoint")
+    )
+    way = rng.uniform(-1.0, 1.0, seal.n_offsets)
+    sides = [sm.analyze(seal, offsets + s * 1e-5 * way) for s in (1.0, -1.0)]
+    for measure in seal.standard:
+        a, b = direct[measure.name], adjoint[measure.name]
+        np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-9 * np.abs(a).max())
+        plus, minus = (side.value(measure)[0] for side in sides)
+        assert all(map(ConvergedStep.same_branches, *(side.path.nominal_steps for side in sides)))
+        exact = a[0, : seal.n_offsets] @ way
+        # the step squared, and rounding of relative 1e-12 over the step
+        assert abs((plus - minus) / 2e-5 - exact) <= 1e-5 * np.abs(a[0, : seal.n_offsets]).sum()
+
+
+def test_a_path_that_ends_early_is_told_with_what_was_computed(tmp_path, monkeypatch):
+    """The rubber comes to its limit: no load step is small enough."""
+    monkeypatch.setattr("seal_mdao.seals.step_choice.MOST", 1)
+    with pytest.raises(sm.LoadPathError, match="could not be completed") as caught:
+        sm.build_seal(read(tmp_path, LIMITED))
+    result = caught.value.result
+    assert 10 < len(result.path.nominal_steps) < FINER * 20 == result.seal.n_steps
+
+
+def test_where_a_path_fails_more_load_steps_are_tried(tmp_path, monkeypatch):
+    tried = []
+
+    def failing(seal, callback=None):
+        tried.append(seal.n_steps)
+        result = sm.analyze(seal, callback=callback)
+        return cut_short(result) if len(tried) < 3 else result
+
+    monkeypatch.setattr("seal_mdao.seals.step_choice.analyze", failing)
+    assert sm.build_seal(read(tmp_path, OPEN)).n_steps == 80
+    assert tried == [80, 160, 320, 80]
+
+
+def cut_short(result):
+    path = replace(result.path, steps=result.path.steps[:-1], status=Status.NOT_CONVERGED)
+    return replace(result, path=path)
+
+
+def test_a_tolerance_that_is_not_reached_is_told_with_the_file(tmp_path, monkeypatch):
+    monkeypatch.setattr("seal_mdao.seals.step_choice.ROUNDS", 1)
+    file = read(tmp_path, f"{OPEN}[steps]\ntolerance = 1e-9\n")
+    with pytest.raises(
+        sm.SealFileError, match=r"seal\.toml: load steps within 1e-09 were not found"
+    ):
+        sm.build_seal(file)
