@@ -37,12 +37,13 @@ def coarse(path):
     text = re.sub(r"spacing = ([\d.]+)", lambda m: f"spacing = {1.4 * float(m[1]):.3f}", text)
 
     def stage(match):
-        x, y, steps = (float(value) for value in match.groups())
-        few = max(1, round(steps / SHARE))
-        x, y = x * few / steps, y * few / steps
-        return f"translate = [{x!r}, {y!r}]\nsteps = {few}"
+        x, y, steps = float(match[1]), float(match[2]), match[3] and float(match[3])
+        few = max(1, round(steps / SHARE)) if steps else None
+        share = few / steps if steps else 1.0 / SHARE
+        short = f"translate = [{x * share!r}, {y * share!r}]"
+        return f"{short}\nsteps = {few}" if steps else short
 
-    return beside(re.sub(r"translate = \[(.*), (.*)\]\nsteps = (\d+)", stage, text))
+    return beside(re.sub(r"(?m)^translate = \[(.*), (.*)\]$(?:\nsteps = (\d+))?", stage, text))
 
 
 def beside(text):
