@@ -9,7 +9,7 @@ import numpy as np
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact
-from seal_mdao.geometry.motion import Motion
+from seal_mdao.geometry.motion import Motion, step_shares
 from seal_mdao.measures.contact import touching_shares, way_round
 
 PARALLEL = 1e-9
@@ -200,15 +200,15 @@ def _one_line(one, other) -> bool:
 def key_steps(result) -> list[int]:
     """Nominal steps, from 0, that tell of the path: ends of the stages, and shares of few of them."""
     done, motion = len(result.path.nominal_steps), leading_motion(result.seal)
-    stages = [result.seal.n_steps] if motion is None else motion.steps.tolist()
-    parts = 4 if len(stages) == 1 else 2 if len(stages) <= MIDDLES else 1
-    ends = np.concatenate([[0], np.cumsum(stages)])
-    chosen = {
-        round(first + (last - first) * part / parts) - 1
-        for first, last in pairwise(ends.tolist())
-        for part in range(1, parts + 1)
-    }
-    return sorted({min(max(step, 0), done - 1) for step in chosen}) if done else []
+    if not done:
+        return []
+    n = result.seal.n_steps
+    stages, ends = (1, step_shares(n)) if motion is None else (motion.steps.size, motion.ends)
+    parts = 4 if stages == 1 else 2 if stages <= MIDDLES else 1
+    wanted = np.arange(1, stages * parts + 1) / parts
+    # of two that are as near the earlier one, whatever the rounding
+    nearest = np.round(np.abs(ends[:, None] - wanted), 9).argmin(axis=0)
+    return np.unique(np.minimum(nearest, done - 1)).tolist()
 
 
 def caption(result, step: int) -> str:

@@ -196,3 +196,9 @@ def test_a_tolerance_that_is_not_reached_is_told_with_the_file(tmp_path, monkeyp
         sm.SealFileError, match=r"seal\.toml: load steps within 1e-09 were not found"
     ):
         sm.build_seal(file)
+
+
+def test_pictures_show_even_parts_of_uneven_stages(bulb):
+    result = sm.analyze(sm.build_seal(bulb[0], step_ends=UNEQUAL))
+    assert result.key_steps() == [2, 5, 7, 8]
+    assert result.caption(2) == "stage 1, travel 0.55 mm"
