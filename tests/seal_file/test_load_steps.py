@@ -141,6 +141,17 @@ def test_profiles_go_on_side_by_side_and_a_fluid_comes_in_the_last_stage(tmp_pat
     np.testing.assert_array_equal(again.ramp, fluid.ramp)
 
 
+def test_stages_at_rest_count(tmp_path):
+    """Nothing moves but the pressure of the fluid, in the second of two stages."""
+    text = BESIDE.replace("[0.0, -1.1]", "[0.0, 0.0]").replace("[0.3, 0.0]", "[0.0, 0.0]")
+    text = text.replace("{ translate = [0.5, 0.0] }", "{ }")
+    post = text[text.index('[[profile]]\nname = "post"') : text.index("[[fluid]]")]
+    first = text.replace(post, "").replace("[[profile]]", f"{post}[[profile]]", 1)
+    assert first.index('"post"') < first.index('"door"')
+    file, ends = read(tmp_path, first), [0.5, 1.0, 1.25, 2.0]
+    assert chosen_ends(sm.build_seal(file, step_ends=ends)) == ends
+
+
 def test_derivatives_are_exact_with_them(bulb, rng):
     file, *_ = bulb
     seal = replace(sm.build_seal(file, step_ends=UNEQUAL), newton=TIGHT)

@@ -6,8 +6,9 @@ from itertools import pairwise
 import numpy as np
 
 from seal_mdao.errors import SealFileError
+from seal_mdao.geometry.motion import Motion
 from seal_mdao.seals.file.checks import Check, Key, number, table, whole
-from seal_mdao.seals.profiles import leading_motion
+from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.seal import Seal
 from seal_mdao.seals.step_choice import TOLERANCE
 
@@ -81,12 +82,17 @@ def read_steps(given, profiles: tuple) -> tuple[tuple, float | None]:
 def chosen_ends(seal: Seal) -> list[float]:
     """Ends of the load steps that were chosen for the seal of a file, in stages (``step_ends`` of
     ``build_seal``)."""
-    return leading_motion(seal).ends.tolist()
+    return _staged(seal).ends.tolist()
+
+
+def _staged(seal: Seal) -> Motion:
+    """The motion of a profile with stages; one without stands still in a single one."""
+    return max((contact.motion for contact in contacts(seal)), key=lambda motion: motion.steps.size)
 
 
 def write_steps(given: dict, seal: Seal) -> None:
     """Put the load steps that were chosen for a seal into the tables of its file, in their place."""
-    motion = leading_motion(seal)
+    motion = _staged(seal)
     by_stage = np.split(motion.shares, np.cumsum(motion.steps)[:-1])
     given.pop("steps", None)
     for profile in given["profile"]:
