@@ -153,16 +153,27 @@ def _bending(out, reduced) -> dict:
 
 
 def _integration(out, reduced) -> dict:
-    points = (2, 3)
-    lines = {}
-    for order, name in ((1, "linear"), (2, "quadratic")):
-        scheme = ENGINEERING | {"basis_order": order}
-        found = [worst_error(**scheme, n_gauss=n) for n in points]
-        lines[f"58 × 4, {name} basis"] = points, found
-    ticks = points, [str(n) for n in points]
-    _lines(out / "error_integration.png", "Gauss points per direction", lines, WORST, ticks)
-    rows = [[name, *map(percent, found)] for name, (_, found) in lines.items()]
-    return {"integration_table": table(["", *(f"{n} × {n}" for n in points)], rows)}
+    layers = (3, 4) if reduced else (3, 4, 5, 7)
+    cases = [
+        (rays, order, points)
+        for order in (1, 2)
+        for points in (2, 3)
+        for rays in ((58,) if reduced else (58, 116))
+    ]
+    lines, rows = {}, []
+    for rays, order, points in cases:
+        scheme = WIDE | {"basis_order": order, "n_gauss": points}
+        found = [worst_error(rays=rays, layers=n, **scheme) for n in layers]
+        basis = ("linear", "quadratic")[order - 1]
+        rows.append([basis, f"{points} × {points}", rays, *map(percent, found)])
+        if order == 2:
+            lines[f"{rays} rays, {points} × {points}"] = layers, found
+    ticks = layers, [str(n) for n in layers]
+    _lines(
+        out / "error_integration.png", "layers of particles, quadratic basis", lines, WORST, ticks
+    )
+    head = ["basis", "Gauss points", "rays", *(f"{n} layers" for n in layers)]
+    return {"integration_table": table(head, rows)}
 
 
 def _penalty(out, reduced) -> dict:
