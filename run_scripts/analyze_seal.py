@@ -33,13 +33,8 @@ def main(arguments) -> int:
     with file_errors(arguments.file):
         if arguments.vtu:
             library()
-    begun = time.perf_counter()
-    try:
-        result = analyzed(file_of(arguments.file))
-    except sm.LoadPathError as error:  # no load steps to be found; what was computed is shown
-        result = error.result
-    summary = summarize(result)
-    summary["wall_s"] = time.perf_counter() - begun
+    result, wall = analyzed(file_of(arguments.file))
+    summary = summarize(result) | {"wall_s": wall}
     write_summary(arguments.out, summary)
     if len(result.path.nominal_steps):
         draw(result, arguments.out)
@@ -49,12 +44,18 @@ def main(arguments) -> int:
     return 0 if result.converged else 1
 
 
-def analyzed(file) -> SealResult:
-    """The drawn seal of a file."""
-    seal = seal_of(file)
+def analyzed(file) -> tuple[SealResult, float]:
+    """The drawn seal of a file, and the seconds that its analysis took."""
+    begun = time.perf_counter()
+    try:
+        seal = seal_of(file)
+    except sm.LoadPathError as error:  # no load steps to be found; what was computed is shown
+        return error.result, time.perf_counter() - begun
     announce(seal)
+    begun = time.perf_counter()
     with file_errors(file.path), LoadStepProgress(seal) as progress:
-        return sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
+        result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
+    return result, time.perf_counter() - begun
 
 
 def summarize(result: SealResult) -> dict:

@@ -10,7 +10,7 @@ from figures.tables import percent, table
 from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplots
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.file.build import build_seal
-from seal_mdao.seals.file.load_steps import chosen_ends
+from seal_mdao.seals.file.load_steps import FIRST, one_step_each
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.result import analyze
@@ -227,23 +227,15 @@ def _steps(out, reduced) -> dict:
 
 def _chosen_for(file) -> list:
     """Row of a seal file whose load steps are chosen, whatever it gives."""
-    profiles = [
-        replace(p, stages=tuple(replace(stage, steps=1) for stage in p.stages))
-        for p in file.profiles
-    ]
-    file, solved = replace(
-        file, profiles=tuple(profiles), step_tolerance=TOLERANCE,
-        fluids=tuple(replace(fluid, steps=None) for fluid in file.fluids),
-    ), []  # fmt: skip
-    seal = build_seal(file, lambda step: solved.append(step.nominal))
-    ends = np.array(chosen_ends(seal))
+    fluids = tuple(replace(fluid, steps=None) for fluid in file.fluids)
+    begun = replace(file, profiles=one_step_each(file.profiles), fluids=fluids, step_tolerance=None)
+    seal = build_seal(begun)
+    solved = []
+    ends = choose_steps(seal, TOLERANCE, FIRST, lambda step: solved.append(step.nominal)).ends
     lengths = np.diff(ends, prepend=0.0)
-    four_times = build_seal(file, step_ends=divided(ends, FINER))
-    coarse, fine = analyze(seal), analyze(four_times)
-    found = measure_difference(coarse, fine), float(force_differences(coarse, fine).max())
     return [
         f"`{file.path.stem}`", len(ends), f"{lengths.max() / lengths.min():.3g}",
-        *map(percent, found), len(solved),
+        *map(percent, _step_errors(seal, ends)), len(solved),
     ]  # fmt: skip
 
 

@@ -90,7 +90,7 @@ class Motion:
         shares = np.array(self.shares, float)
         _require(
             shares.shape == (self.n_steps,)
-            and all(map(_increases_to_one, np.split(shares, self._stage_ends[:-1]))),
+            and all(map(increases_to_one, np.split(shares, self._stage_ends[:-1]))),
             f"shares of a motion must increase to 1 in every stage of {self.steps.tolist()} steps, got "
             f"{self.shares!r}",
         )
@@ -342,6 +342,11 @@ def step_shares(steps: int | tuple[float, ...]) -> np.ndarray:
     return np.array(steps) if isinstance(steps, tuple) else np.arange(1, steps + 1) / steps
 
 
+def increases_to_one(shares) -> bool:
+    """Whether these can be the shares done at the ends of some steps, the last one all."""
+    return bool(shares[-1] == 1.0 and np.all(np.diff(shares, prepend=0.0) > 0.0))
+
+
 def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0.0, 0.0)) -> Motion:
     """The motion of these stages, one after the other, from ``start`` (2,) and ``angle`` (degrees).
 
@@ -395,10 +400,6 @@ def _checked(name, values, shape, stages, names) -> np.ndarray:
     )
     _require(np.isfinite(values).all(), f"{name} of a motion must be finite numbers")
     return values
-
-
-def _increases_to_one(shares) -> bool:
-    return bool(shares[-1] == 1.0 and np.all(np.diff(shares, prepend=0.0) > 0.0))
 
 
 def _require(condition, message) -> None:

@@ -14,7 +14,7 @@ from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.friction import FRICTION_HISTORIES, ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.errors import LoadPathError
-from seal_mdao.geometry.motion import Motion, straight_motion
+from seal_mdao.geometry.motion import Motion, increases_to_one, straight_motion
 from seal_mdao.geometry.profile import PROFILE_EXTENT, RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.cells import kernel_supports
@@ -269,9 +269,7 @@ class DoorSeal(Seal):
             return
         ends = values.numbers("step_ends", self.step_ends)
         _require(
-            ends.shape == (self.n_steps,)
-            and ends[-1] == 1.0
-            and bool(np.all(np.diff(ends, prepend=0.0) > 0.0)),
+            ends.shape == (self.n_steps,) and increases_to_one(ends),
             f"step_ends must be {self.n_steps} increasing shares of the way (n_steps), the last one 1; "
             f"got {values.shown(self.step_ends)}",
         )

@@ -213,18 +213,19 @@ def _check_steps(file):
     if not moving:
         raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
     for profile in moving[1:]:
-        if file.step_tolerance is not None and profile.n_steps != moving[0].n_steps:
+        if profile.n_steps == moving[0].n_steps:
+            continue
+        if file.step_tolerance is not None:
             raise SealFileError(
                 f"[[profile]]: {moving[0].name!r} has {moving[0].n_steps} of [[profile.stage]] and "
                 f"{profile.name!r} {profile.n_steps}; stages without steps go on side by side, so give "
                 "all profiles as many (one without any key stands still)"
             )
-        if profile.n_steps != moving[0].n_steps:
-            raise SealFileError(
-                f"[[profile]]: the stages of {moving[0].name!r} have {moving[0].n_steps} steps in all "
-                f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage that "
-                "only has steps stands still)"
-            )
+        raise SealFileError(
+            f"[[profile]]: the stages of {moving[0].name!r} have {moving[0].n_steps} steps in all "
+            f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage that "
+            "only has steps stands still)"
+        )
 
 
 def _check_contact(where, profile, file):

@@ -17,12 +17,14 @@ def check_fluids(file: SealFile) -> None:
     for number, fluid in enumerate(file.fluids, 1):
         where = f"[[fluid]] {number}"
         _check_edges(where, fluid.edges, file)
-        if fluid.steps is not None and file.step_tolerance is not None:
+        if fluid.steps is None:
+            continue
+        if file.step_tolerance is not None:
             raise SealFileError(
                 f"{where}: steps = {fluid.steps}, but load steps are chosen where stages have none; "
                 "leave it out, and the pressure grows in the last stage"
             )
-        if fluid.steps is not None and fluid.steps > file.n_steps:
+        if fluid.steps > file.n_steps:
             raise SealFileError(
                 f"{where}: steps = {fluid.steps}, but the stages of the profiles have {file.n_steps} "
                 "steps in all; give them a last stage that only has steps, in which the pressure grows"

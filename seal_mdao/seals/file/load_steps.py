@@ -1,12 +1,11 @@
 """Load steps of a seal file: given for every stage, or left to be chosen (``[steps]``)."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.geometry.motion import Motion
+from seal_mdao.geometry.motion import Motion, increases_to_one
 from seal_mdao.seals.file.checks import Check, Key, number, table, whole
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.seal import Seal
@@ -25,7 +24,7 @@ def _steps(value):
     if not isinstance(value, list):
         return whole(1, MOST_STEPS).convert(value)
     shares = tuple(map(number(above=0.0, most=1.0).convert, value))
-    if not shares or shares[-1] != 1.0 or any(a >= b for a, b in pairwise(shares)):
+    if not shares or not increases_to_one(shares):
         raise ValueError
     return shares
 
@@ -72,11 +71,15 @@ def read_steps(given, profiles: tuple) -> tuple[tuple, float | None]:
                 f"{where} has steps, but {without[0]} has none; give them to all stages, or to none, to "
                 "have them chosen"
             )
-    begun = tuple(
+    return one_step_each(profiles), values["tolerance"]
+
+
+def one_step_each(profiles) -> tuple:
+    """The profiles with one load step for every stage, for a choice to begin with."""
+    return tuple(
         replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))
         for profile in profiles
     )
-    return begun, values["tolerance"]
 
 
 def chosen_ends(seal: Seal) -> list[float]:
