@@ -63,6 +63,15 @@ def test_only_the_newest_has_factors_and_the_others_give_the_same_sensitivities(
     assert np.array_equal(found["gap_square_sum"], expected["gap_square_sum"])
 
 
+def test_an_array_that_goes_on_changing_does_not_change_what_was_found_with_it():
+    """OpenMDAO gives a component views of its own vectors."""
+    kept, particles = KeptAnalyses(), SEAL.moved(OFFSETS)
+    found = kept.analyze_particles(SEAL, particles)
+    particles += SEAL.moved(-2.0 * OFFSETS) - SEAL.drawn_particles
+    assert np.array_equal(found.particles, SEAL.moved(OFFSETS))
+    assert same_bits(found, sm.analyze(SEAL, OFFSETS))
+
+
 def pressed(kept, radius):
     """The drawn particles under a door of another radius, alone."""
     kept.analyze_particles(SEAL.with_parameters({"door_radius": radius}), SEAL.drawn_particles)

@@ -260,7 +260,7 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     GeometryError
         A folded cell, or a point that too few supports cover.
     """
-    particles = np.asarray(particles, float)
+    particles = np.array(particles, float)  # its own: a caller may go on with the array
     if particles.shape != (body.n_particles, 2):
         raise ValueError(
             f"particles must have shape ({body.n_particles}, 2), got {particles.shape}"
