@@ -76,7 +76,7 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
 
     group.add_argument(
         "--accuracy", choices=tuple(ACCURACIES), default=next(iter(ACCURACIES)),
-        help="particles and load steps: those of the paper, or those with the best error per second",
+        help="particles and load steps: the paper's, those with the best error per second, or more",
     )  # fmt: skip
     add("friction", float, "Coulomb coefficient", metavar="MU")
     rules = ("accumulated", "incremental")

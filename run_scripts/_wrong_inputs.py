@@ -18,7 +18,7 @@ COUNTS = (0, -3, 2.5, 10**8, HUGE, TEXT, None, True)
 
 SEAL = {
     "rays": (*COUNTS, 60, 58 * 41), "layers": (*COUNTS, 2, 41), "refinement": (*COUNTS, 11),
-    "n_gauss": (*COUNTS, 1, 100, 1000),
+    "n_gauss": (*COUNTS, 1, 100, 1000, (2,), (2, 3, 2), (1, 3), (2, TEXT)),
     "n_steps": (0, 2.5, 10**8, HUGE, TEXT, None, True), "basis_order": (0, 3, LIST, "1", True),
     "segments": (3, 10**8, 32.0, TEXT), "outer_parameters": (1, 10**7, HUGE, TEXT),
     "inner_parameters": (3, 10**7, 4.5), "support": (0.0, 0.5, 1e300, np.nan, TEXT),

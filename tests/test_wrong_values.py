@@ -16,6 +16,8 @@ SEAL = [
     ("friction", True), ("basis_order", np.array([1, 2])), ("basis_order", True),
     ("symmetric", "no"), ("symmetric", [1, 2]), ("symmetric", 1), ("door", np.array("corner")),
     ("layers", 2), ("layers", 41), ("n_gauss", 1), ("n_gauss", 100), ("n_gauss", 1000),
+    ("n_gauss", (2,)), ("n_gauss", (2, 3, 2)), ("n_gauss", (1, 3)), ("n_gauss", (2, 2.5)),
+    ("n_gauss", "23"),
     ("rays", 58 * 41), ("segments", 10**8), ("outer_parameters", 10**7), ("inner_parameters", 10**7),
     ("corner_x", 1e300), ("corner_x", 51.0), ("normal_penalty", 1e-300), ("normal_penalty", 10.0),
     ("normal_penalty", 1e30), ("tangent_penalty", 1e-300), ("depth", 1e-12), ("depth", 1e-9),

@@ -69,8 +69,9 @@ class Body:
         numbered for every design.
     basis_order : int
         1 linear, 2 quadratic.
-    n_gauss : int
-        Gauss points per direction of a cell; a triangle has as many points as a quadrilateral.
+    n_gauss : int, or pair of int
+        Gauss points along both directions of a cell, or along each (``rkpm.cells.cell_map``); a triangle
+        has as many points as a quadrilateral.
     solver : str
         "auto", "banded", "superlu" or "pardiso".
     hidden : ndarray of int, shape (m, 2)
@@ -90,7 +91,7 @@ class Body:
     edges: dict = field(default_factory=dict)
     drawn: np.ndarray | None = None
     basis_order: int = 1
-    n_gauss: int = 2
+    n_gauss: int | tuple[int, int] = 2
     solver: str = "auto"
     hidden: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
     support_axes: np.ndarray | None = None

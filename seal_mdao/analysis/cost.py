@@ -84,7 +84,7 @@ def _cells_in_sight(body: Body, particles: np.ndarray) -> int:
 
 def analysis_cost(body: Body, particles: np.ndarray, n_steps: int) -> Cost:
     """Time and memory of ``n_steps`` load steps of a body."""
-    pairs, n, q = _cells_in_sight(body, particles), body.n_particles, body.n_gauss**2
+    pairs, n, q = _cells_in_sight(body, particles), body.n_particles, body.cell_map.n_points
     sight = pairs / len(body.cells)
     entries = pairs * sight
     step = ENTRY_SECONDS * q * entries + PARTICLE_SECONDS * n + FACTOR_SECONDS * (n * sight) ** 1.5

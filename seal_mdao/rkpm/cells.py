@@ -129,35 +129,43 @@ def kernel_supports(cells: np.ndarray, particles: np.ndarray, support) -> tuple:
     return circumscribed_radii(axes), axes
 
 
-def quadrilateral_rule(n_gauss: int) -> ReferenceRule:
-    """``n_gauss`` x ``n_gauss`` Gauss points under the bilinear map of [-1, 1]^2."""
-    g, w = np.polynomial.legendre.leggauss(n_gauss)
-    xi, eta = (a.ravel() for a in np.meshgrid(g, g, indexing="ij"))
-    weights = np.outer(w, w).ravel()
+def in_both_directions(n_gauss) -> tuple[int, int]:
+    """Gauss points along the two directions of a cell, which may be given as one number."""
+    first, second = np.broadcast_to(n_gauss, 2).tolist()
+    return first, second
+
+
+def quadrilateral_rule(n_gauss) -> ReferenceRule:
+    """Gauss points under the bilinear map of [-1, 1]^2, ``n_gauss`` in either direction, or in each."""
+    (gx, wx), (gy, wy) = map(np.polynomial.legendre.leggauss, in_both_directions(n_gauss))
+    xi, eta = (a.ravel() for a in np.meshgrid(gx, gy, indexing="ij"))
+    weights = np.outer(wx, wy).ravel()
     corner = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     fx, fy = 1 + np.outer(xi, corner[:, 0]), 1 + np.outer(eta, corner[:, 1])
     slopes = np.stack([0.25 * corner[:, 0] * fy, 0.25 * corner[:, 1] * fx])
     return ReferenceRule(0.25 * fx * fy, slopes, weights)
 
 
-def triangle_rule(n_gauss: int) -> ReferenceRule:
-    """As many points in a triangle as ``quadrilateral_rule`` has, and exact to 2 n - 2 as that.
+def triangle_rule(n_gauss) -> ReferenceRule:
+    """As many points in a triangle as ``quadrilateral_rule`` has; of n x n exact to 2 n - 2 as that.
 
     Up to four points the same from every corner: the centroid, and three points 1 / sqrt(3) of the way
     from there to the corners, of equal weights. Else Gauss points of the square whose side
     between the last two corners is drawn together to a point.
     """
-    if n_gauss <= 2:
-        way = np.array([0.0, *[3.0**-0.5] * 3])[: n_gauss**2, None]
-        share = (1.0 - way) / 3.0 + way * np.vstack([np.zeros(3), np.eye(3)])[: n_gauss**2]
-        weights = np.full(n_gauss**2, 0.5 / n_gauss**2)
+    first, second = in_both_directions(n_gauss)
+    count = first * second
+    if first == second <= 2:
+        way = np.array([0.0, *[3.0**-0.5] * 3])[:count, None]
+        share = (1.0 - way) / 3.0 + way * np.vstack([np.zeros(3), np.eye(3)])[:count]
+        weights = np.full(count, 0.5 / count)
     else:
         square = quadrilateral_rule(n_gauss)
         share = square.values @ [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 1]]
         weights = square.weights * (1.0 - share[:, 2]) / 4.0
-    values = np.column_stack([share, np.zeros(n_gauss**2)])
+    values = np.column_stack([share, np.zeros(count)])
     slopes = np.array([[-1.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0]])
-    return ReferenceRule(values, np.repeat(slopes[:, None], n_gauss**2, axis=1), weights)
+    return ReferenceRule(values, np.repeat(slopes[:, None], count, axis=1), weights)
 
 
 def is_triangle(cells: np.ndarray) -> np.ndarray:
@@ -165,8 +173,14 @@ def is_triangle(cells: np.ndarray) -> np.ndarray:
     return (cells == np.roll(cells, -1, axis=1)).any(axis=1)
 
 
-def cell_map(cells: np.ndarray, n_gauss: int = 2) -> CellMap:
-    """The map of ``cells`` with ``n_gauss`` ** 2 quadrature points in each."""
+def cell_map(cells: np.ndarray, n_gauss=2) -> CellMap:
+    """The map of ``cells`` with ``n_gauss`` Gauss points in their directions.
+
+    Parameters
+    ----------
+    n_gauss : int, or pair of int
+        In both directions alike, or in each: first corner to second, second to third.
+    """
     cells = np.array(cells)
     triangles = np.flatnonzero(is_triangle(cells))
     for cell in triangles:

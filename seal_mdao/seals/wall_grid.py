@@ -52,9 +52,10 @@ class WallGrid:
         return np.column_stack([self.particle(r, k) for r, k in corners])
 
     @staticmethod
-    def along_cells(support):
-        """Supports around and across the wall in the order of the cells' directions, across first."""
-        return support if np.ndim(support) == 0 else tuple(support[::-1])
+    def along_cells(pair):
+        """Of one number for both directions nothing changes; of two, around and across the wall, the
+        order is that of the cells' directions, across first."""
+        return pair if np.ndim(pair) == 0 else tuple(pair[::-1])
 
 
 def ray_directions(angle: np.ndarray) -> np.ndarray:

@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.rkpm.cells import in_both_directions
+
 
 class PressureSpace(NamedTuple):
     """Functions of the pressure in a column of cells, the same in every column.
@@ -31,13 +33,14 @@ class PressureSpace(NamedTuple):
     functions: np.ndarray
 
 
-def through_column(cells: int, n_gauss: int) -> PressureSpace:
+def through_column(cells: int, n_gauss) -> PressureSpace:
     """Hat functions on ``cells`` even knots from the first to the last edge of as many cells.
 
     They run along the first direction of the cells, from the first corner to the second. Of one cell it
     is the constant, of two the linear functions.
     """
-    gauss = 0.5 + 0.5 * np.polynomial.legendre.leggauss(n_gauss)[0]
-    place = np.repeat(np.add.outer(np.arange(cells), gauss), n_gauss)
+    along, beside = in_both_directions(n_gauss)
+    gauss = 0.5 + 0.5 * np.polynomial.legendre.leggauss(along)[0]
+    place = np.repeat(np.add.outer(np.arange(cells), gauss), beside)
     knots = np.linspace(0.0, cells, cells)
     return PressureSpace(cells, np.array([np.interp(place, knots, hat) for hat in np.eye(cells)]))

@@ -34,19 +34,20 @@ def cell_by_cell(cells, points=4):
 
 
 @pytest.mark.parametrize("cells", [1, 2, 3, 6])
-@pytest.mark.parametrize("n_gauss", [2, 3])
+@pytest.mark.parametrize("n_gauss", [2, 3, (3, 2)])
 def test_functions_are_as_many_as_cells_and_add_up_to_one(cells, n_gauss):
     functions = through_column(cells, n_gauss).functions
-    assert functions.shape == (cells, cells * n_gauss**2)
+    assert functions.shape == (cells, cells * np.prod(np.broadcast_to(n_gauss, 2)))
     assert np.linalg.matrix_rank(functions) == cells
     np.testing.assert_allclose(functions.sum(axis=0), 1.0, rtol=0.0, atol=1e-15)
 
 
 @pytest.mark.parametrize("cells", [2, 3, 6])
-def test_functions_hold_what_is_linear_across_the_column_and_constant_along_it(cells):
+@pytest.mark.parametrize("n_gauss", [2, (3, 2)])
+def test_functions_hold_what_is_linear_across_the_column_and_constant_along_it(cells, n_gauss):
     """In the places of the points in the cell map, first direction."""
-    disc = square(np.random.default_rng(1), cells + 1, fixed="nothing")
-    space = through_column(cells, 2)
+    disc = square(np.random.default_rng(1), cells + 1, fixed="nothing", n_gauss=n_gauss)
+    space = through_column(cells, n_gauss)
     across = np.einsum("cqa,ca->cq", disc.body.cell_map.values, disc.body.cells % (cells + 1))
     for column in across.reshape(cells, -1):
         knots = np.linspace(0.0, cells, cells)

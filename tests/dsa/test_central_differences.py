@@ -120,6 +120,7 @@ VARIANTS = {
     "three Gauss points": {"n_gauss": 3},
     "product kernels": {"support": (1.8, 2.5)},
     "pressure through the wall": {"support": (1.8, 2.5), "layers": 4, "pressure": "wall"},
+    "functions of the fine accuracy": {"accuracy": "fine", "rays": 58},
     "refined": {"support": (1.8, 2.5), "refinement": 2, "depth": 6.9},
 }
 

@@ -58,6 +58,7 @@ VARIANTS = {
     "superlu": {"solver": "superlu"},
     "quadratic basis": {"basis_order": 2},
     "three Gauss points": {"n_gauss": 3},
+    "fine": {"accuracy": "fine", "depth": 1.5, "n_steps": 8},
     "wider support": {"support": 2.5},
     "product kernels": {"support": (1.8, 2.5), "layers": 4},
     "pressure through the wall": {"pressure": "wall", "support": (1.8, 2.5), "layers": 4},

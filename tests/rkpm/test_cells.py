@@ -34,9 +34,10 @@ def polygon_moment(corners, a, b):
 
 
 @BOTH
-@pytest.mark.parametrize(("n_gauss", "degree"), [(1, 0), (2, 2), (3, 4), (4, 6)])
+@pytest.mark.parametrize(("n_gauss", "degree"), [(1, 0), (2, 2), (3, 4), (4, 6), ((3, 2), 2)])
 def test_quadrature_is_exact_on_cells(cells, n_gauss, degree):
-    """x^a y^b det J is of degree a + b + 1 in each coordinate; n points are exact to 2 n - 1."""
+    """x^a y^b det J is of degree a + b + 1 in each coordinate; n points are exact to 2 n - 1. Of two
+    numbers the smaller one counts where a cell is no rectangle."""
     mapping = cell_map(cells, n_gauss)
     weights = quadrature_weights(mapping, PARTICLES)
     points = quadrature_points(mapping).at(PARTICLES).reshape(*weights.shape, 2)
@@ -58,6 +59,18 @@ def test_no_corner_of_a_triangle_is_special(n_gauss):
         np.testing.assert_allclose(share, weights[0], rtol=1e-14)
         order, first = np.lexsort(places.round(12).T), np.lexsort(points[0].round(12).T)
         np.testing.assert_allclose(places[order], points[0][first], atol=1e-15)
+
+
+def test_two_numbers_of_points_are_along_the_two_directions():
+    """First corner to second, second to third: exact to 2 n - 1 in either, and not beyond."""
+    rectangle = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
+    mapping = cell_map(np.array([[0, 1, 2, 3]]), (2, 3))
+    weights = quadrature_weights(mapping, rectangle).ravel()
+    x, y = quadrature_points(mapping).at(rectangle).T
+    assert weights @ x**3 == pytest.approx(4.0, rel=1e-14)
+    assert abs(weights @ x**4 - 6.4) > 0.1
+    assert weights @ y**5 == pytest.approx(2.0 / 6.0, rel=1e-14)
+    assert abs(weights @ y**6 - 2.0 / 7.0) > 1e-4
 
 
 def test_one_degree_more_is_not_exact():
