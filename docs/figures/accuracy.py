@@ -23,8 +23,10 @@ from seal_mdao.seals.step_choice import (
     measure_difference,
 )
 from seal_mdao.verification.error_sources import (
+    FUNCTIONS,
     drawn,
     flat_errors,
+    from_the_limit,
     largest_opened_gap,
     worst_error,
 )
@@ -37,13 +39,14 @@ from seal_mdao.verification.file_errors import (
     forces,
     with_kernels,
 )
-from seal_mdao.verification.flat_door_reference import at_its_travels
+from seal_mdao.verification.flat_door_reference import REACTION, at_its_travels
 from seal_mdao.verification.flexure import bend_block
 from seal_mdao.verification.outline_errors import (
     flat_door_seal,
     reaction_error,
     with_contact_at_edges,
 )
+from seal_mdao.verification.pressed_elements import CORNER, FLAT, GAP
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 PRODUCT = (1.8, 2.5)
@@ -67,6 +70,7 @@ def make(out: Path, reduced: bool) -> dict:
         _layers,
         _bending,
         _integration,
+        _refinement,
         _penalty,
         _steps,
         _preset,
@@ -157,7 +161,7 @@ def _integration(out, reduced) -> dict:
     cases = [
         (rays, order, points)
         for order in (1, 2)
-        for points in (2, 3)
+        for points in ((2, 2), (2, 3), (3, 3))
         for rays in ((58,) if reduced else (58, 116))
     ]
     lines, rows = {}, []
@@ -165,15 +169,47 @@ def _integration(out, reduced) -> dict:
         scheme = WIDE | {"basis_order": order, "n_gauss": points}
         found = [worst_error(rays=rays, layers=n, **scheme) for n in layers]
         basis = ("linear", "quadratic")[order - 1]
-        rows.append([basis, f"{points} × {points}", rays, *map(percent, found)])
+        name = "{} × {}".format(*points)
+        rows.append([basis, name, rays, *map(percent, found)])
         if order == 2:
-            lines[f"{rays} rays, {points} × {points}"] = layers, found
+            lines[f"{rays} rays, {name}"] = layers, found
     ticks = layers, [str(n) for n in layers]
     _lines(
         out / "error_integration.png", "layers of particles, quadratic basis", lines, WORST, ticks
     )
     head = ["basis", "Gauss points", "rays", *(f"{n} layers" for n in layers)]
     return {"integration_table": table(head, rows)}
+
+
+def _refinement(out, reduced) -> dict:
+    """Rays, layers, support and basis, with integration that matches, from the limit of elements."""
+    layers = (3, 4) if reduced else (3, 4, 5, 7)
+    lines, rows, errors = {}, [], []
+    for functions in FUNCTIONS[-1:] if reduced else FUNCTIONS:
+        basis = ("linear", "quadratic")[functions["basis_order"] - 1]
+        name = "{}, {:g} and {:g}".format(basis, *functions["support"])
+        for rays in (58,) if reduced else (58, 116, 174):
+            found = [
+                float(np.abs(from_the_limit(rays=rays, layers=n, **functions)).max())
+                for n in layers
+            ]
+            rows.append([name, rays, *map(percent, found)])
+            errors.append(found)
+            if rays < 174 and functions is not FUNCTIONS[1]:
+                lines[f"{rays} rays, {name}"] = layers, found
+    ticks = layers, [str(n) for n in layers]
+    _lines(out / "error_refinement.png", "layers of particles across the wall", lines, WORST, ticks)
+    head = ["basis and support", "rays", *(f"{n} layers" for n in layers)]
+    shares = FLAT / REACTION[:, 1] - 1.0
+    limits = f"{percent(-shares.max(), 1)} to {percent(-shares.min(), 1)}"
+    shape = (1, 1, -1) if reduced else (len(FUNCTIONS), 3, -1)
+    changes = [np.diff(np.reshape(errors, shape), axis=axis).ravel() for axis in range(3)]
+    changes = np.concatenate(changes)
+    return {
+        "refinement_table": table(head, rows), "limits": limits,
+        "pairs": changes.size, "better": int(np.sum(changes < 0.0)),
+        "corner_force": f"{CORNER[-1]:.2f}", "corner_gap": f"{GAP:.4f}",
+    }  # fmt: skip
 
 
 def _penalty(out, reduced) -> dict:
@@ -263,23 +299,30 @@ def _preset(out, reduced) -> dict:
         for (rays, layers, parts), gap in zip(clouds, gaps, strict=False)
     ]
     gap_head = ["even ring", "refinement", "largest gap (mm)", "from the last"]
-    rows = []
+    rows, reached = [], {}
     for name, seal in seals.items():
         share = np.median(times[name][-4:]) / np.median(times["paper"][-4:])
         error = np.abs(flat_errors(accuracy=name, n_steps=seal.n_steps)).max()
         corner = drawn(accuracy=name)
-        away = np.abs(_curve(corner) / _curve(refined[-1]) - 1.0).max()
+        away = np.abs(_curve(corner) / CORNER - 1.0).max()
         size = f"{seal.grid.rays} × {seal.layers}, {seal.n_steps} steps"
-        gap = f"{largest_opened_gap(corner):.4f}"
-        rows.append([name, size, percent(error), percent(away), gap, f"{share:.2f}"])
+        gap = largest_opened_gap(corner)
+        reached[name] = ", ".join(map(percent, (error, away, abs(gap / GAP - 1.0))))
+        rows.append([
+            name, size, percent(error), percent(away), f"{gap:.4f}", percent(gap / GAP - 1.0),
+            f"{share:.2f}",
+        ])  # fmt: skip
     head = [
-        "accuracy", "particles", "worst error, flat door", "corner door", "largest gap (mm)", "time",
+        "accuracy", "particles", "worst error, flat door", "corner door", "largest gap (mm)",
+        "from that of the elements", "time",
     ]  # fmt: skip
     return {
         "at_particles": at["particles"],
         "at_edges": at["edges"],
         "gap_table": table(gap_head, rows_of_gaps),
         "preset_table": table(head, rows),
+        "engineering": reached["engineering"],
+        "fine": reached["fine"],
     }
 
 

@@ -41,7 +41,7 @@ class Elements(NamedTuple):
     modes: np.ndarray
 
 
-def _lagrange(x):
+def lagrange(x):
     """Quadratic Lagrange functions on -1, 0, 1 and their slopes, (points, 3) each."""
     x = np.asarray(x)[:, None]
     values = np.hstack([0.5 * x * (x - 1), 1 - x * x, 0.5 * x * (x + 1)])
@@ -57,7 +57,7 @@ def mapped_elements(nx: int, ny: int, mapping) -> Elements:
     da, db = (k.ravel() for k in np.mgrid[:3, :3])
     connectivity = (a[:, None] + da) * rows + b[:, None] + db
     g, w = np.polynomial.legendre.leggauss(3)
-    value, slope = _lagrange(g)
+    value, slope = lagrange(g)
     d_xi = np.einsum("pa,qb->pqab", slope, value).reshape(9, 9)
     d_eta = np.einsum("pa,qb->pqab", value, slope).reshape(9, 9)
     local = np.stack([d_xi, d_eta], axis=-1)
@@ -89,7 +89,7 @@ def _element_system(mesh, material, u, p):
     return r_u, r_p, k_uu, k_up.reshape(m, 18, 3), k_pp
 
 
-def _condensed(mesh, material, u, p):
+def condensed(mesh, material, u, p):
     """Element residuals and matrices after the pressures are eliminated, and how to get those back."""
     r_u, r_p, k_uu, k_up, k_pp = _element_system(mesh, material, u, p)
     inverse = np.linalg.inv(k_pp)
@@ -117,7 +117,7 @@ def solve_elements(
     for step in range(1, n_steps + 1):
         load = (step / n_steps) * force.ravel()
         for _ in range(30):
-            r, k, shift, back = _condensed(mesh, material, u, p)
+            r, k, shift, back = condensed(mesh, material, u, p)
             residual = np.bincount(dofs.ravel(), r.ravel(), 2 * n) - load
             matrix = csc_array((k.ravel(), (rows, columns)), shape=(2 * n, 2 * n))
             change = np.zeros(2 * n)

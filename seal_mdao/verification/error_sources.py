@@ -10,10 +10,20 @@ from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import edge_points
-from seal_mdao.verification.flat_door_reference import reaction_errors
+from seal_mdao.verification.flat_door_reference import REACTION, reaction_errors
+from seal_mdao.verification.pressed_elements import FLAT
 
-STEPS = 35
-"""Equal load steps of a study of anything else: within 0.1 % of three times as many."""
+STEPS = 42
+"""Equal load steps of a study of anything else. One ends at every travel of the reference: between
+their ends the reaction would be off by up to 0.1 %."""
+
+MATCHED = {"pressure": "wall", "contact_points": "edges", "n_gauss": (2, 3)}
+"""Two Gauss points around the wall and three across it, which the pressure through the wall needs."""
+FUNCTIONS = tuple(
+    MATCHED | {"basis_order": order, "support": support}
+    for order, support in ((1, (1.7, 2.0)), (1, (1.7, 2.5)), (1, (1.8, 4.0)), (2, (1.8, 4.0)))
+)
+"""Wider and wider supports of the linear basis, and the quadratic one; the last of ``"fine"``."""
 
 
 def flat_errors(**changes) -> np.ndarray:
@@ -27,6 +37,11 @@ def flat_errors(**changes) -> np.ndarray:
     result = analyze(door_seal(**{"door": "flat", "n_steps": STEPS, **changes}))
     result.require_converged()
     return reaction_errors(result.door_travel, result.reaction[:, 1])
+
+
+def from_the_limit(**changes) -> np.ndarray:
+    """As ``flat_errors``, but from the limit of elements with the same contact law."""
+    return (1.0 + flat_errors(**changes)) * REACTION[:, 1] / FLAT - 1.0
 
 
 def worst_error(**changes) -> float:
