@@ -55,7 +55,7 @@ def test_quick_start(run_page, capsys):
     printed = re.search(r"squared gaps: (\S+) % of its start", capsys.readouterr().out)
     assert float(printed[1]) == pytest.approx(100 * ratio, rel=0.06)
     assert others["flat"].door == "flat"
-    assert others["fine"].drawn_particles.shape == (116 * 4, 2)
+    assert others["fine"].drawn_particles.shape == (116 * 5, 2)
     assert others["paper"].segments == 32
 
 
