@@ -24,6 +24,7 @@ from seal_mdao.seals.step_choice import (
 )
 from seal_mdao.verification.error_sources import (
     FUNCTIONS,
+    at_travels,
     drawn,
     flat_errors,
     from_the_limit,
@@ -39,7 +40,7 @@ from seal_mdao.verification.file_errors import (
     forces,
     with_kernels,
 )
-from seal_mdao.verification.flat_door_reference import REACTION, at_its_travels
+from seal_mdao.verification.flat_door_reference import REACTION
 from seal_mdao.verification.flexure import bend_block
 from seal_mdao.verification.outline_errors import (
     flat_door_seal,
@@ -59,6 +60,7 @@ ENGINEERING = {
 }
 WIDE = {name: value for name, value in ENGINEERING.items() if name != "layers"}
 THROUGH = WIDE | {"support": PRODUCT, "basis_order": 1}, WIDE | {"basis_order": 1}, WIDE
+BASES = {1: "linear", 2: "quadratic"}
 CLOUDS = ((58, 3), (58, 5), (116, 3))
 
 
@@ -128,7 +130,7 @@ def _layers(out, reduced) -> dict:
         found = [worst_error(rays=rays, layers=n, **scheme) for n in layers]
         support = scheme["support"]
         kernel = "round 2" if np.ndim(support) == 0 else "product {:g}, {:g}".format(*support)
-        basis = "linear" if scheme.get("basis_order", 1) == 1 else "quadratic"
+        basis = BASES[scheme.get("basis_order", 1)]
         pressure = scheme.get("pressure", "cell")
         if rays < 174 and scheme in (BY_CELL[0], THROUGH[0], THROUGH[2]):
             lines[f"{rays} rays, {kernel}, {basis}, {pressure}"] = layers, found
@@ -168,9 +170,8 @@ def _integration(out, reduced) -> dict:
     for rays, order, points in cases:
         scheme = WIDE | {"basis_order": order, "n_gauss": points}
         found = [worst_error(rays=rays, layers=n, **scheme) for n in layers]
-        basis = ("linear", "quadratic")[order - 1]
         name = "{} × {}".format(*points)
-        rows.append([basis, name, rays, *map(percent, found)])
+        rows.append([BASES[order], name, rays, *map(percent, found)])
         if order == 2:
             lines[f"{rays} rays, {name}"] = layers, found
     ticks = layers, [str(n) for n in layers]
@@ -184,11 +185,12 @@ def _integration(out, reduced) -> dict:
 def _refinement(out, reduced) -> dict:
     """Rays, layers, support and basis, with integration that matches, from the limit of elements."""
     layers = (3, 4) if reduced else (3, 4, 5, 7)
+    every_rays, every = ((58,), FUNCTIONS[-1:]) if reduced else ((58, 116, 174), FUNCTIONS)
     lines, rows, errors = {}, [], []
-    for functions in FUNCTIONS[-1:] if reduced else FUNCTIONS:
-        basis = ("linear", "quadratic")[functions["basis_order"] - 1]
+    for functions in every:
+        basis = BASES[functions["basis_order"]]
         name = "{}, {:g} and {:g}".format(basis, *functions["support"])
-        for rays in (58,) if reduced else (58, 116, 174):
+        for rays in every_rays:
             found = [
                 float(np.abs(from_the_limit(rays=rays, layers=n, **functions)).max())
                 for n in layers
@@ -202,9 +204,8 @@ def _refinement(out, reduced) -> dict:
     head = ["basis and support", "rays", *(f"{n} layers" for n in layers)]
     shares = FLAT / REACTION[:, 1] - 1.0
     limits = f"{percent(-shares.max(), 1)} to {percent(-shares.min(), 1)}"
-    shape = (1, 1, -1) if reduced else (len(FUNCTIONS), 3, -1)
-    changes = [np.diff(np.reshape(errors, shape), axis=axis).ravel() for axis in range(3)]
-    changes = np.concatenate(changes)
+    errors = np.reshape(errors, (len(every), len(every_rays), -1))
+    changes = np.concatenate([np.diff(errors, axis=axis).ravel() for axis in range(3)])
     return {
         "refinement_table": table(head, rows), "limits": limits,
         "pairs": changes.size, "better": int(np.sum(changes < 0.0)),
@@ -304,7 +305,7 @@ def _preset(out, reduced) -> dict:
         share = np.median(times[name][-4:]) / np.median(times["paper"][-4:])
         error = np.abs(flat_errors(accuracy=name, n_steps=seal.n_steps)).max()
         corner = drawn(accuracy=name)
-        away = np.abs(_curve(corner) / CORNER - 1.0).max()
+        away = np.abs(at_travels(corner) / CORNER - 1.0).max()
         size = f"{seal.grid.rays} × {seal.layers}, {seal.n_steps} steps"
         gap = largest_opened_gap(corner)
         reached[name] = ", ".join(map(percent, (error, away, abs(gap / GAP - 1.0))))
@@ -324,11 +325,6 @@ def _preset(out, reduced) -> dict:
         "engineering": reached["engineering"],
         "fine": reached["fine"],
     }
-
-
-def _curve(result) -> np.ndarray:
-    """Force at the travels of the flat door's reference, N/m."""
-    return at_its_travels(result.door_travel, result.reaction[:, 1])
 
 
 def _outline(out, reduced) -> dict:

@@ -161,9 +161,9 @@ class Body:
         )
 
     def cloud(self, particles: np.ndarray) -> Cloud:
-        """Particles of one design with the body's kernels."""
+        """Particles of one design with the body's kernels; a copy, for a caller may go on with his."""
         return Cloud(
-            np.ascontiguousarray(particles, float),
+            np.array(particles, float, order="C"),
             self.support_radius,
             float(self.support_radius.max()),
             BASIS_SIZE[self.basis_order],
@@ -261,7 +261,7 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     GeometryError
         A folded cell, or a point that too few supports cover.
     """
-    particles = np.array(particles, float)  # its own: a caller may go on with the array
+    particles = np.asarray(particles, float)
     if particles.shape != (body.n_particles, 2):
         raise ValueError(
             f"particles must have shape ({body.n_particles}, 2), got {particles.shape}"

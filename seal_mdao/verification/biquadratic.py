@@ -69,6 +69,16 @@ def mapped_elements(nx: int, ny: int, mapping) -> Elements:
     return Elements(nodes, connectivity, grad, weights, modes)
 
 
+def components(nodes: np.ndarray) -> np.ndarray:
+    """Displacement components (m, 2 a) of the nodes (m, a) of elements or points."""
+    return (2 * nodes[..., None] + [0, 1]).reshape(len(nodes), -1)
+
+
+def entry_places(dofs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns of the entries of matrices (m, k, k) in the components ``dofs`` (m, k)."""
+    return np.repeat(dofs, dofs.shape[1], axis=1).ravel(), np.tile(dofs, (1, dofs.shape[1])).ravel()
+
+
 def _element_system(mesh, material, u, p):
     """Residuals and blocks of all elements: r_u (m, 18), r_p (m, 3), k_uu, k_up, k_pp."""
     m = len(mesh.connectivity)
@@ -99,6 +109,11 @@ def condensed(mesh, material, u, p):
     return r, k, np.einsum("ekl,el->ek", inverse, r_p), back
 
 
+def changed_pressures(p, shift, back, change):
+    """Pressures after a change (m, 18) of the displacements; ``shift``, ``back`` as of ``condensed``."""
+    return p - shift - np.einsum("eka,ea->ek", back, change)
+
+
 def solve_elements(
     mesh: Elements, material: MooneyRivlin, fixed: np.ndarray, force: np.ndarray, n_steps: int
 ) -> np.ndarray:
@@ -111,19 +126,19 @@ def solve_elements(
     """
     n = len(mesh.nodes)
     u, p = np.zeros((n, 2)), np.zeros((len(mesh.connectivity), 3))
-    dofs = (2 * mesh.connectivity[..., None] + [0, 1]).reshape(len(mesh.connectivity), 18)
-    rows, columns = np.repeat(dofs, 18, axis=1).ravel(), np.tile(dofs, (1, 18)).ravel()
+    dofs = components(mesh.connectivity)
+    places = entry_places(dofs)
     free = np.flatnonzero(~fixed.ravel())
     for step in range(1, n_steps + 1):
         load = (step / n_steps) * force.ravel()
         for _ in range(30):
             r, k, shift, back = condensed(mesh, material, u, p)
             residual = np.bincount(dofs.ravel(), r.ravel(), 2 * n) - load
-            matrix = csc_array((k.ravel(), (rows, columns)), shape=(2 * n, 2 * n))
+            matrix = csc_array((k.ravel(), places), shape=(2 * n, 2 * n))
             change = np.zeros(2 * n)
             change[free] = splu(matrix[free][:, free].tocsc()).solve(-residual[free])
             u = u + change.reshape(n, 2)
-            p = p - shift - np.einsum("eka,ea->ek", back, change[dofs])
+            p = changed_pressures(p, shift, back, change[dofs])
             if np.abs(change).max() < 1e-10 * np.abs(u).max():
                 break
         else:

@@ -6,24 +6,31 @@ import numpy as np
 
 from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.seals.door.door_seal import door_seal
+from seal_mdao.measures.selection import touching_stretch
+from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import edge_points
-from seal_mdao.verification.flat_door_reference import REACTION, reaction_errors
+from seal_mdao.verification.flat_door_reference import REACTION, at_its_travels
 from seal_mdao.verification.pressed_elements import FLAT
 
 STEPS = 42
 """Equal load steps of a study of anything else. One ends at every travel of the reference: between
 their ends the reaction would be off by up to 0.1 %."""
 
-MATCHED = {"pressure": "wall", "contact_points": "edges", "n_gauss": (2, 3)}
+FINEST = {
+    name: ACCURACIES["fine"][name]
+    for name in ("support", "basis_order", "n_gauss", "pressure", "contact_points")
+}
 """Two Gauss points around the wall and three across it, which the pressure through the wall needs."""
 FUNCTIONS = tuple(
-    MATCHED | {"basis_order": order, "support": support}
-    for order, support in ((1, (1.7, 2.0)), (1, (1.7, 2.5)), (1, (1.8, 4.0)), (2, (1.8, 4.0)))
-)
-"""Wider and wider supports of the linear basis, and the quadratic one; the last of ``"fine"``."""
+    FINEST | changes
+    for changes in (
+        {"basis_order": 1, "support": (1.7, 2.0)}, {"basis_order": 1, "support": (1.7, 2.5)},
+        {"basis_order": 1}, {},
+    )
+)  # fmt: skip
+"""Wider and wider supports of the linear basis, and the quadratic one of ``"fine"``."""
 
 
 def flat_errors(**changes) -> np.ndarray:
@@ -34,14 +41,21 @@ def flat_errors(**changes) -> np.ndarray:
     **changes
         Attributes of ``DoorSeal``.
     """
-    result = analyze(door_seal(**{"door": "flat", "n_steps": STEPS, **changes}))
-    result.require_converged()
-    return reaction_errors(result.door_travel, result.reaction[:, 1])
+    return _flat_curve(changes) / REACTION[:, 1] - 1.0
 
 
 def from_the_limit(**changes) -> np.ndarray:
     """As ``flat_errors``, but from the limit of elements with the same contact law."""
-    return (1.0 + flat_errors(**changes)) * REACTION[:, 1] / FLAT - 1.0
+    return _flat_curve(changes) / FLAT - 1.0
+
+
+def _flat_curve(changes) -> np.ndarray:
+    return at_travels(drawn(**{"door": "flat", "n_steps": STEPS, **changes}))
+
+
+def at_travels(result: DoorSealResult) -> np.ndarray:
+    """Vertical reaction at the travels of the reference, N/m, shape (5,)."""
+    return at_its_travels(result.door_travel, result.reaction[:, 1])
 
 
 def worst_error(**changes) -> float:
@@ -72,12 +86,11 @@ def boundary_gaps(result: DoorSealResult, per_side: int = 8) -> np.ndarray:
 def largest_opened_gap(result: DoorSealResult) -> float:
     """Largest gap between the first and the last place in contact along the outer boundary, mm."""
     gap = boundary_gaps(result)
-    touching = np.flatnonzero(gap <= 0.0)
-    return float(gap[touching[0] : touching[-1] + 1].max())
+    return float(gap[touching_stretch(gap <= 0.0)].max())
 
 
 def drawn(**changes) -> DoorSealResult:
-    """The drawn seal under the corner door, analysed."""
+    """The drawn seal, analysed; under the corner door unless ``changes`` say otherwise."""
     result = analyze(door_seal(**changes))
     result.require_converged()
     return result

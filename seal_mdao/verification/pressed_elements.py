@@ -10,11 +10,20 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from seal_mdao.contact.friction import ContactHistory, contact_points
-from seal_mdao.contact.rigid_contact import normal_gaps
+from seal_mdao.contact.friction import ContactHistory, contact_points, no_history
+from seal_mdao.contact.kinematics import normal_gaps
+from seal_mdao.measures.selection import touching_stretch
 from seal_mdao.seals.door.door_seal import DoorSeal
 from seal_mdao.seals.wall_grid import ray_directions
-from seal_mdao.verification.biquadratic import Elements, condensed, lagrange, mapped_elements
+from seal_mdao.verification.biquadratic import (
+    Elements,
+    changed_pressures,
+    components,
+    condensed,
+    entry_places,
+    lagrange,
+    mapped_elements,
+)
 from seal_mdao.verification.flat_door_reference import at_its_travels
 
 # 16 x 464 elements, 105 steps; 8 x 232 differ by up to 0.016 %, 12 x 348 by 0.005 % and in the gap
@@ -130,24 +139,18 @@ class PressedElements:
         base = round(seal.section.base_angle * around / (2.0 * np.pi))
         self.edges = _outer_edges(self.mesh, around, base)
         self.where = _edge_points(self.mesh, self.edges, *np.polynomial.legendre.leggauss(PER_EDGE))
-        self.curve, k = seal.shape.profile().curve, len(self.where.length)
-        self.history = ContactHistory(np.zeros(k, int), np.zeros((k, 3)))
+        self.curve = seal.shape.profile().curve
+        self.history = no_history(len(self.where.length))
         self.end, n = np.zeros_like(self.mesh.nodes), self.n_nodes
         fixed = np.zeros((n, 2), bool)
         fixed[n - 2 * around + np.arange(-2 * base, 2 * base + 1) % (2 * around)] = True
         self.free = np.flatnonzero(~fixed.ravel())
         number = np.full(2 * n, -1)
         number[self.free] = np.arange(self.free.size)
-        self.dofs = [
-            (2 * nodes[..., None] + [0, 1]).reshape(len(nodes), -1)
-            for nodes in (self.mesh.connectivity, self.where.nodes)
-        ]
-        pairs = [
-            (np.repeat(own, own.shape[1], axis=1).ravel(), np.tile(own, (1, own.shape[1])).ravel())
-            for own in self.dofs
-        ]
-        self.rows, self.columns = (number[np.concatenate(own)] for own in zip(*pairs, strict=True))
-        self.kept = (self.rows >= 0) & (self.columns >= 0)
+        self.dofs = [components(nodes) for nodes in (self.mesh.connectivity, self.where.nodes)]
+        places = number[np.hstack([entry_places(own) for own in self.dofs])]
+        self.kept = np.all(places >= 0, axis=0)
+        self.places = places[:, self.kept]
 
     def contact(self, x, pose, direction):
         """Forces, tangents, what a step hands on, and how many points were made to stick."""
@@ -168,12 +171,11 @@ class PressedElements:
         on_nodes = np.einsum("ka,ki->kai", values, force).reshape(len(force), -1)
         of_nodes = np.einsum("ka,kij,kb->kaibj", values, tangent, values)
         inner, outer = (
-            np.bincount(dofs.ravel(), own.ravel(), 2 * len(mesh.nodes))
+            np.bincount(dofs.ravel(), own.ravel(), 2 * self.n_nodes)
             for dofs, own in zip(self.dofs, (r, on_nodes), strict=True)
         )
         entries = np.concatenate([k.ravel(), of_nodes.ravel()])[self.kept]
-        places = self.rows[self.kept], self.columns[self.kept]
-        matrix = csc_array((entries, places), shape=(self.free.size, self.free.size))
+        matrix = csc_array((entries, tuple(self.places)), shape=(self.free.size, self.free.size))
         small = np.abs(inner + outer)[self.free].max() < TOLERANCE * max(np.abs(inner).max(), 1e-3)
         return inner + outer, matrix, (shift, back), force, history, small and made == 0
 
@@ -197,7 +199,7 @@ class PressedElements:
 
     def pressures(self, p, shift, back, change) -> np.ndarray:
         """The pressures that belong to a change of the displacements."""
-        return p - shift - np.einsum("eka,ea->ek", back, change[self.dofs[0]])
+        return changed_pressures(p, shift, back, change[self.dofs[0]])
 
     def step(self, u, p, pose):
         """Newton's method from ``u``, ``p``; hands on the history.
@@ -239,5 +241,5 @@ class PressedElements:
         along = _edge_points(self.mesh, self.edges, places, np.ones(ALONG))
         gap = np.empty(len(along.length))
         normal_gaps(self.curve, pose, along.at(self.mesh.nodes + u), gap)
-        touching = np.flatnonzero(gap < 0.0)
-        return float(gap[touching[0] : touching[-1] + 1].max()) if touching.size else float("nan")
+        stretch = touching_stretch(gap < 0.0)
+        return float(gap[stretch].max()) if stretch.size else float("nan")

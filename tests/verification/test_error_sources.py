@@ -7,6 +7,7 @@ import seal_mdao as sm
 from seal_mdao.seals.door.door_seal import ACCURACIES
 from seal_mdao.verification.error_sources import (
     FUNCTIONS,
+    at_travels,
     boundary_gaps,
     drawn,
     flat_errors,
@@ -14,7 +15,6 @@ from seal_mdao.verification.error_sources import (
     largest_opened_gap,
     worst_error,
 )
-from seal_mdao.verification.flat_door_reference import at_its_travels
 from seal_mdao.verification.flexure import bend_block
 from seal_mdao.verification.outline_errors import flat_door_seal, reaction_error
 from seal_mdao.verification.pressed_elements import CORNER, GAP
@@ -56,7 +56,7 @@ def test_engineering_accuracy_is_within_half_a_percent(figure):
 )
 def test_corner_door_from_the_limit_of_elements(accuracy, force, opened, figure):
     result = drawn(accuracy=accuracy)
-    error = np.abs(at_its_travels(result.door_travel, result.reaction[:, 1]) / CORNER - 1.0).max()
+    error = np.abs(at_travels(result) / CORNER - 1.0).max()
     figure(f"corner door, {accuracy} accuracy: reaction at 2 ... 10 mm", error, force)
     gap = abs(largest_opened_gap(result) / GAP - 1.0)
     figure(f"corner door, {accuracy} accuracy: largest gap of elements", gap, opened)

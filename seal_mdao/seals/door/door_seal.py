@@ -62,9 +62,9 @@ INTEGERS = {
     "rays": (BASE_RAYS, 40 * BASE_RAYS), "layers": (3, 40), "refinement": (1, 10),
     "basis_order": (1, 2), "n_steps": (1, 10**9),
 }  # fmt: skip
-"""Smallest and largest value. Two layers or one Gauss point leave the wall far too soft."""
+"""Smallest and largest value. Two layers leave the wall far too soft."""
 GAUSS_POINTS = (2, 10)
-"""Smallest and largest number in a direction of a cell."""
+"""Smallest and largest number in a direction of a cell. One leaves the wall far too soft."""
 PENALTIES = {"normal_penalty": (0.1, 1e8), "tangent_penalty": (1e-3, 1e8)}
 """Smallest and largest value over the shear modulus of the rubber, 1/mm."""
 MOST_SUPPORT = 10.0
