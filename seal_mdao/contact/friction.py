@@ -145,9 +145,9 @@ def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
 
 
 @compiled
-def slip_slopes(profile, points, history, xi, gap, slopes, out):
-    """Derivatives ``out`` (s, 2) of the elastic slip of ``points`` (s,) with their displacements at the
-    step before.
+def slip_slopes(profile, points, history, xi, gap, local, out):
+    """Derivatives ``out[:, 0]`` (s, 2) of the elastic slip of ``points`` (s,) with their displacements
+    at the step before.
 
     What a point that goes on sticking on |t| = |t0| hands on, s0 - |t0| xi0, does not change with its
     displacement; what is left of it is rounding, and zero here.
@@ -158,8 +158,8 @@ def slip_slopes(profile, points, history, xi, gap, slopes, out):
         Handed on by the step before, of all points.
     xi, gap : ndarray, shape (n,)
         Natural coordinates and normal gaps of all points at the step.
-    slopes : ndarray, shape (s, 2, 2)
-        Derivatives of xi0, and of what is carried, with the displacement.
+    local : ndarray, shape (s, 6, ...)
+        Of ``contact_linearization`` at the step before.
     """
     for k, i in enumerate(points):
         state_0, before = history.state[i], history.variables[i]
@@ -169,10 +169,10 @@ def slip_slopes(profile, points, history, xi, gap, slopes, out):
         by_carried = elastic_slip_rate(SLIP_0, gap[i], 0.0, way, 0.0, state_0, size_0, carried)
         scale = 0.0
         for c in range(2):
-            a, b = by_xi * slopes[k, 0, c], by_carried * slopes[k, 1, c]
-            out[k, c], scale = a + b, max(scale, abs(a) + abs(b))
-        if max(abs(out[k, 0]), abs(out[k, 1])) <= ROUNDING * scale:
-            out[k] = 0.0
+            a, b = by_xi * local[k, XI, X + c], by_carried * local[k, CARRIED, X + c]
+            out[k, 0, c], scale = a + b, max(scale, abs(a) + abs(b))
+        if max(abs(out[k, 0, 0]), abs(out[k, 0, 1])) <= ROUNDING * scale:
+            out[k, 0, 0] = out[k, 0, 1] = 0.0
 
 
 @inlined

@@ -198,14 +198,15 @@ class ContactTerm(PointTerm):
         two, the natural coordinate, with which |t0| goes, and what is carried."""
         used = self.uses_history(following)
         at = used if len(points) == len(self.where) else np.searchsorted(points, used)
-        slopes = local[at][:, XI : CARRIED + 1 : 2, :2]
+        local = local[at]
         if self._speed_varies:
+            slopes = local[:, XI : CARRIED + 1 : 2, :2]
             slopes[following.branch[used] == SLIP, 1] = 0.0
             return directions_of(used, slopes)
         of_slip = np.zeros((used.size, 2, 2))
         slip_slopes(
             self.curve, used, response.history, following.history.variables[:, 0], following.gap,
-            slopes, of_slip[:, 0],
+            local, of_slip,
         )  # fmt: skip
         return directions_of(used, of_slip)
 

@@ -16,16 +16,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.compilation import compiled, inlined, internal
+from seal_mdao.compilation import compiled, inlined
 from seal_mdao.rkpm.cells import CellMap
 from seal_mdao.rkpm.scatter import scatter_add
-from seal_mdao.rkpm.shape_derivatives import reverse_group
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
-from seal_mdao.rkpm.tables import PointTable, add_point_seeds, raw_rates, raw_tables
+from seal_mdao.rkpm.tables import (
+    PointTable,
+    add_point_seeds,
+    raw_rates,
+    raw_seeds,
+    raw_tables,
+    runs,
+)
 from seal_mdao.rkpm.transformed import (
+    touched_groups,
     transform_table,
     transformed_rates,
-    untransformed_group,
+    untransformed_rows,
 )
 
 EDGE_POINTS = 8
@@ -198,23 +205,25 @@ def _correct_rates(raw, edges, d_gauss, d_edges, weights, normals, weight_rates,
                         d_grad[q, j, i, p] += d_shift[j, i, p] / volume
 
 
-@internal
+@compiled
 def _correct_seeds(
-    raw, edges, weights, normals, column, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
+    raw, edges, weights, normals, columns, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
 ):
-    """Seeds (rows, M) on the consistent gradients of a column to those on its gradients at the Gauss
-    points and its values at the edge points, and on the weights and normals of all cells."""
-    cells, q_count = len(weights) // (raw.start.size - 1), weights.shape[1]
-    e_count, count = normals.shape[1], seeds.shape[1]
-    for cell in range(cells * column, cells * (column + 1)):
-        _, n, before, s0 = _place(raw.start, cell, len(weights))
+    """Seeds (rows, M) on the consistent gradients of the ``columns`` (first, last) to those on their
+    gradients at the Gauss points and their values at the edge points, and on the weights and normals of
+    all cells."""
+    (first, last), cells = columns, len(weights) // (raw.start.size - 1)
+    q_count, e_count, count = weights.shape[1], normals.shape[1], seeds.shape[1]
+    on_weights, on_normals = np.empty((q_count, count)), np.empty((2, e_count, count))
+    for cell in range(cells * first, cells * last):
+        _, n, _, s0 = _place(raw.start, cell, len(weights))
         grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2 * n)
         phi = edges.phi[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n)
+        at = s0 - cells * raw.start[first]
         # side by side: components, neighbours, measures
-        first, last = 2 * before * q_count, 2 * (before + n) * q_count
-        seed = seeds[first:last].reshape(q_count, 2 * n * count)
-        on_gauss = gauss_bar[first:last].reshape(q_count, 2 * n * count)
-        on_edges = edge_bar[before * e_count : (before + n) * e_count].reshape(e_count, n * count)
+        seed = seeds[2 * at * q_count : 2 * (at + n) * q_count].reshape(q_count, 2 * n * count)
+        on_gauss = gauss_bar[2 * at * q_count : 2 * (at + n) * q_count].reshape(seed.shape)
+        on_edges = edge_bar[at * e_count : (at + n) * e_count].reshape(e_count, n * count)
         volume, shift_bar = weights[cell].sum(), np.zeros(2 * n * count)
         for q in range(q_count):
             for a in range(shift_bar.size):
@@ -226,42 +235,16 @@ def _correct_seeds(
         for e in range(e_count):
             for a in range(by_x.size):
                 on_edges[e, a] = by_x[a] * normals[cell, e, 0] + by_y[a] * normals[cell, e, 1]
-        weight_bar[cell] -= np.dot(grad, shift_bar.reshape(2 * n, count))
-        normal_bar[cell, :, 0] = np.dot(phi, by_x.reshape(n, count))
-        normal_bar[cell, :, 1] = np.dot(phi, by_y.reshape(n, count))
-
-
-@compiled
-def _pull_columns(
-    cloud, raw, table, edges, gauss_points, edge_points, weights, normals, transformation, grad_bar,
-    matrix_bar, weight_bar, normal_bar, x_bar, gauss_bar, edge_bar,
-):  # fmt: skip
-    """Seeds (rows, M) on the gradients of all cells to the particles ``x_bar``, to the Gauss points and
-    the edge points, to T, the weights and the normals, a column at a time.
-
-    ``gauss_points``, ``edge_points`` are their coordinates and M^-1."""
-    count, of_gauss = grad_bar.shape[1], raw.group_size
-    nothing, of_edges = np.empty((0, count)), edges.group_size
-    for column in range(raw.start.size - 1):
-        near = raw.neighbours[raw.start[column] : raw.start[column + 1]]
-        seeds = untransformed_group(
-            raw, table, column, transformation, raw.grad, 2, grad_bar, matrix_bar
-        )
-        on_slopes = np.empty((2 * near.size * of_gauss, count))
-        on_values = np.empty((near.size * of_edges, count))
-        _correct_seeds(
-            raw, edges, weights, normals, column, seeds, on_slopes, on_values, weight_bar, normal_bar,
-        )  # fmt: skip
-        x, inverses = gauss_points
-        here = slice(column * of_gauss, (column + 1) * of_gauss)
-        reverse_group(
-            cloud, x[here], inverses[here], near, nothing, on_slopes, x_bar, gauss_bar[here]
-        )
-        x, inverses = edge_points
-        here = slice(column * of_edges, (column + 1) * of_edges)
-        reverse_group(
-            cloud, x[here], inverses[here], near, on_values, nothing, x_bar, edge_bar[here]
-        )
+        np.dot(grad, shift_bar.reshape(2 * n, count), on_weights)
+        np.dot(phi, by_x.reshape(n, count), on_normals[0])
+        np.dot(phi, by_y.reshape(n, count), on_normals[1])
+        for q in range(q_count):
+            for p in range(count):
+                weight_bar[cell, q, p] -= on_weights[q, p]
+        for e in range(e_count):
+            for j in range(2):
+                for p in range(count):
+                    normal_bar[cell, e, j, p] = on_normals[j, e, p]
 
 
 def build_cell_table(
@@ -305,17 +288,28 @@ def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, trans
 
     ``weight_bar`` (n_cells, q, M) and ``x_bar`` (n, 2, M) are added to; returns the seeds on T.
     """
-    m, gauss, edges, t = grad_bar.shape[1], cells.gauss, cells.edges, transformation
-    normals, matrix_bar = edge_normals(cells.rule, cloud.particles), np.zeros((*t.matrix.shape, m))
+    m, raw, gauss, edges = grad_bar.shape[1], cells.raw, cells.gauss, cells.edges
+    normals = edge_normals(cells.rule, cloud.particles)
+    matrix_bar = np.zeros((*transformation.matrix.shape, m))
     normal_bar, gauss_bar, edge_bar = (
         np.zeros((*of.shape, m)) for of in (normals, gauss.coordinates, edges.coordinates)
     )
-    _pull_columns(
-        cloud, cells.raw, cells.table, edges.raw, (gauss.coordinates, gauss.inverses),
-        (edges.coordinates, edges.inverses), cells.weights, normals,
-        (t.constrained, t.union, t.matrix), grad_bar, matrix_bar, weight_bar, normal_bar, x_bar,
-        gauss_bar, edge_bar,
-    )  # fmt: skip
+    nothing, touched = np.empty((0, m)), touched_groups(raw, transformation)
+    for first, last in runs(raw, ~touched) + runs(raw, touched):
+        columns = first, last
+        seeds = grad_bar[slice(*(2 * raw.group_size * cells.table.start[[first, last]]))]
+        if touched[first]:
+            seeds = untransformed_rows(
+                raw, cells.table, columns, transformation, raw.grad, 2, seeds, matrix_bar
+            )
+        on_slopes, n = np.empty(seeds.shape), raw.start[last] - raw.start[first]
+        on_values = np.empty((n * edges.raw.group_size, m))
+        _correct_seeds(
+            raw, edges.raw, cells.weights, normals, columns, seeds, on_slopes, on_values, weight_bar,
+            normal_bar,
+        )  # fmt: skip
+        raw_seeds(cloud, gauss, columns, nothing, on_slopes, x_bar, gauss_bar)
+        raw_seeds(cloud, edges, columns, on_values, nothing, x_bar, edge_bar)
     add_normal_seeds(cells.rule, normal_bar, x_bar)
     add_point_seeds(gauss.points, gauss_bar, x_bar)
     add_point_seeds(edges.points, edge_bar, x_bar)

@@ -8,17 +8,17 @@ polynomials p = q . H, p_j = q_j . H + q . H_j:
 
     (Phi, Phi_,x, Phi_,y)' = D r' + S (q, q_x, q_y)',    (q, q_x, q_y)' = G C^T r'
 
-``linearize_group`` collects the exact coefficients D, S G, C of the points of a group once; the forward
-kernel (design velocities, direct method) and the reverse kernel (adjoint seeds) are products with them.
-S G is formed: where M is badly conditioned G is large, and both ways agree only with the same product.
-All arrays of a point have ``rows`` blocks: 3, or 1 where only Phi_I is asked for.
+``linearize_shape_functions`` collects the exact coefficients D, S G, C at the points of a run of groups
+once; the forward kernel (design velocities, direct method) and the reverse kernel (adjoint seeds) are
+products with them. S G is formed: where M is badly conditioned G is large, and both ways agree only with
+the same product. All arrays of a point have ``rows`` blocks: 3, or 1 where only Phi_I is asked for.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.compilation import compiled, internal
+from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.rkpm.basis import basis_slope
 from seal_mdao.rkpm.moment import (
     correction_polynomials,
@@ -30,20 +30,20 @@ from seal_mdao.rkpm.moment import (
 
 
 class Coefficients(NamedTuple):
-    """Of the derivatives at the Q points of a group of n neighbours.
+    """Of the derivatives at the points of a run of groups; flat (group, point, ..., neighbour).
 
     Attributes
     ----------
-    direct : ndarray, shape (Q, rows, 2, n)
-        D, by a neighbour's own r_I at fixed q, q_j.
-    pull : ndarray, shape (Q, rows, m, 2, n)
-        C: derivatives of M q, and of M_j q + M q_j, by r_I at fixed q, q_j.
-    pull_sums : ndarray, shape (Q, rows, m, 2)
+    direct : ndarray
+        Of a point with n neighbours (rows, 2, n): D, by a neighbour's own r_I at fixed q, q_j.
+    pull : ndarray
+        (rows, m, 2, n): C, derivatives of M q, and of M_j q + M q_j, by r_I at fixed q, q_j.
+    pull_sums : ndarray, shape (n_points, rows, m, 2)
         Of all neighbours.
-    on_value : ndarray, shape (Q, m, n)
-        S G of Phi by what is pulled for q; of Phi_j by what is pulled for q_j.
-    on_slope : ndarray, shape (Q, m, rows - 1, n)
-        S G of Phi_j by what is pulled for q.
+    on_value : ndarray
+        (m, n): S G of Phi by what is pulled for q; of Phi_j by what is pulled for q_j.
+    on_slope : ndarray
+        (m, rows - 1, n): S G of Phi_j by what is pulled for q.
     """
 
     direct: np.ndarray
@@ -53,13 +53,13 @@ class Coefficients(NamedTuple):
     on_slope: np.ndarray
 
 
-@internal
+@inlined
 def _second(j, k):
     """Row of the second derivative (j, k), components counted from 0, in the six-row tables."""
     return 3 + j + k
 
 
-@internal
+@inlined
 def _fill_polynomials(b, h, scale, p):
     """Values and slopes ``p`` (rows, 3, n) of the polynomials of ``moment`` at the neighbours."""
     rows, m = b.shape
@@ -80,7 +80,7 @@ def _fill_polynomials(b, h, scale, p):
                         p[u, 1 + c, i] += value * h[lowered, i]
 
 
-@internal
+@inlined
 def _fill_direct(p, k, phi, direct):
     """Phi, Phi_x, Phi_y (``phi``), and D."""
     rows, n = phi.shape
@@ -100,7 +100,7 @@ def _fill_direct(p, k, phi, direct):
                 direct[j, c, i] += p[0, 1 + c, i] * k[j, i] + p[0, 0, i] * k[jc, i]
 
 
-@internal
+@inlined
 def _fill_pull(h, scale, phi, direct, pull, sums):
     """C and its sums: M q = sum H Phi, so M_j q + M q_j = sum (H Phi)_j."""
     rows, m, _, n = pull.shape
@@ -125,7 +125,7 @@ def _fill_pull(h, scale, phi, direct, pull, sums):
                 sums[u, a, c] = total
 
 
-@internal
+@inlined
 def _fill_chain(h, k, scale, moments, inverse, spread, on_value, on_slope):
     """S G with G = (M^-1, -M^-1 M_j M^-1) and S = -(H phi_a, (H phi_a)_j)."""
     m, n = on_value.shape
@@ -150,31 +150,47 @@ def _fill_chain(h, k, scale, moments, inverse, spread, on_value, on_slope):
                     on_slope[b, j, i] += inverse[a, b] * spread[i]
 
 
-@internal
-def linearize_group(cloud, points, inverses, neighbours, rows):
-    """Coefficients of the derivatives at the points (Q, 2) of a group with their M^-1 (Q, m, m)."""
-    m, n, q_count, scale = cloud.n_basis, neighbours.size, len(points), cloud.scale
-    near = gathered(cloud.particles, cloud.radius, cloud.axes, neighbours)
-    h, k, spread = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty(n)
-    p, phi = np.empty((rows, 3, n)), np.empty((rows, n))
-    moments, b = np.empty((rows, m, m)), np.empty((rows, m))
+@compiled
+def linearize_shape_functions(cloud, points, inverses, start, neighbours, groups, group_size, rows):
+    """Coefficients at the points of the ``groups`` (first, last) of a table.
+
+    Parameters
+    ----------
+    points, inverses : ndarray, shapes (n_points, 2), (n_points, m, m)
+        Of the whole table; M^-1 at the points.
+    """
+    m, scale, (first, last) = cloud.n_basis, cloud.scale, groups
+    size = (start[last] - start[first]) * group_size
     out = Coefficients(
-        np.empty((q_count, rows, 2, n)),
-        np.empty((q_count, rows, m, 2, n)),
-        np.empty((q_count, rows, m, 2)),
-        np.empty((q_count, m, n)),
-        np.empty((q_count, m, rows - 1, n)),
+        np.empty(size * rows * 2),
+        np.empty(size * rows * m * 2),
+        np.empty(((last - first) * group_size, rows, m, 2)),
+        np.empty(size * m),
+        np.empty(size * m * (rows - 1)),
     )
-    for q in range(q_count):
-        inverse = inverses[q]
-        neighbour_terms(points[q], near, cloud.axes, scale, h, k)
-        if rows > 1:
-            moment_matrices(h, k, scale, moments)
-        correction_polynomials(moments, inverse, scale, b)
-        _fill_polynomials(b, h, scale, p)
-        _fill_direct(p, k, phi, out.direct[q])
-        _fill_pull(h, scale, phi, out.direct[q], out.pull[q], out.pull_sums[q])
-        _fill_chain(h, k, scale, moments, inverse, spread, out.on_value[q], out.on_slope[q])
+    moments, b = np.empty((rows, m, m)), np.empty((rows, m))
+    for g in range(first, last):
+        near = gathered(
+            cloud.particles, cloud.radius, cloud.axes, neighbours[start[g] : start[g + 1]]
+        )
+        n = near.shape[1]
+        h, k, spread = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty(n)
+        p, phi = np.empty((rows, 3, n)), np.empty((rows, n))
+        for q in range(group_size):
+            at, point = (start[g] - start[first]) * group_size + q * n, g * group_size + q
+            direct = out.direct[at * rows * 2 : (at + n) * rows * 2].reshape(rows, 2, n)
+            pull = out.pull[at * rows * m * 2 : (at + n) * rows * m * 2].reshape(rows, m, 2, n)
+            on_value = out.on_value[at * m : (at + n) * m].reshape(m, n)
+            slopes = m * (rows - 1)
+            on_slope = out.on_slope[at * slopes : (at + n) * slopes].reshape(m, rows - 1, n)
+            neighbour_terms(points[point], near, cloud.axes, scale, h, k)
+            if rows > 1:
+                moment_matrices(h, k, scale, moments)
+            correction_polynomials(moments, inverses[point], scale, b)
+            _fill_polynomials(b, h, scale, p)
+            _fill_direct(p, k, phi, direct)
+            _fill_pull(h, scale, phi, direct, pull, out.pull_sums[point - first * group_size])
+            _fill_chain(h, k, scale, moments, inverses[point], spread, on_value, on_slope)
     return out
 
 
@@ -190,27 +206,16 @@ def _add_direct(direct, here, moves, out):
 
 @compiled
 def forward_shape_functions(
-    cloud,
-    points,
-    inverses,
-    start,
-    neighbours,
-    velocity,
-    point_velocity,
-    active,
-    dstart,
-    group_size,
-    dphi,
-    dgrad,
+    own, start, neighbours, groups, velocity, point_velocity, active, dstart, dphi, dgrad
 ):
-    """Derivatives of a whole table along design velocities.
+    """Derivatives of the ``groups`` (first, last) of a table along design velocities.
 
     Parameters
     ----------
+    own : Coefficients
+        Of these groups.
     velocity, point_velocity : ndarray, shapes (P, n_particles, 2), (P, n_points, 2)
-        Design velocities V of Eq. (48) at the particles and at the points.
-    inverses : ndarray, shape (n_points, m, m)
-        M^-1 at the points.
+        Design velocities V of Eq. (48) at the particles and at the points of the whole table.
     active, dstart : ndarray of int
         Parameters that touch group g: ``active[dstart[g, 0]:dstart[g + 1, 0]]``;
         ``dstart[g, 1]`` is where its entries begin in ``dphi``.
@@ -218,49 +223,50 @@ def forward_shape_functions(
         Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter); what
         is not asked for has no entries.
     """
-    m, rows = cloud.n_basis, 3 if dgrad.size > 0 else 1
-    for g in range(start.size - 1):
+    (first, last), (n_points, rows, m, _) = groups, own.pull_sums.shape
+    group_size = n_points // (last - first)
+    for g in range(first, last):
         near = neighbours[start[g] : start[g + 1]]
         which = active[dstart[g, 0] : dstart[g + 1, 0]]
-        n, count, first = near.size, which.size, g * group_size
-        if count == 0:
-            continue
-        own = linearize_group(
-            cloud,
-            points[first : first + group_size],
-            inverses[first : first + group_size],
-            near,
-            rows,
-        )
-        moves, here = np.empty((2, n, count)), np.empty((2, count))
+        n, count, before = near.size, which.size, (start[g] - start[first]) * group_size
+        moves, here, change = np.empty((2, n, count)), np.empty((2, count)), np.empty((n, count))
         for p in range(count):
             for i in range(n):
                 for c in range(2):
                     moves[c, i, p] = velocity[which[p], near[i], c]
-        pull = own.pull.reshape(group_size * rows * m, 2 * n)
+        size = group_size * rows * m
+        pull = own.pull[before * rows * m * 2 :][: size * 2 * n].reshape(size, 2 * n)
         moved = np.dot(pull, moves.reshape(2 * n, count)).reshape(group_size, rows * m, count)
         for q in range(group_size):
+            point = g * group_size + q
             for p in range(count):
                 for c in range(2):
-                    here[c, p] = point_velocity[which[p], first + q, c]
-            sums = own.pull_sums[q].reshape(rows * m, 2)
+                    here[c, p] = point_velocity[which[p], point, c]
+            sums = own.pull_sums[point - first * group_size].reshape(rows * m, 2)
             for a in range(rows * m):
                 for p in range(count):
                     moved[q, a, p] = (
                         sums[a, 0] * here[0, p] + sums[a, 1] * here[1, p] - moved[q, a, p]
                     )
-            at, size = dstart[g, 1] + q * n * count, n * count
+            at, to = before + q * n, dstart[g, 1] + q * n * count
+            direct = own.direct[at * rows * 2 : (at + n) * rows * 2].reshape(rows, 2, n)
+            on_value = own.on_value[at * m : (at + n) * m].reshape(m, n).T
             if dphi.size > 0:
-                out = dphi[at : at + size].reshape(n, count)
-                np.dot(own.on_value[q].T, moved[q, :m], out)
-                _add_direct(own.direct[q, 0], here, moves, out)
+                out = dphi[to : to + n * count].reshape(n, count)
+                np.dot(on_value, moved[q, :m], out)
+                _add_direct(direct[0], here, moves, out)
             if rows > 1:
-                out = dgrad[2 * at : 2 * (at + size)].reshape(2 * n, count)
-                np.dot(own.on_slope[q].reshape(m, 2 * n).T, moved[q, :m], out)
+                slopes = m * (rows - 1)
+                on_slope = own.on_slope[at * slopes : (at + n) * slopes].reshape(m, 2 * n).T
+                out = dgrad[2 * to : 2 * (to + n * count)].reshape(2 * n, count)
+                np.dot(on_slope, moved[q, :m], out)
                 for u in range(1, rows):
                     row = out[(u - 1) * n : u * n]
-                    row += np.dot(own.on_value[q].T, moved[q, u * m : (u + 1) * m])
-                    _add_direct(own.direct[q, u], here, moves, row)
+                    np.dot(on_value, moved[q, u * m : (u + 1) * m], change)
+                    for i in range(n):
+                        for p in range(count):
+                            row[i, p] += change[i, p]
+                    _add_direct(direct[u], here, moves, row)
 
 
 @internal
@@ -276,60 +282,60 @@ def _add_direct_seeds(direct, seed, on_near, on_point):
                 on_point[c, p] += value
 
 
-@internal
-def reverse_group(cloud, points, inverses, near, phi_bar, grad_bar, x_bar, point_bar):
-    """Pull seeds on the rows of one group (its rows, M) back to the particles and to its points."""
-    m, rows, count = cloud.n_basis, 3 if grad_bar.size > 0 else 1, phi_bar.shape[1]
-    q_count, n = len(points), near.size
-    own = linearize_group(cloud, points, inverses, near, rows)
-    on_near, moved = np.empty((2 * n, count)), np.zeros((q_count, rows * m, count))
-    for q in range(q_count):
-        if phi_bar.size > 0:
-            np.dot(own.on_value[q], phi_bar[q * n : (q + 1) * n], moved[q, :m])
-        if rows > 1:
-            seed = grad_bar[2 * q * n : 2 * (q + 1) * n]
-            moved[q, :m] += np.dot(own.on_slope[q].reshape(m, 2 * n), seed)
-            for u in range(1, rows):
-                by_slope = seed[(u - 1) * n : u * n]
-                np.dot(own.on_value[q], by_slope, moved[q, u * m : (u + 1) * m])
-    pull = own.pull.reshape(q_count * rows * m, 2 * n)
-    np.dot(pull.T, moved.reshape(q_count * rows * m, count), on_near)
-    for q in range(q_count):
-        on_point, sums = point_bar[q], own.pull_sums[q].reshape(rows * m, 2)
-        for a in range(rows * m):
-            for c in range(2):
-                for p in range(count):
-                    on_point[c, p] += sums[a, c] * moved[q, a, p]
-        if phi_bar.size > 0:
-            _add_direct_seeds(own.direct[q, 0], phi_bar[q * n : (q + 1) * n], on_near, on_point)
-        for u in range(1, rows):
-            at = (2 * q + u - 1) * n
-            _add_direct_seeds(own.direct[q, u], grad_bar[at : at + n], on_near, on_point)
-    for i in range(n):
-        for c in range(2):
-            for p in range(count):
-                x_bar[near[i], c, p] -= on_near[c * n + i, p]
-
-
 @compiled
-def reverse_shape_functions(
-    cloud, points, inverses, start, neighbours, group_size, phi_bar, grad_bar, x_bar, point_bar
-):
+def reverse_shape_functions(own, start, neighbours, groups, phi_bar, grad_bar, x_bar, point_bar):
     """Transpose of ``forward_shape_functions``: pull seeds back to the particles and to the points.
 
     Parameters
     ----------
-    inverses : ndarray, shape (n_points, m, m)
-        M^-1 at the points.
+    own : Coefficients
+        Of the ``groups`` (first, last).
     phi_bar, grad_bar : ndarray, shapes (..., M)
-        Seeds of M measures in the flat layout of ``ShapeTable``; what is not asked for has no entries.
+        Seeds of M measures on the rows of these groups, in the flat layout of ``ShapeTable``; what is
+        not asked for has no entries.
     x_bar, point_bar : ndarray, shapes (n_particles, 2, M), (n_points, 2, M)
-        Added to: derivatives with respect to the particle and the point coordinates.
+        Added to: derivatives with respect to the coordinates of the particles and of the points of the
+        whole table.
     """
-    for g in range(start.size - 1):
-        first, last = start[g] * group_size, start[g + 1] * group_size
-        here = slice(g * group_size, (g + 1) * group_size)
-        reverse_group(
-            cloud, points[here], inverses[here], neighbours[start[g] : start[g + 1]],
-            phi_bar[first:last], grad_bar[2 * first : 2 * last], x_bar, point_bar[here],
-        )  # fmt: skip
+    (first, last), (n_points, rows, m, _) = groups, own.pull_sums.shape
+    group_size, count = n_points // (last - first), x_bar.shape[2]
+    for g in range(first, last):
+        near = neighbours[start[g] : start[g + 1]]
+        n, before, size = near.size, (start[g] - start[first]) * group_size, group_size * rows * m
+        on_near, on_first = np.empty((2 * n, count)), np.empty((m, count))
+        moved = np.zeros((group_size, rows * m, count))
+        for q in range(group_size):
+            at = before + q * n
+            on_value = own.on_value[at * m : (at + n) * m].reshape(m, n)
+            if phi_bar.size > 0:
+                np.dot(on_value, phi_bar[at : at + n], moved[q, :m])
+            if rows > 1:
+                slopes = m * (rows - 1)
+                on_slope = own.on_slope[at * slopes : (at + n) * slopes].reshape(m, 2 * n)
+                np.dot(on_slope, grad_bar[2 * at : 2 * (at + n)], on_first)
+                for a in range(m):
+                    for p in range(count):
+                        moved[q, a, p] += on_first[a, p]
+                for u in range(1, rows):
+                    by_slope = grad_bar[2 * at + (u - 1) * n : 2 * at + u * n]
+                    np.dot(on_value, by_slope, moved[q, u * m : (u + 1) * m])
+        pull = own.pull[before * rows * m * 2 :][: size * 2 * n].reshape(size, 2 * n)
+        np.dot(pull.T, moved.reshape(size, count), on_near)
+        for q in range(group_size):
+            point, at = g * group_size + q, before + q * n
+            on_point, sums = point_bar[point], own.pull_sums[point - first * group_size]
+            for u in range(rows):
+                for a in range(m):
+                    for c in range(2):
+                        for p in range(count):
+                            on_point[c, p] += sums[u, a, c] * moved[q, u * m + a, p]
+            direct = own.direct[at * rows * 2 : (at + n) * rows * 2].reshape(rows, 2, n)
+            if phi_bar.size > 0:
+                _add_direct_seeds(direct[0], phi_bar[at : at + n], on_near, on_point)
+            for u in range(1, rows):
+                by_slope = grad_bar[2 * at + (u - 1) * n : 2 * at + u * n]
+                _add_direct_seeds(direct[u], by_slope, on_near, on_point)
+        for i in range(n):
+            for c in range(2):
+                for p in range(count):
+                    x_bar[near[i], c, p] -= on_near[c * n + i, p]

@@ -5,6 +5,7 @@
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -13,7 +14,11 @@ from scipy.spatial import cKDTree
 from seal_mdao.errors import SingularMomentMatrixError
 from seal_mdao.rkpm.essential import EssentialTransformation
 from seal_mdao.rkpm.scatter import scatter_add
-from seal_mdao.rkpm.shape_derivatives import forward_shape_functions, reverse_shape_functions
+from seal_mdao.rkpm.shape_derivatives import (
+    forward_shape_functions,
+    linearize_shape_functions,
+    reverse_shape_functions,
+)
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable, evaluate_shape_functions
 from seal_mdao.rkpm.transformed import (
     TableRates,
@@ -23,6 +28,9 @@ from seal_mdao.rkpm.transformed import (
     transformed_rates,
     untransformed_seeds,
 )
+
+RUN_ROWS = 2048
+"""Neighbours of points whose derivatives are taken at once: what they need stays in the cache."""
 
 
 @dataclass(frozen=True)
@@ -149,6 +157,24 @@ def _active_parameters(point_table, velocity, transformation):
     return start, np.nonzero(hit)[1]
 
 
+def runs(raw: ShapeTable, wanted=None) -> list:
+    """Consecutive groups, (first, last), of about ``RUN_ROWS`` rows: all, or those ``wanted`` (mask)."""
+    groups = np.arange(raw.n_groups) if wanted is None else np.flatnonzero(wanted)
+    number = raw.start[groups] * raw.group_size // RUN_ROWS
+    cuts = np.flatnonzero((np.diff(groups) > 1) | (np.diff(number) > 0)) + 1
+    ends = [0, *cuts, groups.size] if groups.size else []
+    return [(int(groups[a]), int(groups[b - 1]) + 1) for a, b in pairwise(ends)]
+
+
+def _linearized(cloud: Cloud, point_table: PointTable, groups):
+    """Coefficients of the derivatives of the ``groups`` (first, last)."""
+    raw, points = point_table.raw, point_table.points
+    return linearize_shape_functions(
+        cloud, point_table.coordinates, point_table.inverses, raw.start, raw.neighbours, groups,
+        points.group_size, 3 if points.sloped else 1,
+    )  # fmt: skip
+
+
 def raw_rates(
     cloud, point_table: PointTable, velocity, transformation=None, like: TableRates | None = None
 ) -> TableRates:
@@ -166,10 +192,11 @@ def raw_rates(
     point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
     size = starts[-1, 1]
     dphi, dgrad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
-    forward_shape_functions(
-        cloud, point_table.coordinates, point_table.inverses, raw.start, raw.neighbours, velocity,
-        point_velocity, active, starts, points.group_size, dphi, dgrad,
-    )  # fmt: skip
+    for groups in runs(raw, np.diff(start) > 0):
+        forward_shape_functions(
+            _linearized(cloud, point_table, groups), raw.start, raw.neighbours, groups, velocity,
+            point_velocity, active, starts, dphi, dgrad,
+        )  # fmt: skip
     return TableRates(starts, active, dphi, dgrad)
 
 
@@ -185,15 +212,14 @@ def table_rates(
     return transformed_rates(point_table.raw, point_table.table, rates, transformation, matrix_rate)
 
 
-def raw_seeds(cloud: Cloud, point_table: PointTable, phi_bar, grad_bar, x_bar) -> None:
-    """Transpose of ``raw_rates``: seeds on the raw table added to ``x_bar`` (n_particles, 2, M)."""
-    raw, points = point_table.raw, point_table.points
-    point_bar = np.zeros((*point_table.coordinates.shape, x_bar.shape[2]))
+def raw_seeds(cloud, point_table: PointTable, groups, phi_bar, grad_bar, x_bar, point_bar) -> None:
+    """Transpose of ``raw_rates`` for the ``groups`` (first, last): seeds on their raw rows added to
+    ``x_bar`` (n_particles, 2, M) and to those on the points, ``point_bar`` (n_points, 2, M)."""
+    raw = point_table.raw
     reverse_shape_functions(
-        cloud, point_table.coordinates, point_table.inverses, raw.start, raw.neighbours,
-        points.group_size, phi_bar, grad_bar, x_bar, point_bar,
+        _linearized(cloud, point_table, groups), raw.start, raw.neighbours, groups, phi_bar, grad_bar,
+        x_bar, point_bar,
     )  # fmt: skip
-    add_point_seeds(points, point_bar, x_bar)
 
 
 def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transformation=None):
@@ -213,7 +239,15 @@ def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transf
     phi_bar, grad_bar, matrix_bar = untransformed_seeds(
         point_table.raw, point_table.table, phi_bar, grad_bar, transformation
     )
-    raw_seeds(cloud, point_table, phi_bar, grad_bar, x_bar)
+    raw, points = point_table.raw, point_table.points
+    point_bar = np.zeros((*point_table.coordinates.shape, x_bar.shape[2]))
+    for first, last in runs(raw):
+        rows = slice(*(raw.start[[first, last]] * raw.group_size))
+        slopes = slice(2 * rows.start, 2 * rows.stop)
+        raw_seeds(
+            cloud, point_table, (first, last), phi_bar[rows], grad_bar[slopes], x_bar, point_bar
+        )
+    add_point_seeds(points, point_bar, x_bar)
     return matrix_bar
 
 

@@ -39,26 +39,27 @@ def entry_starts(counts_active, table):
 def _extended_lists(raw: ShapeTable, transformation: EssentialTransformation):
     """Neighbour lists after the transformation: groups that see C also see the whole union."""
     touched = touched_groups(raw, transformation)
+    groups = np.flatnonzero(touched)
     lists = [
         np.union1d(raw.neighbours[raw.start[g] : raw.start[g + 1]], transformation.union)
-        for g in touched
+        for g in groups
     ]
     counts = np.diff(raw.start)
     counts[touched] = [near.size for near in lists]
     start = np.concatenate([[0], np.cumsum(counts)])
     neighbours = np.empty(start[-1], int)
-    keep = np.repeat(~np.isin(np.arange(raw.n_groups), touched), counts)
-    keep_raw = np.repeat(~np.isin(np.arange(raw.n_groups), touched), np.diff(raw.start))
-    neighbours[keep] = raw.neighbours[keep_raw]
-    for g, near in zip(touched, lists, strict=True):
+    keep_raw = np.repeat(~touched, np.diff(raw.start))
+    neighbours[np.repeat(~touched, counts)] = raw.neighbours[keep_raw]
+    for g, near in zip(groups, lists, strict=True):
         neighbours[start[g] : start[g + 1]] = near
     return start, neighbours
 
 
 def touched_groups(raw: ShapeTable, transformation: EssentialTransformation) -> np.ndarray:
-    """Groups of a raw table that see a constrained particle."""
+    """Which groups of a raw table see a constrained particle, shape (n_groups,)."""
     group = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
-    return np.unique(group[np.isin(raw.neighbours, transformation.constrained)])
+    hit = np.isin(raw.neighbours, transformation.constrained)
+    return np.bincount(group[hit], minlength=raw.n_groups) > 0
 
 
 def transform_table(raw: ShapeTable, transformation: EssentialTransformation) -> ShapeTable:
@@ -106,10 +107,14 @@ def _transformed(raw: ShapeTable, new: ShapeTable, products, values, n_rows: int
 
 @internal
 def _positions(near, wanted, out):
-    """``out[i]`` = place of ``near[i]`` in the sorted ``wanted``, or -1."""
+    """``out[i]`` = place of ``near[i]`` in the sorted ``wanted``, or -1; returns how many have one."""
+    count = 0
     for i in range(near.size):
         at = first_not_below(wanted, near[i], 0, wanted.size)
-        out[i] = at if at < wanted.size and wanted[at] == near[i] else -1
+        out[i] = -1
+        if at < wanted.size and wanted[at] == near[i]:
+            out[i], count = at, count + 1
+    return count
 
 
 @compiled
@@ -135,11 +140,11 @@ def _transform_rates(
         which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
         count = which.size
         in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
-        _positions(near, constrained, in_c)
-        if in_c.max() < 0:
+        if _positions(near, constrained, in_c) == 0:
             old_d, new_d = raw_rates.start[g, 1] * n_rows, rates.start[g, 1] * n_rows
             size = raw.group_size * n_rows * n_raw * count
-            out[new_d : new_d + size] = raw_d[old_d : old_d + size]
+            for k in range(size):
+                out[new_d + k] = raw_d[old_d + k]
             continue
         _positions(near, here, in_new)
         of_union = np.empty(union.size, np.int64)
@@ -165,49 +170,57 @@ def _transform_rates(
                             )
 
 
-@internal
-def untransformed_group(raw, table, g, transformation, values, n_rows, bar, matrix_bar):
-    """Transpose of ``transform_table``: seeds ``bar`` (rows, M) on the new rows of all groups to those
-    on the raw rows of one; seeds on T are added to ``matrix_bar``.
+@compiled
+def _untransform(raw, table, groups, transformation, values, n_rows, bar, raw_bar, matrix_bar):
+    """Transpose of ``transform_table``: seeds ``bar`` (rows, M) on the new rows of the ``groups``
+    (first, last) to those on their raw rows; seeds on T are added to ``matrix_bar`` (c, u, M).
 
     ``transformation`` are constrained, union and matrix."""
-    constrained, union, matrix = transformation
-    n_raw, n_new = raw.start[g + 1] - raw.start[g], table.start[g + 1] - table.start[g]
-    size = raw.group_size * n_rows
-    new, old = bar[table.start[g] * size : table.start[g + 1] * size], raw.start[g] * size
-    near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
-    here = table.neighbours[table.start[g] : table.start[g + 1]]
-    in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
-    _positions(near, constrained, in_c)
-    if in_c.max() < 0:
-        return new
-    _positions(near, here, in_new)
-    of_union = np.empty(union.size, np.int64)
-    _positions(union, here, of_union)
-    raw_bar = np.zeros((size * n_raw, bar.shape[1]))
-    for row in range(size):
+    (constrained, union, matrix), (first, last) = transformation, groups
+    size, count = raw.group_size * n_rows, bar.shape[1]
+    of_union, seeds = np.empty(union.size, np.int64), np.empty((size, union.size, count))
+    for g in range(first, last):
+        n_raw, n_new = raw.start[g + 1] - raw.start[g], table.start[g + 1] - table.start[g]
+        near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
+        here = table.neighbours[table.start[g] : table.start[g + 1]]
+        of_raw = (raw.start[g] - raw.start[first]) * size
+        of_new = (table.start[g] - table.start[first]) * size
+        in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
+        n_held = _positions(near, constrained, in_c)
+        _positions(near, here, in_new)
+        for row in range(size):
+            for i in range(n_raw):
+                if in_c[i] < 0:
+                    at, to = of_new + row * n_new + in_new[i], of_raw + row * n_raw + i
+                    for m in range(count):
+                        raw_bar[to, m] = bar[at, m]
+        if n_held == 0:
+            continue
+        held, place = np.empty(n_held, np.int64), 0
         for i in range(n_raw):
-            out = raw_bar[row * n_raw + i]
-            if in_c[i] < 0:
-                seed = new[row * n_new + in_new[i]]
-                for m in range(out.size):
-                    out[m] = seed[m]
-                continue
+            if in_c[i] >= 0:
+                held[place], place = i, place + 1
+        _positions(union, here, of_union)
+        factors, at_rows = np.empty((n_held, union.size)), np.empty((n_held, size))
+        on_held, on_factors = np.empty((n_held, count)), np.empty((n_held, union.size * count))
+        for k, i in enumerate(held):
             for u in range(union.size):
-                seed, on_matrix = new[row * n_new + of_union[u]], matrix_bar[in_c[i], u]
-                for m in range(out.size):
-                    out[m] += seed[m] * matrix[in_c[i], u]
-                    on_matrix[m] += seed[m] * values[old + row * n_raw + i]
-    return raw_bar
-
-
-@compiled
-def _untransform(raw, table, transformation, values, n_rows, bar, raw_bar, matrix_bar):
-    size = raw.group_size * n_rows
-    for g in range(table.start.size - 1):
-        raw_bar[raw.start[g] * size : raw.start[g + 1] * size] = untransformed_group(
-            raw, table, g, transformation, values, n_rows, bar, matrix_bar
-        )
+                factors[k, u] = matrix[in_c[i], u]
+            for row in range(size):
+                at_rows[k, row] = values[raw.start[g] * size + row * n_raw + i]
+        for row in range(size):
+            for u in range(union.size):
+                for m in range(count):
+                    seeds[row, u, m] = bar[of_new + row * n_new + of_union[u], m]
+            np.dot(factors, seeds[row], on_held)
+            for k, i in enumerate(held):
+                for m in range(count):
+                    raw_bar[of_raw + row * n_raw + i, m] = on_held[k, m]
+        np.dot(at_rows, seeds.reshape(size, union.size * count), on_factors)
+        for k, i in enumerate(held):
+            for u in range(union.size):
+                for m in range(count):
+                    matrix_bar[in_c[i], u, m] += on_factors[k, u * count + m]
 
 
 def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation, matrix_rate):
@@ -237,18 +250,39 @@ def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation,
     return new
 
 
+def untransformed_rows(raw, table, groups, transformation, values, n_rows: int, bar, matrix_bar):
+    """Transpose of ``transform_table``: seeds on the raw rows of some groups, shape (raw rows, M).
+
+    Parameters
+    ----------
+    groups : tuple of int
+        First and last, which is not of them.
+    values : ndarray
+        The raw ones of the whole table, ``n_rows`` rows a point.
+    bar : ndarray, shape (rows, M)
+        Seeds on the transformed rows of the groups.
+    matrix_bar : ndarray, shape (c, u, M)
+        Seeds on T, added to.
+    """
+    size = (raw.start[groups[1]] - raw.start[groups[0]]) * raw.group_size * n_rows
+    raw_bar = np.empty((size, bar.shape[1]))
+    t = transformation.constrained, transformation.union, transformation.matrix
+    _untransform(raw, table, groups, t, values, n_rows, bar, raw_bar, matrix_bar)
+    return raw_bar
+
+
 def untransformed_seeds(raw: ShapeTable, table: ShapeTable, phi_bar, grad_bar, transformation):
     """Transpose of ``transformed_rates``: seeds on the raw table (phi, grad), and on T or None."""
     if transformation is None:
         return phi_bar, grad_bar, None
-    c, u, matrix = transformation.constrained, transformation.union, transformation.matrix
-    m = phi_bar.shape[1]
-    matrix_bar = np.zeros((*matrix.shape, m))
-    if c.size == 0:
+    matrix_bar = np.zeros((*transformation.matrix.shape, phi_bar.shape[1]))
+    if transformation.constrained.size == 0:
         return phi_bar, grad_bar, matrix_bar
-    raw_phi, raw_grad = np.empty((raw.phi.size, m)), np.empty((raw.grad.size, m))
-    parts = (raw.phi, 1, phi_bar, raw_phi), (raw.grad, 2, grad_bar, raw_grad)
-    for part in parts:
-        if part[2].size:
-            _untransform(raw, table, (c, u, matrix), *part, matrix_bar)
-    return raw_phi, raw_grad, matrix_bar
+    every = 0, raw.n_groups
+    raw_bars = (
+        untransformed_rows(raw, table, every, transformation, values, n_rows, bar, matrix_bar)
+        if bar.size
+        else bar
+        for values, n_rows, bar in ((raw.phi, 1, phi_bar), (raw.grad, 2, grad_bar))
+    )
+    return *raw_bars, matrix_bar

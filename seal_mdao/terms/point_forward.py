@@ -132,7 +132,7 @@ class PointForward(Forward):
 
     def follow_solution(self, kept, solution):
         equations = self.term.discretization.layout.equations
-        add_solution_rates(self.term.table.table, equations, solution, self.inputs[:, :2])
+        add_solution_rates(self.term.table.table, equations, solution, self.inputs)
 
     def history(self, kept):
         return self._rates(kept, self.remembered)

@@ -22,7 +22,8 @@ def displacement_rates(table, rates, d, out):
 
 @compiled
 def add_solution_rates(table, equations, solution, out):
-    """Add sum_I Phi_I d_I' to ``out`` (k, 2, P); ``solution`` is d' (n_equations, P)."""
+    """Add sum_I Phi_I d_I' to the first two rows of ``out`` (k, rows, P); ``solution`` is d'
+    (n_equations, P)."""
     for i in range(table.start.size - 1):
         for a in range(table.start[i], table.start[i + 1]):
             for c in range(2):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.contact.friction import OPEN, STICK, slip_slopes
+from seal_mdao.contact.friction import CARRIED, OPEN, STICK, XI, slip_slopes
 from seal_mdao.dsa.adjoint import AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.parameters import parameter_rates
@@ -163,10 +163,10 @@ def test_slopes_of_the_elastic_slip_are_those_of_complex_steps(random_design):
     for step, following in pairwise(path.steps):
         now, after = step.responses[place], following.responses[place]
         used = np.flatnonzero(after.state == STICK)
-        slopes = np.random.default_rng(4).standard_normal((used.size, 2, 2))
-        out = np.empty((used.size, 2))
+        local = np.random.default_rng(4).standard_normal((used.size, *term.local_shape))
+        slopes, out = local[:, [XI, CARRIED], :2], np.full((used.size, 2, 2), np.nan)
         xi, gap = after.history.variables[:, 0], after.gap
-        slip_slopes(term.curve, used, now.history, xi, gap, slopes, out)
+        slip_slopes(term.curve, used, now.history, xi, gap, local, out)
         for k, i in enumerate(used):
             for c in range(2):
                 xi_0, size, carried = now.history.variables[i] + 1e-30j * np.array(
@@ -177,7 +177,7 @@ def test_slopes_of_the_elastic_slip_are_those_of_complex_steps(random_design):
                     slip *= gap[i] / (gap[i] - carried)
                 else:
                     slip += carried
-                np.testing.assert_allclose(out[k, c], slip.imag / 1e-30, rtol=1e-12, atol=1e-14)
+                np.testing.assert_allclose(out[k, 0, c], slip.imag / 1e-30, rtol=1e-12, atol=1e-14)
             seen.add(int(now.state[i]))
     assert seen == {OPEN, STICK}  # after slip as after stick
 
