@@ -136,7 +136,7 @@ class Body:
 
     @cached_property
     def edge_rule(self) -> EdgeRule:
-        return edge_rule(self.cells, self.constrained)
+        return edge_rule(self.cells, self.constrained, self.pressure.cells)
 
     @cached_property
     def equations(self) -> np.ndarray | None:
@@ -156,9 +156,7 @@ class Body:
             A folded cell, or a point that too few supports cover.
         """
         weights = quadrature_weights(self.cell_map, cloud.particles)
-        return build_cell_table(
-            cloud, self.cell_map, self.edge_rule, self.pressure.cells, weights, transformation
-        )
+        return build_cell_table(cloud, self.cell_map, self.edge_rule, weights, transformation)
 
     def cloud(self, particles: np.ndarray) -> Cloud:
         """Particles of one design with the body's kernels; a copy, for a caller may go on with his."""

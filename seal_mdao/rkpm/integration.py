@@ -8,7 +8,8 @@ in the symmetric form of an assumed gradient):
     grad~_q = grad_q + (1 / V_c) ( sum_e Phi_e n_e - sum_q w_q grad_q )
 
 Constants and linear fields are reproduced as before. Cell edges carry two Gauss points; edges of
-the essential boundary their two end points, where the admissible test functions vanish.
+the essential boundary their two end points, where the admissible test functions vanish. Cells of a
+column share the points of the edges between them.
 """
 
 from dataclasses import dataclass
@@ -47,13 +48,19 @@ class EdgeRule(NamedTuple):
         Particles at the ends of the edge of every edge point, counter-clockwise.
     weights : ndarray, shape (n_cells, 8, 2)
         Place of the edge point between them.
+    distinct : ndarray of int, shape (n_columns, s)
+        The points of every column of cells, by their number among all edge points.
+    place : ndarray of int, shape (n_cells, 8)
+        Of every edge point among those of its column.
     """
 
     ends: np.ndarray
     weights: np.ndarray
+    distinct: np.ndarray
+    place: np.ndarray
 
 
-def edge_rule(cells: np.ndarray, constrained: np.ndarray) -> EdgeRule:
+def edge_rule(cells: np.ndarray, constrained: np.ndarray, column: int = 1) -> EdgeRule:
     """Two points on each of the four edges of every cell.
 
     Parameters
@@ -61,6 +68,8 @@ def edge_rule(cells: np.ndarray, constrained: np.ndarray) -> EdgeRule:
     cells : ndarray of int, shape (n_cells, 4)
     constrained : ndarray of int
         Particles with imposed components; an outer edge between two of them is essential boundary.
+    column : int
+        Cells in succession that share the points between them.
     """
     ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
     _, which, count = np.unique(
@@ -71,8 +80,26 @@ def edge_rule(cells: np.ndarray, constrained: np.ndarray) -> EdgeRule:
     g = 0.5 - 0.5 / np.sqrt(3.0)
     gauss = np.array([[1.0 - g, g], [g, 1.0 - g]])
     weights = np.where(essential[..., None, None], np.eye(2), gauss)
-    n = len(cells)
-    return EdgeRule(np.repeat(ends, 2, axis=1), weights.reshape(n, EDGE_POINTS, 2))
+    ends, weights = np.repeat(ends, 2, axis=1), weights.reshape(len(cells), EDGE_POINTS, 2)
+    return EdgeRule(ends, weights, *_distinct_points(ends, weights, column))
+
+
+def _distinct_points(ends, weights, column: int) -> tuple[np.ndarray, np.ndarray]:
+    """``distinct`` and ``place`` of the edge points: two are one where both lie on the same edge, nearer
+    to the same end. Columns with fewer than others repeat their first."""
+    n_columns = len(ends) // column
+    order = np.argsort(-weights, axis=2, kind="stable")
+    key = np.empty((n_columns, column * EDGE_POINTS, 3), int)
+    key[..., 0] = np.arange(n_columns)[:, None]
+    key[..., 1:] = np.take_along_axis(ends, order, axis=2).reshape(n_columns, -1, 2)
+    _, first, which = np.unique(key.reshape(-1, 3), axis=0, return_index=True, return_inverse=True)
+    seen = np.sort(first)
+    of_column = seen // (column * EDGE_POINTS)
+    before = np.searchsorted(of_column, np.arange(n_columns))
+    place = np.arange(seen.size) - before[of_column]
+    distinct = np.tile(seen[before, None], place.max() + 1)
+    distinct[of_column, place] = seen
+    return distinct, place[np.searchsorted(seen, first[which.ravel()])].reshape(ends.shape[:2])
 
 
 def edge_normals(rule: EdgeRule, vectors: np.ndarray) -> np.ndarray:
@@ -91,14 +118,15 @@ def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) 
     scatter_add(x_bar, rule.ends[..., 0], -pull)
 
 
-def integration_points(mapping: CellMap, rule: EdgeRule, column: int = 1) -> tuple:
-    """Gauss points and edge points of every cell; ``column`` cells in succession are a group."""
+def integration_points(mapping: CellMap, rule: EdgeRule) -> tuple:
+    """Gauss points and edge points; those of a column of cells are a group."""
     n_cells, q = len(mapping.cells), mapping.n_points
     anchors = np.broadcast_to(mapping.cells[:, None], (n_cells, q, 4)).reshape(-1, 4)
     weights = np.broadcast_to(mapping.values, (n_cells, q, 4)).reshape(-1, 4)
-    gauss = PointSet(anchors, weights, q * column, valued=False)
-    ends, shares = rule.ends.reshape(-1, 2), rule.weights.reshape(-1, 2)
-    return gauss, PointSet(ends, shares, rule.ends.shape[1] * column, sloped=False)
+    n_columns, n_distinct = rule.distinct.shape
+    gauss = PointSet(anchors, weights, q * (n_cells // n_columns), valued=False)
+    ends, shares = (own.reshape(-1, 2)[rule.distinct.ravel()] for own in (rule.ends, rule.weights))
+    return gauss, PointSet(ends, shares, n_distinct, sloped=False)
 
 
 @dataclass(frozen=True)
@@ -145,12 +173,11 @@ def _place(start, cell, n_cells):
 
 
 @compiled
-def _correct(start, grad, phi, weights, normals, out):
+def _correct(start, grad, edges, place, weights, normals, out):
     n_cells, q_count = weights.shape
-    e_count = normals.shape[1]
     for cell in range(n_cells):
-        _, n, _, s0 = _place(start, cell, n_cells)
-        first, volume = 2 * s0 * q_count, 0.0
+        column, n, _, s0 = _place(start, cell, n_cells)
+        first, on_edges, volume = 2 * s0 * q_count, start[column] * edges.group_size, 0.0
         for q in range(q_count):
             volume += weights[cell, q]
         # the components from a shape: where numba knows of two it makes two loops of this one
@@ -159,18 +186,19 @@ def _correct(start, grad, phi, weights, normals, out):
                 at, shift = first + j * n + i, 0.0
                 for q in range(q_count):
                     shift -= weights[cell, q] * grad[at + 2 * q * n]
-                for e in range(e_count):
-                    shift += phi[s0 * e_count + e * n + i] * normals[cell, e, j]
+                for e in range(place.shape[1]):
+                    shift += edges.phi[on_edges + place[cell, e] * n + i] * normals[cell, e, j]
                 shift /= volume
                 for q in range(q_count):
                     out[at + 2 * q * n] = grad[at + 2 * q * n] + shift
 
 
 @compiled
-def _correct_rates(raw, edges, d_gauss, d_edges, weights, normals, weight_rates, normal_rates):
+def _correct_rates(
+    raw, edges, place, d_gauss, d_edges, weights, normals, weight_rates, normal_rates
+):
     """Rates of the gradients at the Gauss points, ``d_gauss``, to those of the consistent ``raw``."""
     n_cells, q_count = weights.shape
-    e_count = normals.shape[1]
     for cell in range(n_cells):
         column, n, before, s0 = _place(raw.start, cell, n_cells)
         which = d_gauss.active[d_gauss.start[column, 0] : d_gauss.start[column + 1, 0]]
@@ -178,11 +206,8 @@ def _correct_rates(raw, edges, d_gauss, d_edges, weights, normals, weight_rates,
         if count == 0:
             continue
         grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
-        phi = edges.phi[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n)
         at = 2 * (d_gauss.start[column, 1] + before * q_count * count)
         d_grad = d_gauss.grad[at : at + 2 * q_count * n * count].reshape(q_count, 2, n, count)
-        at = d_edges.start[column, 1] + before * e_count * count
-        d_phi = d_edges.phi[at : at + e_count * n * count].reshape(e_count, n, count)
         volume, d_shift = weights[cell].sum(), np.zeros((2, n, count))
         for q in range(q_count):
             for j in range(2):
@@ -192,12 +217,15 @@ def _correct_rates(raw, edges, d_gauss, d_edges, weights, normals, weight_rates,
                         d_shift[j, i, p] -= (
                             dw * grad[q, j, i] + weights[cell, q] * d_grad[q, j, i, p]
                         )
-        for e in range(e_count):
+        for e in range(place.shape[1]):
+            at = place[cell, e] * n
+            phi = edges.phi[raw.start[column] * edges.group_size + at :][:n]
+            d_phi = d_edges.phi[d_edges.start[column, 1] + at * count :][: n * count]
             for j in range(2):
                 for i in range(n):
                     for p in range(count):
                         dn = normal_rates[which[p], cell, e, j]
-                        d_shift[j, i, p] += d_phi[e, i, p] * normals[cell, e, j] + phi[e, i] * dn
+                        d_shift[j, i, p] += d_phi[i * count + p] * normals[cell, e, j] + phi[i] * dn
         for q in range(q_count):
             for j in range(2):
                 for i in range(n):
@@ -207,23 +235,21 @@ def _correct_rates(raw, edges, d_gauss, d_edges, weights, normals, weight_rates,
 
 @compiled
 def _correct_seeds(
-    raw, edges, weights, normals, columns, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
+    raw, edges, place, weights, normals, columns, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
 ):
     """Seeds (rows, M) on the consistent gradients of the ``columns`` (first, last) to those on their
-    gradients at the Gauss points and their values at the edge points, and on the weights and normals of
-    all cells."""
+    gradients at the Gauss points and, added, on their values at the edge points, and on the weights and
+    normals of all cells."""
     (first, last), cells = columns, len(weights) // (raw.start.size - 1)
-    q_count, e_count, count = weights.shape[1], normals.shape[1], seeds.shape[1]
+    q_count, e_count, count = weights.shape[1], place.shape[1], seeds.shape[1]
     on_weights, on_normals = np.empty((q_count, count)), np.empty((2, e_count, count))
     for cell in range(cells * first, cells * last):
-        _, n, _, s0 = _place(raw.start, cell, len(weights))
+        column, n, _, s0 = _place(raw.start, cell, len(weights))
         grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2 * n)
-        phi = edges.phi[s0 * e_count : (s0 + n) * e_count].reshape(e_count, n)
         at = s0 - cells * raw.start[first]
         # side by side: components, neighbours, measures
         seed = seeds[2 * at * q_count : 2 * (at + n) * q_count].reshape(q_count, 2 * n * count)
         on_gauss = gauss_bar[2 * at * q_count : 2 * (at + n) * q_count].reshape(seed.shape)
-        on_edges = edge_bar[at * e_count : (at + n) * e_count].reshape(e_count, n * count)
         volume, shift_bar = weights[cell].sum(), np.zeros(2 * n * count)
         for q in range(q_count):
             for a in range(shift_bar.size):
@@ -232,9 +258,15 @@ def _correct_seeds(
             for a in range(shift_bar.size):
                 on_gauss[q, a] = seed[q, a] - weights[cell, q] * shift_bar[a]
         by_x, by_y = shift_bar[: n * count], shift_bar[n * count :]
+        phi = np.empty((e_count, n))
         for e in range(e_count):
+            at = raw.start[column] * edges.group_size + place[cell, e] * n
+            for i in range(n):
+                phi[e, i] = edges.phi[at + i]
+            at -= raw.start[first] * edges.group_size
+            on_edge = edge_bar[at : at + n].reshape(n * count)
             for a in range(by_x.size):
-                on_edges[e, a] = by_x[a] * normals[cell, e, 0] + by_y[a] * normals[cell, e, 1]
+                on_edge[a] += by_x[a] * normals[cell, e, 0] + by_y[a] * normals[cell, e, 1]
         np.dot(grad, shift_bar.reshape(2 * n, count), on_weights)
         np.dot(phi, by_x.reshape(n, count), on_normals[0])
         np.dot(phi, by_y.reshape(n, count), on_normals[1])
@@ -248,19 +280,17 @@ def _correct_seeds(
 
 
 def build_cell_table(
-    cloud: Cloud, mapping: CellMap, rule: EdgeRule, column: int, weights: np.ndarray, transformation
+    cloud: Cloud, mapping: CellMap, rule: EdgeRule, weights: np.ndarray, transformation
 ) -> CellTable:
     """Consistent shape functions at the quadrature points, transformed for essential conditions.
 
     Parameters
     ----------
-    column : int
-        Cells in succession that share a list of neighbours.
     weights : ndarray, shape (n_cells, q)
     """
-    gauss, edges = raw_tables(cloud, *integration_points(mapping, rule, column))
+    gauss, edges = raw_tables(cloud, *integration_points(mapping, rule))
     grad, normals = np.empty(gauss.raw.grad.size), edge_normals(rule, cloud.particles)
-    _correct(gauss.raw.start, gauss.raw.grad, edges.raw.phi, weights, normals, grad)
+    _correct(gauss.raw.start, gauss.raw.grad, edges.raw, rule.place, weights, normals, grad)
     raw = gauss.raw._replace(grad=grad)
     return CellTable(rule, weights, gauss, edges, raw, transform_table(raw, transformation))
 
@@ -277,7 +307,7 @@ def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transforma
     rates = raw_rates(cloud, cells.gauss, velocity, transformation)
     at_edges = raw_rates(cloud, cells.edges, velocity, like=rates)
     _correct_rates(
-        cells.raw, cells.edges.raw, rates, at_edges, cells.weights,
+        cells.raw, cells.edges.raw, cells.rule.place, rates, at_edges, cells.weights,
         edge_normals(cells.rule, cloud.particles), weight_rates, edge_normals(cells.rule, velocity),
     )  # fmt: skip
     return transformed_rates(cells.raw, cells.table, rates, transformation, matrix_rate)
@@ -303,10 +333,10 @@ def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, trans
                 raw, cells.table, columns, transformation, raw.grad, 2, seeds, matrix_bar
             )
         on_slopes, n = np.empty(seeds.shape), raw.start[last] - raw.start[first]
-        on_values = np.empty((n * edges.raw.group_size, m))
+        on_values = np.zeros((n * edges.raw.group_size, m))
         _correct_seeds(
-            raw, edges.raw, cells.weights, normals, columns, seeds, on_slopes, on_values, weight_bar,
-            normal_bar,
+            raw, edges.raw, cells.rule.place, cells.weights, normals, columns, seeds, on_slopes,
+            on_values, weight_bar, normal_bar,
         )  # fmt: skip
         raw_seeds(cloud, gauss, columns, nothing, on_slopes, x_bar, gauss_bar)
         raw_seeds(cloud, edges, columns, on_values, nothing, x_bar, edge_bar)

@@ -41,9 +41,10 @@ class Coefficients(NamedTuple):
     pull_sums : ndarray, shape (n_points, rows, m, 2)
         Of all neighbours.
     on_value : ndarray
-        (m, n): S G of Phi by what is pulled for q; of Phi_j by what is pulled for q_j.
+        (m, n): S G of Phi by what is pulled for q.
     on_slope : ndarray
-        (m, rows - 1, n): S G of Phi_j by what is pulled for q.
+        (rows, m, rows - 1, n): S G of Phi_j by what is pulled for q, q_x, q_y; that of Phi_j by what is
+        pulled for q_j is ``on_value``.
     """
 
     direct: np.ndarray
@@ -51,6 +52,12 @@ class Coefficients(NamedTuple):
     pull_sums: np.ndarray
     on_value: np.ndarray
     on_slope: np.ndarray
+
+
+@inlined
+def _rows(flat, at, n, size):
+    """The ``n`` rows after the first ``at`` of what has ``size`` entries a row (point, neighbour)."""
+    return flat[at * size : (at + n) * size]
 
 
 @inlined
@@ -137,7 +144,7 @@ def _fill_chain(h, k, scale, moments, inverse, spread, on_value, on_slope):
             for i in range(n):
                 on_value[b, i] += inverse[a, b] * spread[i]
     on_slope[:] = 0.0
-    for j in range(on_slope.shape[1]):
+    for j in range(on_slope.shape[2]):
         for a in range(m):
             factor, lowered = basis_slope(a, j, scale)
             for i in range(n):
@@ -147,7 +154,10 @@ def _fill_chain(h, k, scale, moments, inverse, spread, on_value, on_slope):
                     spread[i] -= moments[1 + j, a, e] * on_value[e, i]
             for b in range(m):
                 for i in range(n):
-                    on_slope[b, j, i] += inverse[a, b] * spread[i]
+                    on_slope[0, b, j, i] += inverse[a, b] * spread[i]
+        for b in range(m):
+            for i in range(n):
+                on_slope[1 + j, b, j, i] = on_value[b, i]
 
 
 @compiled
@@ -166,7 +176,7 @@ def linearize_shape_functions(cloud, points, inverses, start, neighbours, groups
         np.empty(size * rows * m * 2),
         np.empty(((last - first) * group_size, rows, m, 2)),
         np.empty(size * m),
-        np.empty(size * m * (rows - 1)),
+        np.empty(size * rows * m * (rows - 1)),
     )
     moments, b = np.empty((rows, m, m)), np.empty((rows, m))
     for g in range(first, last):
@@ -178,11 +188,11 @@ def linearize_shape_functions(cloud, points, inverses, start, neighbours, groups
         p, phi = np.empty((rows, 3, n)), np.empty((rows, n))
         for q in range(group_size):
             at, point = (start[g] - start[first]) * group_size + q * n, g * group_size + q
-            direct = out.direct[at * rows * 2 : (at + n) * rows * 2].reshape(rows, 2, n)
-            pull = out.pull[at * rows * m * 2 : (at + n) * rows * m * 2].reshape(rows, m, 2, n)
-            on_value = out.on_value[at * m : (at + n) * m].reshape(m, n)
-            slopes = m * (rows - 1)
-            on_slope = out.on_slope[at * slopes : (at + n) * slopes].reshape(m, rows - 1, n)
+            direct = _rows(out.direct, at, n, 2 * rows).reshape(rows, 2, n)
+            pull = _rows(out.pull, at, n, rows * m * 2).reshape(rows, m, 2, n)
+            on_value = _rows(out.on_value, at, n, m).reshape(m, n)
+            on_slope = _rows(out.on_slope, at, n, rows * m * (rows - 1))
+            on_slope = on_slope.reshape(rows, m, rows - 1, n)
             neighbour_terms(points[point], near, cloud.axes, scale, h, k)
             if rows > 1:
                 moment_matrices(h, k, scale, moments)
@@ -229,13 +239,12 @@ def forward_shape_functions(
         near = neighbours[start[g] : start[g + 1]]
         which = active[dstart[g, 0] : dstart[g + 1, 0]]
         n, count, before = near.size, which.size, (start[g] - start[first]) * group_size
-        moves, here, change = np.empty((2, n, count)), np.empty((2, count)), np.empty((n, count))
+        moves, here = np.empty((2, n, count)), np.empty((2, count))
         for p in range(count):
             for i in range(n):
                 for c in range(2):
                     moves[c, i, p] = velocity[which[p], near[i], c]
-        size = group_size * rows * m
-        pull = own.pull[before * rows * m * 2 :][: size * 2 * n].reshape(size, 2 * n)
+        pull = _rows(own.pull, before, group_size * n, rows * m * 2).reshape(-1, 2 * n)
         moved = np.dot(pull, moves.reshape(2 * n, count)).reshape(group_size, rows * m, count)
         for q in range(group_size):
             point = g * group_size + q
@@ -249,24 +258,19 @@ def forward_shape_functions(
                         sums[a, 0] * here[0, p] + sums[a, 1] * here[1, p] - moved[q, a, p]
                     )
             at, to = before + q * n, dstart[g, 1] + q * n * count
-            direct = own.direct[at * rows * 2 : (at + n) * rows * 2].reshape(rows, 2, n)
-            on_value = own.on_value[at * m : (at + n) * m].reshape(m, n).T
+            direct = _rows(own.direct, at, n, 2 * rows).reshape(rows, 2, n)
             if dphi.size > 0:
                 out = dphi[to : to + n * count].reshape(n, count)
-                np.dot(on_value, moved[q, :m], out)
+                on_value = _rows(own.on_value, at, n, m).reshape(m, n)
+                np.dot(on_value.T, moved[q, :m], out)
                 _add_direct(direct[0], here, moves, out)
             if rows > 1:
-                slopes = m * (rows - 1)
-                on_slope = own.on_slope[at * slopes : (at + n) * slopes].reshape(m, 2 * n).T
                 out = dgrad[2 * to : 2 * (to + n * count)].reshape(2 * n, count)
-                np.dot(on_slope, moved[q, :m], out)
+                on_slope = _rows(own.on_slope, at, n, rows * m * (rows - 1))
+                on_slope = on_slope.reshape(rows * m, 2 * n)
+                np.dot(on_slope.T, moved[q], out)
                 for u in range(1, rows):
-                    row = out[(u - 1) * n : u * n]
-                    np.dot(on_value, moved[q, u * m : (u + 1) * m], change)
-                    for i in range(n):
-                        for p in range(count):
-                            row[i, p] += change[i, p]
-                    _add_direct(direct[u], here, moves, row)
+                    _add_direct(direct[u], here, moves, out[(u - 1) * n : u * n])
 
 
 @internal
@@ -301,26 +305,23 @@ def reverse_shape_functions(own, start, neighbours, groups, phi_bar, grad_bar, x
     group_size, count = n_points // (last - first), x_bar.shape[2]
     for g in range(first, last):
         near = neighbours[start[g] : start[g + 1]]
-        n, before, size = near.size, (start[g] - start[first]) * group_size, group_size * rows * m
-        on_near, on_first = np.empty((2 * n, count)), np.empty((m, count))
-        moved = np.zeros((group_size, rows * m, count))
+        n, before = near.size, (start[g] - start[first]) * group_size
+        on_near, moved = np.empty((2 * n, count)), np.zeros((group_size, rows * m, count))
+        on_first = np.empty((m, count))
         for q in range(group_size):
             at = before + q * n
-            on_value = own.on_value[at * m : (at + n) * m].reshape(m, n)
-            if phi_bar.size > 0:
-                np.dot(on_value, phi_bar[at : at + n], moved[q, :m])
             if rows > 1:
-                slopes = m * (rows - 1)
-                on_slope = own.on_slope[at * slopes : (at + n) * slopes].reshape(m, 2 * n)
-                np.dot(on_slope, grad_bar[2 * at : 2 * (at + n)], on_first)
+                on_slope = _rows(own.on_slope, at, n, rows * m * (rows - 1))
+                on_slope = on_slope.reshape(rows * m, 2 * n)
+                np.dot(on_slope, grad_bar[2 * at : 2 * (at + n)], moved[q])
+            if phi_bar.size > 0:
+                on_value = _rows(own.on_value, at, n, m).reshape(m, n)
+                np.dot(on_value, phi_bar[at : at + n], on_first)
                 for a in range(m):
                     for p in range(count):
                         moved[q, a, p] += on_first[a, p]
-                for u in range(1, rows):
-                    by_slope = grad_bar[2 * at + (u - 1) * n : 2 * at + u * n]
-                    np.dot(on_value, by_slope, moved[q, u * m : (u + 1) * m])
-        pull = own.pull[before * rows * m * 2 :][: size * 2 * n].reshape(size, 2 * n)
-        np.dot(pull.T, moved.reshape(size, count), on_near)
+        pull = _rows(own.pull, before, group_size * n, rows * m * 2).reshape(-1, 2 * n)
+        np.dot(pull.T, moved.reshape(-1, count), on_near)
         for q in range(group_size):
             point, at = g * group_size + q, before + q * n
             on_point, sums = point_bar[point], own.pull_sums[point - first * group_size]
@@ -329,7 +330,7 @@ def reverse_shape_functions(own, start, neighbours, groups, phi_bar, grad_bar, x
                     for c in range(2):
                         for p in range(count):
                             on_point[c, p] += sums[u, a, c] * moved[q, u * m + a, p]
-            direct = own.direct[at * rows * 2 : (at + n) * rows * 2].reshape(rows, 2, n)
+            direct = _rows(own.direct, at, n, 2 * rows).reshape(rows, 2, n)
             if phi_bar.size > 0:
                 _add_direct_seeds(direct[0], phi_bar[at : at + n], on_near, on_point)
             for u in range(1, rows):

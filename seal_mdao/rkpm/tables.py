@@ -5,7 +5,7 @@
 """
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -65,12 +65,13 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
     group_of = np.concatenate([np.arange(len(own.anchors)) // own.group_size for own in sets])
     tree = cKDTree(coordinates)
     hits = tree.query_ball_point(cloud.particles, cloud.radius, return_sorted=False)
-    counts = np.fromiter((len(h) for h in hits), int, len(hits))
+    counts = np.fromiter(map(len, hits), int, len(hits))
     particle = np.repeat(np.arange(len(hits)), counts)
-    point = np.concatenate([np.asarray(h, int) for h in hits]) if len(hits) else np.empty(0, int)
+    point = np.fromiter(chain.from_iterable(hits), int, particle.size)
     if cloud.axes is not None:
         away = coordinates[point] - cloud.particles[particle]
-        inside = np.all(np.abs(np.einsum("kij,kj->ki", cloud.axes[particle], away)) < 1.0, axis=1)
+        along, across = np.einsum("kij,kj->ik", cloud.axes[particle], away)
+        inside = (np.abs(along) < 1.0) & (np.abs(across) < 1.0)
         particle, point = particle[inside], point[inside]
     n = len(cloud.particles)
     key = np.unique(group_of[point] * n + particle)

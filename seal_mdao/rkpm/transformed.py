@@ -36,9 +36,8 @@ def entry_starts(counts_active, table):
     return np.concatenate([[0], np.cumsum(sizes)])
 
 
-def _extended_lists(raw: ShapeTable, transformation: EssentialTransformation):
+def _extended_lists(raw: ShapeTable, touched: np.ndarray, transformation):
     """Neighbour lists after the transformation: groups that see C also see the whole union."""
-    touched = touched_groups(raw, transformation)
     groups = np.flatnonzero(touched)
     lists = [
         np.union1d(raw.neighbours[raw.start[g] : raw.start[g + 1]], transformation.union)
@@ -63,10 +62,11 @@ def touched_groups(raw: ShapeTable, transformation: EssentialTransformation) -> 
 
 
 def transform_table(raw: ShapeTable, transformation: EssentialTransformation) -> ShapeTable:
-    """Phi~ of ``essential`` for every group of a raw table."""
-    if transformation.constrained.size == 0:
+    """Phi~ of ``essential`` for every group of a raw table; the table itself where none sees C."""
+    touched = touched_groups(raw, transformation)
+    if not touched.any():
         return raw
-    start, neighbours = _extended_lists(raw, transformation)
+    start, neighbours = _extended_lists(raw, touched, transformation)
     new = ShapeTable(start, neighbours, raw.phi, raw.grad, raw.group_size)
     products = _products(raw, new, transformation)
     return new._replace(
@@ -233,7 +233,7 @@ def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation,
     matrix_rate : ndarray, shape (c, u, P)
         T' of ``essential.transformation_rates``.
     """
-    if transformation is None or transformation.constrained.size == 0:
+    if transformation is None or table is raw:
         return rates
     count = np.diff(rates.start[:, 0])
     starts = np.column_stack([rates.start[:, 0], entry_starts(count, table)])
@@ -276,7 +276,7 @@ def untransformed_seeds(raw: ShapeTable, table: ShapeTable, phi_bar, grad_bar, t
     if transformation is None:
         return phi_bar, grad_bar, None
     matrix_bar = np.zeros((*transformation.matrix.shape, phi_bar.shape[1]))
-    if transformation.constrained.size == 0:
+    if table is raw:
         return phi_bar, grad_bar, matrix_bar
     every = 0, raw.n_groups
     raw_bars = (

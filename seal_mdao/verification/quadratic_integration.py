@@ -19,12 +19,14 @@ from seal_mdao.rkpm.shape_functions import ShapeTable
 from seal_mdao.rkpm.tables import build_table, raw_tables, transform_table
 
 
-def _edge_rule(cells: np.ndarray, n_edge: int) -> tuple[EdgeRule, np.ndarray]:
+def _edge_rule(cells: np.ndarray, n_edge: int, column: int) -> tuple[EdgeRule, np.ndarray]:
     """Gauss points on the edges of every cell, and their weights on an edge of length 2."""
     g, w = np.polynomial.legendre.leggauss(n_edge)
     ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).repeat(n_edge, axis=1)
     shares = np.tile(0.5 * np.column_stack([1 - g, 1 + g]), (len(cells), 4, 1))
-    return EdgeRule(ends, shares), np.tile(w, 4)
+    number = np.arange(ends[..., 0].size).reshape(-1, column * 4 * n_edge)
+    place = (number % number.shape[1]).reshape(ends.shape[:2])
+    return EdgeRule(ends, shares, number, place), np.tile(w, 4)
 
 
 def _corrected(weights, normals, x, x_edge, phi, phi_edge, grad):
@@ -60,9 +62,9 @@ def _of_cell(table: ShapeTable, values, components: int, cell: int, column: int)
 def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Discretization:
     """As ``discretize``, with quadratically consistent gradients at the quadrature points."""
     disc = discretize(body, particles)
-    rule, reference = _edge_rule(body.cells, n_edge)
     column = body.pressure.cells
-    points, on_edges = integration_points(body.cell_map, rule, column)
+    rule, reference = _edge_rule(body.cells, n_edge, column)
+    points, on_edges = integration_points(body.cell_map, rule)
     gauss, edges = raw_tables(disc.cloud, points._replace(valued=True), on_edges)
     normals = reference[:, None] * edge_normals(rule, disc.particles)
     grad = []
@@ -75,7 +77,7 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
         grad.append(new.ravel())
     raw = gauss.raw._replace(phi=np.empty(0), grad=np.concatenate(grad))
     table = transform_table(raw, disc.transformation)
-    cells = CellTable(body.edge_rule, disc.weights, gauss, edges, raw, table)
+    cells = CellTable(rule, disc.weights, gauss, edges, raw, table)
     where = [term.point_set() for term in terms]
     tables = [p and build_table(disc.cloud, p, disc.transformation) for p in where]
     couples = tuple(term.couples for term in terms)

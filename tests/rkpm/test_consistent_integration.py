@@ -20,10 +20,17 @@ from seal_mdao.rkpm.integration import (
 from seal_mdao.rkpm.tables import build_table, raw_rates, table_seeds
 
 
-@pytest.fixture(params=[1, 2])
+def at_edge_points(rule, phi):
+    """Values (distinct points, n) at the edge points of every cell, (n_cells, 8, n)."""
+    n_columns, n_distinct = rule.distinct.shape
+    column = np.arange(len(rule.place)) // (len(rule.place) // n_columns)
+    return phi.reshape(n_columns, n_distinct, -1)[column[:, None], rule.place]
+
+
+@pytest.fixture(params=[{"basis_order": 1}, {"basis_order": 2}, {"accuracy": "engineering"}])
 def seal(request, rng):
-    """A random design of the coarsest seal with either basis."""
-    model = sm.door_seal(basis_order=request.param)
+    """A random design of the coarsest seal with either basis, and one whose columns have three cells."""
+    model = sm.door_seal(**request.param)
     return model, discretize(model.body, model.particles(rng.uniform(-0.2, 0.2, 25)))
 
 
@@ -53,6 +60,47 @@ def test_edge_points_are_gauss_points_except_on_the_essential_boundary():
             assert second_moment == pytest.approx(0.5 if ends_only else 1 / 3, rel=1e-14)
 
 
+def test_cells_of_a_column_share_the_points_between_them(seal):
+    """Every edge point lies where its distinct point does, and no two of a column at one place."""
+    model, disc = seal
+    rule, particles = model.body.edge_rule, disc.particles
+    n_columns, n_distinct = rule.distinct.shape
+    cells = len(model.body.cells) // n_columns
+    assert n_distinct == EDGE_POINTS + (cells - 1) * (EDGE_POINTS - 2)
+    x = np.einsum("cek,ceki->cei", rule.weights, particles[rule.ends])
+    _, points = integration_points(model.body.cell_map, rule)
+    own = points.at(particles).reshape(n_columns, n_distinct, 2)
+    column = np.arange(len(x)) // cells
+    np.testing.assert_allclose(own[column[:, None], rule.place], x, rtol=0.0, atol=1e-14)
+    away = np.linalg.norm(own[:, :, None] - own[:, None], axis=3)
+    assert away[:, ~np.eye(n_distinct, dtype=bool)].min() > 0.01
+
+
+def test_columns_with_fewer_points_repeat_one():
+    """Two squares that share an edge, two that share none, and a triangle beside one."""
+    cells = np.array(
+        [
+            [0, 1, 2, 3],
+            [1, 4, 5, 2],
+            [6, 7, 8, 9],
+            [10, 11, 12, 13],
+            [14, 15, 16, 16],
+            [15, 17, 18, 16],
+        ]
+    )
+    rule = edge_rule(cells, np.empty(0, int), 2)
+    assert rule.distinct.shape == (3, 16)
+    assert [np.unique(own).size for own in rule.distinct] == [14, 16, 13]
+    ends, weights = rule.ends.reshape(-1, 2), rule.weights.reshape(-1, 2)
+    height = np.random.default_rng(1).random(19)
+    values = np.sum(weights * height[ends], axis=1)
+    column = np.arange(6) // 2
+    np.testing.assert_allclose(
+        values[rule.distinct][column[:, None], rule.place],
+        values.reshape(6, EDGE_POINTS), rtol=1e-15,
+    )  # fmt: skip
+
+
 def test_mean_gradient_of_every_cell_is_the_boundary_integral(seal):
     """sum_q w_q grad~_q = sum_e Phi_e n_e for the raw functions of each cell."""
     model, disc = seal
@@ -60,7 +108,7 @@ def test_mean_gradient_of_every_cell_is_the_boundary_integral(seal):
     n = len(disc.particles)
     phi, _ = rows(cells.edges.raw, n)
     _, grad = rows(cells.raw, n)
-    at_edges = phi.reshape(-1, EDGE_POINTS, n)
+    at_edges = at_edge_points(model.body.edge_rule, phi)
     normals = edge_normals(model.body.edge_rule, disc.particles)
     boundary = np.einsum("cea,cej->cja", at_edges, normals)
     mean = np.einsum("cq,cqja->cja", disc.weights, grad.reshape(-1, q, 2, n))
@@ -118,7 +166,7 @@ def test_net_gradients_are_fluxes_through_the_free_boundary(seal):
     rule = model.body.edge_rule
     _, points = integration_points(model.body.cell_map, rule)
     phi, _ = rows(build_table(disc.cloud, points, disc.transformation).table, n)
-    at_edges = phi.reshape(-1, EDGE_POINTS, n)
+    at_edges = at_edge_points(rule, phi)
     normals = edge_normals(rule, disc.particles)
     pairs = np.sort(rule.ends, axis=2)
     _, which, count = np.unique(
@@ -147,9 +195,10 @@ def test_normal_seeds_are_the_transpose_of_edge_normals(rng):
 
 def test_integration_points_lie_on_the_edges(seal):
     model, disc = seal
-    _, points = integration_points(model.body.cell_map, model.body.edge_rule)
-    x = points.at(disc.particles).reshape(len(model.body.cells), EDGE_POINTS, 2)
-    ends = disc.particles[model.body.edge_rule.ends]
+    rule = model.body.edge_rule
+    _, points = integration_points(model.body.cell_map, rule)
+    x = at_edge_points(rule, points.at(disc.particles))
+    ends = disc.particles[rule.ends]
     along, away = ends[..., 1, :] - ends[..., 0, :], x - ends[..., 0, :]
     cross = along[..., 0] * away[..., 1] - along[..., 1] * away[..., 0]
     np.testing.assert_allclose(cross, 0.0, atol=1e-13)
