@@ -32,7 +32,7 @@ from numba.extending import register_jitable
 from platformdirs import user_cache_path
 
 MESSAGE = (
-    "seal_mdao: compiling its kernels (10 to 30 s, longer when busy); later runs find them ..."
+    "seal_mdao: compiling its kernels (10 to 20 s, longer when busy); later runs find them ..."
 )
 ANNOUNCED = "SEAL_MDAO_COMPILATION_ANNOUNCED"
 """Set in the environment by the process that wrote the message; those it starts write none."""

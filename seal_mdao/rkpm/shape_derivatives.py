@@ -108,8 +108,8 @@ def _fill_direct(p, k, phi, direct):
 
 
 @inlined
-def _fill_pull(h, scale, phi, direct, pull, sums):
-    """C and its sums: M q = sum H Phi, so M_j q + M q_j = sum (H Phi)_j."""
+def _fill_pull(h, scale, phi, direct, pull):
+    """C: M q = sum H Phi, so M_j q + M q_j = sum (H Phi)_j."""
     rows, m, _, n = pull.shape
     for u in range(rows):
         for a in range(m):
@@ -126,10 +126,6 @@ def _fill_pull(h, scale, phi, direct, pull, sums):
                             pull[u, a, c, i] += (
                                 by_j * h[aj, i] * direct[0, c, i] + by_jc * h[ajc, i] * phi[0, i]
                             )
-                total = 0.0
-                for i in range(n):
-                    total += pull[u, a, c, i]
-                sums[u, a, c] = total
 
 
 @inlined
@@ -185,9 +181,10 @@ def linearize_shape_functions(cloud, points, inverses, start, neighbours, groups
         )
         n = near.shape[1]
         h, k, spread = np.empty((n_monomials(m), n)), np.empty((6, n)), np.empty(n)
-        p, phi = np.empty((rows, 3, n)), np.empty((rows, n))
+        p, phi, ones = np.empty((rows, 3, n)), np.empty((rows, n)), np.ones(n)
+        before = (start[g] - start[first]) * group_size
         for q in range(group_size):
-            at, point = (start[g] - start[first]) * group_size + q * n, g * group_size + q
+            at, point = before + q * n, g * group_size + q
             direct = _rows(out.direct, at, n, 2 * rows).reshape(rows, 2, n)
             pull = _rows(out.pull, at, n, rows * m * 2).reshape(rows, m, 2, n)
             on_value = _rows(out.on_value, at, n, m).reshape(m, n)
@@ -199,8 +196,11 @@ def linearize_shape_functions(cloud, points, inverses, start, neighbours, groups
             correction_polynomials(moments, inverses[point], scale, b)
             _fill_polynomials(b, h, scale, p)
             _fill_direct(p, k, phi, direct)
-            _fill_pull(h, scale, phi, direct, pull, out.pull_sums[point - first * group_size])
+            _fill_pull(h, scale, phi, direct, pull)
             _fill_chain(h, k, scale, moments, inverses[point], spread, on_value, on_slope)
+        pulls = _rows(out.pull, before, group_size * n, rows * m * 2).reshape(-1, n)
+        sums = out.pull_sums[(g - first) * group_size : (g - first + 1) * group_size]
+        np.dot(pulls, ones, sums.reshape(-1))
     return out
 
 
