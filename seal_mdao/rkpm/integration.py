@@ -162,7 +162,7 @@ class CellTable:
 
 
 @inlined
-def _place(start, cell, n_cells):
+def _of_cell(start, cell, n_cells):
     """Column of a cell, its number of neighbours, and the rows (point, neighbour) before the cell, in
     its column and in all, were there one point in a cell."""
     cells = n_cells // (start.size - 1)
@@ -176,7 +176,7 @@ def _place(start, cell, n_cells):
 def _correct(start, grad, edges, place, weights, normals, out):
     n_cells, q_count = weights.shape
     for cell in range(n_cells):
-        column, n, _, s0 = _place(start, cell, n_cells)
+        column, n, _, s0 = _of_cell(start, cell, n_cells)
         first, on_edges, volume = 2 * s0 * q_count, start[column] * edges.group_size, 0.0
         for q in range(q_count):
             volume += weights[cell, q]
@@ -200,7 +200,7 @@ def _correct_rates(
     """Rates of the gradients at the Gauss points, ``d_gauss``, to those of the consistent ``raw``."""
     n_cells, q_count = weights.shape
     for cell in range(n_cells):
-        column, n, before, s0 = _place(raw.start, cell, n_cells)
+        column, n, before, s0 = _of_cell(raw.start, cell, n_cells)
         which = d_gauss.active[d_gauss.start[column, 0] : d_gauss.start[column + 1, 0]]
         count = which.size
         if count == 0:
@@ -244,7 +244,7 @@ def _correct_seeds(
     q_count, e_count, count = weights.shape[1], place.shape[1], seeds.shape[1]
     on_weights, on_normals = np.empty((q_count, count)), np.empty((2, e_count, count))
     for cell in range(cells * first, cells * last):
-        column, n, _, s0 = _place(raw.start, cell, len(weights))
+        column, n, _, s0 = _of_cell(raw.start, cell, len(weights))
         grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2 * n)
         at = s0 - cells * raw.start[first]
         # side by side: components, neighbours, measures
