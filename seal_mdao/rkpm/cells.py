@@ -13,6 +13,9 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import PointSet
 
+GAUSS_POINTS = (2, 10)
+"""Smallest and largest number in a direction of a cell of a seal. One leaves a wall far too soft."""
+
 
 class ReferenceRule(NamedTuple):
     """Corner functions and weights at the quadrature points of a reference cell.

@@ -1,12 +1,38 @@
-"""Particles of a wall on rays, layer by layer across it: numbers and cells."""
+"""Particles of a wall on rays, layer by layer across it: numbers, cells and functions."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-SUPPORTS = {"paper": 2.0, "engineering": (2.0, 3.15)}
-"""Supports of a wall's particles over the sides of their cells by the name of the accuracy: of round
-kernels, or of product kernels around and across the wall."""
+
+class WallFunctions(NamedTuple):
+    """What carries the displacements and the pressure of a wall, and how it is integrated.
+
+    Attributes
+    ----------
+    support : float or pair of float
+        Of round kernels over the sides of the cells, or of product kernels around and across the wall.
+    basis_order : int
+        1 (linear) or 2 (quadratic).
+    n_gauss : int or pair of int
+        Gauss points of a cell in both directions, or around and across the wall.
+    pressure : {"cell", "wall"}
+        One value in every cell, or continuous and piecewise linear across the wall.
+    """
+
+    support: float | tuple[float, float]
+    basis_order: int
+    n_gauss: int | tuple[int, int]
+    pressure: str
+
+
+FUNCTIONS = {
+    "paper": WallFunctions(2.0, 1, 2, "cell"),
+    "engineering": WallFunctions((2.0, 3.15), 2, 2, "wall"),
+    "fine": WallFunctions((1.8, 4.0), 2, (2, 3), "wall"),
+}
+"""By the name of the accuracy (page on accuracy)."""
 
 
 @dataclass(frozen=True)

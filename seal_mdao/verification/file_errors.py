@@ -24,7 +24,7 @@ def with_kernels(seal: OutlineSeal, kernels: Kernels) -> OutlineSeal:
     radius, axes = kernel_supports(cells, places, kernels.support)
     body = replace(
         seal.body, support_radius=radius, support_axes=axes, basis_order=kernels.basis_order,
-        hidden=hidden_pairs(cells, places, radius),
+        n_gauss=kernels.n_gauss, hidden=hidden_pairs(cells, places, radius),
     )  # fmt: skip
     return replace(seal, body=body, kernels=kernels)
 

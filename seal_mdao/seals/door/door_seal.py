@@ -17,7 +17,7 @@ from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.motion import Motion, increases_to_one, straight_motion
 from seal_mdao.geometry.profile import PROFILE_EXTENT, RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.rkpm.cells import kernel_supports
+from seal_mdao.rkpm.cells import GAUSS_POINTS, kernel_supports
 from seal_mdao.seals.door.area import section_area
 from seal_mdao.seals.door.measures import BY_NAME, DOOR, STANDARD, measure_points
 from seal_mdao.seals.door.result import DoorSealResult
@@ -26,7 +26,7 @@ from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
 from seal_mdao.seals.door.splines import BoundarySplines, design_velocity
 from seal_mdao.seals.seal import Seal
 from seal_mdao.seals.step_choice import choose_steps
-from seal_mdao.seals.wall_grid import SUPPORTS
+from seal_mdao.seals.wall_grid import FUNCTIONS
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 from seal_mdao.terms.term import Scalar
@@ -63,8 +63,6 @@ INTEGERS = {
     "basis_order": (1, 2), "n_steps": (1, 10**9),
 }  # fmt: skip
 """Smallest and largest value. Two layers leave the wall far too soft."""
-GAUSS_POINTS = (2, 10)
-"""Smallest and largest number in a direction of a cell. One leaves the wall far too soft."""
 PENALTIES = {"normal_penalty": (0.1, 1e8), "tangent_penalty": (1e-3, 1e8)}
 """Smallest and largest value over the shear modulus of the rubber, 1/mm."""
 MOST_SUPPORT = 10.0
@@ -161,7 +159,7 @@ class DoorSeal(Seal):
     rays: int = BASE_RAYS
     layers: int = 3
     refinement: int = 1
-    support: float | tuple[float, float] = SUPPORTS["paper"]
+    support: float | tuple[float, float] = FUNCTIONS["paper"].support
     basis_order: int = 1
     n_gauss: int | tuple[int, int] = 2
     pressure: str = "cell"
@@ -524,12 +522,12 @@ class DoorSeal(Seal):
 ACCURACIES = {
     "paper": {},
     "engineering": {
-        "layers": 4, "support": SUPPORTS["engineering"], "basis_order": 2, "pressure": "wall",
-        "contact_points": "edges", "n_steps": 20, "solver": "banded",
+        "layers": 4, **FUNCTIONS["engineering"]._asdict(), "contact_points": "edges", "n_steps": 20,
+        "solver": "banded",
     },
     "fine": {
-        "rays": 2 * BASE_RAYS, "layers": 5, "support": (1.8, 4.0), "basis_order": 2, "n_gauss": (2, 3),
-        "pressure": "wall", "contact_points": "edges", "n_steps": 42, "solver": "banded",
+        "rays": 2 * BASE_RAYS, "layers": 5, **FUNCTIONS["fine"]._asdict(), "contact_points": "edges",
+        "n_steps": 42, "solver": "banded",
     },
 }  # fmt: skip
 """Attributes of ``DoorSeal`` that decide the discretisation, by the name of the accuracy."""

@@ -9,6 +9,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.rkpm.basis import BASIS_SIZE
+from seal_mdao.rkpm.cells import GAUSS_POINTS, in_both_directions
 from seal_mdao.seals.outline.cloud import OutlineCloud
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.located import located
@@ -16,7 +17,7 @@ from seal_mdao.seals.outline.section import Outline
 
 FIRST, SUPPORT, AXES = "first_place", "support_radius", "support_axes"
 """Names of the data of points."""
-PART, BASIS, COLUMN = "part", "basis_order", "column"
+PART, BASIS, COLUMN, GAUSS = "part", "basis_order", "column", "n_gauss"
 """Names of the data of cells; those of one ``column`` have one pressure through them."""
 
 KINDS = {"quad": 4, "triangle": 3}
@@ -33,7 +34,7 @@ class GivenCloud:
     boundaries : tuple of Boundary
         Its points along the contours of the section.
     kernels : Kernels
-        Their basis and pressure; supports are those of the cloud, if it has them.
+        Their basis, pressure and integration; supports are those of the cloud, if it has them.
     """
 
     cloud: OutlineCloud
@@ -43,7 +44,8 @@ class GivenCloud:
 
 def write_cloud(seal, offsets, path) -> Path:
     """Write the cloud of a design: particles and cells, where the particles were when kernels were
-    chosen, their supports, and of every cell the part of the section, the basis and the column.
+    chosen, their supports, and of every cell the part of the section, the basis, the column and the
+    Gauss points in its two directions.
 
     Parameters
     ----------
@@ -61,7 +63,10 @@ def write_cloud(seal, offsets, path) -> Path:
     if body.support_axes is not None:
         of_points[AXES] = body.support_axes.reshape(-1, 4)
     columns = np.arange(len(body.cells)) // body.column
-    of_cells = {PART: seal.parts, BASIS: np.full(len(columns), body.basis_order), COLUMN: columns}
+    of_cells = {
+        PART: seal.parts, BASIS: np.full(len(columns), body.basis_order), COLUMN: columns,
+        GAUSS: np.tile(in_both_directions(body.n_gauss), (len(columns), 1)),
+    }  # fmt: skip
     blocks = {name: cell_blocks(body.cells, values) for name, values in of_cells.items()}
     mesh = library().Mesh(
         flat(seal.particles(offsets)), [(kind, corners) for kind, corners, _ in blocks[PART]],
@@ -76,9 +81,9 @@ def read_cloud(path, outline: Outline) -> GivenCloud:
     """A cloud whose boundary is that of a section, to 1e-6 mm.
 
     Quadrilaterals and triangles of any mesh. The data of points ``first_place``, ``support_radius``,
-    ``support_axes`` and those of cells ``basis_order``, ``column`` give the kernels, which otherwise are
-    chosen for the cloud as it is; the data of cells ``part`` tells the parts of a section of several
-    materials apart.
+    ``support_axes`` and those of cells ``basis_order``, ``column``, ``n_gauss`` give the kernels, which
+    otherwise are chosen for the cloud as it is; the data of cells ``part`` tells the parts of a section
+    of several materials apart.
 
     Raises
     ------
@@ -182,14 +187,22 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
 
 
 def _kernels(mesh) -> Kernels:
-    """Basis and pressure of the cells."""
+    """Basis, pressure and integration of the cells."""
     order, column = _of_cells(mesh, BASIS, 1), _of_cells(mesh, COLUMN, None)
     if order.min() != order.max() or order[0] not in BASIS_SIZE:
         raise GeometryError(f"{BASIS} of its cells must be 1 or 2, the same for all")
     size = np.count_nonzero(column == column[0])
     if len(column) % size or np.any(column != np.repeat(column[::size], size)):
         raise GeometryError(f"its cells of one {COLUMN} must follow each other, as many in each")
-    return Kernels(basis_order=int(order[0]), column=int(size))
+    gauss = _of_cells(mesh, GAUSS, 2).reshape(len(order), -1)
+    low, high = GAUSS_POINTS
+    if gauss.shape[1] > 2 or np.any((gauss != gauss[0]) | (gauss < low) | (gauss > high)):
+        raise GeometryError(
+            f"{GAUSS} of its cells must be one number or two from {low} to {high}, the same for all"
+        )
+    return Kernels(
+        basis_order=int(order[0]), column=int(size), n_gauss=in_both_directions(gauss[0])
+    )
 
 
 def _of_cells(mesh, name: str, default) -> np.ndarray:

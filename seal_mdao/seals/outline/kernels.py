@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Kernels:
-    """Kernels, basis and pressure of a cloud.
+    """Kernels, basis, pressure and integration of a cloud.
 
     The defaults are those of a cloud with a spacing: of what was tried the best error per second over
     many sections (page on accuracy).
@@ -19,8 +19,11 @@ class Kernels:
         1 (linear) or 2 (quadratic).
     column : int
         Cells in succession through which the pressure is continuous and linear; 1 for one value each.
+    n_gauss : int, or pair of int
+        Gauss points along both directions of a cell, or along each.
     """
 
     support: float | tuple = 2.2
     basis_order: int = 1
     column: int = 1
+    n_gauss: int | tuple[int, int] = 2

@@ -9,7 +9,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.cloud import OutlineCloud
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Boundary, Outline
-from seal_mdao.seals.wall_grid import SUPPORTS, WallGrid
+from seal_mdao.seals.wall_grid import FUNCTIONS, WallGrid
 
 BACK = 1e-9
 """By how much an angle may fall back along a contour, radians."""
@@ -24,8 +24,7 @@ class Rays(WallGrid):
     centre : pair of float
         Where the rays come from, mm.
     accuracy : str
-        ``"engineering"``: product kernels of 2 edges around and 3.15 across the wall, quadratic basis,
-        pressure through the wall. ``"paper"``: as Kim, Choi, Chen and Park have them.
+        Name of the wall's functions (``wall_grid.FUNCTIONS``).
     """
 
     centre: tuple = (0.0, 0.0)
@@ -34,10 +33,11 @@ class Rays(WallGrid):
     @property
     def kernels(self) -> Kernels:
         """Those of the door seal of this accuracy."""
-        support = self.along_cells(SUPPORTS[self.accuracy])
-        return (
-            Kernels(support) if self.accuracy == "paper" else Kernels(support, 2, self.layers - 1)
-        )
+        own = FUNCTIONS[self.accuracy]
+        return Kernels(
+            self.along_cells(own.support), own.basis_order,
+            self.layers - 1 if own.pressure == "wall" else 1, self.along_cells(own.n_gauss),
+        )  # fmt: skip
 
     def across(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
         """Values (..., n, 2) of all particles from those (..., rays, 2) of the two boundaries."""

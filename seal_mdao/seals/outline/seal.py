@@ -298,6 +298,7 @@ def _body(filled: OutlineCloud, kernels: Kernels, held, edges) -> Body:
     return Body(
         cells, radius, held, edges, drawn=places, hidden=hidden_pairs(cells, places, radius),
         support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
+        n_gauss=kernels.n_gauss,
     )  # fmt: skip
 
 
