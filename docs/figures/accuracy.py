@@ -22,6 +22,7 @@ from seal_mdao.seals.step_choice import (
     force_differences,
     measure_difference,
 )
+from seal_mdao.terms.points import CONTACT_POINTS
 from seal_mdao.verification.error_sources import (
     FUNCTIONS,
     at_travels,
@@ -45,9 +46,9 @@ from seal_mdao.verification.flexure import bend_block
 from seal_mdao.verification.outline_errors import (
     flat_door_seal,
     reaction_error,
-    with_contact_at_edges,
 )
 from seal_mdao.verification.pressed_elements import CORNER, FLAT, GAP
+from seal_mdao.verification.ray_bulb import limit, ray_bulb
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 PRODUCT = (1.8, 2.5)
@@ -77,6 +78,7 @@ def make(out: Path, reduced: bool) -> dict:
         _steps,
         _preset,
         _outline,
+        _rays,
         _files,
     ):
         numbers |= part(out, reduced)
@@ -287,7 +289,7 @@ def _preset(out, reduced) -> dict:
             times[name].append(process_time() - start)
     at = {
         place: percent(worst_error(**ENGINEERING | {"contact_points": place}))
-        for place in ("particles", "edges")
+        for place in CONTACT_POINTS
     }
     clouds = ((58, 4, 1), (58, 4, 2), (116, 4, 1), (116, 4, 2), (116, 5, 2), (174, 5, 2))
     refined = [
@@ -335,7 +337,7 @@ def _outline(out, reduced) -> dict:
             flat_door_seal(spacing, kernels)
             for kernels in (Kernels(1.8), LINEAR, Kernels(3.0), QUADRATIC)
         ]
-        schemes.append(with_contact_at_edges(schemes[-1], {"door": ("seal",)}))
+        schemes.append(flat_door_seal(spacing, QUADRATIC, "edges"))
         found = [percent(reaction_error(scheme)) for scheme in schemes]
         rows.append([f"{spacing:g}", len(schemes[0].drawn_particles), *found])
     head = [
@@ -343,6 +345,24 @@ def _outline(out, reduced) -> dict:
         "the same, at edges",
     ]  # fmt: skip
     return {"outline_table": table(head, rows)}
+
+
+def _rays(out, reduced) -> dict:
+    """Walls on rays: a bulb, and the door seal, touched at the particles or between them."""
+    exact, apart = limit(36, 4) if reduced else limit()
+    rows = []
+    for rays in (24,) if reduced else (24, 36, 48, 72):
+        seals = [ray_bulb(rays, 4, "engineering", points) for points in CONTACT_POINTS]
+        rows.append([rays, *(percent(force_error(forces(seal), exact)) for seal in seals)])
+    gaps = {
+        points: largest_opened_gap(drawn(accuracy="engineering", contact_points=points))
+        for points in CONTACT_POINTS
+    }
+    return {
+        "rays_table": table(["rays", "at the particles", "at the edges"], rows),
+        "rays_apart": percent(apart),
+        **{f"gap_at_{points}": percent(abs(gap / GAP - 1.0)) for points, gap in gaps.items()},
+    }
 
 
 def _files(out, reduced) -> dict:
@@ -361,7 +381,7 @@ def _files(out, reduced) -> dict:
         seal, exact = build_seal(file), fine_forces(file)
         schemes = [with_kernels(seal, kernels) for kernels in (LINEAR, QUADRATIC)]
         if not file.fluids + file.cavities:
-            schemes.append(at_edges(seal, file))
+            schemes.append(build_seal(at_edges(file)))
         found = [percent(force_error(forces(scheme), exact)) for scheme in schemes]
         rows.append([name, len(seal.drawn_particles), *found, *["–"] * (3 - len(found))])
     head = ["file", "particles", "linear, 2.2, as in files", "quadratic, 2.6", "linear, at edges"]

@@ -1,4 +1,4 @@
-"""Particles of a wall on rays, layer by layer across it: numbers, cells and functions."""
+"""Particles of a wall on rays, layer by layer across it: numbers, cells, and schemes for them."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 
-class WallFunctions(NamedTuple):
-    """What carries the displacements and the pressure of a wall, and how it is integrated.
+class WallScheme(NamedTuple):
+    """What carries the displacements and the pressure of a wall, how it is integrated and touched.
 
     Attributes
     ----------
@@ -19,18 +19,21 @@ class WallFunctions(NamedTuple):
         Gauss points of a cell in both directions, or around and across the wall.
     pressure : {"cell", "wall"}
         One value in every cell, or continuous and piecewise linear across the wall.
+    contact_points : {"particles", "edges"}
+        Contact at the particles, or in the middle of every straight edge between two of them.
     """
 
     support: float | tuple[float, float]
     basis_order: int
     n_gauss: int | tuple[int, int]
     pressure: str
+    contact_points: str
 
 
-FUNCTIONS = {
-    "paper": WallFunctions(2.0, 1, 2, "cell"),
-    "engineering": WallFunctions((2.0, 3.15), 2, 2, "wall"),
-    "fine": WallFunctions((1.8, 4.0), 2, (2, 3), "wall"),
+SCHEMES = {
+    "paper": WallScheme(2.0, 1, 2, "cell", "particles"),
+    "engineering": WallScheme((2.0, 3.15), 2, 2, "wall", "edges"),
+    "fine": WallScheme((1.8, 4.0), 2, (2, 3), "wall", "edges"),
 }
 """By the name of the accuracy (page on accuracy)."""
 

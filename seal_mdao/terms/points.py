@@ -7,6 +7,9 @@ import numpy as np
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import PointSet
 
+CONTACT_POINTS = ("particles", "edges")
+"""Where a body may be touched: at its particles, or in the middle of the edges between two of them."""
+
 
 @dataclass(frozen=True, eq=False)
 class MaterialPoints:

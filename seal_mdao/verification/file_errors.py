@@ -12,7 +12,6 @@ from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import analyze
-from seal_mdao.verification.outline_errors import with_contact_at_edges
 
 LINEAR, QUADRATIC = Kernels(), Kernels(2.6, 2)
 """What files have, and what they might have."""
@@ -29,9 +28,10 @@ def with_kernels(seal: OutlineSeal, kernels: Kernels) -> OutlineSeal:
     return replace(seal, body=body, kernels=kernels)
 
 
-def at_edges(seal: OutlineSeal, file: SealFile) -> OutlineSeal:
-    """The seal of a file with contact in the middle of the edges between particles."""
-    return with_contact_at_edges(seal, {own.name: own.contact for own in file.profiles})
+def at_edges(file: SealFile) -> SealFile:
+    """The file with contact in the middle of the sides between particles."""
+    profiles = tuple(replace(profile, contact_points="edges") for profile in file.profiles)
+    return replace(file, profiles=profiles)
 
 
 def refined(file: SealFile) -> OutlineSeal:

@@ -1,11 +1,8 @@
 """Error of the door seal when its section is filled as that of any seal file, by spacing."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from seal_mdao.contact.friction import ContactLaw
-from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.seals.door.section import Section
@@ -18,7 +15,6 @@ from seal_mdao.seals.outline.section import Contour, Outline
 from seal_mdao.seals.outline.segments import Line
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.wall_grid import ray_directions
-from seal_mdao.terms.points import edge_points
 from seal_mdao.verification.error_sources import STEPS
 from seal_mdao.verification.flat_door_reference import reaction_errors
 
@@ -45,34 +41,19 @@ def door_outline() -> Outline:
     )
 
 
-def flat_door_seal(spacing: float, kernels: Kernels | None = None) -> OutlineSeal:
+def flat_door_seal(
+    spacing: float, kernels: Kernels | None = None, contact_points: str = "particles"
+) -> OutlineSeal:
     """The door seal under the flat door with the cloud that a seal file with this spacing gets, and its
-    kernels, or others."""
+    kernels and contact points, or others."""
     end = Section().outer_radius - DEPTH
     motion = straight_motion((0.0, START), (0.0, end), STEPS)
-    contact = EdgeContact("door", ("seal",), FlatDoor(), motion, ContactLaw(1e4, 1e2, 0.25, True))
+    law = ContactLaw(1e4, 1e2, 0.25, True)
+    contact = EdgeContact("door", ("seal",), FlatDoor(), motion, law, "", contact_points)
     return outline_seal(
         *boundaries_of(door_outline(), spacing), MooneyRivlin(), n_steps=STEPS, fixed=("base",),
         contacts=(contact,), kernels=kernels,
     )  # fmt: skip
-
-
-def with_contact_at_edges(seal: OutlineSeal, edges: dict) -> OutlineSeal:
-    """Contact in the middle of the edges between particles in place of the particles.
-
-    Parameters
-    ----------
-    edges : dict
-        Names of the edges that touch a profile, by its label.
-    """
-
-    def moved(term):
-        if not isinstance(term, RigidContact):
-            return term
-        sides = np.concatenate([seal.body.edge(name).sides for name in edges[term.label]])
-        return replace(term, where=edge_points(sides, 1))
-
-    return replace(seal, definitions=tuple(map(moved, seal.definitions)))
 
 
 def reaction_error(seal: OutlineSeal) -> float:

@@ -1,4 +1,4 @@
-"""Rays in a file have kernels, basis, pressure and integration of the door seal of their accuracy."""
+"""Rays in a file have the scheme of the door seal of their accuracy."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.errors import GeometryError, SealFileError
 from seal_mdao.seals.outline.cloud_file import read_cloud, write_cloud
 
@@ -13,19 +14,33 @@ PAPER = (Path(__file__).parents[2] / "examples" / "paper_seal.toml").read_text(e
 RAYS = 'rays = { rays = 58, layers = 3, accuracy = "paper" }'
 
 
-def file_with(folder, rays):
-    assert RAYS in PAPER
+CONTACT = 'contact = ["seal"]'
+AT_EDGES = f'{CONTACT}\ncontact_points = "edges"'
+ENGINEERING = "rays = { rays = 58, layers = 4 }"
+FIXED, STEPS = '[fixed]\nedges = ["base"]\n', "steps = 105\n"
+FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 1.0\n'
+WORK = '[[measure]]\ntype = "profile_work"\n'
+
+
+def file_with(folder, *changes):
+    text = PAPER
+    for old, new in ((RAYS, changes[0]), *changes[1:]):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
     path = folder / "seal.toml"
-    path.write_text(PAPER.replace(RAYS, rays), encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
     return sm.read_seal_file(path)
 
 
-@pytest.mark.parametrize(
-    ("accuracy", "keys"), [("engineering", ""), ("fine", ', accuracy = "fine"')]
-)
-def test_its_path_is_that_of_the_accurate_door_seal(tmp_path, accuracy, keys):
-    seal = sm.build_seal(file_with(tmp_path, f"rays = {{ rays = 58, layers = 4{keys} }}"))
-    door = sm.door_seal(accuracy, rays=58, layers=4, contact_points="particles", n_steps=105)
+@pytest.mark.parametrize("points", [None, "particles"])
+@pytest.mark.parametrize("accuracy", [None, "fine"])
+def test_its_path_is_that_of_the_accurate_door_seal(tmp_path, accuracy, points):
+    own = "" if accuracy is None else f', accuracy = "{accuracy}"'
+    places = CONTACT if points is None else f'{CONTACT}\ncontact_points = "{points}"'
+    rays = f"rays = {{ rays = 58, layers = 4{own} }}"
+    seal = sm.build_seal(file_with(tmp_path, rays, (CONTACT, places)))
+    changes = {} if points is None else {"contact_points": points}
+    door = sm.door_seal(accuracy or "engineering", rays=58, layers=4, n_steps=105, **changes)
     assert np.abs(seal.body.support_axes - door.body.support_axes).max() < 1e-13
     assert (seal.body.basis_order, seal.body.column) == (2, 3)
     assert seal.body.n_gauss == door.body.n_gauss
@@ -46,13 +61,79 @@ def test_too_few_layers_are_refused_when_the_file_is_read(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("changes", "points"),
+    [
+        ([], "edges"),
+        ([(STEPS, STEPS + "rotate = 1.0\n")], "particles"),
+        ([(FIXED, FIXED + FLUID)], "particles"),
+        ([(FIXED, ""), ("start = [0.0, 10.0]", "start = [0.0, 9.5]")], "particles"),
+        ([(CONTACT, f'{CONTACT}\ncontact_points = "particles"')], "particles"),
+    ],
+    ids=["nothing else", "the door turns", "a fluid", "the door holds the seal", "as given"],
+)
+def test_where_the_door_touches_follows_from_what_needs_a_particle(tmp_path, changes, points):
+    (door,) = file_with(tmp_path, ENGINEERING, *changes).profiles
+    assert door.contact_points == points
+
+
+def test_other_clouds_are_touched_at_their_particles_unless_the_file_says_otherwise(tmp_path):
+    (door,) = file_with(tmp_path, RAYS).profiles
+    assert door.contact_points == "particles"
+    (door,) = file_with(tmp_path, "spacing = 0.9").profiles
+    assert door.contact_points == "particles"
+    file = file_with(tmp_path, "spacing = 1.2", (CONTACT, AT_EDGES))
+    (contact,) = (
+        term for term in sm.build_seal(file).definitions if isinstance(term, RigidContact)
+    )
+    assert contact.where.points.anchors.shape[1] == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ([(FIXED, FIXED + FLUID)], r"a \[\[fluid\]\] needs contact at the particles"),
+        (
+            [(STEPS, STEPS + f"rotate = 1.0\n{WORK}")],
+            r"profile_work \(\[\[measure\]\] 1\) of a profile that",
+        ),
+        (
+            [(FIXED, ""), ("start = [0.0, 10.0]", "start = [0.0, 9.5]")],
+            "no profile may touch it at a part",
+        ),
+        ([(AT_EDGES, AT_EDGES.replace("edges", "corners"))], "must be one of particles, edges"),
+    ],
+)
+def test_contact_between_the_particles_is_refused_where_one_is_needed(tmp_path, changes, words):
+    with pytest.raises(SealFileError, match=words):
+        file_with(tmp_path, ENGINEERING, (CONTACT, AT_EDGES), *changes)
+
+
+def test_a_wall_on_rays_needs_no_design(tmp_path):
+    designs = PAPER[PAPER.index("[[design]]") : PAPER.index("[[measure]]")]
+    seal = sm.build_seal(file_with(tmp_path, ENGINEERING, (designs, "")))
+    assert (seal.n_offsets, len(seal.drawn_particles)) == (0, 232)
+
+
+def test_derivatives_with_contact_between_the_particles(tmp_path):
+    file = file_with(tmp_path, ENGINEERING, (STEPS, "steps = 20\n"))
+    result = sm.analyze(sm.build_seal(file), keep_factors=True)
+    direct, adjoint = (sm.differentiate(result, method=way) for way in ("direct", "adjoint"))
+    for name, one in direct.rows.items():
+        assert np.abs(one - adjoint.rows[name]).max() <= 1e-9 * np.abs(one).max()
+
+
+@pytest.mark.parametrize(
     ("name", "change", "match"),
     [
         ("basis_order", lambda values: values + 3, "basis_order"),
         ("basis_order", lambda values: values - np.arange(values.size) % 2, "basis_order"),
         ("column", lambda values: values % 5, "column"),
         ("n_gauss", lambda values: values - 1, "n_gauss .* from 2 to 10"),
-        ("n_gauss", lambda values: values + np.arange(len(values))[:, None] % 2, "the same for all"),
+        (
+            "n_gauss",
+            lambda values: values + np.arange(len(values))[:, None] % 2,
+            "the same for all",
+        ),
     ],
 )
 def test_cells_that_make_no_columns_are_refused(tmp_path, name, change, match):

@@ -42,7 +42,7 @@ def test_half_the_spacing_has_more_than_three_times_the_particles():
 def test_contact_at_edges_is_halfway_between_particles():
     file, seal = example("lip")
     (here,) = (t for t in seal.definitions if isinstance(t, RigidContact))
-    (moved,) = (t for t in at_edges(seal, file).definitions if isinstance(t, RigidContact))
+    (moved,) = (t for t in build_seal(at_edges(file)).definitions if isinstance(t, RigidContact))
     x = seal.drawn_particles
     own, middle = here.where.points.at(x), moved.where.points.at(x)
     nearest = np.sort(np.hypot(*(middle[:, None] - own).T), axis=0)[:2]
@@ -69,4 +69,6 @@ def test_both_bases_converge_and_the_linear_one_has_the_smaller_error(name):
 def test_contact_at_edges_misses_the_tip_of_a_lip():
     file, seal = example("lip")
     exact = fine_forces(file)
-    assert force_error(forces(at_edges(seal, file)), exact) > 2.0 * force_error(forces(seal), exact)
+    assert force_error(forces(build_seal(at_edges(file))), exact) > 2.0 * force_error(
+        forces(seal), exact
+    )

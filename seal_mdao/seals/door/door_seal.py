@@ -26,14 +26,13 @@ from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
 from seal_mdao.seals.door.splines import BoundarySplines, design_velocity
 from seal_mdao.seals.seal import Seal
 from seal_mdao.seals.step_choice import choose_steps
-from seal_mdao.seals.wall_grid import FUNCTIONS
+from seal_mdao.seals.wall_grid import SCHEMES
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
+from seal_mdao.terms.points import CONTACT_POINTS, MaterialPoints, boundary_particles, edge_points
 from seal_mdao.terms.term import Scalar
 
 DOORS = ("corner", "flat")
 PRESSURES = ("cell", "wall")
-CONTACT_POINTS = ("particles", "edges")
 BASE_RAYS = 58
 OFFSET_BOUND = 0.5
 
@@ -159,7 +158,7 @@ class DoorSeal(Seal):
     rays: int = BASE_RAYS
     layers: int = 3
     refinement: int = 1
-    support: float | tuple[float, float] = FUNCTIONS["paper"].support
+    support: float | tuple[float, float] = SCHEMES["paper"].support
     basis_order: int = 1
     n_gauss: int | tuple[int, int] = 2
     pressure: str = "cell"
@@ -522,12 +521,11 @@ class DoorSeal(Seal):
 ACCURACIES = {
     "paper": {},
     "engineering": {
-        "layers": 4, **FUNCTIONS["engineering"]._asdict(), "contact_points": "edges", "n_steps": 20,
-        "solver": "banded",
+        "layers": 4, **SCHEMES["engineering"]._asdict(), "n_steps": 20, "solver": "banded",
     },
     "fine": {
-        "rays": 2 * BASE_RAYS, "layers": 5, **FUNCTIONS["fine"]._asdict(), "contact_points": "edges",
-        "n_steps": 42, "solver": "banded",
+        "rays": 2 * BASE_RAYS, "layers": 5, **SCHEMES["fine"]._asdict(), "n_steps": 42,
+        "solver": "banded",
     },
 }  # fmt: skip
 """Attributes of ``DoorSeal`` that decide the discretisation, by the name of the accuracy."""

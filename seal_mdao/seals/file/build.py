@@ -189,7 +189,7 @@ def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:
     placed = replace(profile, start=_clear_start(profile, file.section.outline))
     return EdgeContact(
         profile.name, edges, GivenShape(rigid_profile_of(profile)),
-        motion_of(placed, file.n_steps), law, f"{profile.name}_",
+        motion_of(placed, file.n_steps), law, f"{profile.name}_", profile.contact_points,
     )  # fmt: skip
 
 

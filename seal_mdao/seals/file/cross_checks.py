@@ -4,6 +4,7 @@ import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.checks import known
+from seal_mdao.seals.file.contact_points import check_contact_points
 from seal_mdao.seals.file.edges import check_edges, contour_of
 from seal_mdao.seals.file.fluid_checks import check_fluids
 from seal_mdao.seals.file.names import check_names
@@ -40,6 +41,7 @@ def check(file: SealFile) -> None:
     _check_measures(file)
     _check_steps(file)
     check_fluids(file)
+    check_contact_points(file)
     check_names(file)
     gaps = []
     for number, profile in enumerate(file.profiles, 1):
@@ -124,7 +126,11 @@ def _check_bodies_held(file, gaps):
         names = {name for contour in contours for name in contour.edge_names}
         if names & set(file.fixed.edges):
             continue
-        own = [gap for gap, p in zip(gaps, file.profiles, strict=True) if names & set(p.contact)]
+        own = [
+            gap
+            for gap, profile in zip(gaps, file.profiles, strict=True)
+            if names & set(profile.contact) and profile.contact_points == "particles"
+        ]
         if min(own, default=np.inf) <= TOUCHING * outline.size:
             continue
         what = (
@@ -134,7 +140,9 @@ def _check_bodies_held(file, gaps):
         )
         missing = "[fixed] has no edge of it" if file.fixed.edges else "[fixed] is missing"
         nearest = (
-            f"the nearest one is {min(own):.3g} mm away " if own else "no profile may touch it "
+            f"the nearest one is {min(own):.3g} mm away "
+            if own
+            else "no profile may touch it at a particle "
         )
         raise SealFileError(
             f"{missing}, so profiles have to hold {what}, but none touches it at the start: {nearest}"

@@ -68,6 +68,8 @@ def write_design(
     if file.step_tolerance is not None:
         write_steps(given, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
+    for own, profile in zip(given["profile"], file.profiles, strict=True):
+        own["contact_points"] = profile.contact_points
     text = HEAD.format(name=file.path.name) + writer.dumps(given)
     paths[0].write_text(text, encoding="utf-8")
     return paths

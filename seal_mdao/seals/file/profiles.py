@@ -12,6 +12,7 @@ from seal_mdao.seals.file.checks import (
     NAMES,
     Key,
     number,
+    one_of,
     point,
     table,
     tables,
@@ -22,6 +23,7 @@ from seal_mdao.seals.file.tables import ProfileTable
 from seal_mdao.seals.outline.chain import checked_chain
 from seal_mdao.seals.outline.crossings import check_simple
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Line, Spline
+from seal_mdao.terms.points import CONTACT_POINTS
 
 MOST_FRICTION, MOST_PENALTY, MOST_TURN = 10.0, 1e12, 3600.0
 """Coefficient, kPa/mm, degrees."""
@@ -41,6 +43,7 @@ PROFILE_KEYS = {
     "pivot": Key(PLACE, (0.0, 0.0)),
     "normal_penalty": Key(number(above=0.0, most=MOST_PENALTY), NORMAL_PENALTY),
     "tangent_penalty": Key(number(above=0.0, most=MOST_PENALTY), TANGENT_PENALTY),
+    "contact_points": Key(one_of(*CONTACT_POINTS), None),
     "stage": Key(LIST, None),
 }
 STAGE_KEYS = {
@@ -51,7 +54,7 @@ STAGE_KEYS = {
 
 
 def read_profile(position: int, given: dict) -> ProfileTable:
-    """The ``position``-th profile of a file.
+    """The ``position``-th profile of a file; what it leaves open is None.
 
     Raises
     ------
@@ -70,7 +73,7 @@ def read_profile(position: int, given: dict) -> ProfileTable:
     return ProfileTable(
         values["name"], segments, closed, values["contact"], values["friction"],
         values["normal_penalty"], values["tangent_penalty"], values["start"], values["angle"],
-        values["pivot"], _stages(where, values["stage"]),
+        values["pivot"], _stages(where, values["stage"]), values["contact_points"],
     )  # fmt: skip
 
 

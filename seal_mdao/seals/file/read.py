@@ -20,6 +20,7 @@ from seal_mdao.seals.file.checks import (
     tables,
     whole,
 )
+from seal_mdao.seals.file.contact_points import with_contact_points
 from seal_mdao.seals.file.cross_checks import check
 from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.load_steps import MOST_STEPS, read_steps
@@ -144,18 +145,22 @@ def _read(given, path) -> SealFile:
     optimize = None
     if "optimize" in given:
         optimize, measures = read_optimize(given["optimize"], measures, profiles)
+    materials = _materials(given["material"], path.parent)
+    section = read_section(given["section"], path.parent)
+    fixed = FixedTable()
+    if "fixed" in given:
+        fixed = FixedTable(**table("[fixed]", given["fixed"], FIXED_KEYS))
+    fluids = tuple(_fluid(i, one) for i, one in enumerate(_optional(given, "fluid"), 1))
     file = SealFile(
         path,
-        _materials(given["material"], path.parent),
-        read_section(given["section"], path.parent),
-        FixedTable(**table("[fixed]", given["fixed"], FIXED_KEYS))
-        if "fixed" in given
-        else FixedTable(),
+        materials,
+        section,
+        fixed,
         tuple(
             SymmetryTable(**table(f"[[symmetry]] {i}", one, SYMMETRY_KEYS))
             for i, one in enumerate(_optional(given, "symmetry"), 1)
         ),
-        profiles,
+        with_contact_points(profiles, section, fixed, fluids),
         tuple(
             DesignTable(**table(f"[[design]] {i}", one, DESIGN_KEYS))
             for i, one in enumerate(_optional(given, "design"), 1)
@@ -169,7 +174,7 @@ def _read(given, path) -> SealFile:
         SelfContactTable(**table("[self_contact]", given["self_contact"], SELF_CONTACT_KEYS))
         if "self_contact" in given
         else None,
-        tuple(_fluid(i, one) for i, one in enumerate(_optional(given, "fluid"), 1)),
+        fluids,
         step_tolerance,
     )
     check(file)

@@ -24,9 +24,9 @@ from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Contour, Outline
-from seal_mdao.seals.wall_grid import FUNCTIONS
+from seal_mdao.seals.wall_grid import SCHEMES
 
-LEAST_LAYERS = {name: own.basis_order + 1 for name, own in FUNCTIONS.items()}
+LEAST_LAYERS = {name: own.basis_order + 1 for name, own in SCHEMES.items()}
 """Of particles across a wall, by the name of the accuracy."""
 RAY_KEYS = {
     "rays": Key(whole(8, 100_000)),

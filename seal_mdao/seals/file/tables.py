@@ -98,6 +98,8 @@ class ProfileTable:
         Centre of rotation in the profile's own frame, mm.
     stages : tuple of Stage
         Empty for one that stands still.
+    contact_points : {"particles", "edges"}
+        Where the edges may be touched, as of ``EdgeContact``.
     """
 
     name: str
@@ -111,6 +113,7 @@ class ProfileTable:
     angle: float
     pivot: tuple
     stages: tuple[Stage, ...]
+    contact_points: str | None = None
 
     @property
     def n_steps(self) -> int:

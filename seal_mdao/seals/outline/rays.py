@@ -9,7 +9,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.cloud import OutlineCloud
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Boundary, Outline
-from seal_mdao.seals.wall_grid import FUNCTIONS, WallGrid
+from seal_mdao.seals.wall_grid import SCHEMES, WallGrid
 
 BACK = 1e-9
 """By how much an angle may fall back along a contour, radians."""
@@ -24,7 +24,7 @@ class Rays(WallGrid):
     centre : pair of float
         Where the rays come from, mm.
     accuracy : str
-        Name of the wall's functions (``wall_grid.FUNCTIONS``).
+        Name of the wall's scheme (``wall_grid.SCHEMES``); its contact points are the caller's to choose.
     """
 
     centre: tuple = (0.0, 0.0)
@@ -33,7 +33,7 @@ class Rays(WallGrid):
     @property
     def kernels(self) -> Kernels:
         """Those of the door seal of this accuracy."""
-        own = FUNCTIONS[self.accuracy]
+        own = SCHEMES[self.accuracy]
         return Kernels(
             self.along_cells(own.support), own.basis_order,
             self.layers - 1 if own.pressure == "wall" else 1, self.along_cells(own.n_gauss),
@@ -43,7 +43,7 @@ class Rays(WallGrid):
         """Values (..., n, 2) of all particles from those (..., rays, 2) of the two boundaries."""
         t = self.fractions[:, None]
         values = inner[..., None, :] * (1.0 - t) + outer[..., None, :] * t
-        return values.reshape(*values.shape[:-3], -1, 2)
+        return values.reshape(*values.shape[:-3], self.rays * self.layers, 2)
 
 
 def ray_boundaries(outline: Outline, rays: Rays) -> list:

@@ -24,7 +24,7 @@ from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.self_touch import SelfTouch
 from seal_mdao.structure.elastic_body import ElasticBody, Region
-from seal_mdao.terms.points import MaterialPoints, boundary_particles
+from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 
 
 class EdgeContact(NamedTuple):
@@ -39,6 +39,9 @@ class EdgeContact(NamedTuple):
     law : ContactLaw
     prefix : str
         Put before the names of its parameters.
+    contact_points : {"particles", "edges"}
+        Where the edges may be touched: at the movable particles, or in the middle of every straight side
+        between two particles.
     """
 
     label: str
@@ -47,10 +50,13 @@ class EdgeContact(NamedTuple):
     motion: Motion
     law: ContactLaw
     prefix: str = ""
+    contact_points: str = "particles"
 
     def on(self, body: Body) -> RigidContact:
         """The contact term."""
-        where = points_on(body, self.edges)
+        sides = np.concatenate([body.edge(name).sides for name in self.edges])
+        at_edges = self.contact_points == "edges"
+        where = edge_points(sides, 1) if at_edges else points_on(body, sides)
         return RigidContact(self.label, where, self.shape, self.motion, self.law, self.prefix)
 
 
@@ -246,9 +252,8 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     )
 
 
-def points_on(body: Body, names) -> MaterialPoints:
-    """The movable particles of several edges, with half the length of the sides at each."""
-    sides = np.concatenate([body.edge(name).sides for name in names])
+def points_on(body: Body, sides) -> MaterialPoints:
+    """The movable particles of sides (m, 2) of the boundary, with half the length of those at each."""
     which = np.array(list(dict.fromkeys(sides.ravel().tolist())), int)
     neighbours = np.column_stack([np.arange(body.n_particles)] * 2)
     neighbours[sides[:, 1], 0] = sides[:, 0]

@@ -1,0 +1,55 @@
+"""Where profiles touch the section of a seal file: at its particles, or in the middle between them."""
+
+from dataclasses import replace
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.tables import FixedTable, ProfileTable, SealFile, SectionTable
+from seal_mdao.seals.outline.rays import Rays
+from seal_mdao.seals.wall_grid import SCHEMES
+
+
+def with_contact_points(profiles, section: SectionTable, fixed: FixedTable, fluids) -> tuple:
+    """The profiles with contact points, where the file leaves them open.
+
+    On rays those of their scheme, unless something needs a particle where a profile touches: a fluid, a
+    body that only profiles hold, the work of a profile that turns. Else the particles, which are at the
+    corners of the section.
+    """
+    chosen = "particles"
+    if isinstance(section.spacing, Rays) and fixed.edges and not fluids:
+        chosen = SCHEMES[section.spacing.accuracy].contact_points
+    return tuple(
+        replace(profile, contact_points="particles" if _turns(profile) else chosen)
+        if profile.contact_points is None
+        else profile
+        for profile in profiles
+    )
+
+
+def check_contact_points(file: SealFile) -> None:
+    """Refuse contact between the particles where something needs one at the contact.
+
+    Raises
+    ------
+    SealFileError
+        With the first contradiction.
+    """
+    for number, profile in enumerate(file.profiles, 1):
+        if profile.contact_points == "particles":
+            continue
+        where = f'[[profile]] {number} ({profile.name!r}): contact_points = "edges"'
+        if file.fluids:
+            raise SealFileError(
+                f"{where}, but a [[fluid]] needs contact at the particles; leave contact_points out"
+            )
+        for place, measure in enumerate(file.measures, 1):
+            of = measure.arguments.get("profile")
+            if measure.type == "profile_work" and of == profile.name and _turns(profile):
+                raise SealFileError(
+                    f"{where}, but the profile_work ([[measure]] {place}) of a profile that turns needs "
+                    "contact at the particles; leave contact_points or the measure out"
+                )
+
+
+def _turns(profile: ProfileTable) -> bool:
+    return any(stage.rotate for stage in profile.stages)

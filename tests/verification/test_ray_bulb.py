@@ -1,0 +1,23 @@
+"""Walls on rays have the smaller error where they are touched between their particles."""
+
+import pytest
+
+from seal_mdao.terms.points import CONTACT_POINTS
+from seal_mdao.verification.file_errors import force_error, forces
+from seal_mdao.verification.ray_bulb import limit, ray_bulb
+
+
+@pytest.mark.long
+def test_contact_between_the_particles_has_the_smaller_error(figure):
+    exact, apart = limit()
+    errors = {
+        points: [
+            force_error(forces(ray_bulb(rays, 4, "engineering", points)), exact)
+            for rays in (24, 36, 48, 72)
+        ]
+        for points in CONTACT_POINTS
+    }
+    figure("bulb on rays: contact of both kinds on the finest wall", apart, 2e-3)
+    assert all(a < b for a, b in zip(errors["edges"], errors["particles"], strict=True))
+    for found in errors.values():
+        assert found == sorted(found, reverse=True)
