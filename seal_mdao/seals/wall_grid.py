@@ -80,6 +80,10 @@ class WallGrid:
         corners = [(ray, layer), (ray, layer + 1), (ray + 1, layer + 1), (ray + 1, layer)]
         return np.column_stack([self.particle(r, k) for r, k in corners])
 
+    def column(self, pressure: str) -> int:
+        """Cells in succession through which a ``WallScheme.pressure`` is continuous."""
+        return self.layers - 1 if pressure == "wall" else 1
+
     @staticmethod
     def along_cells(pair):
         """Of one number for both directions nothing changes; of two, around and across the wall, the

@@ -12,8 +12,6 @@ from seal_mdao.seals.outline.cloud_file import read_cloud, write_cloud
 
 PAPER = (Path(__file__).parents[2] / "examples" / "paper_seal.toml").read_text(encoding="utf-8")
 RAYS = 'rays = { rays = 58, layers = 3, accuracy = "paper" }'
-
-
 CONTACT = 'contact = ["seal"]'
 AT_EDGES = f'{CONTACT}\ncontact_points = "edges"'
 ENGINEERING = "rays = { rays = 58, layers = 4 }"
@@ -22,9 +20,9 @@ FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 1.0\n'
 WORK = '[[measure]]\ntype = "profile_work"\n'
 
 
-def file_with(folder, *changes):
+def file_with(folder, rays, *changes):
     text = PAPER
-    for old, new in ((RAYS, changes[0]), *changes[1:]):
+    for old, new in ((RAYS, rays), *changes):
         assert text.count(old) == 1
         text = text.replace(old, new)
     path = folder / "seal.toml"
@@ -136,7 +134,7 @@ def test_derivatives_with_contact_between_the_particles(tmp_path):
         ),
     ],
 )
-def test_cells_that_make_no_columns_are_refused(tmp_path, name, change, match):
+def test_cells_without_common_kernels_are_refused(tmp_path, name, change, match):
     meshio = pytest.importorskip("meshio")
     file = file_with(tmp_path, 'rays = { rays = 58, layers = 4, accuracy = "fine" }')
     seal = sm.build_seal(file)

@@ -404,7 +404,7 @@ class DoorSeal(Seal):
             basis_order=self.basis_order,
             n_gauss=grid.along_cells(self.n_gauss),
             solver=self.solver,
-            column=self.layers - 1 if self.pressure == "wall" else 1,
+            column=grid.column(self.pressure),
         )
 
     @property

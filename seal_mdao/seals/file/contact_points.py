@@ -26,29 +26,33 @@ def with_contact_points(profiles, section: SectionTable, fixed: FixedTable, flui
     )
 
 
-def check_contact_points(file: SealFile) -> None:
+def check_contact_points(where: str, profile: ProfileTable, file: SealFile) -> None:
     """Refuse contact between the particles where something needs one at the contact.
+
+    Parameters
+    ----------
+    where : str
+        The profile's place in the file.
 
     Raises
     ------
     SealFileError
-        With the first contradiction.
     """
-    for number, profile in enumerate(file.profiles, 1):
-        if profile.contact_points == "particles":
-            continue
-        where = f'[[profile]] {number} ({profile.name!r}): contact_points = "edges"'
-        if file.fluids:
+    if profile.contact_points == "particles":
+        return
+    if file.fluids:
+        raise SealFileError(
+            f'{where}: contact_points = "edges", but a [[fluid]] needs contact at the particles; leave '
+            "contact_points out"
+        )
+    for number, measure in enumerate(file.measures, 1):
+        of = measure.arguments.get("profile")
+        if measure.type == "profile_work" and of == profile.name and _turns(profile):
             raise SealFileError(
-                f"{where}, but a [[fluid]] needs contact at the particles; leave contact_points out"
+                f'{where}: contact_points = "edges", but the profile_work ([[measure]] {number}) of a '
+                "profile that turns needs contact at the particles; leave contact_points or the measure "
+                "out"
             )
-        for place, measure in enumerate(file.measures, 1):
-            of = measure.arguments.get("profile")
-            if measure.type == "profile_work" and of == profile.name and _turns(profile):
-                raise SealFileError(
-                    f"{where}, but the profile_work ([[measure]] {place}) of a profile that turns needs "
-                    "contact at the particles; leave contact_points or the measure out"
-                )
 
 
 def _turns(profile: ProfileTable) -> bool:

@@ -41,12 +41,12 @@ def check(file: SealFile) -> None:
     _check_measures(file)
     _check_steps(file)
     check_fluids(file)
-    check_contact_points(file)
     check_names(file)
     gaps = []
     for number, profile in enumerate(file.profiles, 1):
         where = f"[[profile]] {number} ({profile.name!r})"
         _check_contact(where, profile, file)
+        check_contact_points(where, profile, file)
         gaps.append(_check_start(where, profile, file))
     _check_bodies_held(file, gaps)
 

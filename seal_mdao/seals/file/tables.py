@@ -98,8 +98,8 @@ class ProfileTable:
         Centre of rotation in the profile's own frame, mm.
     stages : tuple of Stage
         Empty for one that stands still.
-    contact_points : {"particles", "edges"}
-        Where the edges may be touched, as of ``EdgeContact``.
+    contact_points : {"particles", "edges"} or None
+        Where the edges may be touched, as of ``EdgeContact``; None until the whole file is known.
     """
 
     name: str
@@ -113,7 +113,7 @@ class ProfileTable:
     angle: float
     pivot: tuple
     stages: tuple[Stage, ...]
-    contact_points: str | None = None
+    contact_points: str | None
 
     @property
     def n_steps(self) -> int:

@@ -35,8 +35,8 @@ class Rays(WallGrid):
         """Those of the door seal of this accuracy."""
         own = SCHEMES[self.accuracy]
         return Kernels(
-            self.along_cells(own.support), own.basis_order,
-            self.layers - 1 if own.pressure == "wall" else 1, self.along_cells(own.n_gauss),
+            self.along_cells(own.support), own.basis_order, self.column(own.pressure),
+            self.along_cells(own.n_gauss),
         )  # fmt: skip
 
     def across(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
