@@ -22,7 +22,7 @@ from _seal_file import file_errors, file_of, seal_of
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.export.tables import write_boundary
-from seal_mdao.file_optimization import STEP_ENDS, file_problem, on_new_cloud, problem_settings
+from seal_mdao.file_optimization import CHOSEN, file_problem, on_new_cloud, problem_settings
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.plotting.recorded import RecordedOptimization, label, read_optimization, unit_of
@@ -36,11 +36,11 @@ from seal_mdao.seals.result import frozen_measures
 
 def main(arguments) -> int:
     file = file_of(arguments.file)
-    optimizer, step_ends = arguments.optimizer, None
+    optimizer, chosen = arguments.optimizer, None
     if arguments.restart:
         arguments.restart = arguments.out / CASES
-        optimizer, step_ends = continued(arguments.restart, file, arguments)
-    seal = seal_of(file, step_ends)
+        optimizer, chosen = continued(arguments.restart, file, arguments)
+    seal = seal_of(file, chosen)
     cases = recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
@@ -78,8 +78,8 @@ def main(arguments) -> int:
     return 0 if numbers["success"] else 1
 
 
-def continued(cases: Path, file, arguments) -> tuple[str, list | None]:
-    """Optimiser and chosen load steps of the run to continue, when its file is that of this seal file.
+def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
+    """Optimiser, chosen load steps and penalties of the run to continue, when its file is that of this seal file.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def continued(cases: Path, file, arguments) -> tuple[str, list | None]:
         raise WrongArgumentError(f"--restart: there is no {cases} to continue")
     with checked_arguments():
         recorded = recorded_settings(open_cases(cases))
-    step_ends = recorded.pop(STEP_ENDS, None)
+    chosen = recorded.pop(CHOSEN, None)
     if recorded != problem_settings(file):
         raise WrongArgumentError(
             f"--restart: {cases} was recorded with another seal file than {arguments.file} is now; a "
@@ -101,7 +101,7 @@ def continued(cases: Path, file, arguments) -> tuple[str, list | None]:
             f"--optimizer {arguments.optimizer}: {cases} was recorded with {optimizer}; a run is "
             "continued with its own, so leave this argument out"
         )
-    return optimizer, step_ends
+    return optimizer, chosen
 
 
 def status(numbers: dict) -> str:

@@ -12,15 +12,15 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
 from seal_mdao.seals.file.build import build_seal
-from seal_mdao.seals.file.load_steps import chosen_ends
+from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 
 TAKEN = ("boundary_offsets", "particles", "area")
 """Names of a ``SealGroup`` that no measure can have."""
-STEP_ENDS = "step_ends"
-"""What a recorder file calls load steps that were chosen, as ``build_seal`` takes them."""
+CHOSEN = "chosen"
+"""What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
 
 
 def file_problem(
@@ -86,7 +86,7 @@ def file_problem(
     size = OBJECTIVE_REF * abs(float(start[file.optimize.minimize][0]))
     group.add_objective(file.optimize.minimize, ref=size or 1.0)
     _add_constraints(group, file, start)
-    chosen = {} if file.step_tolerance is None else {STEP_ENDS: chosen_ends(seal)}
+    chosen = {CHOSEN: chosen_for(file, seal)} if file.leaves_open else {}
     set_up(problem, problem_settings(file) | chosen, recorder)
     return problem
 

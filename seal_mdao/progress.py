@@ -18,7 +18,8 @@ class LoadStepProgress:
     """A tqdm bar that counts load steps; hand it to ``analyze`` or ``SealGroup`` as ``callback``.
 
     The bar starts again with every new analysis and numbers them. It shows on a terminal and in
-    Jupyter, and stays silent elsewhere.
+    Jupyter. Elsewhere it is silent, but for a line for every analysis that is announced by
+    ``begin_analysis``.
 
     Parameters
     ----------
@@ -53,6 +54,12 @@ class LoadStepProgress:
             self._bar.set_postfix_str("", refresh=False)
         self._last = step.nominal
         self._bar.update(step.nominal + 1 - self._bar.n)
+
+    def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
+        """Announce an analysis of a row that has at least ``of`` of them, in ``n_steps`` load steps."""
+        self._of, self._bar.total = f" of {of}", n_steps
+        if self._bar.disable:
+            print(f"{self._label}, {number} of {of} ...", file=sys.stderr, flush=True)
 
     def damped(self, iteration: int, residual: float) -> None:
         """Note an iteration of damped motion, which may take thousands of them within a step."""

@@ -5,6 +5,14 @@ from pathlib import Path
 from time import process_time
 
 import numpy as np
+from seal_mdao.seals.step_choice import (
+    FINER,
+    TOLERANCE,
+    choose_steps,
+    divided,
+    force_differences,
+    measure_difference,
+)
 
 from figures.tables import percent, table
 from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplots
@@ -14,14 +22,6 @@ from seal_mdao.seals.file.load_steps import FIRST, one_step_each
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.result import analyze
-from seal_mdao.seals.step_choice import (
-    FINER,
-    TOLERANCE,
-    choose_steps,
-    divided,
-    force_differences,
-    measure_difference,
-)
 from seal_mdao.terms.points import CONTACT_POINTS
 from seal_mdao.verification.error_sources import (
     FUNCTIONS,

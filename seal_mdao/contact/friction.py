@@ -40,24 +40,44 @@ FORCE_X, FORCE_Y, XI, SIZE, CARRIED, GAP = range(6)
 
 
 class ContactLaw(NamedTuple):
-    """Penalties (stress per length), friction coefficient, history rule."""
+    """Penalties (stress per length), friction coefficient, history rule.
 
-    normal_penalty: float
-    tangent_penalty: float
-    friction: float
-    accumulated: bool
+    A penalty that is None follows from the body when the contact becomes part of a seal
+    (``contact.default_penalties``).
+    """
+
+    normal_penalty: float | None = None
+    tangent_penalty: float | None = None
+    friction: float = 0.0
+    accumulated: bool = True
+
+    @property
+    def open_penalties(self) -> tuple:
+        """Names of the penalties that are None."""
+        return tuple(
+            name for name in ("normal_penalty", "tangent_penalty") if getattr(self, name) is None
+        )
 
     def check(self, label: str) -> None:
-        """Refuse a law that is none; ``label`` is what has it.
+        """Validate the law of the contact ``label``.
 
         Raises
         ------
         ValueError
             For a penalty that is not positive, a negative friction coefficient, or what is no number.
         """
-        values.real(f"normal_penalty of {label!r}", self.normal_penalty, above=0.0)
-        values.real(f"tangent_penalty of {label!r}", self.tangent_penalty, above=0.0)
+        for name in ("normal_penalty", "tangent_penalty"):
+            if name not in self.open_penalties:
+                values.real(f"{name} of {label!r}", getattr(self, name), above=0.0)
         values.real(f"friction of {label!r}", self.friction, 0.0)
+
+    def require_penalties(self, label: str) -> None:
+        """Raise ValueError for a penalty that is None; ``label`` is the contact's."""
+        if self.open_penalties:
+            raise ValueError(
+                f"{self.open_penalties[0]} of {label!r} is open: give it, or make the contact a term of "
+                "a seal, which chooses it"
+            )
 
     def potential(self, gap: np.ndarray, length: np.ndarray) -> float:
         """Energy of the normal penalty at points with gaps (k,) that stand for ``length`` (k,), mJ/m."""

@@ -104,6 +104,7 @@ class RigidContact(TermDefinition):
 
     def on(self, discretization, place) -> "ContactTerm":
         """The term on one design."""
+        self.law.require_penalties(self.label)
         return ContactTerm(self, discretization, place)
 
 

@@ -144,6 +144,7 @@ class SelfContact(TermDefinition):
 
     def on(self, discretization, place) -> "SelfContactTerm":
         """The term on one design."""
+        self.law.require_penalties(self.label)
         return SelfContactTerm(self, discretization, place)
 
 

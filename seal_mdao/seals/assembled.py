@@ -8,6 +8,7 @@ import numpy as np
 from seal_mdao import values
 from seal_mdao.analysis.body import Body
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.contact.default_penalties import completed
 from seal_mdao.measures.shape import cells_area
 from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.seal import Seal
@@ -74,6 +75,7 @@ class AssembledSeal(Seal):
                 f"design_velocity must have shape (P, {shape[0]}, 2), got "
                 f"{np.shape(self.design_velocity)}"
             )
+        self._complete()
         labels = [definition.label for definition in self.definitions]
         if len(set(labels)) < len(labels):
             raise ValueError(f"labels of terms repeat: {labels}")
@@ -82,6 +84,12 @@ class AssembledSeal(Seal):
             raise ValueError(
                 f"no term has the input {unknown[0]!r}; known are {', '.join(self.scalars)}"
             )
+
+    def _complete(self) -> None:
+        """Give contacts with open penalties those that follow from the body."""
+        elastic, *rest = self.definitions
+        rest = (completed(own, elastic, self.body, self.drawn_particles) for own in rest)
+        object.__setattr__(self, "definitions", (elastic, *rest))
 
     @cached_property
     def scalars(self) -> dict:

@@ -1,7 +1,7 @@
 """A seal analysed: from design parameters to the path and its measures, without OpenMDAO."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,7 +15,7 @@ from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
-from seal_mdao.seals import profiles
+from seal_mdao.seals import penalty_error, profiles
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.instabilities import Instability, instabilities, stage_travel
 from seal_mdao.seals.seal import Seal
@@ -78,7 +78,25 @@ class SealResult:
 
         Nothing of it for a path that was not completed.
         """
-        return tuple(found.text for found in findings(self.path)) if self.converged else ()
+        if not self.converged:
+            return ()
+        return (*(found.text for found in findings(self.path)), *penalty_error.warnings_of(self))
+
+    @cached_property
+    def penalty_error(self) -> dict:
+        """Estimated errors by the contact penalties, ``PenaltyError`` by the name of the measure: the
+        standard measures and the force on every profile at the end of the path.
+
+        Derivatives of the end of the path; with the factors that were kept, a small part of its time.
+        """
+        self.require_converged()
+        return penalty_error.penalty_errors(self)
+
+    def up_to_each_step(self):
+        """Results that end with each of the nominal steps, in order."""
+        for place, step in enumerate(self.path.steps, 1):
+            if step.nominal >= 0:
+                yield replace(self, path=replace(self.path, steps=self.path.steps[:place]))
 
     @cached_property
     def critical_points(self) -> tuple[Instability, ...]:

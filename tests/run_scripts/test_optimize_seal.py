@@ -9,7 +9,7 @@ from coarse_seal import OPEN, written
 from shapely import LinearRing, Point
 
 import seal_mdao as sm
-from seal_mdao.seals.file.load_steps import chosen_ends
+from seal_mdao.seals.file.chosen import chosen_for
 
 FIGURES = ("designs", "start", "optimum")
 
@@ -127,17 +127,18 @@ def test_a_continued_run_has_the_load_steps_that_were_chosen(
     run_script("optimize_seal", tmp_path, path, "--max-iterations", 1)
     assert "load steps, chosen within" in capsys.readouterr().out
 
-    def refusing(*_):
+    def refusing(*_, **__):
         raise AssertionError("load steps are chosen again")
 
-    monkeypatch.setattr("seal_mdao.seals.file.build.choose_steps", refusing)
+    monkeypatch.setattr("seal_mdao.seals.file.build.choose", refusing)
     _, s = run_script("optimize_seal", tmp_path, path, "--restart", "--max-iterations", 2)
     assert s["iterations"] == 2
     best = sm.build_seal(sm.read_seal_file(tmp_path / "optimum.toml"))
     offsets = np.array(s["boundary_offsets"])
     monkeypatch.undo()
-    drawn = sm.build_seal(sm.read_seal_file(path))
-    assert chosen_ends(best) == chosen_ends(drawn)
+    file = sm.read_seal_file(path)
+    drawn = sm.build_seal(file)
+    assert chosen_for(file, best) == chosen_for(file, drawn)
     (reaction,) = drawn.measures(("reaction",))
     assert sm.analyze(best).value(reaction) == pytest.approx(
         sm.analyze(drawn, offsets).value(reaction), rel=1e-6
@@ -146,7 +147,7 @@ def test_a_continued_run_has_the_load_steps_that_were_chosen(
 
 @pytest.mark.long
 def test_optimum_is_written_where_no_new_cloud_fits_it(tmp_path, run_script, monkeypatch, capsys):
-    def refusing(*_):
+    def refusing(*_, **__):
         raise sm.SealFileError("optimum.toml: the mesher divides the boundary")
 
     import_module("optimize_seal")

@@ -1,4 +1,4 @@
-"""Load steps that a seal file leaves open: chosen once, then part of the seal."""
+"""Load steps and penalties that a seal file leaves open: chosen once, then part of the seal."""
 
 import re
 from dataclasses import replace
@@ -9,10 +9,11 @@ from test_build import COARSE, read
 
 import seal_mdao as sm
 from seal_mdao.analysis.result import ConvergedStep, Status
+from seal_mdao.seals.choice import COARSE as COARSE_STEPS
+from seal_mdao.seals.choice import difference, divided
+from seal_mdao.seals.file.chosen import chosen_ends, chosen_for
 from seal_mdao.seals.file.export import write_design
-from seal_mdao.seals.file.load_steps import chosen_ends
 from seal_mdao.seals.result import frozen_measures
-from seal_mdao.seals.step_choice import FINER, difference, divided
 
 OPEN = re.sub(r"steps = \d\n", "", COARSE)
 LISTED = COARSE.replace("steps = 6", "steps = [0.2, 0.3, 1]").replace("steps = 2", "steps = 1")
@@ -70,9 +71,12 @@ def test_what_a_file_gives_and_what_it_leaves_open(tmp_path):
 
 def test_measures_and_forces_are_within_the_tolerance_of_four_times_as_many(bulb):
     file, seal, _ = bulb
-    finer = sm.build_seal(file, step_ends=divided(np.array(chosen_ends(seal)), FINER))
-    assert finer.n_steps == FINER * seal.n_steps
-    found = difference(sm.analyze(seal), sm.analyze(finer))
+    before = chosen_for(file, seal)
+    finer = sm.build_seal(
+        file, step_ends=divided(np.array(before["step_ends"]), 4), penalties=before["penalties"]
+    )
+    assert finer.n_steps == 4 * seal.n_steps
+    found = difference(sm.analyze(seal), sm.analyze(finer), np.arange(3, finer.n_steps, 4))
     assert 0.0 < found <= file.step_tolerance
     assert 1.0 in chosen_ends(seal)
 
@@ -85,7 +89,7 @@ def test_a_smaller_tolerance_takes_more_steps_where_they_are_needed(bulb, tmp_pa
 
 def test_they_are_the_seal_s_own_whatever_its_design(bulb, tmp_path):
     _, seal, seen = bulb
-    assert seen >= (1 + FINER) * seal.n_steps
+    assert seen >= COARSE_STEPS + seal.n_steps
     other = seal.with_parameters({"door_friction": 0.4, "c10": 60.0})
     result = sm.analyze(other, np.full(seal.n_offsets, 0.05))
     assert chosen_ends(result.seal) == chosen_ends(seal)
@@ -97,7 +101,7 @@ def test_they_are_the_seal_s_own_whatever_its_design(bulb, tmp_path):
 def test_chosen_before_they_are_not_chosen_again(bulb, tmp_path):
     file, seal, _ = bulb
     seen = []
-    again = sm.build_seal(file, seen.append, step_ends=chosen_ends(seal))
+    again = sm.build_seal(file, seen.append, **chosen_for(file, seal))
     assert not seen
     one, other = (sm.analyze(own) for own in (seal, again))
     for a, b in zip(one.path.nominal_steps, other.path.nominal_steps, strict=True):
@@ -175,22 +179,22 @@ def test_derivatives_are_exact_with_them(bulb, rng):
 
 def test_a_path_that_ends_early_is_told_with_what_was_computed(tmp_path, monkeypatch):
     """The rubber comes to its limit: no load step is small enough."""
-    monkeypatch.setattr("seal_mdao.seals.step_choice.MOST", 1)
+    monkeypatch.setattr("seal_mdao.seals.choice.MOST", 1)
     with pytest.raises(sm.LoadPathError, match="could not be completed") as caught:
         sm.build_seal(read(tmp_path, LIMITED))
     result = caught.value.result
-    assert 10 < len(result.path.nominal_steps) < FINER * 20 == result.seal.n_steps
+    assert 5 < len(result.path.nominal_steps) < 10 == result.seal.n_steps
 
 
 def test_where_a_path_fails_more_load_steps_are_tried(tmp_path, monkeypatch):
     tried = []
 
-    def failing(seal, callback=None):
+    def failing(seal, **options):
         tried.append(seal.n_steps)
-        result = sm.analyze(seal, callback=callback)
+        result = sm.analyze(seal, **options)
         return cut_short(result) if len(tried) < 3 else result
 
-    monkeypatch.setattr("seal_mdao.seals.step_choice.analyze", failing)
+    monkeypatch.setattr("seal_mdao.seals.choice.analyze", failing)
     assert sm.build_seal(read(tmp_path, OPEN)).n_steps == 80
     assert tried == [80, 160, 320, 80]
 
@@ -201,7 +205,7 @@ def cut_short(result):
 
 
 def test_a_tolerance_that_is_not_reached_is_told_with_the_file(tmp_path, monkeypatch):
-    monkeypatch.setattr("seal_mdao.seals.step_choice.ROUNDS", 1)
+    monkeypatch.setattr("seal_mdao.seals.choice.ROUNDS", 1)
     file = read(tmp_path, f"{OPEN}[steps]\ntolerance = 1e-9\n")
     with pytest.raises(
         sm.SealFileError, match=r"seal\.toml: load steps within 1e-09 were not found"

@@ -18,6 +18,7 @@ from seal_mdao.geometry.motion import Motion, increases_to_one, straight_motion
 from seal_mdao.geometry.profile import PROFILE_EXTENT, RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.cells import GAUSS_POINTS, kernel_supports
+from seal_mdao.seals.choice import choose
 from seal_mdao.seals.door.area import section_area
 from seal_mdao.seals.door.measures import BY_NAME, DOOR, STANDARD, measure_points
 from seal_mdao.seals.door.result import DoorSealResult
@@ -25,7 +26,6 @@ from seal_mdao.seals.door.section import RingGrid, Section
 from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
 from seal_mdao.seals.door.splines import BoundarySplines, design_velocity
 from seal_mdao.seals.seal import Seal
-from seal_mdao.seals.step_choice import choose_steps
 from seal_mdao.seals.wall_grid import SCHEMES
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import CONTACT_POINTS, MaterialPoints, boundary_particles, edge_points
@@ -544,9 +544,8 @@ def door_seal(
         within 2 % of the limit. "fine": within 0.3 and 1 %; with more rays or layers no error grows.
         Attributes among ``changes`` go before.
     steps : "auto", optional
-        Load steps whose measures are within ``step_tolerance`` of four times as many
-        (``seals.step_choice``). They are found now, by some ten analyses of the drawn seal, and are
-        an attribute of what is returned.
+        Load steps that change no measure by more than ``step_tolerance`` (``seals.choice``). They are
+        found now, by some three analyses of the nominal seal, and are an attribute of what is returned.
     step_tolerance : float
 
     Raises
@@ -574,4 +573,4 @@ def door_seal(
     if steps is None:
         return seal
     seal = replace(seal, n_steps=1, step_ends=None)
-    return seal.with_ends(choose_steps(seal, step_tolerance).ends)
+    return choose(seal, step_tolerance).seal

@@ -1,6 +1,6 @@
 """From the decisions of a seal file to a seal that can be analysed."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,13 +9,14 @@ from seal_mdao import values
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
+from seal_mdao.seals.choice import choose
 from seal_mdao.seals.file.cross_checks import ROUNDING
 from seal_mdao.seals.file.edges import stretch_order
-from seal_mdao.seals.file.load_steps import FIRST
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.start import gap_at_start, nearest_at_start
 from seal_mdao.seals.file.tables import (
+    SELF_CONTACT,
     FluidTable,
     ProfileTable,
     SealFile,
@@ -37,53 +38,70 @@ from seal_mdao.seals.outline.seal import (
 )
 from seal_mdao.seals.outline.section import Outline, sampled
 from seal_mdao.seals.outline.self_touch import SelfTouch
-from seal_mdao.seals.step_choice import choose_steps
 
 
 def build_seal(
-    file: SealFile, callback: Callable | None = None, step_ends: Sequence[float] | None = None
+    file: SealFile,
+    callback: Callable | None = None,
+    step_ends: Sequence[float] | None = None,
+    penalties: Mapping[str, float] | None = None,
 ) -> OutlineSeal:
     """The seal of a file: its cloud, terms, design and measures.
 
     Parameters of a profile have its name before theirs: ``door_friction``; so have constants of the
     materials where there are several: ``foot_c10``.
 
-    Load steps that the file does not give are chosen now, by analyses of the drawn seal
-    (``seals.step_choice``), and are the seal's own from then on, whatever its design.
+    Load steps and contact penalties that the file does not give are chosen now, by analyses of the
+    nominal seal (``seals.choice``), and are the seal's own from then on, whatever its design.
 
     Parameters
     ----------
     file : SealFile
     callback : callable, optional
-        Called with every ``ConvergedStep`` that completes a load step of these analyses.
+        As of ``seals.choice.choose``, for these analyses.
     step_ends : sequence of float, optional
         Ends of load steps that have been chosen before, in stages, in place of a choice.
+    penalties : mapping of str to float, optional
+        Penalties that have been chosen before, by the names of their parameters, kPa/mm.
 
     Raises
     ------
     SealFileError
         For a section that cannot be filled at this spacing, a design with too few parameters, load
-        steps that are not found within the tolerance, or ends of steps that are not those of the file.
+        steps that are not found within the tolerance, or ends of steps or penalties that are not those
+        of the file.
     LoadPathError
-        When load steps are to be chosen and the path of the drawn seal cannot be completed; its
-        ``result`` is as far as it came.
+        When load steps or penalties are to be chosen and the path of the nominal seal cannot be
+        completed; its ``result`` is as far as it came.
     TypeError
         For anything else than what ``read_seal_file`` returns.
     """
     values.instance("file", file, SealFile)
-    seal = _begun(file)
-    if file.step_tolerance is None:
-        if step_ends is not None:
-            raise SealFileError(
-                f"{file.path}: step_ends are given, but the file gives the load steps"
-            )
-        return seal
+    seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
     try:
-        if step_ends is None:
-            step_ends = choose_steps(seal, file.step_tolerance, FIRST, callback).ends
-        return seal.with_ends(step_ends)
+        if penalties is not None:
+            seal = _with_given_penalties(file, seal, penalties)
+            names = ()
+        if step_ends is not None:
+            if tolerance is None:
+                raise SealFileError("step_ends are given, but the file gives the load steps")
+            seal, tolerance = seal.with_ends(step_ends), None
+        if tolerance is None and not names:
+            return seal
+        return choose(seal, tolerance, file.penalty_tolerance, names, callback=callback).seal
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
+
+
+def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> OutlineSeal:
+    """The seal with penalties that were chosen before."""
+    if set(penalties) != set(file.open_penalties):
+        wanted = ", ".join(file.open_penalties) or "none"
+        raise SealFileError(
+            f"penalties are given of {', '.join(penalties) or 'none'}, but the file leaves open {wanted}"
+        )
+    seal = seal.with_parameters(dict(penalties))
+    return replace(seal, definitions=seal.terms(), changed={})
 
 
 def _begun(file: SealFile) -> OutlineSeal:
@@ -203,7 +221,7 @@ def _self_touch(given: SelfContactTable | None) -> SelfTouch | None:
     if given is None:
         return None
     law = ContactLaw(given.normal_penalty, given.tangent_penalty, given.friction, True)
-    return SelfTouch("self_contact", given.edges, law)
+    return SelfTouch(SELF_CONTACT, given.edges, law)
 
 
 def _clear_start(profile: ProfileTable, outline: Outline) -> tuple:

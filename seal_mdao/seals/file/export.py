@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.seals.file.build import outline_of
-from seal_mdao.seals.file.load_steps import write_steps
+from seal_mdao.seals.file.chosen import write_chosen
 from seal_mdao.seals.file.measures import places_of
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.cloud_file import write_cloud
@@ -65,8 +65,7 @@ def write_design(
     for material in given["material"].values():
         if "data" in material:
             material["data"] = _from(folder, file.path.parent / material["data"])
-    if file.step_tolerance is not None:
-        write_steps(given, seal)
+    write_chosen(given, file, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
     for own, profile in zip(given["profile"], file.profiles, strict=True):
         own["contact_points"] = profile.contact_points

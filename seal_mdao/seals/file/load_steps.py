@@ -2,19 +2,13 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from seal_mdao.errors import SealFileError
-from seal_mdao.geometry.motion import Motion, increases_to_one
+from seal_mdao.geometry.motion import increases_to_one
+from seal_mdao.seals.choice import STEP_TOLERANCE
 from seal_mdao.seals.file.checks import Check, Key, number, table, whole
-from seal_mdao.seals.profiles import contacts
-from seal_mdao.seals.seal import Seal
-from seal_mdao.seals.step_choice import TOLERANCE
 
 MOST_STEPS = 100_000
 CHOSEN = "auto"
-FIRST = 20
-"""Load steps to begin the choice with: points for the curves that are drawn of a path."""
 
 
 def _steps(value):
@@ -33,7 +27,7 @@ STEPS = Check(
     f'{whole(1, MOST_STEPS).allowed}, a list of shares of the stage that increase to 1.0, or "{CHOSEN}"',
     _steps,
 )
-KEYS = {"tolerance": Key(number(above=0.0, most=1.0), TOLERANCE)}
+KEYS = {"tolerance": Key(number(above=0.0, most=1.0), STEP_TOLERANCE)}
 
 
 def read_steps(given, profiles: tuple) -> tuple[tuple, float | None]:
@@ -80,24 +74,3 @@ def one_step_each(profiles) -> tuple:
         replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))
         for profile in profiles
     )
-
-
-def chosen_ends(seal: Seal) -> list[float]:
-    """Ends of the load steps that were chosen for the seal of a file, in stages (``step_ends`` of
-    ``build_seal``)."""
-    return _staged(seal).ends.tolist()
-
-
-def _staged(seal: Seal) -> Motion:
-    """The motion of a profile with stages; one without stands still in a single one."""
-    return max((contact.motion for contact in contacts(seal)), key=lambda motion: motion.steps.size)
-
-
-def write_steps(given: dict, seal: Seal) -> None:
-    """Put the load steps that were chosen for a seal into the tables of its file, in their place."""
-    motion = _staged(seal)
-    by_stage = np.split(motion.shares, np.cumsum(motion.steps)[:-1])
-    given.pop("steps", None)
-    for profile in given["profile"]:
-        for stage, shares in zip(profile.get("stage", ()), by_stage, strict=False):
-            stage["steps"] = shares.tolist()

@@ -29,8 +29,7 @@ MOST_FRICTION, MOST_PENALTY, MOST_TURN = 10.0, 1e12, 3600.0
 """Coefficient, kPa/mm, degrees."""
 PLACE = point(1e5)
 """mm."""
-NORMAL_PENALTY, TANGENT_PENALTY = 1e4, 1e2
-"""kPa/mm, of the door seal: about 3e-3 mm of penetration for rubber of 100 kPa."""
+PENALTY = number(above=0.0, most=MOST_PENALTY)
 
 PROFILE_KEYS = {
     "name": Key(NAME),
@@ -41,8 +40,8 @@ PROFILE_KEYS = {
     "start": Key(PLACE, (0.0, 0.0)),
     "angle": Key(number(least=-MOST_TURN, most=MOST_TURN), 0.0),
     "pivot": Key(PLACE, (0.0, 0.0)),
-    "normal_penalty": Key(number(above=0.0, most=MOST_PENALTY), NORMAL_PENALTY),
-    "tangent_penalty": Key(number(above=0.0, most=MOST_PENALTY), TANGENT_PENALTY),
+    "normal_penalty": Key(PENALTY, None),
+    "tangent_penalty": Key(PENALTY, None),
     "contact_points": Key(one_of(*CONTACT_POINTS), None),
     "stage": Key(LIST, None),
 }

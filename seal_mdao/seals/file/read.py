@@ -6,6 +6,7 @@ from pathlib import Path
 from seal_mdao.errors import SealFileError
 from seal_mdao.loads.fluid_pressure import ENDS, SHARE
 from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE
+from seal_mdao.seals.choice import PENALTY_TOLERANCE
 from seal_mdao.seals.file.checks import (
     NAME,
     NAMES,
@@ -26,7 +27,7 @@ from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.load_steps import MOST_STEPS, read_steps
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import NORMAL_PENALTY, TANGENT_PENALTY, read_profile
+from seal_mdao.seals.file.profiles import PENALTY, read_profile
 from seal_mdao.seals.file.sections import read_section
 from seal_mdao.seals.file.tables import (
     CavityTable,
@@ -40,7 +41,7 @@ from seal_mdao.seals.file.tables import (
 
 TABLES = (
     "material", "section", "profile", "fixed", "symmetry", "cavity", "self_contact", "fluid", "design",
-    "measure", "optimize", "steps",
+    "measure", "optimize", "steps", "penalties",
 )  # fmt: skip
 NEEDED = TABLES[:3]
 MOST_PARAMETERS = 1000
@@ -59,9 +60,10 @@ CAVITY_KEYS = {
 SELF_CONTACT_KEYS = {
     "edges": Key(NAMES),
     "friction": Key(number(least=0.0)),
-    "normal_penalty": Key(number(above=0.0), NORMAL_PENALTY),
-    "tangent_penalty": Key(number(above=0.0), TANGENT_PENALTY),
+    "normal_penalty": Key(PENALTY, None),
+    "tangent_penalty": Key(PENALTY, None),
 }
+PENALTIES_KEYS = {"tolerance": Key(number(above=0.0, most=1.0), PENALTY_TOLERANCE)}
 STRETCH = Check(
     'the name of an edge, or a list of neighbours, such as ["left", "top"]',
     lambda value: NAMES.convert([value] if isinstance(value, str) else value),
@@ -176,6 +178,7 @@ def _read(given, path) -> SealFile:
         else None,
         fluids,
         step_tolerance,
+        table("[penalties]", given.get("penalties", {}), PENALTIES_KEYS)["tolerance"],
     )
     check(file)
     return file

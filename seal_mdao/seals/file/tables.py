@@ -7,9 +7,14 @@ import numpy as np
 
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.seals.choice import PENALTY_TOLERANCE
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Outline
+from seal_mdao.seals.penalty_error import NORMAL, TANGENT
+
+SELF_CONTACT = "self_contact"
+"""Label of the contact of a section with itself."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +93,8 @@ class ProfileTable:
     contact : tuple of str
         Edges of the section that may touch it.
     friction : float
-    normal_penalty, tangent_penalty : float
-        kPa/mm.
+    normal_penalty, tangent_penalty : float or None
+        kPa/mm; None to be chosen.
     start : pair of float
         Where its origin is at the start, mm.
     angle : float
@@ -107,8 +112,8 @@ class ProfileTable:
     closed: bool
     contact: tuple
     friction: float
-    normal_penalty: float
-    tangent_penalty: float
+    normal_penalty: float | None
+    tangent_penalty: float | None
     start: tuple
     angle: float
     pivot: tuple
@@ -143,12 +148,13 @@ class CavityTable:
 
 @dataclass(frozen=True)
 class SelfContactTable:
-    """``[self_contact]``: edges that may touch each other or themselves; penalties in kPa/mm."""
+    """``[self_contact]``: edges that may touch each other or themselves; penalties in kPa/mm, None to
+    be chosen."""
 
     edges: tuple
     friction: float
-    normal_penalty: float
-    tangent_penalty: float
+    normal_penalty: float | None
+    tangent_penalty: float | None
 
 
 @dataclass(frozen=True)
@@ -234,6 +240,8 @@ class SealFile:
     step_tolerance : float or None
         Within which the load steps are to be chosen: every stage has one until then. None where they
         are given.
+    penalty_tolerance : float
+        Within which the penalties are chosen that the contacts leave open.
     """
 
     path: Path
@@ -249,6 +257,25 @@ class SealFile:
     self_contact: SelfContactTable | None = None
     fluids: tuple[FluidTable, ...] = ()
     step_tolerance: float | None = None
+    penalty_tolerance: float = PENALTY_TOLERANCE
+
+    @property
+    def open_penalties(self) -> tuple:
+        """Parameters of the seal whose values the file leaves to be chosen."""
+        contacts = [(f"{profile.name}_", profile) for profile in self.profiles]
+        if self.self_contact is not None:
+            contacts.append((f"{SELF_CONTACT}_", self.self_contact))
+        return tuple(
+            prefix + kind
+            for prefix, contact in contacts
+            for kind in (NORMAL, TANGENT)
+            if getattr(contact, kind) is None
+        )
+
+    @property
+    def leaves_open(self) -> bool:
+        """Whether load steps or penalties are to be chosen."""
+        return self.step_tolerance is not None or bool(self.open_penalties)
 
     @property
     def n_steps(self) -> int:

@@ -8,6 +8,7 @@ import numpy as np
 
 from seal_mdao.analysis.body import Body, Edge
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.contact.default_penalties import completed
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Motion
@@ -199,7 +200,9 @@ def outline_seal(
     body = _body(filled, kernels, held, edges)
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
-    profiles = tuple(contact.on(body) for contact in contacts)
+    profiles = tuple(
+        completed(contact.on(body), elastic, body, filled.particles) for contact in contacts
+    )
     loads = [*profiles, *(h.on(filled.loops) for h in sealed)]
     loads += [] if touching is None else [touching.on(body, filled.loops)]
     loads += [fluid.on(body, profiles, n_steps) for fluid in fluids]

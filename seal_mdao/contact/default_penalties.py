@@ -1,0 +1,45 @@
+"""Contact penalties that follow from the body: its modulus over the distance of its particles.
+
+A contact of penalty w gives way by p/w under a pressure p, a body of size L and modulus E by about
+p L/E. With w = 1000 E/h the contact is some thousand times stiffer than the cells beside it.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+NORMAL_RATIO, TANGENT_RATIO = 300.0, 30.0
+"""Penalties over E/h."""
+
+
+def completed(definition, elastic, body, particles: np.ndarray):
+    """A contact with its open penalties, those that are None, in terms of E/h at its points.
+
+    Parameters
+    ----------
+    definition : TermDefinition
+        Without an open penalty it is returned itself.
+    elastic : ElasticBody
+    body : Body
+    particles : ndarray, shape (n, 2)
+        Undeformed, mm.
+    """
+    law = getattr(definition, "law", None)
+    if law is None or not law.open_penalties:
+        return definition
+    stiffness = stiffness_at(definition.where, elastic, body, particles)
+    ratios = {"normal_penalty": NORMAL_RATIO, "tangent_penalty": TANGENT_RATIO}
+    # two significant digits, for whoever reads them
+    chosen = {name: float(f"{ratios[name] * stiffness:.2g}") for name in law.open_penalties}
+    return replace(definition, law=law._replace(**chosen))
+
+
+def stiffness_at(where, elastic, body, particles: np.ndarray) -> float:
+    """E/h of the stiffest material at some points and their mean tributary length, kPa/mm.
+
+    E = 3 G, that of the undeformed incompressible material.
+    """
+    modulus = [3.0 * region.material.shear_modulus for region in elastic.regions]
+    at_points = np.isin(body.cells, where.points.anchors).any(axis=1)
+    stiffest = elastic.per_cell(modulus, len(body.cells))[at_points].max()
+    return float(stiffest / where.lengths(particles).mean())

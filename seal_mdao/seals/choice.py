@@ -1,0 +1,309 @@
+"""Load steps and contact penalties by tolerance: chosen once on the nominal seal, then frozen.
+
+Penalties come first, on a coarse path: where the estimated error of a measure (``penalty_error``), the
+penetration or the elastic slip in stick is above the tolerance, they are raised by the ratio of the
+two. Then the steps are halved, all of them first and later those in which the last two paths drift
+apart, until what the halving changes is below the tolerance. Steps and penalties are attributes of the
+seal afterwards: functions of the design stay smooth.
+"""
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao import values
+from seal_mdao.seals.penalty_error import (
+    compliance,
+    penalties_of,
+    penalty_errors,
+    scale_of,
+    standard_measures,
+)
+from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.result import SealResult, analyze
+from seal_mdao.seals.seal import Seal
+
+STEP_TOLERANCE = 5e-3
+PENALTY_TOLERANCE = 1e-3
+COARSE = 10
+"""Equal load steps of the first path, at the least."""
+MOST = 8
+"""Times as many steps as the first path that there may be while paths still fail."""
+ROUNDS = 10
+CORRECTIONS = 4
+"""Times that the penalties are raised, at the most."""
+SURPLUS = 1.5
+"""Factor on the ratio of error to tolerance by which a penalty is raised."""
+RELATIVE_ROUNDING = 1e-10
+"""Of the contact pressure, over the shear modulus, that bounds the penalties from above."""
+
+
+class Choice(NamedTuple):
+    """A seal with load steps and penalties within their tolerances.
+
+    Attributes
+    ----------
+    seal : Seal
+    ends : tuple of float
+        Ends of its load steps, in nominal steps of the seal that they were chosen for.
+    penalties : dict of str to float
+        The penalties that were chosen, by their names in ``Seal.scalars``, kPa/mm.
+    step_error : float or None
+        Estimated error by the load steps, of a measure over its largest value at the end, and of a
+        force anywhere on the path over its largest one; None where the steps were given.
+    penalty_error : float or None
+        Largest estimated error by the penalties that were chosen, relative, of a measure; None where
+        they were given.
+    """
+
+    seal: Seal
+    ends: tuple
+    penalties: dict
+    step_error: float | None
+    penalty_error: float | None
+
+
+class _Analyses:
+    """Analyses in a row, whose number is reported to a callback with a method ``begin_analysis``."""
+
+    def __init__(self, callback: Callable | None):
+        self.callback, self.number = callback, 0
+        self.report = getattr(callback, "begin_analysis", None)
+
+    def __call__(self, seal: Seal, more: int) -> SealResult:
+        """Analyse a seal; at least ``more`` analyses follow."""
+        self.number += 1
+        if self.report is not None:
+            self.report(self.number, self.number + more, seal.n_steps)
+        return analyze(seal, keep_factors=True, callback=self.callback)
+
+
+def choose(
+    seal: Seal,
+    step_tolerance: float | None = None,
+    penalty_tolerance: float | None = None,
+    names: Collection[str] = (),
+    coarse: int = COARSE,
+    callback: Callable | None = None,
+) -> Choice:
+    """The seal with load steps and penalties within tolerances.
+
+    Parameters
+    ----------
+    seal : Seal
+        Nominal. With one nominal step for every stage of its path where steps are to be chosen.
+    step_tolerance : float, optional
+        Relative, at most 1, as ``Choice.step_error``; without it the steps stay.
+    penalty_tolerance : float, optional
+        Relative, at most 1, as ``Choice.penalty_error``; without it the penalties stay.
+    names : collection of str, optional
+        Penalties to choose, by their names in ``Seal.scalars``.
+    coarse : int
+        Equal steps of the first path, divided among the stages.
+    callback : callable, optional
+        Called with each ``ConvergedStep`` that completes a nominal step. Its method
+        ``begin_analysis``, where it has one, is called before every analysis with its number, the
+        number that there will be at the least, and its load steps.
+
+    Raises
+    ------
+    LoadPathError
+        When the path cannot be completed.
+    ValueError
+        When a tolerance is no such number, or load steps within it are not found in ``ROUNDS`` rounds.
+    """
+    for name, tolerance in (
+        ("step_tolerance", step_tolerance), ("penalty_tolerance", penalty_tolerance),
+    ):  # fmt: skip
+        if tolerance is not None:
+            values.real(name, tolerance, above=0.0, high=1.0)
+    names, run = frozenset(names if penalty_tolerance is not None else ()), _Analyses(callback)
+    begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
+    ends, result = _first_path(seal, begun, run, more=1)
+    if names:
+        result = _with_penalties(result, names, penalty_tolerance, run)
+    error, left = None, relative_error(result, names) if names else None
+    chosen = _own(seal.with_parameters(_values(result.seal, names))) if names else seal
+    if step_tolerance is None:
+        ends = np.arange(1.0, seal.n_steps + 1.0)
+    else:
+        ends, result, error = _with_steps(chosen, ends, result, step_tolerance, run)
+        chosen = result.seal
+    return Choice(chosen, tuple(ends.tolist()), _values(chosen, names), error, left)
+
+
+def _divided_stages(seal: Seal, coarse: int) -> np.ndarray:
+    """Ends of at least ``coarse`` equal load steps in all stages together, of one nominal step each."""
+    return divided(np.arange(1.0, seal.n_steps + 1.0), -(-coarse // seal.n_steps))
+
+
+def _thinned(seal: Seal, coarse: int) -> np.ndarray:
+    """Some ``coarse`` of the ends of load steps that are given, those of all stages among them."""
+    every = -(-seal.n_steps // coarse)
+    stages = [np.cumsum(contact.motion.steps) for contact in contacts(seal)]
+    return np.unique(np.concatenate([*stages, np.arange(every, seal.n_steps, every)])).astype(float)
+
+
+def _first_path(seal: Seal, ends: np.ndarray, run, more: int):
+    """Ends of load steps in which the path is completed, and that path; halved while it fails."""
+    most = MOST * len(ends)
+    while True:
+        result = run(seal.with_ends(ends), more)
+        if result.converged:
+            return ends, result
+        if len(ends) >= most:
+            result.require_converged()
+        ends = divided(ends, 2)
+
+
+def _values(seal: Seal, names) -> dict[str, float]:
+    """Values of some penalties."""
+    return {p.name: p.value for p in penalties_of(seal) if p.name in names}
+
+
+# ---- penalties ----
+
+
+def relative_error(result: SealResult, names) -> float:
+    """By how much the penalties ``names`` err: the largest relative error that they leave together in a
+    measure, penetration or elastic slip in stick over the largest displacement."""
+    errors = penalty_errors(result).values()
+    return max(compliance(result, names), *(error.part(names) for error in errors))
+
+
+def _with_penalties(result: SealResult, names, tolerance: float, run) -> SealResult:
+    """The path again with ``names`` raised until their error is within the tolerance.
+
+    All of them by one factor: the ratio of tangential to normal penalty decides over the first
+    increment of a point that comes into contact, which is an error of the load steps. The last completed
+    path where a higher penalty fails, or where rounding bounds it.
+    """
+    for _ in range(CORRECTIONS):
+        raised = _raised(result, names, tolerance)
+        if not raised:
+            return result
+        again = run(_own(result.seal.with_parameters(raised)), 1)
+        if not again.converged:
+            return result
+        result = again
+    return result
+
+
+def _raised(result: SealResult, names, tolerance: float) -> dict[str, float]:
+    """Higher values of the penalties where they err by more than the tolerance."""
+    excess, highest = relative_error(result, names) / tolerance, most_penalty(result.seal)
+    if not excess > 1.0:
+        return {}
+    values = _values(result.seal, names)
+    factor = min(SURPLUS * excess, highest / max(values.values()))
+    # two significant digits, for whoever reads them
+    return {name: float(f"{value * factor:.2g}") for name, value in values.items() if factor > 1.0}
+
+
+def most_penalty(seal: Seal) -> float:
+    """Highest penalty, kPa/mm, whose pressure is exact to ``RELATIVE_ROUNDING`` of the shear modulus.
+
+    A gap is a difference of coordinates, known to eps L, so the pressure is to w eps L.
+    """
+    shear = max(region.material.shear_modulus for region in seal.terms()[0].regions)
+    size = float(np.abs(seal.drawn_particles).max())
+    return RELATIVE_ROUNDING * shear / (np.finfo(float).eps * size)
+
+
+def _own(seal: Seal) -> Seal:
+    """The seal with its changed parameters as those of its terms."""
+    return replace(seal, definitions=seal.terms(), changed={})
+
+
+# ---- load steps ----
+
+
+def _with_steps(seal, ends, coarse: SealResult, tolerance: float, run):
+    """Ends of load steps within the tolerance, the path in them, and their estimated error.
+
+    The error of a path is estimated by what the last halving changed, for it falls at least like the
+    length of the steps; that of steps which were not halved again by their part in the drift before.
+    """
+    error, drift = np.inf, np.ones(len(ends))
+    for number in range(ROUNDS):
+        split = drift >= drift.mean() if number else np.ones(len(ends), bool)
+        finer = halved(ends, split)
+        fine = run(seal.with_ends(finer), 0)
+        fine.require_converged()
+        at = np.searchsorted(finer, ends)
+        left = 0.0 if split.all() else error * drift[~split].sum() / drift.sum()
+        error = left + difference(coarse, fine, at)
+        if error <= tolerance:
+            return finer, fine, error
+        drift = _drift_of_parts(drift, drifts(coarse, fine, at), split)
+        ends, coarse = finer, fine
+    raise ValueError(
+        f"load steps within {tolerance:g} were not found: {len(ends)} of them still err by {error:.2g}; "
+        "allow a larger tolerance or give the steps"
+    )
+
+
+def _drift_of_parts(before: np.ndarray, measured: np.ndarray, split: np.ndarray) -> np.ndarray:
+    """Drift of the steps after some were split: half of what was measured for either part, and that of
+    before for those that were not."""
+    kept = np.where(split, 0.5 * measured, before)
+    return np.repeat(kept, np.where(split, 2, 1))
+
+
+def divided(ends: np.ndarray, parts: int) -> np.ndarray:
+    """Every step divided in equal parts; the old ends are kept bit for bit."""
+    starts = np.concatenate([[0.0], ends[:-1]])
+    share = np.arange(1, parts + 1) / parts
+    new = starts[:, None] + (ends - starts)[:, None] * share
+    new[:, -1] = ends
+    return new.ravel()
+
+
+def halved(ends: np.ndarray, split: np.ndarray) -> np.ndarray:
+    """Ends of the steps with some of them (a mask) divided in two."""
+    starts = np.concatenate([[0.0], ends[:-1]])
+    return np.sort(np.concatenate([ends, 0.5 * (starts + ends)[split]]))
+
+
+def difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> float:
+    """Largest relative difference of two paths, in measures at the end and forces along the path.
+
+    Parameters
+    ----------
+    at : ndarray of int, shape (n_steps of coarse,)
+        Nominal steps of ``fine`` that end where those of ``coarse`` do.
+    """
+    return max(measure_difference(coarse, fine), force_difference(coarse, fine, at))
+
+
+def drifts(coarse: SealResult, fine: SealResult, at: np.ndarray) -> np.ndarray:
+    """By how much every step of ``coarse`` moves the particles apart from ``fine``, shape (n_steps,)."""
+    matching = [fine.path.nominal_steps[place] for place in at]
+    apart = np.array([a.d - b.d for a, b in zip(coarse.path.nominal_steps, matching, strict=True)])
+    own = np.diff(apart, axis=0, prepend=0.0 * apart[:1])
+    return np.abs(own).max(axis=(1, 2))
+
+
+def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> float:
+    """Largest difference of the total force on a rigid profile along the path, over its largest one."""
+    found = [0.0]
+    for term in coarse.path.problem.terms:
+        if hasattr(term, "motion"):
+            one, other = (result.path.reaction(term.label) for result in (coarse, fine))
+            scale = np.abs(other).max()
+            if scale > 0.0:
+                found.append(float(np.abs(one - other[at]).max() / scale))
+    return max(found)
+
+
+def measure_difference(coarse: SealResult, fine: SealResult) -> float:
+    """Largest difference of a measure over its scale (``scale_of``), at the places of ``fine``."""
+    worst = 0.0
+    for measure in standard_measures(fine):
+        scale = scale_of(measure, fine)
+        if scale > 0.0:
+            apart = np.abs(coarse.value(measure) - fine.value(measure)).max(initial=0.0)
+            worst = max(worst, float(apart / scale))
+    return worst

@@ -1,0 +1,60 @@
+"""Load steps and penalties that were chosen for the seal of a file: to be recorded and written."""
+
+import numpy as np
+
+from seal_mdao.geometry.motion import Motion
+from seal_mdao.seals.file.tables import SELF_CONTACT, SealFile
+from seal_mdao.seals.penalty_error import NORMAL, TANGENT, penalties_of
+from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.seal import Seal
+
+
+def chosen_for(file: SealFile, seal: Seal) -> dict:
+    """What a file leaves open, as it was chosen for its seal: keyword arguments of ``build_seal``.
+
+    Returns
+    -------
+    dict
+        ``step_ends``, in stages, and ``penalties``, kPa/mm by parameter; each where it was open.
+    """
+    found = {}
+    if file.step_tolerance is not None:
+        found["step_ends"] = chosen_ends(seal)
+    if file.open_penalties:
+        values = {penalty.name: penalty.value for penalty in penalties_of(seal)}
+        found["penalties"] = {name: values[name] for name in file.open_penalties}
+    return found
+
+
+def chosen_ends(seal: Seal) -> list[float]:
+    """Ends of the load steps that were chosen for the seal of a file, in stages (``step_ends`` of
+    ``build_seal``)."""
+    return _staged(seal).ends.tolist()
+
+
+def _staged(seal: Seal) -> Motion:
+    """The motion of a profile with stages; one without stands still in a single one."""
+    return max((contact.motion for contact in contacts(seal)), key=lambda motion: motion.steps.size)
+
+
+def write_chosen(given: dict, file: SealFile, seal: Seal) -> None:
+    """Put what was chosen for a seal into the tables of its file, in place of what leaves it open."""
+    if file.step_tolerance is not None:
+        _write_steps(given, seal)
+    values = {penalty.name: penalty.value for penalty in penalties_of(seal)}
+    owners = [(f"{profile['name']}_", profile) for profile in given["profile"]]
+    if SELF_CONTACT in given:
+        owners.append((f"{SELF_CONTACT}_", given[SELF_CONTACT]))
+    for prefix, table in owners:
+        for kind in (NORMAL, TANGENT):
+            table.setdefault(kind, values[prefix + kind])
+    given.pop("penalties", None)
+
+
+def _write_steps(given: dict, seal: Seal) -> None:
+    motion = _staged(seal)
+    by_stage = np.split(motion.shares, np.cumsum(motion.steps)[:-1])
+    given.pop("steps", None)
+    for profile in given["profile"]:
+        for stage, shares in zip(profile.get("stage", ()), by_stage, strict=False):
+            stage["steps"] = shares.tolist()

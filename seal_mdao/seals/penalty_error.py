@@ -1,0 +1,222 @@
+"""Errors that contact penalties leave in measures, from exact derivatives.
+
+With a penalty w a measure m errs by m(w) - m(infinity) = c/w + O(1/w^2). Its derivative in w is
+-c/w^2, so the error is -w dm/dw: one direct sweep with as many right-hand sides as there are penalties.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.contact.friction import STICK
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.contact.self_contact import SelfContact, SelfContactTerm
+from seal_mdao.dsa.parameters import parameter_rates
+from seal_mdao.dsa.sensitivity import Wanted, direct_rates
+from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.measure import Derived, Measure
+
+NORMAL, TANGENT = "normal_penalty", "tangent_penalty"
+SMALL_LENGTH = 0.01
+"""Fraction of the largest displacement below which a length (a gap, a width) is as good as zero."""
+NOISE = 1e-6
+"""Fraction of its largest value along the path below which a measure is zero but for rounding."""
+WARNED, CURED = 0.01, 0.001
+"""Relative error of a measure from which on a warning is given, and what its advice leaves of it."""
+
+
+class Penalty(NamedTuple):
+    """A penalty of a contact.
+
+    Attributes
+    ----------
+    name : str
+        Of the parameter, in ``Seal.scalars``.
+    kind : {"normal_penalty", "tangent_penalty"}
+    contact : str
+        Label of the contact.
+    value : float
+        kPa/mm.
+    """
+
+    name: str
+    kind: str
+    contact: str
+    value: float
+
+
+def penalties_of(seal) -> tuple[Penalty, ...]:
+    """All penalties of the contacts of a seal."""
+    found = []
+    for term in seal.terms():
+        if isinstance(term, RigidContact | SelfContact):
+            prefix = term.prefix if isinstance(term, RigidContact) else f"{term.label}_"
+            for kind in (NORMAL, TANGENT):
+                found.append(Penalty(prefix + kind, kind, term.label, getattr(term.law, kind)))
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class PenaltyError:
+    """Estimated error of a measure by the contact penalties.
+
+    Attributes
+    ----------
+    error : ndarray, shape (m,)
+        Value minus that with infinite penalties, in the unit of the measure.
+    by_penalty : dict of str to ndarray, shape (m,)
+        The part of each penalty, by its parameter's name.
+    scale : float
+        What the error is compared with: the largest value, but no less than a length that is as good
+        as zero, the noise along the path, or for a component the whole force.
+    """
+
+    error: np.ndarray
+    by_penalty: dict
+    scale: float
+
+    @property
+    def relative(self) -> float:
+        """Of the value with the largest error; negative where the measure is too small."""
+        if not self.error.size or not self.scale > 0.0:
+            return 0.0
+        return float(self.error[np.abs(self.error).argmax()] / self.scale)
+
+    def part(self, names) -> float:
+        """Largest part of some penalties together, relative."""
+        own = [self.by_penalty[name] for name in names if name in self.by_penalty]
+        if not own or not self.scale > 0.0:
+            return 0.0
+        return float(np.abs(np.sum(own, axis=0)).max(initial=0.0) / self.scale)
+
+
+def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
+    """Estimated errors of measures at the end of a completed path, by their names.
+
+    Parameters
+    ----------
+    result : SealResult
+        Completed; factors that were kept are used again.
+    measures : sequence of Measure, optional
+        With frozen places. When left out: the standard ones of the seal, their places taken from this
+        result, and the force on every profile.
+
+    Returns
+    -------
+    dict of str to PenaltyError
+        Empty without contacts.
+    """
+    own = penalties_of(result.seal)
+    if not own:
+        return {}
+    measures = standard_measures(result) if measures is None else tuple(measures)
+    names = tuple(penalty.name for penalty in own)
+    wanted = Wanted(result, measures)
+    none = np.zeros((0, *result.particles.shape))
+    rates = direct_rates(result, wanted, parameter_rates(none, names))
+    found = {}
+    for measure, slopes in zip(measures, wanted.by_name(rates).values(), strict=True):
+        # m(w) - m(infinity) = -w dm/dw
+        parts = {p.name: -p.value * slopes[:, i] for i, p in enumerate(own)}
+        found[measure.name] = PenaltyError(
+            np.sum(list(parts.values()), axis=0), parts, scale_of(measure, result)
+        )
+    return found
+
+
+def standard_measures(result) -> tuple[Measure, ...]:
+    """The standard measures of a seal that have values, and the force on every profile."""
+    seal, found = result.seal, {}
+    for measure in seal.measures():
+        measure = measure.frozen(result) if measure.takes_places else measure
+        base = measure.base if isinstance(measure, Derived) else measure
+        if base.size(seal):
+            found[measure.name] = measure
+    for term in seal.terms():
+        if isinstance(term, RigidContact):
+            name = f"force_on_{term.label}"
+            found.setdefault(name, Reaction(term.label, name=name))
+    return tuple(found.values())
+
+
+def scale_of(measure: Measure, result) -> float:
+    """What an error of a measure is compared with, in its unit (``PenaltyError.scale``)."""
+    value = float(np.abs(result.value(measure)).max(initial=0.0))
+    return max(value, least_scale(measure, result))
+
+
+def least_scale(measure: Measure, result) -> float:
+    """Size below which a measure is as good as zero, in its unit."""
+    if isinstance(measure, Reaction):
+        return float(np.abs(result.path.reaction(measure.profile)).max(initial=0.0))
+    small, along = SMALL_LENGTH * displaced(result), displaced(result)
+    by_units = {"mm": small, "mm**2": small**2, "mm**3": small**2 * along}
+    base = measure.base if isinstance(measure, Derived) else measure
+    noise = NOISE * along_path(measure, result) if base.wants_end else 0.0
+    return max(by_units.get(measure.units, 0.0), noise)
+
+
+def along_path(measure: Measure, result) -> float:
+    """Largest size of a measure at the ends of the nominal steps."""
+    sizes = [np.abs(part.value(measure)).max(initial=0.0) for part in result.up_to_each_step()]
+    return float(max(sizes, default=0.0))
+
+
+def displaced(result) -> float:
+    """Largest displacement of a particle along the path, mm: how far the seal was squeezed."""
+    steps = range(len(result.path.nominal_steps))
+    return max((float(np.hypot(*result.displacement(k).T).max()) for k in steps), default=0.0)
+
+
+def compliance(result, names) -> float:
+    """Largest penetration or elastic slip in stick along the path, over the largest displacement.
+
+    Parameters
+    ----------
+    names : container of str
+        The penalties that are looked at.
+    """
+    found, steps = 0.0, result.path.nominal_steps
+    for penalty in penalties_of(result.seal):
+        if penalty.name in names:
+            term, place = result.term(penalty.contact), result.path.place(penalty.contact)
+            given = _penetration if penalty.kind == NORMAL else _elastic_slip
+            found = max([found, *(given(term, step.responses[place]) for step in steps)])
+    size = displaced(result)
+    return found / size if size > 0.0 else 0.0
+
+
+def _penetration(term, response) -> float:
+    """Of the deepest point, mm."""
+    gaps = term.gaps(response.x)[1] if isinstance(term, SelfContactTerm) else response.gap
+    return float(-gaps.min(initial=0.0))
+
+
+def _elastic_slip(term, response) -> float:
+    """Largest elastic slip of the points in stick, mm."""
+    slips = response.history.variables[response.branch == STICK, 2]
+    return float(np.abs(slips).max(initial=0.0))
+
+
+def warnings_of(result) -> tuple[str, ...]:
+    """A line about the measures that the penalties change by more than ``WARNED``, if there are any."""
+    large = {
+        name: found for name, found in result.penalty_error.items() if abs(found.relative) > WARNED
+    }
+    if not large:
+        return ()
+    changes = ", ".join(
+        f"{name} {100.0 * abs(found.relative):.2g} % too {'small' if found.relative < 0.0 else 'large'}"
+        for name, found in large.items()
+    )
+    cures = []
+    for penalty in penalties_of(result.seal):
+        part = max(found.part([penalty.name]) for found in large.values())
+        if part > CURED:
+            wanted = penalty.value * part / CURED
+            cures.append(f"{penalty.name} = {penalty.value:.2g} (at least {wanted:.1g})")
+    return (
+        f"the contact gives way to its pressure, which makes {changes}, as estimated; use larger "
+        f"penalties, in kPa/mm: {', '.join(cures)}",
+    )
