@@ -150,3 +150,9 @@ class PathResult:
         out = np.empty_like(self.discretization.particles)
         interpolate(self.discretization.everywhere.table, self.nominal_steps[step].d, out)
         return out
+
+    @cached_property
+    def largest_displacement(self) -> float:
+        """Largest displacement of a particle at a nominal step, mm: how far the body was squeezed."""
+        steps = range(len(self.nominal_steps))
+        return max((float(np.hypot(*self.displacement(k).T).max()) for k in steps), default=0.0)

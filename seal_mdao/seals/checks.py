@@ -207,33 +207,43 @@ def _inside_itself(samples: Samples):
     for term in _contacts_with_itself(samples):
         x = samples.places[term.where.at_particles]
         points, gap = term.gaps(x)
-        if gap.min(initial=0.0) < -SLIGHT * samples.wall:
+        size, whose = _smaller_of_wall_and_squeeze(samples)
+        if gap.min(initial=0.0) < -SLIGHT * size:
             place, depth = x[points[gap.argmin()]], -gap.min()
             yield Finding(
                 f"walls of the seal lie {depth:.3g} mm inside each other near {_at(place)}, "
-                f"{100.0 * depth / samples.wall:.2g} % of their thickness: the penalty of "
+                f"{100.0 * depth / size:.2g} % of {whose}: the penalty of "
                 f"{term.label!r} gives so much; use a larger one, or a smaller depth",
-                bool(depth > DEEP * samples.wall),
+                bool(depth > DEEP * size),
             )
+
+
+def _smaller_of_wall_and_squeeze(samples: Samples) -> tuple[float, str]:
+    """What a penetration is compared with, mm, and its name: a thick wall is squeezed by a part of it."""
+    squeeze = samples.path.largest_displacement
+    if 0.0 < squeeze < samples.wall:
+        return squeeze, "the largest displacement"
+    return samples.wall, "the wall's thickness"
 
 
 def _inside_profiles(samples: Samples):
     """Boundary that lies in a rigid profile, at its contact points, between them, or elsewhere."""
-    path, wall = samples.path, samples.wall
+    path = samples.path
+    size, whose = _smaller_of_wall_and_squeeze(samples)
     which = np.unique(samples.chains)
     for term in path.problem.terms:
         if not isinstance(term, ContactTerm):
             continue
         gap = term.gaps(samples.places[which], path.steps[-1].fraction)
         worst = int(np.argmin(gap))
-        if not gap[worst] >= -SLIGHT * wall:  # NaN is no gap either
+        if not gap[worst] >= -SLIGHT * size:  # NaN is no gap either
             place = samples.places[which[worst]]
             yield Finding(
                 f"the seal lies {-gap[worst]:.3g} mm inside the rigid profile {term.label!r} near "
-                f"{_at(place)}, {-100.0 * gap[worst] / wall:.2g} % of its wall: there is contact at the "
+                f"{_at(place)}, {-100.0 * gap[worst] / size:.2g} % of {whose}: there is contact at the "
                 "contact points only, with a penalty; use more particles along the boundary, a rounder "
                 "profile, a larger normal penalty, or a smaller depth",
-                not gap[worst] >= -DEEP * wall,
+                not gap[worst] >= -DEEP * size,
             )
 
 

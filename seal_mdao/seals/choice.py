@@ -194,12 +194,11 @@ def _with_penalties(result: SealResult, names, tolerance: float, run) -> SealRes
 def _raised(result: SealResult, names, tolerance: float) -> dict[str, float]:
     """Higher values of the penalties where they err by more than the tolerance."""
     excess, highest = relative_error(result, names) / tolerance, most_penalty(result.seal)
-    if not excess > 1.0:
-        return {}
-    values = _values(result.seal, names)
-    factor = min(SURPLUS * excess, highest / max(values.values()))
+    before = _values(result.seal, names)
+    factor = min(SURPLUS * excess, highest / max(before.values()))
     # two significant digits, for whoever reads them
-    return {name: float(f"{value * factor:.2g}") for name, value in values.items() if factor > 1.0}
+    raised = {name: float(f"{value * factor:.2g}") for name, value in before.items()}
+    return raised if excess > 1.0 and all(raised[name] > before[name] for name in before) else {}
 
 
 def most_penalty(seal: Seal) -> float:

@@ -14,7 +14,7 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact, SelfContactTerm
 from seal_mdao.dsa.parameters import parameter_rates
 from seal_mdao.dsa.sensitivity import Wanted, direct_rates
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.contact import ContactWidth, Reaction
 from seal_mdao.measures.measure import Derived, Measure
 
 NORMAL, TANGENT = "normal_penalty", "tangent_penalty"
@@ -69,7 +69,8 @@ class PenaltyError:
         The part of each penalty, by its parameter's name.
     scale : float
         What the error is compared with: the largest value, but no less than a length that is as good
-        as zero, the noise along the path, or for a component the whole force.
+        as zero, the distance of the contact points for a width, the noise along the path, or for a
+        component of a force the complete one.
     """
 
     error: np.ndarray
@@ -150,7 +151,10 @@ def least_scale(measure: Measure, result) -> float:
     """Size below which a measure is as good as zero, in its unit."""
     if isinstance(measure, Reaction):
         return float(np.abs(result.path.reaction(measure.profile)).max(initial=0.0))
-    small, along = SMALL_LENGTH * displaced(result), displaced(result)
+    if isinstance(measure, ContactWidth):  # less than the distance of the points is not resolved
+        return float(result.term(measure.profile).length.mean())
+    along = result.path.largest_displacement
+    small = SMALL_LENGTH * along
     by_units = {"mm": small, "mm**2": small**2, "mm**3": small**2 * along}
     base = measure.base if isinstance(measure, Derived) else measure
     noise = NOISE * along_path(measure, result) if base.wants_end else 0.0
@@ -161,12 +165,6 @@ def along_path(measure: Measure, result) -> float:
     """Largest size of a measure at the ends of the nominal steps."""
     sizes = [np.abs(part.value(measure)).max(initial=0.0) for part in result.up_to_each_step()]
     return float(max(sizes, default=0.0))
-
-
-def displaced(result) -> float:
-    """Largest displacement of a particle along the path, mm: how far the seal was squeezed."""
-    steps = range(len(result.path.nominal_steps))
-    return max((float(np.hypot(*result.displacement(k).T).max()) for k in steps), default=0.0)
 
 
 def compliance(result, names) -> float:
@@ -183,7 +181,7 @@ def compliance(result, names) -> float:
             term, place = result.term(penalty.contact), result.path.place(penalty.contact)
             given = _penetration if penalty.kind == NORMAL else _elastic_slip
             found = max([found, *(given(term, step.responses[place]) for step in steps)])
-    size = displaced(result)
+    size = result.path.largest_displacement
     return found / size if size > 0.0 else 0.0
 
 
