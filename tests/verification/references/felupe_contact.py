@@ -22,8 +22,8 @@ from time import perf_counter
 
 import felupe as fem
 import felupe.constitution.tensortrax as mat
-import gmsh
 import numpy as np
+from felupe_sections import half_ring, mesh_of, quarter_disc, rounded_block
 from pypardiso import spsolve
 
 SOFT = {"c10": 80.0, "c01": 20.0, "bulk_modulus": 80000.0}
@@ -69,6 +69,8 @@ class Case:
         Travel of the plate of the part that is computed over that of the whole section.
     normal_penalty, tangent_penalty : float
         Of a node, N/m over mm.
+    pressure_modes : int
+        3 for linear pressures, 4 for bilinear ones, which are stiffer than stable elements may be.
     """
 
     section: str
@@ -84,123 +86,20 @@ class Case:
     travel_factor: float = 1.0
     normal_penalty: float = 1e7
     tangent_penalty: float = 1e6
+    pressure_modes: int = 3
 
 
-class LinearPressure(fem.Element):
-    """1, r and s on the unit square: discontinuous from element to element."""
+class Pressure(fem.Element):
+    """1, r and s on a quadrilateral, discontinuous from one to the next; with a fourth one, r s."""
 
-    def __init__(self):
-        self.points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    def __init__(self, modes):
+        self.points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])[:modes]
 
     def function(self, rs):
-        return np.array([1.0, rs[0], rs[1]])
+        return np.array([1.0, rs[0], rs[1], rs[0] * rs[1]])[: len(self.points)]
 
     def gradient(self, rs):
-        return np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-
-
-class Grid:
-    """Blocks of structured quadrilaterals in gmsh."""
-
-    def point(self, x, y):
-        return gmsh.model.geo.addPoint(x, y, 0.0)
-
-    def line(self, start, end, count, growth=1.0):
-        """Straight curve of ``count`` elements, each ``growth`` times as long as the one before."""
-        curve = gmsh.model.geo.addLine(start, end)
-        gmsh.model.geo.mesh.setTransfiniteCurve(curve, count + 1, "Progression", growth)
-        return curve
-
-    def arc(self, start, centre, end, count, growth=1.0):
-        curve = gmsh.model.geo.addCircleArc(start, centre, end)
-        gmsh.model.geo.mesh.setTransfiniteCurve(curve, count + 1, "Progression", growth)
-        return curve
-
-    def block(self, *curves):
-        """Four curves, head to tail; a minus turns one round."""
-        face = gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(curves)])
-        gmsh.model.geo.mesh.setTransfiniteSurface(face)
-
-    def quarter(self, centre, radius, along, inward):
-        """Make three blocks in a quarter disc: a square in the middle and two between it and the arc.
-
-        ``along`` elements lie along each half of the arc, ``inward`` from there to the square. Returns
-        the curves and the points of its two straight edges.
-        """
-        (x, y), a, b, s = centre, 0.5 * radius, 0.42 * radius, radius * np.sqrt(0.5)
-        o, pa, pb, pc, pd, pe, pf = (
-            self.point(x + dx, y + dy)
-            for dx, dy in ((0, 0), (a, 0), (b, b), (0, a), (radius, 0), (s, s), (0, radius))
-        )
-        oa, ab = self.line(o, pa, along), self.line(pa, pb, along)
-        bc, co = self.line(pb, pc, along), self.line(pc, o, along)
-        ad, be, cf = (self.line(p, q, inward) for p, q in ((pa, pd), (pb, pe), (pc, pf)))
-        de, ef = self.arc(pd, o, pe, along), self.arc(pe, o, pf, along)
-        self.block(oa, ab, bc, co)
-        self.block(ad, de, -be, -ab)
-        self.block(be, ef, -cf, -bc)
-        return (oa, ad, co, cf), (o, pa, pd, pc, pf)
-
-
-def quarter_disc(radius):
-    """Quarter in x, y > 0."""
-
-    def draw(size):
-        along = max(2, round(0.25 * np.pi * radius / size))
-        Grid().quarter((0.0, 0.0), radius, along, max(2, round(0.55 * radius / size)))
-
-    return draw
-
-
-def rounded_block(width, height, radius):
-    """Right half of a block; its rounded corner is a quarter disc, with nine blocks round it."""
-
-    def draw(size):
-        grid, b, h = Grid(), 0.5 * width - radius, height - radius
-        fine = max(2, round(0.5 * radius / (0.4 * size)))
-        (oa, ad, co, cf), (o, pa, pd, pc, pf) = grid.quarter((b, h), radius, fine, fine)
-        across, up = round(b / size / 0.8), round(h / size / 0.8)
-
-        def growing(start, end, count):
-            """From the middle to the corner, elements get smaller down to those of the corner."""
-            return grid.line(start, end, count, 0.4 ** (1.0 / count))
-
-        xs = (0.0, b, b + 0.5 * radius, b + radius)
-        low = [grid.point(x, 0.0) for x in xs]
-        left = [grid.point(0.0, y) for y in (h, h + 0.5 * radius, h + radius)]
-        lows = [growing(low[0], low[1], across)]
-        lows += [grid.line(low[1], low[2], fine), grid.line(low[2], low[3], fine)]
-        ups = [growing(p, q, up) for p, q in zip(low, (left[0], o, pa, pd), strict=True)]
-        rights = [growing(p, q, across) for p, q in zip(left, (o, pc, pf), strict=True)]
-        lefts = [grid.line(left[0], left[1], fine), grid.line(left[1], left[2], fine)]
-        grid.block(lows[0], ups[1], -rights[0], -ups[0])
-        grid.block(lows[1], ups[2], -oa, -ups[1])
-        grid.block(lows[2], ups[3], -ad, -ups[2])
-        grid.block(rights[0], -co, -rights[1], -lefts[0])
-        grid.block(rights[1], cf, -rights[2], -lefts[1])
-
-    return draw
-
-
-def half_ring(outer, inner):
-    """Right half of a bulb; finer at its foot."""
-
-    def draw(size):
-        grid = Grid()
-        layers = max(2, round((outer - inner) / size))
-        around = max(4, round(0.5 * np.pi * outer / size))
-        o, a, b, c, d = (
-            grid.point(*xy) for xy in ((0, 0), (inner, 0), (outer, 0), (0, outer), (0, inner))
-        )
-        growth = 4.0 ** (1.0 / around)
-        grid.block(
-            grid.line(a, b, layers),
-            grid.arc(b, o, c, around, growth),
-            grid.line(c, d, layers),
-            grid.arc(d, o, a, around, 1.0 / growth),
-        )
-
-    return draw
+        return np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], rs[::-1]])[: len(self.points)]
 
 
 def on_arc(x, y, radius):
@@ -265,37 +164,16 @@ CASES = {
 }
 
 
-def mesh_of(case, size):
-    """Biquadratic quadrilaterals of a case, curved at its boundary."""
-    gmsh.initialize()
-    gmsh.option.setNumber("General.Terminal", 0)
-    case.draw(size)
-    gmsh.model.geo.synchronize()
-    gmsh.option.setNumber("Mesh.RecombineAll", 1)
-    gmsh.model.mesh.generate(2)
-    gmsh.model.mesh.setOrder(2)
-    tags, xyz, _ = gmsh.model.mesh.getNodes()
-    kinds, _, nodes = gmsh.model.mesh.getElements(2)
-    assert list(kinds) == [10], kinds  # quadrilaterals of nine nodes only
-    gmsh.finalize()
-    number = np.zeros(int(tags.max()) + 1, dtype=int)
-    number[tags.astype(int)] = np.arange(len(tags))
-    cells = number[nodes[0].astype(int)].reshape(-1, 9)
-    used, cells = np.unique(cells, return_inverse=True)
-    points = xyz.reshape(-1, 3)[used, :2]
-    return fem.Mesh(points, cells.reshape(-1, 9), "quad9")
-
-
 def model_of(case, mesh):
     """Fields, items, boundaries and the plate, whose point is the last one of the mesh."""
     x, y = mesh.points.T
     touched = np.where(case.touched(x, y))[0]
     mesh.add_points([0.0, case.top])
     region = fem.RegionBiQuadraticQuad(mesh)
-    n = mesh.ncells
-    of_pressure = fem.Mesh(np.zeros((3 * n, 2)), np.arange(3 * n).reshape(n, 3), "triangle")
-    dual = fem.Region(of_pressure, LinearPressure(), region.quadrature, grad=False)
-    one = np.tile([1.0, 0.0, 0.0], n)[:, None]
+    n, k = mesh.ncells, case.pressure_modes
+    of_pressure = fem.Mesh(np.zeros((k * n, 2)), np.arange(k * n).reshape(n, k), "pressure")
+    dual = fem.Region(of_pressure, Pressure(k), region.quadrature, grad=False)
+    one = np.tile(np.eye(k)[0], n)[:, None]
     fields = fem.FieldContainer(
         [
             fem.FieldPlaneStrain(region, dim=2),
@@ -342,7 +220,7 @@ def travels(case):
 def press(case, size):
     """Force of the whole section on the plate at the asked travels, N/m."""
     began = perf_counter()
-    mesh = mesh_of(case, size)
+    mesh = mesh_of(case.draw, size)
     fields, solid, plate, bounds = model_of(case, mesh)
     path = travels(case)
     step = fem.Step(
@@ -413,6 +291,9 @@ def main(name):
     checks = {
         f"elements of {coarse} mm, twice as many load steps": press(twice, coarse),
         f"elements of {coarse} mm, ten times the penalties": press(stiff, coarse),
+        f"elements of {coarse} mm, bilinear pressure": press(
+            replace(case, pressure_modes=4), coarse
+        ),
     }
     meshes, frictionless = ({size: press(c, size) for size in case.sizes} for c in (case, free))
     save(name, record(case, meshes, frictionless, checks))
