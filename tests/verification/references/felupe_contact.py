@@ -69,6 +69,8 @@ class Case:
         Travel of the plate of the part that is computed over that of the whole section.
     normal_penalty, tangent_penalty : float
         Of a node, N/m over mm.
+    graded : callable or None
+        Another ``draw``, with smaller elements where the stress is singular.
     pressure_modes : int
         3 for linear pressures, 4 for bilinear ones, which are stiffer than stable elements may be.
     """
@@ -86,6 +88,7 @@ class Case:
     travel_factor: float = 1.0
     normal_penalty: float = 1e7
     tangent_penalty: float = 1e6
+    graded: object = None
     pressure_modes: int = 3
 
 
@@ -117,6 +120,7 @@ CASES = {
         held="xy",
         touched=lambda x, y: on_arc(x, y, 5.0),
         sizes=[0.6, 0.4, 0.3, 0.22],
+        n_steps=27,
     ),
     "o_ring": Case(
         section="disc of diameter 5.33 mm squeezed between two flat plates",
@@ -136,6 +140,7 @@ CASES = {
         section="block 10 mm wide and 4 mm high, upper corners rounded with 0.5 mm, bonded below, "
         "compressed by a plate on top",
         draw=rounded_block(10.0, 4.0, 0.5),
+        graded=rounded_block(10.0, 4.0, 0.5, graded=True),
         rubber=SOFT,
         friction=0.3,
         travel=[0.2, 0.4, 0.6, 0.8],
@@ -247,7 +252,7 @@ def press(case, size):
     return force
 
 
-def record(case, meshes, frictionless, checks):
+def record(case, meshes, frictionless, checks, graded):
     """JSON of a case: forces by element size, of which the finest that got there is the value."""
 
     def finest(table):
@@ -257,9 +262,14 @@ def record(case, meshes, frictionless, checks):
         ]
 
     def uncertainty(i):
-        """Twice the change by the last refinement, at least 0.1 %."""
+        """Twice the change by the last refinement, or that by grading; at least 0.1 %."""
         last, before = [f[i] for size, f in sorted(meshes.items()) if len(f) > i][:2]
-        return round(max(1e-3, 2.0 * abs(before / last - 1.0)), 4)
+        others = [f[i] for size, f in sorted(graded.items()) if len(f) > i][:1]
+        changes = [2.0 * abs(before / last - 1.0), *(abs(other / last - 1.0) for other in others)]
+        return round(max(1e-3, *changes), 4)
+
+    def named(table):
+        return {f"elements of {size} mm": force for size, force in table.items()}
 
     return {
         "section": case.section,
@@ -272,10 +282,9 @@ def record(case, meshes, frictionless, checks):
         "method": METHOD,
         "code": CODE,
         "penalties_kPa": [case.normal_penalty, case.tangent_penalty],
-        "meshes_N_per_m": {f"elements of {size} mm": f for size, f in meshes.items()},
-        "frictionless_meshes_N_per_m": {
-            f"elements of {size} mm": f for size, f in frictionless.items()
-        },
+        "meshes_N_per_m": named(meshes),
+        "frictionless_meshes_N_per_m": named(frictionless),
+        "graded_meshes_N_per_m": named(graded),
         "checks_N_per_m": checks,
     }
 
@@ -296,7 +305,11 @@ def main(name):
         ),
     }
     meshes, frictionless = ({size: press(c, size) for size in case.sizes} for c in (case, free))
-    save(name, record(case, meshes, frictionless, checks))
+    fine = {}
+    if case.graded:
+        other = replace(case, draw=case.graded)
+        fine = {size: press(other, size) for size in case.sizes[:3]}
+    save(name, record(case, meshes, frictionless, checks, fine))
 
 
 def save(name, found):

@@ -17,6 +17,12 @@ class Grid:
         gmsh.model.geo.mesh.setTransfiniteCurve(curve, count + 1, "Progression", growth)
         return curve
 
+    def swelling(self, start, end, count):
+        """Straight curve whose elements, two more, are smaller at both ends."""
+        curve = gmsh.model.geo.addLine(start, end)
+        gmsh.model.geo.mesh.setTransfiniteCurve(curve, count + 3, "Bump", 0.2)
+        return curve
+
     def arc(self, start, centre, end, count, growth=1.0):
         curve = gmsh.model.geo.addCircleArc(start, centre, end)
         gmsh.model.geo.mesh.setTransfiniteCurve(curve, count + 1, "Progression", growth)
@@ -58,8 +64,11 @@ def quarter_disc(radius):
     return draw
 
 
-def rounded_block(width, height, radius):
-    """Right half of a block; its rounded corner is a quarter disc, with nine blocks round it."""
+def rounded_block(width, height, radius, graded=False):
+    """Right half of a block; its rounded corner is a quarter disc, with five blocks round it.
+
+    ``graded``: smaller elements at the lower corner too.
+    """
 
     def draw(size):
         grid, b, h = Grid(), 0.5 * width - radius, height - radius
@@ -76,7 +85,8 @@ def rounded_block(width, height, radius):
         left = [grid.point(0.0, y) for y in (h, h + 0.5 * radius, h + radius)]
         lows = [growing(low[0], low[1], across)]
         lows += [grid.line(low[1], low[2], fine), grid.line(low[2], low[3], fine)]
-        ups = [growing(p, q, up) for p, q in zip(low, (left[0], o, pa, pd), strict=True)]
+        rise = grid.swelling if graded else growing
+        ups = [rise(p, q, up) for p, q in zip(low, (left[0], o, pa, pd), strict=True)]
         rights = [growing(p, q, across) for p, q in zip(left, (o, pc, pf), strict=True)]
         lefts = [grid.line(left[0], left[1], fine), grid.line(left[1], left[2], fine)]
         grid.block(lows[0], ups[1], -rights[0], -ups[0])
