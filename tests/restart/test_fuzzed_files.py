@@ -29,6 +29,7 @@ TEXTS = (
     json.dumps({"valley.f": int("9" * 400)}), json.dumps({"valley.f": [[1.0], [2.0, 3.0]]}),
     json.dumps({"valley.f": None, "valley.g": {"a": 1}}), "rank0:Uno|x", "</script><b>", "$\\frac{$",
 )  # fmt: skip
+PARTS = (None, 1, -1.5, "text", [], {}, [1, 2], int("9" * 400), {"val": False})
 VALUES = (None, -1, 0, 2**62, 1.5, float("inf"), b"", b"\x00\xff", bytes(1000))
 
 
@@ -87,11 +88,16 @@ def part_of_json(path, choose):
     while isinstance(at, dict | list) and len(at):
         key = choose.choice([*at] if isinstance(at, dict) else range(len(at)))
         if not isinstance(at[key], dict | list) or not at[key] or choose.random() < 0.1:
-            at[key] = choose.choice([None, 1, -1.5, "text", UNITS, [], {}, [1, 2], int("9" * 400)])
+            at[key] = choose.choice([*PARTS, other_units(choose)])
             break
         at = at[key]
     text = json.dumps(found)
     put(path, table, column, zlib.compress(text.encode()) if packed else text)
+
+
+def other_units(choose):
+    """Units that OpenMDAO has not seen: it evaluates none twice."""
+    return f"{UNITS} or {choose.random()}"
 
 
 def all_units(path, choose):
@@ -102,7 +108,7 @@ def all_units(path, choose):
         found = json.loads(zlib.decompress(blob))
         for settings in found.values():
             if isinstance(settings, dict):
-                settings["units"] = choose.choice(["m", UNITS])
+                settings["units"] = choose.choice(["m", other_units(choose)])
         put(path, "metadata", column, zlib.compress(json.dumps(found).encode()))
 
 
@@ -162,10 +168,16 @@ def bytes_of_file(path, choose):
 KINDS = (content, content, part_of_json, part_of_json, all_units, schema, schema, bytes_of_file)
 
 
+REFUSED = (sqlite3.Error, zlib.error, ValueError, OSError, TypeError, KeyError, RecursionError)
+"""What SQLite, and changes to what was changed before, end in."""
+
+
 def mutate(path, choose):
     """Change a file; what SQLite refuses to change stays."""
     for kind in choose.choices(KINDS, k=choose.randint(1, 3)):
-        with suppress(sqlite3.Error, ValueError, OSError, TypeError, KeyError, zlib.error):
+        with suppress(
+            sqlite3.Error, ValueError, OSError, TypeError, KeyError, zlib.error, RecursionError
+        ):
             kind(path, choose)
 
 
