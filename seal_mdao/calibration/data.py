@@ -156,7 +156,10 @@ def read_tests(path) -> MaterialTests:
 
 
 def _cells(line: str) -> list[str]:
-    return [cell.strip() for cell in next(csv.reader([line]))]
+    try:
+        return [cell.strip() for cell in next(csv.reader([line]))]
+    except csv.Error:  # a cell longer than csv allows is that of no number
+        return [""]
 
 
 def _header(path, number: int, line: str) -> list[str]:
