@@ -132,15 +132,14 @@ def _design_inputs(path: str, links: dict) -> tuple[str, list[str]]:
 
 def _value(case, target, model, units, given) -> np.ndarray | None:
     """An input in its own units; None when the file does not say."""
-    if target in case.inputs:
-        return case.inputs[target]
     source = model.sources.get(target)
-    if source not in case.outputs:
+    if target not in case.inputs and source not in case.outputs:
         return given.get(target)
-    value = case.outputs[source]
-    if _own(target) not in ARRAYS and value.size > 1:
-        return None  # which entry is not in the file
-    return convert_units(value, model.units[source], units[_own(target)])
+    value = case.inputs.get(target)
+    if value is None:
+        value = convert_units(case.outputs[source], model.units[source], units[_own(target)])
+    # which entry a scalar is of several is not in the file
+    return value if _own(target) in ARRAYS or value.size == 1 else None
 
 
 def _own(name: str) -> str:

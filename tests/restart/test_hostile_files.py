@@ -15,6 +15,7 @@ from openmdao.recorders.sqlite_reader import SqliteCaseReader
 from valley import record, valley_problem
 
 import seal_mdao as sm
+from seal_mdao import plotting
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.recording.evaluations import RestartError, read_cases
 from seal_mdao.recording.plain_reading import TWO_FILES, PlainDatabase, checked_units
@@ -68,11 +69,16 @@ def test_attack_is_one_line_of_the_command(cases, attack):
     assert not exploded()
 
 
+def metadata_of(path, column):
+    """What a column of the metadata holds."""
+    with closing(sqlite3.connect(path)) as connection:
+        (blob,) = connection.execute(f"SELECT {column} FROM metadata").fetchone()
+    return json.loads(zlib.decompress(blob))
+
+
 def with_units(path, text):
     """The objective is in these units."""
-    with closing(sqlite3.connect(path)) as connection:
-        packed = connection.execute("SELECT abs2meta, var_settings FROM metadata").fetchone()
-    metadata, settings = (json.loads(zlib.decompress(blob)) for blob in packed)
+    metadata, settings = (metadata_of(path, name) for name in ("abs2meta", "var_settings"))
     metadata["valley.f"]["units"], settings["f"]["units"] = "m", text
     for column, value in (("abs2meta", metadata), ("var_settings", settings)):
         put(path, "metadata", column, zlib.compress(json.dumps(value).encode()))
@@ -196,6 +202,21 @@ def test_journal_that_names_another_file(cases):
     Path("cases.sql-journal").write_bytes(bytes(100) + TWO_FILES)
     with pytest.raises(ValueError, match="the journal beside"):
         read_optimization(cases)
+
+
+@pytest.mark.parametrize("name", ["$\\frac{$", "</script><script>", "{}%s"])
+def test_names_are_text(cases, name):
+    """In figures and in the page."""
+    settings = metadata_of(cases, "var_settings")
+    for old in ("f", "g"):
+        settings[name + old] = settings.pop(old)
+    put(cases, "metadata", "var_settings", zlib.compress(json.dumps(settings).encode()))
+    history = read_optimization(cases)
+    assert history.objective_name == name + "f"
+    for draw in (plotting.objective_history, plotting.constraint_history):
+        plotting.save(draw(history), Path("history.svg"))
+    page = write_report(cases).read_text(encoding="utf-8")
+    assert page.count("<script") == 2
 
 
 TRIGGERS = (
