@@ -128,8 +128,12 @@ COLUMNS = (
     "1 AS id, 1 AS counter, 'rank0:Uno|0' AS iteration_coordinate, 1 AS success, '' AS msg, "
     "'{}' AS inputs, '{}' AS outputs"
 )
-ENDLESS = {
-    "view": replaced(
+NOT_TABLES = {
+    "view": (
+        "ALTER TABLE driver_iterations RENAME TO other",
+        "CREATE VIEW driver_iterations AS SELECT * FROM other",
+    ),
+    "endless view": replaced(
         "driver_iterations",
         "CREATE VIEW driver_iterations AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 "
         f"FROM n) SELECT {COLUMNS} FROM n",
@@ -147,10 +151,11 @@ ENDLESS = {
 }
 
 
-@pytest.mark.parametrize("statements", ENDLESS.values(), ids=ENDLESS)
+@pytest.mark.parametrize("statements", NOT_TABLES.values(), ids=NOT_TABLES)
 def test_only_tables_are_read(cases, statements):
     change(cases, *statements)
-    with pytest.raises(ValueError, match=r"cases\.sql is not a file of an OpenMDAO recorder"):
+    reasons = "prohibited|not authorized|too many arguments on function|constructor failed"
+    with pytest.raises(ValueError, match=rf"cases\.sql is not a file of .*({reasons})"):
         read_optimization(cases)
     with pytest.raises(RestartError, match=r"cases\.sql"):
         read_cases(cases)
