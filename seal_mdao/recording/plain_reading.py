@@ -25,11 +25,6 @@ DAMAGE = (
     NameError, tokenize.TokenError,
 )  # fmt: skip
 """What damaged or foreign files end in, somewhere in a reader."""
-TABLES = frozenset(
-    ("sqlite_master", "metadata", "driver_metadata", "driver_iterations", "driver_derivatives",
-     "problem_cases", "run_log")
-)  # fmt: skip
-"""All that is read of a recorder file."""
 STEPS_PER_BYTE = 10
 """Of SQLite's virtual machine; a row takes about one a byte."""
 LEAST_STEPS = 10**6
@@ -72,7 +67,7 @@ class PlainDatabase:
         self._restrict()
 
     def _restrict(self) -> None:
-        """Let SQLite read rows of ``TABLES`` and nothing else."""
+        """Let SQLite read rows of tables and nothing else."""
         own = self._connection
         own.setlimit(sqlite3.SQLITE_LIMIT_FUNCTION_ARG, 0)  # so a schema with a function is refused
         own.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(self._bytes, 10**6))
@@ -91,7 +86,6 @@ class PlainDatabase:
         Parameters
         ----------
         table : str
-            One of ``TABLES``.
         columns : dict of str to type
             What to read, and what it must be.
 
@@ -132,7 +126,7 @@ class PlainDatabase:
 
 def _rows_of_tables(action, table, column, database, view) -> int:
     """What SQLite may do; ``view`` is that, or the trigger, in which it would be done."""
-    reads = action == sqlite3.SQLITE_SELECT or (action == sqlite3.SQLITE_READ and table in TABLES)
+    reads = action in (sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ)
     return sqlite3.SQLITE_OK if reads and view is None else sqlite3.SQLITE_DENY
 
 

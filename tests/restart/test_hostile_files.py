@@ -129,9 +129,10 @@ COLUMNS = (
     "'{}' AS inputs, '{}' AS outputs"
 )
 NOT_TABLES = {
-    "view": (
-        "ALTER TABLE driver_iterations RENAME TO other",
-        "CREATE VIEW driver_iterations AS SELECT * FROM other",
+    "view": replaced(
+        "driver_iterations",
+        "CREATE VIEW driver_iterations AS SELECT id, counter, iteration_coordinate, success, msg, "
+        "'{}' AS inputs, '{}' AS outputs FROM driver_derivatives",
     ),
     "endless view": replaced(
         "driver_iterations",
@@ -159,6 +160,12 @@ def test_only_tables_are_read(cases, statements):
         read_optimization(cases)
     with pytest.raises(RestartError, match=r"cases\.sql"):
         read_cases(cases)
+
+
+def test_metadata_of_two_models_are_refused(cases):
+    change(cases, "INSERT INTO metadata SELECT * FROM metadata")
+    with pytest.raises(ValueError, match="its table 'metadata' has 2 rows, not one"):
+        read_optimization(cases)
 
 
 def test_pages_that_are_there_many_times_are_not_read_without_end(cases):
