@@ -18,6 +18,7 @@ SECRETS = {
     "table": "user,mode,stretch\nsecret,hunter2,4711\n",
     "number": "4711\nhunter2 secret\n",
     "markup": "<secret hunter2='4711'>&hunter2;\n",
+    "xml": "<secret hunter2='4711'/>\n",
     "settings": "[secret]\nhunter2 = 4711\n",
     "groups": "  0\nSECTION\n  2\nHEADER\n  9\n$secret\nhunter2\n4711\n",
     "mesh": "$MeshFormat\n4711 secret hunter2\n$EndMeshFormat\n",
@@ -27,19 +28,9 @@ SECRETS = {
     "bytes": b"\x00\x01secret\xff\xfehunter2 4711",
 }
 MESHES = (
-    ".vtu",
-    ".vtk",
-    ".msh",
-    ".inp",
-    ".off",
-    ".stl",
-    ".obj",
-    ".svg",
-    ".xdmf",
-    ".bdf",
-    ".txt",
-    "",
-)
+    ".vtu", ".vtk", ".msh", ".inp", ".off", ".stl", ".obj", ".svg", ".xdmf", ".bdf", ".mesh", ".su2",
+    ".txt", "",
+)  # fmt: skip
 
 
 def naming(key, name):
