@@ -15,6 +15,7 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
+from seal_mdao.input_files import read_text
 from seal_mdao.seals.door.door_seal import ACCURACIES
 
 SEAL_OPTIONS = (
@@ -156,7 +157,7 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         made.error(str(error))
     except sm.LoadPathError as error:
         return _ended(made, str(error), 1)
-    except (OSError, sqlite3.OperationalError) as error:
+    except (OSError, sqlite3.DatabaseError) as error:
         return _ended(made, f"{_cause(error, arguments.out)}; {_saved(arguments.out)}", 1)
     except KeyboardInterrupt:
         return _ended(made, f"interrupted; {_saved(arguments.out)}", 130)
@@ -271,11 +272,11 @@ def write_summary(out: Path, summary: dict) -> Path:
 def design_from(path: Path, seal: sm.DoorSeal) -> tuple[np.ndarray, dict]:
     """Boundary offsets and door radius (mm) out of the summary.json of an optimisation."""
     try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
+        summary = json.loads(read_text(path))
         offsets, radius = summary["boundary_offsets"], summary["door_radius"]
     except OSError as error:
         raise WrongArgumentError(f"cannot read the design {path}: {error.strerror}") from None
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         text = f"{path} is not a summary.json with boundary_offsets and door_radius"
         raise WrongArgumentError(text) from None
     with checked_arguments():

@@ -10,7 +10,7 @@ from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import require_free
 from seal_mdao.recording.recorder import copy_record
-from seal_mdao.recording.settings import RecordedProblem, open_cases, recorded_problem
+from seal_mdao.recording.settings import RecordedProblem, open_model, recorded_problem
 
 
 def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
@@ -24,7 +24,7 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
     """
     path = arguments.restart
     with checked_arguments():
-        problem = recorded_problem(open_cases(path))
+        problem = recorded_problem(open_model(path))
         optimizer = recorded_optimizer(path)
     if problem is None:
         raise WrongArgumentError(f"{path} does not hold the settings of a seal")

@@ -33,7 +33,7 @@ from seal_mdao.optimization import FORCE_BAND, OPTIMIZERS, PRESSURE_SHARE, seal_
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import hidden
 from seal_mdao.recording.restart import restart
-from seal_mdao.recording.settings import open_cases, recorded_settings
+from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.samples import samples_section
 from seal_mdao.report.write import write_report
 from seal_mdao.robust_optimization import COST, GOALS, RobustGoal, robust_problem
@@ -143,7 +143,7 @@ def begin(problem, nominal, recorded: Path | None) -> None:
     if recorded is None:
         return
     mine = json.loads(problem.model.options["problem_settings"])
-    if recorded_settings(open_cases(recorded)) != mine:
+    if recorded_settings(open_model(recorded)) != mine:
         raise ValueError(
             f"--restart: {recorded} was recorded with other scenarios or another goal; a run is "
             "continued with its own"

@@ -28,7 +28,7 @@ from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.plotting.recorded import RecordedOptimization, label, read_optimization, unit_of
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.restart import restart
-from seal_mdao.recording.settings import open_cases, recorded_settings
+from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.result import frozen_measures
@@ -79,7 +79,7 @@ def main(arguments) -> int:
 
 
 def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
-    """Optimiser, chosen load steps and penalties of the run to continue, when its file is that of this seal file.
+    """Optimiser, load steps and penalties of the run to continue, when its seal file is the same.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
     if not cases.is_file():
         raise WrongArgumentError(f"--restart: there is no {cases} to continue")
     with checked_arguments():
-        recorded = recorded_settings(open_cases(cases))
+        recorded = recorded_settings(open_model(cases))
     chosen = recorded.pop(CHOSEN, None)
     if recorded != problem_settings(file):
         raise WrongArgumentError(

@@ -15,6 +15,7 @@ import atexit
 import gc
 import hashlib
 import os
+import pickle
 import shutil
 import sys
 import tempfile
@@ -26,8 +27,8 @@ from pathlib import Path
 
 import numba
 from numba import config
-from numba.core import event
-from numba.core.caching import CacheImpl, _CacheLocator
+from numba.core import caching, event
+from numba.core.caching import CacheImpl, IndexDataCacheFile, _CacheLocator
 from numba.extending import register_jitable
 from platformdirs import user_cache_path
 
@@ -36,6 +37,10 @@ MESSAGE = (
 )
 ANNOUNCED = "SEAL_MDAO_COMPILATION_ANNOUNCED"
 """Set in the environment by the process that wrote the message; those it starts write none."""
+
+DAMAGED = "seal_mdao: {path} of its compiled kernels is damaged; it is compiled again ..."
+DAMAGE_ANNOUNCED = "SEAL_MDAO_DAMAGE_ANNOUNCED"
+"""The same of this message."""
 
 PACKAGE = Path(__file__).parent
 KERNEL_FOLDERS = (
@@ -49,9 +54,10 @@ ABANDONED = 7 * 24 * 3600.0
 
 @cache
 def sources_key() -> str:
-    """Digest of the sources of all kernels and of numba's version."""
+    """Digest of the sources of all kernels, of this module, and of numba's version."""
     files = (path for name in KERNEL_FOLDERS for path in (PACKAGE / name).glob("*.py"))
-    text = numba.__version__.encode() + b"".join(path.read_bytes() for path in sorted(files))
+    files = [Path(__file__), *sorted(files)]  # this one says how compiled kernels are written
+    text = numba.__version__.encode() + b"".join(path.read_bytes() for path in files)
     return hashlib.sha256(text).hexdigest()[:16]
 
 
@@ -110,6 +116,62 @@ class KernelLocator(_CacheLocator):
         super().ensure_cache_path()
 
 
+class KernelFiles(IndexDataCacheFile):
+    """Numba's files of a kernel of this package, each behind a digest of its content.
+
+    Numba loads whatever it finds, and a damaged file ends in an error of pickle, or of the machine code.
+    Here such a file counts as missing, so that the kernel is compiled again and the file replaced.
+    """
+
+    def _load_index(self):
+        found = _content(self._index_path)
+        return {} if found is None else found
+
+    def _save_index(self, overloads):
+        self._write(self._index_path, overloads)
+
+    def _load_data(self, name):
+        return _content(self._data_path(name))
+
+    def _save_data(self, name, data):
+        self._write(self._data_path(name), data)
+
+    def _write(self, path, content):
+        packed = self._dump(content)
+        with self._open_for_write(path) as file:
+            file.write(_digest(packed) + packed)
+
+
+def _content(path: str):
+    """What a file of a kernel holds; None when it is not there, or damaged."""
+    try:
+        content = Path(path).read_bytes()
+    except OSError:
+        return None
+    size = len(_digest(b""))
+    if _digest(content[size:]) != content[:size]:
+        _announce_damage(path)
+        return None
+    return pickle.loads(content[size:])
+
+
+def _digest(packed: bytes) -> bytes:
+    return hashlib.sha256(packed).digest()
+
+
+def _announce_damage(path: str) -> None:
+    """Write one line about the first damaged file, in place of the message that kernels are compiled."""
+    if DAMAGE_ANNOUNCED not in os.environ:
+        os.environ[DAMAGE_ANNOUNCED] = os.environ[ANNOUNCED] = "1"
+        print(DAMAGED.format(path=path), file=sys.stderr, flush=True)
+
+
+def _files(cache_path: str, filename_base: str, source_stamp) -> IndexDataCacheFile:
+    """Files of a kernel of this package, or those of numba for the functions of others."""
+    kind = KernelFiles if source_stamp == sources_key() else IndexDataCacheFile
+    return kind(cache_path, filename_base, source_stamp)
+
+
 def _delete_abandoned() -> None:
     for folder in cache_base().glob(FOLDER_PREFIX + "*"):
         with suppress(OSError):  # another process may be deleting it
@@ -144,8 +206,10 @@ class _Compilation(event.Listener):
             gc.enable()
 
 
-# Kernels of this package are kept where ``KernelLocator`` says: this comes before the first of them.
+# Kernels of this package are kept where ``KernelLocator`` says, in ``KernelFiles``: this comes before
+# the first of them.
 CacheImpl._locator_classes.insert(0, KernelLocator)
+caching.IndexDataCacheFile = _files
 event.register("numba:compile", _Compilation())
 
 compiled = numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)

@@ -15,11 +15,7 @@ import numpy as np
 import openmdao.api as om
 from openmdao.core.driver import Driver, RecordingDebugging
 from openmdao.core.group import Group
-from openmdao.recorders.sqlite_reader import SqliteCaseReader
 from openmdao.utils.record_util import create_local_meta
-
-OLDEST_FORMAT = 14
-"""Of recorder files; older ones hold more pickles, and none of them was written by this package."""
 
 
 class FailedCases(Driver):
@@ -139,29 +135,6 @@ class SqliteHooks(om.SqliteRecorder):
 
     def _initialize_database(self, comm):
         self.open_database(comm)
-
-
-class CaseReaderHooks(SqliteCaseReader):
-    """``CaseReader`` that leaves the recorded options, which are pickles, to ``read_options``."""
-
-    def read_options(self, blob: bytes) -> dict:
-        """The recorded options of a system by name; the place to override."""
-        raise NotImplementedError
-
-    def _collect_metadata(self, cur):
-        version = cur.execute("SELECT format_version FROM metadata").fetchone()[0]
-        if not version >= OLDEST_FORMAT:
-            raise ValueError(
-                f"its format {version} is older than {OLDEST_FORMAT}, the first that is read"
-            )
-        super()._collect_metadata(cur)
-
-    def _collect_system_metadata(self, cur):
-        for name, options in cur.execute("SELECT id, component_metadata FROM system_metadata"):
-            self._system_options[name] = {"component_options": self.read_options(options)}
-
-    def _collect_solver_metadata(self, cur):
-        """Options of solvers are not needed here."""
 
 
 # ---- the problem of a driver ----

@@ -150,6 +150,7 @@ def shown(value) -> str:
     """A value in an error message, in one line of some length."""
     try:
         text = " ".join(repr(value).split())
-    except ValueError:  # an integer with too many digits
-        return f"an integer of {value.bit_length()} bits"
+    except ValueError:  # an integer with too many digits, or in it
+        bits = f"an integer of {value.bit_length()} bits" if isinstance(value, int) else ""
+        return bits or f"a {type(value).__name__} with an integer of too many digits"
     return text if len(text) <= 60 else f"{text[:57]}..."

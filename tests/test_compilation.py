@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 import numba as nb
+import pytest
 from numba.core.dispatcher import Dispatcher
 
 import seal_mdao
@@ -35,7 +36,12 @@ for name in ("kernel_derivatives(0.1, 0.2, 1.0)", "cubic_b_spline(1)"):
 
 
 def said(code, cache):
-    """How often a fresh process, and those that it starts, wrote the message; the result is right."""
+    """How often a fresh process, and those that it starts, wrote the message."""
+    return written(code, cache).count(MESSAGE)
+
+
+def written(code, cache):
+    """What a fresh process, and those that it starts, wrote to stderr; the result is right."""
     # what the process of the tests has said counts for those that it starts
     env = {name: value for name, value in os.environ.items() if name != ANNOUNCED}
     done = subprocess.run(
@@ -43,7 +49,7 @@ def said(code, cache):
         env={**env, "NUMBA_CACHE_DIR": str(cache)},
     )  # fmt: skip
     assert float(done.stdout) == 1 / 6
-    return done.stderr.count(MESSAGE)
+    return done.stderr
 
 
 def compiled(cache):
@@ -52,6 +58,25 @@ def compiled(cache):
 
 def test_the_first_run_says_once_that_it_compiles_and_a_later_one_does_not(tmp_path):
     assert [said(KERNEL, tmp_path) for _ in range(2)] == [1, 0]
+
+
+def damage(path, kind):
+    """A file of a kernel that was cut short, emptied, or has another byte in its middle."""
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 255
+    path.write_bytes({"cut": content[: len(content) // 2], "empty": b"", "byte": content}[kind])
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize("kind", ["cut", "empty", "byte"])
+def test_damaged_kernel_is_compiled_again_with_one_line(tmp_path, ending, kind):
+    written(KERNEL, tmp_path)
+    for path in tmp_path.rglob(f"*.{ending}"):
+        damage(path, kind)
+    (line,) = written(KERNEL, tmp_path).splitlines()
+    assert line.startswith(f"seal_mdao: {tmp_path}")
+    assert line.endswith("of its compiled kernels is damaged; it is compiled again ...")
+    assert written(KERNEL, tmp_path) == ""
 
 
 def test_processes_that_a_command_starts_say_nothing_again(tmp_path):

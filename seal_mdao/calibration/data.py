@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.calibration.modes import MODES
+from seal_mdao.input_files import read_text
 
 COLUMNS = ("mode", "stretch", "stress_kPa")
 LATERAL = "lateral_stretch"
@@ -135,7 +136,7 @@ def read_tests(path) -> MaterialTests:
     """
     path = Path(path)
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = read_text(path, "utf-8-sig").splitlines()
     except OSError as error:
         raise MaterialDataError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
@@ -155,21 +156,29 @@ def read_tests(path) -> MaterialTests:
 
 
 def _cells(line: str) -> list[str]:
-    return [cell.strip() for cell in next(csv.reader([line]))]
+    try:
+        return [cell.strip() for cell in next(csv.reader([line]))]
+    except csv.Error:  # a cell longer than csv allows is that of no number
+        return [""]
 
 
 def _header(path, number: int, line: str) -> list[str]:
+    """Names of the columns. Words of the line are shown only where it is that of test data: a seal
+    file may name any file of the machine."""
     columns, allowed = _cells(line), (*COLUMNS, LATERAL)
     where = f"{path}, line {number}"
+    missing = [column for column in COLUMNS if column not in columns]
+    if missing:
+        raise MaterialDataError(
+            f"{where}: there is no column {missing[0]!r}; the columns are {', '.join(COLUMNS)} and "
+            f"perhaps {LATERAL}, separated by commas"
+        )
     unknown = [column for column in columns if column not in allowed]
     if unknown:
         raise MaterialDataError(
             f"{where}: unknown column {unknown[0][:40]!r}; allowed are {', '.join(allowed)}, "
             "separated by commas"
         )
-    missing = [column for column in COLUMNS if column not in columns]
-    if missing:
-        raise MaterialDataError(f"{where}: there is no column {missing[0]!r}")
     twice = [column for column in columns if columns.count(column) > 1]
     if twice:
         raise MaterialDataError(f"{where}: the column {twice[0]!r} is there twice")

@@ -44,7 +44,7 @@ def objective_history(history: RecordedOptimization) -> Figure:
     """The objective in its own unit, infeasible points marked."""
     figure, axes = subplots(width=6.4, height=4.2)
     _draw_objective(axes, history, history.objective)
-    name = label(history.objective_name)
+    name = _words(history.objective_name)
     unit = unit_of(history, history.objective_name)
     axes.set_ylabel(f"{name} ({unit})" if unit else name)
     axes.margins(y=0.12)
@@ -113,4 +113,9 @@ def _shade_violated(axes: Axes, shown: np.ndarray) -> None:
 def _legend(name: str, particles) -> str:
     entry = re.fullmatch(r"von_mises\[(\d+)\]", name)
     where = f", particle {particles[int(entry[1])]}" if entry and particles is not None else ""
-    return label(name) + where
+    return _words(name) + where
+
+
+def _words(name: str) -> str:
+    """A recorded variable in words, none of which is mathematics to matplotlib."""
+    return label(name).replace("$", r"\$")

@@ -1,16 +1,25 @@
 """What an OpenMDAO recorder file says about an optimisation."""
 
 import re
-import sqlite3
 from dataclasses import dataclass, field
 
 import numpy as np
-import openmdao.api as om
 
 from seal_mdao.recording import run_log
-from seal_mdao.recording.plain_reading import reading
+from seal_mdao.recording.plain_reading import PlainDatabase, reading
+from seal_mdao.recording.recorder_file import (
+    CONSTRAINT,
+    DESIGN,
+    OBJECTIVE,
+    Case,
+    RecordedModel,
+    read_driver_cases,
+    read_gradient_counters,
+    read_model,
+    read_problem_case,
+)
 from seal_mdao.recording.seal_inputs import read_seals
-from seal_mdao.recording.settings import open_cases, recorded_problem
+from seal_mdao.recording.settings import recorded_problem
 from seal_mdao.seals.door.door_seal import DoorSeal
 
 NO_LIMIT = 1e20
@@ -188,65 +197,72 @@ def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
     ValueError
         For a file that is not there, is no recorder file, is damaged, or holds no good driver case.
     """
-    with reading(path):
-        return _read(path, given)
+    with reading(path), PlainDatabase(path) as database:
+        return _read(database, path, given)
 
 
-def _read(path, given) -> RecordedOptimization:
-    reader = open_cases(path)
-    names = reader.list_cases("driver", recurse=False, out_stream=None)
-    evaluated = [case for case in map(reader.get_case, names) if case.success and _finite(case)]
+def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
+    model = read_model(database)
+    recorded = [case for _, case in read_driver_cases(database)]
+    evaluated = [case for case in recorded if not case.failure and _finite(model, case)]
     if not evaluated:
         raise ValueError(f"{path} holds no case of a driver")
-    if not dict(evaluated[0].get_objectives(scaled=False)):
+    if not model.values(evaluated[0], OBJECTIVE):
         raise ValueError(f"{path} holds no objective, so there is nothing to follow")
-    problem, runs = recorded_problem(reader), run_log.read(path)
-    cases, major = _points(reader, path, evaluated, bool(runs) and runs[-1].cut_off)
+    problem, runs = recorded_problem(model), run_log.read_runs(database)
+    cases, major = _points(database, model, evaluated, bool(runs) and runs[-1].cut_off)
     numbers = {case.counter: number for number, case in enumerate(evaluated, start=1)}
-    objective = _stacked([case.get_objectives(scaled=False) for case in cases])
+    objective = _stacked(model, cases, OBJECTIVE)
     objective_name = next(iter(objective))
     return RecordedOptimization(
         objective_name=objective_name,
         objective=objective[objective_name][:, 0],
-        constraints=_constraints(reader, cases),
-        design=_stacked([case.get_design_vars(scaled=False) for case in cases]),
+        constraints=_constraints(model, cases),
+        design=_stacked(model, cases, DESIGN),
         major=major,
-        evaluations=len(names),
+        evaluations=len(recorded),
         seal=problem and problem.seal,
-        seals=read_seals(reader, cases, given),
-        kind=_kind(reader),
-        failed=len(names) - len(evaluated),
+        seals=read_seals(model, cases, given),
+        kind=_kind(model),
+        failed=len(recorded) - len(evaluated),
         settings=problem.settings if problem else {},
         runs=runs,
-        units=_units(reader, evaluated[0]),
-        bounds=_bounds(reader, cases[0]),
-        analyses=np.array([numbers.get(case.counter, len(names)) for case in cases]),
+        units=_units(model, evaluated[0]),
+        bounds=_bounds(model, cases[0]),
+        analyses=np.array([numbers.get(case.counter, len(recorded)) for case in cases]),
     )
 
 
-def _points(reader: om.CaseReader, path, evaluated: list, cut_off: bool) -> tuple[list, bool]:
-    """Cases that are points of the history, and whether they are the major iterations."""
-    begun = _gradient_counters(path)
+def _points(
+    database: PlainDatabase, model: RecordedModel, evaluated: list, cut_off: bool
+) -> tuple[list, bool]:
+    """Cases that are points of the history, and whether they are the major iterations.
+
+    OpenMDAO matches gradients by iteration coordinate, which the driver has advanced already; the
+    counter is that of the case before.
+    """
+    begun = read_gradient_counters(database)
     cases = [case for case in evaluated if case.counter in begun]
     if not cases:
         return evaluated, False
     if not cut_off:
-        cases.append(_final_case(reader, evaluated[-1].counter) or evaluated[-1])
-    if len(cases) > 1 and _same_design(cases[-1], cases[-2]):
+        final, last = read_problem_case(database), evaluated[-1]
+        cases.append(final if final is not None and final.counter > last.counter else last)
+    if len(cases) > 1 and _same_design(model, cases[-1], cases[-2]):
         cases.pop()
     return cases, True
 
 
-def _bounds(reader: om.CaseReader, case) -> dict:
+def _bounds(model: RecordedModel, case: Case) -> dict:
     bounds = {}
-    for name, value in dict(case.get_design_vars(scaled=False)).items():
-        settings = reader.problem_metadata["variables"][name] | {"equals": None}
+    for name, value in model.values(case, DESIGN).items():
+        settings = model.variables[name] | {"equals": None}
         bounds[name] = tuple(_limit(settings, side, value.size) for side in ("lower", "upper"))
     return bounds
 
 
-def _kind(reader: om.CaseReader) -> str:
-    driver = reader.problem_metadata.get("driver") or {}
+def _kind(model: RecordedModel) -> str:
+    driver = model.driver
     if "DOE" in f"{driver.get('name')}{driver.get('type')}":
         return "doe"
     supports = driver.get("supports") or {}
@@ -254,10 +270,10 @@ def _kind(reader: om.CaseReader) -> str:
     return "optimisation" if optimises["val"] else "runs"
 
 
-def _finite(case) -> bool:
+def _finite(model: RecordedModel, case: Case) -> bool:
     """Whether objective and constraints have values: OpenMDAO's DOEDriver marks failures as good."""
-    values = {**case.get_objectives(scaled=False), **case.get_constraints(scaled=False)}
-    return all(np.isfinite(value).all() for value in values.values())
+    values = [*model.values(case, OBJECTIVE).values(), *model.values(case, CONSTRAINT).values()]
+    return all(np.isfinite(value).all() for value in values)
 
 
 def _last(name: str) -> str:
@@ -265,52 +281,31 @@ def _last(name: str) -> str:
     return name.rsplit(".", 1)[-1]
 
 
-def _units(reader: om.CaseReader, case) -> dict[str, str]:
+def _units(model: RecordedModel, case: Case) -> dict[str, str]:
     """Units of the recorded variables; of those of the driver the units that they have there."""
-    shown = {"units": True, "prom_name": True, "val": False, "out_stream": None}
-    listed = [*case.list_inputs(**shown), *case.list_outputs(**shown)]
-    units = {meta["prom_name"]: meta["units"] for _, meta in listed if meta["units"]}
-    for name, settings in reader.problem_metadata["variables"].items():
-        if isinstance(settings, dict) and settings.get("units"):
+    recorded = [*case.inputs, *case.outputs]
+    units = {model.promoted[name]: model.units[name] for name in recorded if model.units[name]}
+    for name, settings in model.variables.items():
+        if settings.get("units"):
             units[name] = settings["units"]
     return units
 
 
-def _gradient_counters(path) -> set:
-    """Counters of the cases after which a gradient was recorded.
-
-    The reader matches gradients by iteration coordinate, which the driver has advanced already;
-    the counter is that of the case before.
-    """
-    connection = sqlite3.connect(path)
-    try:
-        return {row[0] for row in connection.execute("SELECT counter FROM driver_derivatives")}
-    finally:
-        connection.close()
-
-
-def _final_case(reader: om.CaseReader, after: int):
-    """The last case of the problem itself, when it is not older than the driver's last one."""
-    names = reader.list_cases("problem", out_stream=None)
-    case = reader.get_case(names[-1]) if len(names) else None
-    return case if case is not None and case.counter > after else None
-
-
-def _same_design(a, b) -> bool:
-    first, second = dict(a.get_design_vars(scaled=False)), dict(b.get_design_vars(scaled=False))
+def _same_design(model: RecordedModel, a: Case, b: Case) -> bool:
+    first, second = (model.values(case, DESIGN) for case in (a, b))
     return all(np.array_equal(first[name], value) for name, value in second.items())
 
 
-def _stacked(per_case: list) -> dict:
-    return {name: np.array([values[name] for values in per_case]) for name in dict(per_case[0])}
+def _stacked(model: RecordedModel, cases: list, kind: str) -> dict[str, np.ndarray]:
+    rows = [model.values(case, kind) for case in cases]
+    return {name: np.array([values[name] for values in rows]) for name in rows[0]}
 
 
-def _constraints(reader: om.CaseReader, cases: list) -> list[Constraint]:
+def _constraints(model: RecordedModel, cases: list) -> list[Constraint]:
     found = []
-    for name, values in _stacked([case.get_constraints(scaled=False) for case in cases]).items():
-        settings = reader.problem_metadata["variables"][name]
+    for name, values in _stacked(model, cases, CONSTRAINT).items():
         size = values.shape[1]
-        lower, upper = (_limit(settings, side, size) for side in ("lower", "upper"))
+        lower, upper = (_limit(model.variables[name], side, size) for side in ("lower", "upper"))
         for i in range(size):
             label = name if size == 1 else f"{name}[{i}]"
             found.append(Constraint(label, values[:, i], lower[i], upper[i]))

@@ -7,11 +7,7 @@ state of the line search), and goes on from there. A design counts as recorded o
 bits agree; any other one is analysed.
 """
 
-import io
 import itertools
-import json
-import sqlite3
-from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,7 +15,8 @@ import numpy as np
 from openmdao.core.analysis_error import AnalysisError
 
 from seal_mdao import openmdao_access as access
-from seal_mdao.recording.plain_reading import reading
+from seal_mdao.recording.plain_reading import PlainDatabase, fields, reading
+from seal_mdao.recording.recorder_file import Case, read_driver_cases
 
 UNFINISHED = "unfinished"
 """How the message of a case begins that Ctrl-C or an error cut off: it tells nothing of the design."""
@@ -32,25 +29,15 @@ class RestartError(ValueError):
 
 
 @dataclass(eq=False)
-class RecordedCase:
-    """One recorded evaluation.
+class RecordedCase(Case):
+    """One recorded evaluation with its derivatives.
 
     Attributes
     ----------
-    counter : int
-        Number of the case in the file.
-    failure : str
-        Why the analysis failed; empty for a good one.
-    inputs, outputs : dict of str to ndarray
-        Recorded values by absolute name, in the model's units.
     totals : dict of str to ndarray
         Total derivatives in driver scaling by ``"of!wrt"``; empty when they were not recorded.
     """
 
-    counter: int
-    failure: str
-    inputs: dict
-    outputs: dict
     totals: dict = field(default_factory=dict)
 
     def restore(self, model) -> None:
@@ -195,44 +182,24 @@ def read_cases(path) -> list[tuple[int, RecordedCase]]:
     RestartError
         For a file that is not there, is no recorder file, or is damaged.
     """
-    if not Path(path).is_file():
-        raise RestartError(f"{path} is not a file")
     try:
-        with reading(path), closing(sqlite3.connect(path)) as connection:
-            return _cases(connection)
-    except RestartError:
-        raise
+        with reading(path), PlainDatabase(path) as database:
+            return _cases(database)
     except ValueError as error:
         raise RestartError(str(error)) from error
 
 
-def _cases(connection: sqlite3.Connection) -> list[tuple[int, RecordedCase]]:
-    rows = connection.execute(
-        "SELECT iteration_coordinate, counter, success, msg, inputs, outputs "
-        "FROM driver_iterations ORDER BY id"
-    ).fetchall()
-    derivatives = connection.execute(
-        "SELECT counter, derivatives FROM driver_derivatives ORDER BY id"
-    ).fetchall()
+def _cases(database: PlainDatabase) -> list[tuple[int, RecordedCase]]:
     totals = {}
-    for counter, blob in derivatives:
-        totals.setdefault(counter, {}).update(_fields(blob))
+    columns = {"counter": int, "derivatives": bytes}
+    for counter, blob in database.numbered_rows("driver_derivatives", columns):
+        totals.setdefault(counter, {}).update(fields(blob))
     return [
         (
-            int(coordinate.rsplit("|", 1)[1]),
+            number,
             RecordedCase(
-                counter, "" if success else message or "the analysis failed",
-                _arrays(inputs), _arrays(outputs), totals.get(counter, {}),
+                case.counter, case.failure, case.inputs, case.outputs, totals.get(case.counter, {})
             ),
         )
-        for coordinate, counter, success, message, inputs, outputs in rows
-    ]  # fmt: skip
-
-
-def _arrays(text: str | None) -> dict:
-    return {name: np.array(value) for name, value in (json.loads(text or "null") or {}).items()}
-
-
-def _fields(blob: bytes) -> dict:
-    table = np.load(io.BytesIO(blob), allow_pickle=False)
-    return {name: table[name][0] for name in table.dtype.names or ()}
+        for number, case in read_driver_cases(database)
+    ]

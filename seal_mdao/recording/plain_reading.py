@@ -1,109 +1,181 @@
 """Reading files of OpenMDAO's recorders without running what is in them.
 
-A recorder file holds pickles (options of systems and solvers, scaling factors), and a pickle can call
-any function when it is loaded. OpenMDAO's own reader forbids four of them and loads everything. Here no
-class or function of a pickle is ever looked up: plain containers, text and numbers come through, and
-everything else becomes an ``Unknown``. Arrays that would hold pickled objects are refused.
+A recorder file may come from a stranger. OpenMDAO's own reader unpickles what it finds, and a pickle
+can call any function; it also evaluates units as Python. Here the few tables that are needed are read
+by queries of this package, and their text, JSON and arrays of numbers are decoded; nothing is
+unpickled, whatever the schema of the file says. SQLite gives rows of tables only, out of no view and
+with no function, and no more bytes than the file has.
 """
 
 import io
 import json
-import pickle
+import re
 import sqlite3
 import struct
+import tokenize
 import zlib
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 
 DAMAGE = (
-    OSError, sqlite3.Error, zlib.error, pickle.UnpicklingError, json.JSONDecodeError, UnicodeError,
-    EOFError, LookupError, TypeError, AttributeError, OverflowError, struct.error, MemoryError,
-    RuntimeError,
+    OSError, sqlite3.Error, zlib.error, json.JSONDecodeError, UnicodeError, EOFError, LookupError,
+    TypeError, AttributeError, ArithmeticError, struct.error, MemoryError, RuntimeError, SyntaxError,
+    NameError, tokenize.TokenError,
 )  # fmt: skip
 """What damaged or foreign files end in, somewhere in a reader."""
-ARRAY_COLUMNS = ("derivatives", "jacobian")
+STEPS_PER_BYTE = 10
+"""Of SQLite's virtual machine; a row takes about one a byte."""
+LEAST_STEPS = 10**6
+LARGEST_JSON = 2**26
+"""Bytes of compressed metadata when they are unpacked."""
+LARGEST_HEADER = 10**6
+"""Bytes of the header of an array, which names every derivative."""
+LONGEST_ERROR = 300
+TWO_FILES = bytes.fromhex("d9d505f920a163d7")
+"""How SQLite's journal of a transaction ends that names a second journal, which SQLite deletes."""
+
+_FACTOR = r"\(*(?:[A-Za-z]\w*(?:\*\*-?\d(?:\.\d{1,4})?)?|\d{1,9}(?:\.\d{1,9})?)\)*"
+UNITS = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*", re.ASCII)
+"""Products and quotients of names with powers, such as ``kPa/mm`` and ``N*m/s**2``."""
 
 
-class Unknown:
-    """Stands for an object of a pickle: takes what is done to it, and does nothing.
+class PlainDatabase:
+    """The tables of a recorder file.
 
-    Attributes
+    Parameters
     ----------
-    state : object
-        What the pickle would have set.
-    """
-
-    def __init__(self, *args, **kwargs):
-        self.state = None
-
-    def __setstate__(self, state):
-        self.state = state
-
-    def __setitem__(self, key, value):
-        pass
-
-    def append(self, item):
-        """Nothing."""
-
-    def extend(self, items):
-        """Nothing."""
-
-    def add(self, item):
-        """Nothing."""
-
-
-class _PlainUnpickler(pickle.Unpickler):
-    def find_class(self, module, name):
-        return Unknown
-
-
-def plain_pickle(blob: bytes):
-    """What a compressed pickle holds of plain data, everything else as ``Unknown``."""
-    return _PlainUnpickler(io.BytesIO(zlib.decompress(blob))).load()
-
-
-def text_options(blob: bytes | None) -> dict[str, str]:
-    """Options with text as values out of a recorded ``OptionsDictionary``."""
-    state = getattr(plain_pickle(blob), "state", None) if blob else None
-    entries = state.get("_dict", {}) if isinstance(state, dict) else {}
-    values = {name: meta.get("val") for name, meta in entries.items() if isinstance(meta, dict)}
-    return {name: value for name, value in values.items() if isinstance(value, str)}
-
-
-def refuse_objects(connection: sqlite3.Connection) -> None:
-    """Check that all recorded arrays are arrays of numbers.
+    path : str or Path
 
     Raises
     ------
     ValueError
-        For one that holds, or is, a pickle.
+        For what is no file, or lies beside a journal that would make SQLite delete another file.
     """
-    tables = [
-        row[0] for row in connection.execute("SELECT name FROM sqlite_master WHERE type='table'")
-    ]
-    for table in tables:
-        columns = [row[1] for row in connection.execute(f'PRAGMA table_info("{table}")')]
-        for column in (name for name in columns if name in ARRAY_COLUMNS):
-            for (blob,) in connection.execute(f'SELECT "{column}" FROM "{table}"'):
-                if blob and not _holds_numbers(blob):
-                    raise ValueError(
-                        f"column {column!r} of its table {table!r} holds objects, not numbers"
-                    )
+
+    def __init__(self, path):
+        path = Path(path)
+        if not path.is_file():
+            raise ValueError(f"{path} is not a file")
+        beside = [path.with_name(path.name + ending) for ending in ("-journal", "-wal")]
+        if beside[0].is_file() and beside[0].read_bytes()[-8:] == TWO_FILES:
+            raise ValueError(f"the journal beside {path} is that of several files")
+        self._bytes = sum(file.stat().st_size for file in (path, *beside) if file.is_file())
+        self._steps = LEAST_STEPS + STEPS_PER_BYTE * self._bytes
+        self._connection = sqlite3.connect(path)
+        self._restrict()
+
+    def _restrict(self) -> None:
+        """Let SQLite read rows of tables and nothing else."""
+        own = self._connection
+        own.setlimit(sqlite3.SQLITE_LIMIT_FUNCTION_ARG, 0)  # so a schema with a function is refused
+        own.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(self._bytes, 10**6))
+        own.set_progress_handler(self._out_of_steps, 1000)
+        own.execute("PRAGMA trusted_schema = OFF")
+        own.execute("PRAGMA query_only = ON")
+        own.set_authorizer(_rows_of_tables)
+
+    def _out_of_steps(self) -> bool:
+        self._steps -= 1000
+        return self._steps < 0
+
+    def rows(self, table: str, columns: dict) -> list[tuple]:
+        """All rows of a table.
+
+        Parameters
+        ----------
+        table : str
+        columns : dict of str to type
+            What to read, and what it must be.
+
+        Raises
+        ------
+        TypeError
+            For a value of another type.
+        ValueError
+            When they have more bytes than the file.
+        """
+        found, left = [], self._bytes
+        for row in self._connection.execute(f"SELECT {', '.join(columns)} FROM {table}"):
+            for (name, kind), value in zip(columns.items(), row, strict=True):
+                if not isinstance(value, kind):
+                    raise TypeError(f"column {name!r} of its table {table!r} holds a {type(value)}")
+                left -= len(value) if isinstance(value, str | bytes) else 1
+            if left < 0:
+                raise ValueError(f"its table {table!r} gives more than the file holds")
+            found.append(row)
+        return found
+
+    def numbered_rows(self, table: str, columns: dict) -> list[tuple]:
+        """All rows of a table in the order of their ``id``, which they leave out."""
+        found = self.rows(table, {"id": int} | columns)
+        return [row[1:] for row in sorted(found, key=lambda row: row[0])]
+
+    def has(self, table: str) -> bool:
+        """Whether there is a table of this name."""
+        names = self.rows("sqlite_master", {"type": str, "name": str})
+        return ("table", table) in names
+
+    def __enter__(self) -> "PlainDatabase":
+        return self
+
+    def __exit__(self, *exception) -> None:
+        self._connection.close()
 
 
-def _holds_numbers(blob) -> bool:
-    if not isinstance(blob, bytes):
-        return False
+def _rows_of_tables(action, table, column, database, view) -> int:
+    """What SQLite may do; ``view`` is that, or the trigger, in which it would be done."""
+    reads = action in (sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ)
+    return sqlite3.SQLITE_OK if reads and view is None else sqlite3.SQLITE_DENY
+
+
+def without_programs(connection: sqlite3.Connection) -> sqlite3.Connection:
+    """The connection, over which no trigger and no view of the file does anything but fail."""
+    connection.execute("PRAGMA trusted_schema = OFF")
+    connection.set_authorizer(
+        lambda *asked: sqlite3.SQLITE_OK if asked[4] is None else sqlite3.SQLITE_DENY
+    )
+    return connection
+
+
+def unpacked(blob: bytes):
+    """What a column of compressed JSON holds."""
+    decompressor = zlib.decompressobj()
+    text = decompressor.decompress(blob, LARGEST_JSON)
+    if not decompressor.eof:
+        raise EOFError(f"compressed metadata are cut short, or more than {LARGEST_JSON} bytes")
+    return json.loads(text)
+
+
+def numbers(text: str) -> dict[str, np.ndarray]:
+    """Values of a case by name out of JSON, without those that are no numbers."""
+    found = {}
+    for name, value in (json.loads(text) or {}).items():
+        try:
+            found[name] = np.asarray(value, float)
+        except (TypeError, ValueError):  # a discrete variable
+            continue
+    return found
+
+
+def fields(blob: bytes) -> dict[str, np.ndarray]:
+    """Fields of the one record of a recorded array; objects in it are refused."""
     stream = io.BytesIO(blob)
-    try:
-        version = np.lib.format.read_magic(stream)
-        read = {
-            (1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0
-        }[version]  # fmt: skip
-        return not read(stream)[2].hasobject
-    except (ValueError, KeyError):
-        return False
+    table = np.lib.format.read_array(stream, allow_pickle=False, max_header_size=LARGEST_HEADER)
+    return {name: np.asarray(table[name][0], float) for name in table.dtype.names or ()}
+
+
+def checked_units(text: str | None) -> str | None:
+    """Units that OpenMDAO, which evaluates them as Python, can only read as units.
+
+    Raises
+    ------
+    ValueError
+    """
+    if text is not None and not UNITS.fullmatch(text):
+        raise ValueError(f"a variable in it has the units {text!r}, which are none")
+    return text
 
 
 @contextmanager
@@ -120,9 +192,15 @@ def reading(path):
     except DAMAGE as error:
         raise ValueError(
             f"{path} is not a file of an OpenMDAO recorder, or it is damaged "
-            f"({type(error).__name__}: {error})"
+            f"({type(error).__name__}: {_one_line(error)})"
         ) from error
     except ValueError as error:
         if str(path) in str(error):
             raise
-        raise ValueError(f"{path} cannot be read: {error}") from error
+        raise ValueError(f"{path} cannot be read: {_one_line(error)}") from error
+
+
+def _one_line(error: Exception) -> str:
+    """The message of an error, in which a file may have a word."""
+    text = "".join(letter if letter.isprintable() else " " for letter in str(error))
+    return text if len(text) <= LONGEST_ERROR else f"{text[:LONGEST_ERROR]}..."

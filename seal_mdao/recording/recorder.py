@@ -10,6 +10,7 @@ from openmdao.core.driver import Driver
 from seal_mdao.openmdao_access import SqliteHooks, find_value, problem_of
 from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import claim, require_free
+from seal_mdao.recording.plain_reading import without_programs
 from seal_mdao.recording.seal_inputs import inputs_of_seals, outputs_of_seals
 
 LEFTOVERS = ("-journal", "-wal", "-shm")
@@ -143,7 +144,7 @@ class RestartRecorder(SqliteHooks):
         self._lock = claim(self.path)
         path = Path(self.path)
         if self._append and path.is_file():
-            self.use_database(sqlite3.connect(path))
+            self.use_database(without_programs(sqlite3.connect(path)))
             return
         self._unpublished = path.with_name(path.name + ".new")
         _remove(self._unpublished)

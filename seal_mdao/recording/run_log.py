@@ -8,16 +8,19 @@ open. OpenMDAO's own readers do not see the table.
 import json
 import platform
 import sqlite3
-from contextlib import closing
 from dataclasses import dataclass
 from datetime import datetime
 from importlib import metadata
 
-from seal_mdao.recording.plain_reading import reading
+from seal_mdao.recording.plain_reading import PlainDatabase, reading
 
 TABLE = "run_log"
 BY_EXCEPTION = "Ended by an exception"
 """How a run ended that raised."""
+COLUMNS = dict.fromkeys(("begun", "ended", "driver", "options", "versions"), str) | {
+    "success": int, "message": str, "iterations": int, "analyses": int, "seconds": float,
+}  # fmt: skip
+"""Of the table, in the order of ``LoggedRun``."""
 PACKAGES = ("seal_mdao", "openmdao", "numpy", "scipy", "numba", "unopy", "ipyopt")
 
 
@@ -103,18 +106,22 @@ def read(path) -> list[LoggedRun]:
     ValueError
         For a file that is no recorder file, or damaged.
     """
-    with reading(path), closing(sqlite3.connect(path)) as connection:
-        query = "SELECT 1 FROM sqlite_master WHERE type='table' AND name=?"
-        if connection.execute(query, (TABLE,)).fetchone() is None:
-            return []
-        rows = connection.execute(
-            "SELECT begun, ended, driver, options, versions, success, message, iterations, "
-            f"analyses, seconds FROM {TABLE} ORDER BY id"
-        ).fetchall()
-        return [
-            LoggedRun(*row[:3], json.loads(row[3]), json.loads(row[4]), bool(row[5]), *row[6:])
-            for row in rows
-        ]
+    with reading(path), PlainDatabase(path) as database:
+        return read_runs(database)
+
+
+def read_runs(database: PlainDatabase) -> list[LoggedRun]:
+    """Runs of a recorder file that is open."""
+    if not database.has(TABLE):
+        return []
+    found = []
+    for begun, ended, driver, options, used, success, *rest in database.numbered_rows(
+        TABLE, COLUMNS
+    ):
+        texts = {name: str(version) for name, version in json.loads(used).items()}
+        options = dict(json.loads(options).items())
+        found.append(LoggedRun(begun, ended, driver, options, texts, bool(success), *rest))
+    return found
 
 
 def versions() -> dict[str, str]:

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import openmdao.api as om
+from openmdao.utils.units import convert_units
 
+from seal_mdao.recording.recorder_file import RecordedModel
 from seal_mdao.recording.settings import recorded_seals
 from seal_mdao.seals.door.door_seal import DoorSeal
 from seal_mdao.seals.seal import SETTINGS_OPTION
@@ -85,35 +87,34 @@ def _of_seals(model, kind: str, components: tuple) -> list[str]:
     return names
 
 
-def read_seals(reader: om.CaseReader, cases: list, given: dict | None = None) -> list[RecordedSeal]:
-    """All seals of a recorder file with their inputs at some cases.
+def read_seals(model: RecordedModel, cases: list, given: dict | None = None) -> list[RecordedSeal]:
+    """All seals of a recorded model with their inputs at some cases.
 
     Parameters
     ----------
-    reader : CaseReader
+    model : RecordedModel
     cases : list of Case
     given : dict of str to ndarray, optional
         Inputs that are the same at all points and may not be in the file, by their absolute names.
     """
-    links = {c["tgt"]: c["src"] for c in reader.problem_metadata["connections_list"]}
     return [
-        _recorded_seal(name, seal, links, cases, given or {})
-        for name, seal in recorded_seals(reader).items()
+        _recorded_seal(name, seal, model, cases, given or {})
+        for name, seal in recorded_seals(model).items()
     ]
 
 
-def _recorded_seal(name, seal, links, cases, given) -> RecordedSeal:
-    path = f"{name}." if name else ""
+def _recorded_seal(name, seal, model, cases, given) -> RecordedSeal:
+    path, links = f"{name}." if name else "", model.sources
     component, shape = _design_inputs(path, links)
     known = {} if seal is None else seal.scalars
     scalars = [component + own for own in known if component + own in links]
     units = ARRAYS | {own: scalar.units for own, scalar in known.items()}
     values = []
     for case in cases:
-        found = {t: _value(case, t, links, units, given) for t in (*shape, *scalars)}
+        found = {t: _value(case, t, model, units, given) for t in (*shape, *scalars)}
         values.append({_own(t): value for t, value in found.items() if value is not None})
     assumed = tuple(_own(t) for t in scalars if any(_own(t) not in v for v in values))
-    gaps = [_recorded(case.outputs, f"{path}{CONTACT}gap_square_sum") for case in cases]
+    gaps = [case.outputs.get(f"{path}{CONTACT}gap_square_sum") for case in cases]
     gaps = None if any(gap is None for gap in gaps) else np.array(gaps)[:, 0]
     return RecordedSeal(name, seal, values, assumed, gaps)
 
@@ -129,30 +130,16 @@ def _design_inputs(path: str, links: dict) -> tuple[str, list[str]]:
     return component, shape
 
 
-def _value(case, target, links, units, given) -> np.ndarray | None:
-    """An input in its own units; None when the file does not tell."""
-    value = _recorded(case.inputs, target)
-    if value is not None:
-        return value
-    source = _recorded(case.outputs, links[target]) if target in links else None
-    if source is None:
+def _value(case, target, model, units, given) -> np.ndarray | None:
+    """An input in its own units; None when the file does not say."""
+    source = model.sources.get(target)
+    if target not in case.inputs and source not in case.outputs:
         return given.get(target)
-    if _own(target) not in ARRAYS and source.size > 1:
-        return None  # which entry is not in the file
-    own, theirs = units[_own(target)], _units(case).get(links[target])
-    return source if None in (own, theirs) else om.convert_units(source, theirs, own)
-
-
-def _recorded(values, name: str) -> np.ndarray | None:
-    try:
-        return None if values is None else values[name]
-    except KeyError:
-        return None
-
-
-def _units(case) -> dict:
-    listed = case.list_outputs(val=False, units=True, out_stream=None)
-    return {name: meta["units"] for name, meta in listed}
+    value = case.inputs.get(target)
+    if value is None:
+        value = convert_units(case.outputs[source], model.units[source], units[_own(target)])
+    # which entry a scalar is of several is not in the file
+    return value if _own(target) in ARRAYS or value.size == 1 else None
 
 
 def _own(name: str) -> str:

@@ -1,15 +1,10 @@
 """The seal problem that a recorder file belongs to."""
 
 import json
-import sqlite3
-from contextlib import closing
 from dataclasses import dataclass
-from pathlib import Path
 
-import openmdao.api as om
-
-from seal_mdao.openmdao_access import CaseReaderHooks
-from seal_mdao.recording.plain_reading import reading, refuse_objects, text_options
+from seal_mdao.recording.plain_reading import PlainDatabase, reading
+from seal_mdao.recording.recorder_file import RecordedModel, read_model
 from seal_mdao.seals.door.door_seal import DoorSeal
 from seal_mdao.seals.seal import SETTINGS_OPTION
 
@@ -33,29 +28,19 @@ class RecordedProblem:
     settings: dict
 
 
-class PlainCaseReader(CaseReaderHooks):
-    """``CaseReader`` that loads no pickles; of the options of systems those are known that are text."""
-
-    def read_options(self, blob):
-        return text_options(blob)
-
-
-def open_cases(path) -> om.CaseReader:
-    """Reader of a recorder file, which runs nothing that is in it.
+def open_model(path) -> RecordedModel:
+    """The model of a recorder file, of which nothing is run.
 
     Raises
     ------
     ValueError
         For a file that is not there or is no recorder file.
     """
-    if not Path(path).is_file():
-        raise ValueError(f"{path} is not a file")
-    with reading(path), closing(sqlite3.connect(path)) as connection:
-        refuse_objects(connection)
-        return PlainCaseReader(str(path))
+    with reading(path), PlainDatabase(path) as database:
+        return read_model(database)
 
 
-def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:
+def recorded_problem(model: RecordedModel) -> RecordedProblem | None:
     """The problem of a recorder file; None when there is no seal in it.
 
     Raises
@@ -63,14 +48,14 @@ def recorded_problem(reader: om.CaseReader) -> RecordedProblem | None:
     ValueError
         When the settings are those of another version of the package.
     """
-    for options in reader.list_model_options(out_stream=None).values():
+    for options in model.options.values():
         if options.get(SETTINGS_OPTION):
             seal = DoorSeal.from_settings(options[SETTINGS_OPTION])
-            return RecordedProblem(seal, recorded_settings(reader))
+            return RecordedProblem(seal, recorded_settings(model))
     return None
 
 
-def recorded_seals(reader: om.CaseReader) -> dict[str, DoorSeal | None]:
+def recorded_seals(model: RecordedModel) -> dict[str, DoorSeal | None]:
     """The seal of every ``SealGroup`` and ``ScenarioGroup`` by the group's path, empty for the model
     itself; None for a seal that cannot be made again from the file.
 
@@ -79,17 +64,26 @@ def recorded_seals(reader: om.CaseReader) -> dict[str, DoorSeal | None]:
     ValueError
         When the settings are those of another version of the package.
     """
-    found = {}
-    for path, options in reader.list_model_options(out_stream=None).items():
-        if SETTINGS_OPTION in options:
-            text = options[SETTINGS_OPTION]
-            found["" if path == "root" else path] = DoorSeal.from_settings(text) if text else None
-    return found
+    texts = {
+        path: options[SETTINGS_OPTION]
+        for path, options in model.options.items()
+        if SETTINGS_OPTION in options
+    }
+    return {path: DoorSeal.from_settings(text) if text else None for path, text in texts.items()}
 
 
-def recorded_settings(reader: om.CaseReader) -> dict:
-    """The arguments that define the problem of a recorder file, as far as it holds them."""
-    for options in reader.list_model_options(out_stream=None).values():
+def recorded_settings(model: RecordedModel) -> dict:
+    """The arguments that define the problem of a recorder file, as far as it holds them.
+
+    Raises
+    ------
+    ValueError
+        When they are no JSON object.
+    """
+    for options in model.options.values():
         if PROBLEM_OPTION in options:
-            return json.loads(options[PROBLEM_OPTION])
+            found = json.loads(options[PROBLEM_OPTION])
+            if not isinstance(found, dict):
+                raise ValueError(f"its {PROBLEM_OPTION} are not those of a problem")
+            return found
     return {}

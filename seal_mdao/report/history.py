@@ -17,9 +17,9 @@ def history_data(history: RecordedOptimization) -> dict:
         "objective": {
             "label": label(name),
             "unit": unit_of(history, name),
-            "values": history.objective.tolist(),
+            "values": finite(history.objective),
         },
-        "violation": history.max_violation.tolist(),
+        "violation": finite(history.max_violation),
         "constraints": [_constraint(history, constraint) for constraint in history.constraints],
         "design": [
             part for name in history.design for part in _design_charts(history, name)
@@ -31,7 +31,7 @@ def _constraint(history: RecordedOptimization, constraint: Constraint) -> dict:
     return {
         "label": label(constraint.name),
         "unit": unit_of(history, constraint.name),
-        "values": constraint.values.tolist(),
+        "values": finite(constraint.values),
         "use": finite(constraint.use()),
         "lower": finite([constraint.lower])[0],
         "upper": finite([constraint.upper])[0],
@@ -54,7 +54,7 @@ def _design_charts(history: RecordedOptimization, name: str) -> list[dict]:
         {
             "label": words,
             "unit": unit_of(history, name),
-            "values": rows[:, part].T.tolist(),
+            "values": [finite(column) for column in rows[:, part].T],
             "lower": finite([low[part].min()])[0],
             "upper": finite([high[part].max()])[0],
         }

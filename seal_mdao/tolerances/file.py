@@ -5,8 +5,9 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 
 from seal_mdao.errors import SealFileError
+from seal_mdao.input_files import read_text
 from seal_mdao.scenarios.variation import KINDS, VALUE, Variation
-from seal_mdao.seals.file.checks import NAMES, Key, known, number, one_of, table
+from seal_mdao.seals.file.checks import NAMES, Key, known, number, one_of, shown, table
 from seal_mdao.tolerances.boundary import BoundaryTolerance
 from seal_mdao.tolerances.distributions import DISTRIBUTIONS
 from seal_mdao.tolerances.tolerances import Tolerance, Tolerances
@@ -30,11 +31,11 @@ def read_tolerances(path) -> Tolerances:
         One line that says what is wrong, in which table and key, and what is allowed.
     """
     try:
-        given = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        given = tomllib.loads(read_text(path))
         return _read(given)
     except OSError as error:
         raise SealFileError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise SealFileError(f"{path}: this is not TOML: {error}") from None
     except ValueError as error:
         raise SealFileError(f"{path}: {error}") from None
@@ -55,6 +56,8 @@ def _read(given: dict) -> Tolerances:
 
 
 def _tolerance(name: str, given) -> Tolerance:
+    if not name.strip() or not name.isprintable():
+        raise SealFileError(f"[vary]: {shown(name)} is no name; use printable characters")
     where = f"[vary.{name}]"
     kind = given.get("distribution") if isinstance(given, dict) else None
     own = DISTRIBUTIONS.get(kind) if isinstance(kind, str) else None

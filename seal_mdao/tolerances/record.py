@@ -7,9 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.recording.claim import claim
+from seal_mdao.recording.plain_reading import without_programs
 from seal_mdao.scenarios.task import Outcome
 
 COMPLETED, FAILED = "completed", "failed"
+NUMBER = "INTEGER PRIMARY KEY"
+OF_A_RUN = {"status": "TEXT", "message": "TEXT", "seconds": "REAL", "finished": "REAL"}
+"""Columns of results that come before the measures."""
 
 
 class StudyFileError(ValueError):
@@ -44,7 +48,7 @@ class StudyRecord:
         self.path, self._inputs, self._measures = Path(path), tuple(inputs), tuple(measures)
         self._lock = claim(self.path)
         try:
-            self._file = sqlite3.connect(self.path)
+            self._file = without_programs(sqlite3.connect(self.path))
             self._file.execute("PRAGMA journal_mode = WAL")
             self._begin(settings)
         except sqlite3.DatabaseError as error:
@@ -55,10 +59,11 @@ class StudyRecord:
             raise
 
     def _begin(self, settings) -> None:
-        columns = {
-            "samples": [f'"{name}" REAL NOT NULL' for name in self._inputs],
-            "results": ["status TEXT", "message TEXT", "seconds REAL", "finished REAL"]
-            + [f'"{name}" REAL' for name in self._measures],
+        of_samples = dict.fromkeys(self._inputs, "REAL NOT NULL")
+        of_results = dict.fromkeys(self._measures, "REAL")
+        tables = {
+            "samples": self._columns({"number": NUMBER}, of_samples),
+            "results": self._columns({"number": NUMBER} | OF_A_RUN, of_results),
         }
         with self._file:
             self._file.execute(
@@ -71,12 +76,23 @@ class StudyRecord:
                     f"{self.path} was made with another {different[0]}; resume with the same, or "
                     "give this study a file of its own"
                 )
-            for name, own in columns.items():
-                text = ", ".join(["number INTEGER PRIMARY KEY", *own])
-                self._file.execute(f"CREATE TABLE IF NOT EXISTS {name} ({text})")
+            for name, columns in tables.items():
+                self._file.execute(f"CREATE TABLE IF NOT EXISTS {name} ({columns})")
             self._file.executemany(
                 "INSERT OR IGNORE INTO study VALUES (?, ?)", list(settings.items())
             )
+
+    def _columns(self, first: dict, further: dict) -> str:
+        """Names and types of the columns of a table, as SQL has them."""
+        known = {name.lower(): name for name in first}
+        for name in further:
+            if name.lower() in known:
+                raise StudyFileError(
+                    f"{self.path}: two of its columns would be {known[name.lower()]!r} and {name!r}, "
+                    "which are one name in SQL; rename one"
+                )
+            known[name.lower()] = name
+        return ", ".join(f"{_quoted(name)} {kind}" for name, kind in (first | further).items())
 
     def samples(self, made: np.ndarray) -> np.ndarray:
         """The samples of the file, shape (S, len(inputs)); ``made`` where it has none yet."""
@@ -121,3 +137,8 @@ class StudyRecord:
 
     def __exit__(self, *exception) -> None:
         self.close()
+
+
+def _quoted(name: str) -> str:
+    """A name of any characters in SQL."""
+    return '"' + name.replace('"', '""') + '"'

@@ -128,7 +128,7 @@ BAD = {
     "empty": (text(""), "not a drawing that can be read"),
     "no drawing": (text("name,stress\n1,2\n"), "is not a DXF file"),
     "cut off": (cut, "not a drawing that can be read"),
-    "garbled": (garbled, "not a drawing that can be read (cannot convert float infinity"),
+    "garbled": (garbled, "not a drawing that can be read (OverflowError"),
     "no units": (lambda folder: Drawing(folder, None).box().saved(), "the drawing has no units"),
     "units 0": (lambda folder: Drawing(folder, 0).box().saved(), "($INSUNITS in its header is"),
     "old": (old, "the drawing has no units"),

@@ -1,29 +1,18 @@
 """Opening a recorder file runs nothing that is in it, and a damaged one is one line."""
 
-import io
 import pickle
-import shutil
-import sqlite3
 import zlib
-from contextlib import closing
 
-import numpy as np
 import openmdao.api as om
 import pytest
+from hostile import Bomb, array_of_bombs, bomb, put
 from valley import record, valley_problem
 
 import seal_mdao as sm
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.recording.evaluations import RestartError, read_cases
-from seal_mdao.recording.settings import open_cases
+from seal_mdao.recording.settings import open_model
 from seal_mdao.report.write import write_report
-
-
-class Bomb:
-    """An object whose loading copies a file, by a function that OpenMDAO's reader does not forbid."""
-
-    def __reduce__(self):
-        return shutil.copyfile, ("cases.sql", "exploded")
 
 
 @pytest.fixture
@@ -34,15 +23,6 @@ def cases(tmp_path, monkeypatch):
     problem.run_driver()
     problem.cleanup()
     return tmp_path / "cases.sql"
-
-
-def put(path, table, column, blob):
-    with closing(sqlite3.connect(path)) as connection, connection:
-        connection.execute(f"UPDATE {table} SET {column}=?", (blob,))
-
-
-def bomb():
-    return zlib.compress(pickle.dumps(Bomb()))
 
 
 @pytest.mark.parametrize(
@@ -60,18 +40,13 @@ def test_pickle_in_a_recorder_file_is_not_run(cases, table, column):
     assert (cases.parent / "exploded").exists()
 
 
-@pytest.mark.parametrize("pickled", [pickle.dumps(Bomb()), None])
+@pytest.mark.parametrize("pickled", [pickle.dumps(Bomb()), array_of_bombs()])
 def test_pickle_in_the_place_of_derivatives_is_refused(cases, pickled):
-    """np.load takes a bare pickle too, and arrays of objects."""
-    if pickled is None:
-        stream = io.BytesIO()
-        np.save(stream, np.array([Bomb()], dtype=object), allow_pickle=True)
-        pickled = stream.getvalue()
+    """np.load takes a bare pickle too, and arrays of objects. A report does not read them."""
     put(cases, "driver_derivatives", "derivatives", pickled)
-    with pytest.raises(ValueError, match=r"cases\.sql.*objects, not numbers"):
-        read_optimization(cases)
     with pytest.raises(RestartError, match=r"cases\.sql"):
         read_cases(cases)
+    assert read_optimization(cases).major
     assert not (cases.parent / "exploded").exists()
 
 
@@ -79,7 +54,7 @@ def test_old_format_with_more_pickles_is_refused(cases):
     put(cases, "metadata", "format_version", 2)
     put(cases, "metadata", "abs2prom", pickle.dumps(Bomb()))
     with pytest.raises(ValueError, match=r"cases\.sql.*format 2 is older"):
-        open_cases(cases)
+        open_model(cases)
     assert not (cases.parent / "exploded").exists()
 
 
@@ -87,12 +62,12 @@ DAMAGED = [
     ("metadata", "abs2prom", b"no zlib"), ("metadata", "abs2prom", zlib.compress(b"{,")),
     ("metadata", "var_settings", zlib.compress(b"{}")), ("metadata", "format_version", "new"),
     ("metadata", "format_version", 99), ("metadata", "conns", None),
-    ("system_metadata", "component_metadata", b"no zlib"),
-    ("system_metadata", "component_metadata", zlib.compress(b"no pickle")),
-    ("system_metadata", "component_metadata", zlib.compress(b"")),
+    ("metadata", "abs2meta", zlib.compress(b"[" * 10**5)),
+    ("metadata", "abs2meta", zlib.compress(b"[%s]" % (b"9" * 5000))),
+    ("driver_iterations", "outputs", '{"valley.f": [%s]}' % ("9" * 400)),
     ("driver_iterations", "outputs", "{,"), ("driver_iterations", "outputs", "[1]"),
     ("driver_iterations", "outputs", None), ("driver_iterations", "iteration_coordinate", None),
-    ("driver_derivatives", "derivatives", b"no array"), ("driver_metadata", "model_viewer_data", "{"),
+    ("driver_derivatives", "counter", "first"), ("driver_metadata", "model_viewer_data", "{"),
     ("run_log", "options", "{"), ("run_log", "versions", None),
 ]  # fmt: skip
 

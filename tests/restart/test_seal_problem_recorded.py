@@ -9,7 +9,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.optimization import seal_problem, uno_driver
-from seal_mdao.recording.settings import PROBLEM_OPTION, open_cases, recorded_problem
+from seal_mdao.recording.settings import PROBLEM_OPTION, open_model, recorded_problem
 
 NOT_THE_PROBLEM = {"seal", "driver", "recorder", "callback", "kept", "work_dir", "reports"}
 """Arguments of ``seal_problem`` that do not say what is optimised."""
@@ -26,7 +26,7 @@ def test_every_setting_of_the_problem_is_recorded(tmp_path):
     assert settings.keys() == inspect.signature(seal_problem).parameters.keys() - NOT_THE_PROBLEM
     first.run_driver()
     first.cleanup()
-    recorded = recorded_problem(open_cases(tmp_path / "cases.sql"))
+    recorded = recorded_problem(open_model(tmp_path / "cases.sql"))
     assert recorded.seal == seal
     assert recorded.settings == settings
     again = seal_problem(recorded.seal, driver=uno_driver(1), **recorded.settings)
@@ -43,7 +43,7 @@ def test_file_without_a_seal(tmp_path):
     problem.setup()
     problem.run_model()
     problem.cleanup()
-    assert recorded_problem(open_cases(tmp_path / "cases.sql")) is None
+    assert recorded_problem(open_model(tmp_path / "cases.sql")) is None
 
 
 def test_settings_of_another_version():

@@ -1,5 +1,7 @@
 """Tolerances from TOML: what is read, and one line for what is wrong."""
 
+from pathlib import Path
+
 import pytest
 
 import seal_mdao as sm
@@ -33,6 +35,12 @@ def test_those_of_the_door_fit_the_door_seal():
         (FRICTION.replace("0.3", "0.1"), r"\[vary.friction\].*high"),
         (FRICTION.replace("high", "hihg"), "hihg"),
         (FRICTION + 'kind = "percent"', "kind"),
+        (FRICTION.replace("friction", '"a\\u0000b"'), "printable"),
+        (FRICTION.replace("friction", '"a\\nb"'), "printable"),
+        (FRICTION.replace("0.3", "9" * 400), r"high = 9999.* must be a number"),
+        (FRICTION.replace("0.3", "9" * 5000), "digits"),
+        (FRICTION.replace("0.3", "0x" + "f" * 5000), "high = an integer of 20000 bits"),
+        ("a = " + "[" * 10**5, "this is not TOML"),
         (FRICTION + "[boundary]\nstd = -1.0\nlength = 2.0", r"\[boundary\].*std"),
     ],
 )
@@ -48,3 +56,12 @@ def test_one_line_says_what_is_wrong(tmp_path, text, match):
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(sm.SealFileError, match="cannot be read"):
         read_tolerances(tmp_path / "none.toml")
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="the system has no endless device")
+def test_endless_file(tmp_path):
+    """A link to it as well."""
+    path = tmp_path / "endless.toml"
+    path.symlink_to("/dev/zero")
+    with pytest.raises(sm.SealFileError, match="it is a device or a pipe, not a file"):
+        read_tolerances(path)

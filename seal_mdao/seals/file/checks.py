@@ -1,13 +1,16 @@
 """Checks of the values of a seal file: what is allowed, and one line that says so."""
 
+import sys
 from collections.abc import Callable
 from difflib import get_close_matches
-from math import inf, isfinite
+from math import inf
 from typing import NamedTuple
 
 from seal_mdao.errors import GeometryError, SealFileError
+from seal_mdao.values import shown
 
 REQUIRED = object()
+LARGEST = sys.float_info.max
 
 
 class Check(NamedTuple):
@@ -33,8 +36,10 @@ class Key(NamedTuple):
 
 
 def _number(value) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float):
         raise TypeError
+    if not -LARGEST <= value <= LARGEST:  # nor is nan
+        raise ValueError
     return float(value)
 
 
@@ -218,9 +223,3 @@ def suggestion(name, names) -> str:
     """ ", did you mean ...?" where a known name is close."""
     close = get_close_matches(str(name), list(names), 1, 0.6)
     return f" (did you mean {close[0]!r}?)" if close else ""
-
-
-def shown(value) -> str:
-    """A value as a message shows it, in one short line."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else text[:57] + "..."

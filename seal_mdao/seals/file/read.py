@@ -4,6 +4,7 @@ import tomllib
 from pathlib import Path
 
 from seal_mdao.errors import SealFileError
+from seal_mdao.input_files import read_text
 from seal_mdao.loads.fluid_pressure import ENDS, SHARE
 from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE
 from seal_mdao.seals.choice import PENALTY_TOLERANCE
@@ -104,7 +105,7 @@ def read_seal_file(path) -> SealFile:
 
 def _parsed(path) -> dict:
     try:
-        content = path.read_bytes().decode("utf-8")
+        content = read_text(path)
     except FileNotFoundError:
         raise SealFileError("there is no such file") from None
     except OSError as error:
@@ -113,7 +114,7 @@ def _parsed(path) -> dict:
         raise SealFileError(f"is not text in UTF-8 (byte {error.start})") from None
     try:
         found = tomllib.loads(content)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise SealFileError(f"is not valid TOML: {' '.join(str(error).split())}") from None
     if not found:
         raise SealFileError(f"is empty; it needs {_written(NEEDED)}")

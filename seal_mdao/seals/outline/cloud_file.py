@@ -1,5 +1,7 @@
 """Clouds in files of their own (VTU and every other format of meshio, extra ``vtk``)."""
 
+import io
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -7,6 +9,7 @@ import numpy as np
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.polygon import polygon_area
+from seal_mdao.input_files import read_bytes, reason_of, require_ordinary
 from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import GAUSS_POINTS, in_both_directions
@@ -19,6 +22,9 @@ FIRST, SUPPORT, AXES = "first_place", "support_radius", "support_axes"
 """Names of the data of points."""
 PART, BASIS, COLUMN, GAUSS = "part", "basis_order", "column", "n_gauss"
 """Names of the data of cells; those of one ``column`` have one pressure through them."""
+
+XDMF, ABAQUS = (".xdmf", ".xmf"), ".inp"
+"""Endings of meshes that name further files, or may do so."""
 
 KINDS = {"quad": 4, "triangle": 3}
 """Cells that bodies are made of; lines and points beside them are passed over."""
@@ -116,11 +122,23 @@ def _mesh(path):
     meshio = library()
     if not path.is_file():
         raise GeometryError("there is no such file")
+    quiet = io.StringIO()
     try:
-        return meshio.read(path)
+        _require_one_file(path)
+        with redirect_stdout(quiet), redirect_stderr(quiet):  # meshio prints what it reads
+            return meshio.read(path)
+    except GeometryError:
+        raise
     except (Exception, SystemExit) as error:  # meshio leaves the program at some files
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise GeometryError(f"not a mesh that can be read ({reason})") from None
+        raise GeometryError(f"not a mesh that can be read ({reason_of(error)})") from None
+
+
+def _require_one_file(path) -> None:
+    """Refuse meshes that name further files, which may be any of the machine."""
+    content = read_bytes(path) if path.suffix.lower() == ABAQUS else b""
+    if path.suffix.lower() in XDMF or b"include" in content.lower().replace(b"*", b""):
+        raise GeometryError("names further files of its mesh; write it as one file, such as VTU")
+    require_ordinary(path)
 
 
 def _cells(mesh):

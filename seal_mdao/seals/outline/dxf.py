@@ -6,6 +6,7 @@ from pathlib import Path
 
 from seal_mdao import values
 from seal_mdao.errors import GeometryError
+from seal_mdao.input_files import reason_of, require_ordinary
 from seal_mdao.seals.outline.b_splines import b_spline_of
 from seal_mdao.seals.outline.crossings import nearest_around
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, pieces_of
@@ -146,12 +147,14 @@ def _document(path):
     if not path.is_file():
         raise GeometryError(f"{path}: there is no such drawing")
     try:
+        require_ordinary(path)
         document = ezdxf.readfile(path)
         document.modelspace()
         return document
     except Exception as error:  # ezdxf raises errors of many kinds at damaged files
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise GeometryError(f"{path}: not a drawing that can be read ({reason})") from None
+        foreign = isinstance(error, OSError) and not error.strerror
+        reason = "it is not a DXF file" if foreign else reason_of(error)
+    raise GeometryError(f"{path}: not a drawing that can be read ({reason})")
 
 
 def _units(document, wanted) -> str:

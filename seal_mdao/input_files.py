@@ -1,0 +1,75 @@
+"""Files that users name, or that the files of strangers name: only ordinary ones of bounded size."""
+
+import errno
+import os
+import re
+import stat
+from pathlib import Path
+
+LARGEST_FILE = 2**28
+"""Bytes of a file that is read at once."""
+
+
+def require_ordinary(path) -> None:
+    """Check that a path is that of an ordinary file of bounded size.
+
+    Raises
+    ------
+    OSError
+        For a folder, a device, a pipe, or too many bytes; its ``strerror`` says so.
+    """
+    found = Path(path).stat()
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(errno.EINVAL, "it is a device or a pipe, not a file", str(path))
+    if found.st_size > LARGEST_FILE:
+        raise _too_large(path)
+
+
+def read_bytes(path) -> bytes:
+    """Content of an ordinary file.
+
+    Raises
+    ------
+    OSError
+        As ``require_ordinary``.
+    """
+    require_ordinary(path)
+    with Path(path).open("rb") as file:
+        content = file.read(LARGEST_FILE + 1)  # some files of the system have no size
+    if len(content) > LARGEST_FILE:
+        raise _too_large(path)
+    return content
+
+
+def read_text(path, encoding: str = "utf-8") -> str:
+    """Text of an ordinary file.
+
+    Raises
+    ------
+    OSError
+        As ``require_ordinary``.
+    UnicodeDecodeError
+        For other bytes.
+    """
+    return read_bytes(path).decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _too_large(path) -> OSError:
+    return OSError(errno.EFBIG, f"it has more than {LARGEST_FILE // 2**20} MiB", str(path))
+
+
+def reason_of(error: BaseException) -> str:
+    """Why a library cannot read a file, without its words: they may be the file's.
+
+    Returns
+    -------
+    str
+        What the operating system says, or the kind of the error and the line, where the message has
+        one.
+    """
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    line = re.search(r"\bline:? #?(\d{1,9})\b", str(error))
+    return type(error).__name__ + (f", line {line[1]}" if line else "")

@@ -1,0 +1,156 @@
+"""What a recorder file holds: the model, and the cases of its driver."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+from openmdao.recorders.sqlite_recorder import format_version
+from openmdao.utils.units import convert_units
+
+from seal_mdao.recording.plain_reading import PlainDatabase, checked_units, numbers, unpacked
+
+OLDEST_FORMAT = 14
+"""Of recorder files; older ones hold more pickles, and none of them was written by this package."""
+OBJECTIVE, CONSTRAINT, DESIGN = "objective", "constraint", "desvar"
+"""What a variable is to the driver."""
+
+CASE = {"counter": int, "success": int, "msg": str | None, "inputs": str, "outputs": str}
+METADATA = dict.fromkeys(("abs2prom", "abs2meta", "var_settings", "conns"), bytes)
+
+
+@dataclass(eq=False)
+class Case:
+    """One recorded evaluation.
+
+    Attributes
+    ----------
+    counter : int
+        Number of the case in the file.
+    failure : str
+        Why the analysis failed; empty for a good one.
+    inputs, outputs : dict of str to ndarray
+        Recorded values by absolute name, in the model's units.
+    """
+
+    counter: int
+    failure: str
+    inputs: dict
+    outputs: dict
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedModel:
+    """The model that was recorded.
+
+    Attributes
+    ----------
+    promoted : dict of str to str
+        Promoted names by absolute names.
+    units : dict of str to (str or None)
+        By absolute names.
+    kinds : dict of str to list
+        What a variable is to the driver, by absolute names: ``OBJECTIVE``, ``CONSTRAINT``, ``DESIGN``.
+    sources : dict of str to str
+        Outputs by the inputs that are connected to them.
+    variables : dict of str to dict
+        Settings of the driver's variables.
+    driver : dict
+        Name, type and abilities of the driver.
+    options : dict of str to dict
+        Options of all systems that are text, by path; empty for the model itself.
+    """
+
+    promoted: dict
+    units: dict
+    kinds: dict
+    sources: dict
+    variables: dict
+    driver: dict
+    options: dict
+
+    def values(self, case: Case, kind: str) -> dict[str, np.ndarray]:
+        """Flat values of the driver's variables of one kind in a case, in the units of their
+        declaration."""
+        found = {}
+        for name, settings in self.variables.items():
+            source = settings["source"]
+            if kind not in self.kinds[source] or source not in case.outputs:
+                continue
+            value = case.outputs[source].ravel()
+            if settings["indices"] is not None:
+                value = value[settings["indices"]].ravel()
+            found[name] = convert_units(value, self.units[source], settings["units"])
+        return found
+
+
+def read_model(database: PlainDatabase) -> RecordedModel:
+    """The model of a recorder file.
+
+    Raises
+    ------
+    ValueError
+        For a format that is not read, or metadata of several models.
+    """
+    versions = database.rows("metadata", {"format_version": int})
+    if len(versions) != 1:
+        raise ValueError(f"its table 'metadata' has {len(versions)} rows, not one")
+    version = versions[0][0]
+    if version < OLDEST_FORMAT:
+        raise ValueError(
+            f"its format {version} is older than {OLDEST_FORMAT}, the first that is read"
+        )
+    if version > format_version:
+        raise ValueError(f"its format {version} is newer than {format_version} of this OpenMDAO")
+    (row,) = database.rows("metadata", METADATA)
+    names, metadata, variables, sources = map(unpacked, row)
+    variables.pop("execution_order", None)
+    viewed = database.rows("driver_metadata", {"model_viewer_data": str})
+    viewer = json.loads(viewed[0][0]) if viewed else {}
+    for settings in (*metadata.values(), *variables.values()):
+        checked_units(settings.get("units"))
+    return RecordedModel(
+        promoted=names["input"] | names["output"],
+        units={name: own.get("units") for name, own in metadata.items()},
+        kinds={name: own.get("type", ()) for name, own in metadata.items()},
+        sources=sources,
+        variables=variables,
+        driver=viewer.get("driver") or {},
+        options=_text_options(viewer["tree"]) if viewer else {},
+    )
+
+
+def _text_options(tree: dict) -> dict[str, dict[str, str]]:
+    """Options that are text of all systems in a tree of them, by path."""
+    found, waiting = {}, [("", tree)]
+    while waiting:
+        path, system = waiting.pop()
+        options = system.get("options") or {}
+        found[path] = {name: value for name, value in options.items() if isinstance(value, str)}
+        inner = [child for child in system.get("children") or () if child["type"] == "subsystem"]
+        prefix = f"{path}." if path else ""
+        waiting += [(prefix + child["name"], child) for child in reversed(inner)]
+    return found
+
+
+def read_driver_cases(database: PlainDatabase) -> list[tuple[int, Case]]:
+    """Iteration number and evaluation of every case of the driver, in order."""
+    rows = database.numbered_rows("driver_iterations", {"iteration_coordinate": str} | CASE)
+    return [(int(coordinate.rsplit("|", 1)[1]), _case(*row)) for coordinate, *row in rows]
+
+
+def read_problem_case(database: PlainDatabase) -> Case | None:
+    """The last case of the problem itself."""
+    rows = database.numbered_rows("problem_cases", CASE)
+    return _case(*rows[-1]) if rows else None
+
+
+def read_gradient_counters(database: PlainDatabase) -> set[int]:
+    """Numbers of the cases after which a gradient was recorded."""
+    return {counter for (counter,) in database.rows("driver_derivatives", {"counter": int})}
+
+
+def _case(counter, success, message, inputs, outputs) -> Case:
+    failure = "" if success else message or "the analysis failed"
+    return Case(counter, failure, numbers(inputs), numbers(outputs))
