@@ -30,3 +30,8 @@ class LoadPathError(RuntimeError):
     def __init__(self, message: str, result=None):
         super().__init__(message)
         self.result = result
+
+
+class KinkWarning(UserWarning):
+    """Derivatives were taken at a design at which the measures have a kink: those of the two sides
+    differ."""

@@ -6,6 +6,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.options import check_parameters, declare_measures, declare_parameters
+from seal_mdao.components.random_directions import RandomDirectionsComp
 from seal_mdao.scenarios.evaluate import evaluate
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import usual_workers
@@ -44,7 +45,7 @@ def declare_scenario_options(options) -> None:
     )
 
 
-class ScenarioComp(om.ExplicitComponent):
+class ScenarioComp(RandomDirectionsComp):
     """Measures of one design in S scenarios.
 
     Inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs, those of ``parameters``; what a
@@ -85,7 +86,7 @@ class ScenarioComp(om.ExplicitComponent):
     def setup_partials(self):
         self.declare_partials("*", "*")
         check = {"method": "fd", "form": "central", "step": CHECK_STEP}
-        self.set_check_partial_options(wrt="boundary_offsets", directional=True, **check)
+        self.set_check_partial_options(wrt="boundary_offsets", **check)
         for name in self._named:
             self.set_check_partial_options(wrt=name, step_calc="rel_avg", **check)
 

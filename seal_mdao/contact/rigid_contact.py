@@ -7,6 +7,7 @@ import numpy as np
 
 from seal_mdao.contact.friction import (
     CARRIED,
+    GAP,
     OPEN,
     SLIP,
     XI,
@@ -19,6 +20,15 @@ from seal_mdao.contact.friction import (
     uses_history,
 )
 from seal_mdao.contact.kinematics import normal_gaps
+from seal_mdao.contact.kinks import (
+    LIMIT,
+    SLIGHT,
+    TOUCHING,
+    Kinks,
+    find_kinks,
+    no_kinks,
+    rounding_of,
+)
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
@@ -146,6 +156,8 @@ class ContactTerm(PointTerm):
         self._speed_varies = has_cubics(self.profile)
         size = float(np.abs(discretization.particles).max())
         self.rounding = self.law.normal_penalty * size
+        # deformed coordinates, and those of the profile without its pose
+        self._size = 2.0 * size + float(np.abs(self.curve.origin).max())
 
     @property
     def remembers(self) -> bool:
@@ -188,6 +200,33 @@ class ContactTerm(PointTerm):
             response.x, self.length, response.force, history, points, out,
         )  # fmt: skip
         return out
+
+    def kinks(self, response, fraction, history, following=None) -> Kinks:
+        rounding = rounding_of(self._size + float(np.abs(self.pose(fraction).position).max()))
+        found = np.empty(len(self.where), np.int64)
+        if not find_kinks(
+            self.curve.period, self.law, response.gap, response.history.variables[:, 0],
+            history.state, history.variables, rounding, found,
+        ):  # fmt: skip
+            return no_kinks(found.size)
+        touching = np.flatnonzero(found == TOUCHING)
+        slips = np.abs(self._slid(response, history)) > SLIGHT * np.abs(history.variables[:, 2])
+        if following is not None:
+            after = self._slid(following, response.history)
+            slips |= np.abs(after) > SLIGHT * np.abs(following.gap)
+        forces = np.zeros((touching.size, *response.x.shape))
+        if touching.size:  # w_n l e_n, e_n the derivative of the gap
+            normal = self.linearize(response, fraction, history, touching)[:, GAP, :2]
+            weight = self.law.normal_penalty * self.length[touching]
+            forces[np.arange(touching.size), touching] = weight[:, None] * normal
+        return Kinks(touching, forces, slips[touching], np.flatnonzero(found == LIMIT))
+
+    def _slid(self, response, history) -> np.ndarray:
+        """|t0| (xi - xi0) of all points in a step, mm."""
+        way = response.history.variables[:, 0] - history.variables[:, 0]
+        if self.curve.period:
+            way -= self.curve.period * np.floor(way / self.curve.period + 0.5)
+        return history.variables[:, 1] * way
 
     # ---- what a step hands on ----
 

@@ -21,6 +21,7 @@ from seal_mdao.contact.boundary_curve import (
     rings,
 )
 from seal_mdao.contact.friction import OPEN, SLIP, STICK, ContactHistory, ContactLaw
+from seal_mdao.contact.kinks import LIMIT, TOUCHING, Kinks, find_kinks, no_kinks, rounding_of
 from seal_mdao.contact.rigid_contact import LAW_SCALARS
 from seal_mdao.contact.self_friction import (
     LENGTH,
@@ -288,6 +289,27 @@ class SelfContactTerm(CoupledTerm):
         if not self.remembers:
             return np.empty(0, int)
         return (3 * np.flatnonzero(following.branch)[:, None] + np.arange(3)).ravel()
+
+    def kinks(self, response, fraction, history, following=None) -> Kinks:
+        k = len(self.where)
+        rounding = rounding_of(2.0 * float(np.abs(response.x).max()))
+        now, state = response.history.variables, response.history.state
+        if not ((state > OPEN) | ((state == OPEN) & (np.abs(now[:, 2]) <= rounding))).any():
+            return no_kinks(k)
+        points, _, at = self._followed(response.x)
+        before = self._before(points, at, history)
+        found = np.empty(points.size, np.int64)
+        # without slip where a point was near no other boundary
+        lost = before.state == UNKNOWN
+        variables = np.column_stack(
+            [at.xi - before.way, before.size, np.where(lost, 0.0, before.carried)]
+        )
+        states = np.where(lost, STICK, before.state)
+        find_kinks(0.0, self.law, at.gap, at.xi, states, variables, rounding, found)
+        touching = points[found == TOUCHING]
+        # walls that touch are taken to slide on each other
+        forces, slips = np.zeros((touching.size, k, 2)), np.ones(touching.size, bool)
+        return Kinks(touching, forces, slips, points[found == LIMIT])
 
     # ---- the path ----
 

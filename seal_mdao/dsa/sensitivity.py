@@ -7,6 +7,7 @@ import numpy as np
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.dsa.adjoint import AdjointGradient, AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
+from seal_mdao.dsa.kinks import warn_of_kinks
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
 from seal_mdao.dsa.probe import probe_rates
 from seal_mdao.measures.measure import Derived, stacked
@@ -166,6 +167,7 @@ class Wanted:
         self.values = [functional.values for functional in functionals]
         self.stack = stacked(functionals)
         self.probe = result.path.discretization.table_at(self.stack.at)
+        warn_of_kinks(result.path, self.stack.seeds)
 
     @property
     def count(self) -> int:

@@ -172,6 +172,22 @@ class Term:
         """A few words about a state, for messages."""
         return ""
 
+    def kinks(self, response: Response, fraction: float, history, following=None):
+        """Find points at which the force is not differentiable at a converged step.
+
+        Parameters
+        ----------
+        history : object
+            With which the step began.
+        following : Response, optional
+            Of the next step.
+
+        Returns
+        -------
+        Kinks or None
+            Those of ``contact.kinks``; None for a term whose force is smooth.
+        """
+
     # ---- sensitivities ----
 
     def forward(self, shape, rates) -> "Forward":

@@ -19,17 +19,18 @@ def made(system, complex_step=True, mode="auto"):
 
 
 def test_check_partials_with_its_defaults_is_quick_and_right(short):
-    """Directional where there are hundreds of inputs: four analyses for two inputs, none marked."""
+    """Along random directions: four analyses for two inputs, none marked."""
     kept = sm.KeptAnalyses()
     problem = made(sm.SealGroup(seal=short, kept=kept))
     problem.set_val("boundary_offsets", OFFSETS)
     problem.run_model()
     before = kept.made
-    np.random.seed(1)  # OpenMDAO draws the direction from the global generator
-    data = problem.check_partials(out_stream=None)
-    assert kept.made - before <= 4
-    assert_check_partials(data)  # OpenMDAO's tolerances, 1e-6
-    assert set(data) == {"seal.geometry", "seal.section", "seal.contact"}
+    for seed in range(3):
+        np.random.seed(seed)  # OpenMDAO draws the directions from the global generator
+        data = problem.check_partials(out_stream=None)
+        assert kept.made - before <= 4 * (seed + 1)
+        assert_check_partials(data, rtol=1e-4)
+        assert set(data) == {"seal.geometry", "seal.section", "seal.contact"}
 
 
 def shape_model(seal):

@@ -200,7 +200,7 @@ def test_a_path_on_which_no_load_steps_are_found_is_written_as_far_as_it_went(
     [
         ({"friction = 0.25": "friction = -1.0"}, ("friction = -1.0", "[[profile]] 1")),
         ({"radius = 4.5": "radius = 9.5"}, ("cavity",)),
-        ({"start = [0.0, 14.5]": "start = [0.0, 12.5]"}, ("inside", "door")),
+        ({"start = [0.0, 14.45]": "start = [0.0, 12.5]"}, ("inside", "door")),
         ({'contact = ["seal"]': 'contact = ["sael"]'}, ("did you mean 'seal'",)),
     ],
 )

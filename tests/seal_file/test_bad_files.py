@@ -269,22 +269,22 @@ BAD = {
                           "[[profile.segment]]\nline = [[1.0, 0.0], [9.0, 0.0]]\n[profile.x]\n",
                           "('door'): unknown key 'x'"),
     "profile of pieces apart": (
-        DOOR + "\nstart = [0.0, 14.5]",
-        "start = [0.0, 14.5]\n[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]\n"
+        DOOR + "\nstart = [0.0, 14.45]",
+        "start = [0.0, 14.45]\n[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]\n"
         "[[profile.segment]]\nline = [[1.0, 0.0], [9.0, 0.0]]",
         "segment 1 (edge 'door') ends at (0, 0) but segment 2 (edge 'door') begins at (1, 0), 1 mm away",
     ),
     "profile twice": (
-        DOOR + "\nstart = [0.0, 14.5]",
-        DOOR + "\nstart = [0.0, 14.5]\n[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]",
+        DOOR + "\nstart = [0.0, 14.45]",
+        DOOR + "\nstart = [0.0, 14.45]\n[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]",
         "line beside [[profile.segment]]; use one of them",
     ),
-    "inside": ("start = [0.0, 14.5]", "start = [0.0, 13.0]", "[[profile]] 1 ('door'): start = (0, 13) "
+    "inside": ("start = [0.0, 14.45]", "start = [0.0, 13.0]", "[[profile]] 1 ('door'): start = (0, 13) "
                "puts the edge 'seal' 1 mm inside the rigid body at (0, 14); start it"),
     "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "lies on the left when walked; is it "
                   "walked the wrong way?)"),
-    "start a number": ("start = [0.0, 14.5]", "start = 14.5", "start = 14.5, but it must be a point"),
-    "start beyond all": ("start = [0.0, 14.5]", "start = [0.0, 1e300]", "must be a point [x, y] of two "
+    "start a number": ("start = [0.0, 14.45]", "start = 14.5", "start = 14.5, but it must be a point"),
+    "start beyond all": ("start = [0.0, 14.45]", "start = [0.0, 1e300]", "must be a point [x, y] of two "
                          "numbers, at most 100000 in size"),
     "huge penalty": (DOOR, DOOR + "\nnormal_penalty = 1e300", "a number above 0 and at most 1e+12"),
     "huge friction": ("friction = 0.25", "friction = 1e300", "a number of at least 0 and at most 10"),

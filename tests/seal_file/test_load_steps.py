@@ -134,7 +134,7 @@ def test_profiles_go_on_side_by_side_and_a_fluid_comes_in_the_last_stage(tmp_pat
     seal = sm.build_seal(file, step_ends=ends)
     motions = {t.label: t.motion for t in seal.terms() if hasattr(t, "motion")}
     assert [motion.n_steps for motion in motions.values()] == [4, 4, 4]
-    np.testing.assert_allclose(motions["door"].coordinates(1.0)[1], 14.5 - 1.1 / 4, atol=1e-14)
+    np.testing.assert_allclose(motions["door"].coordinates(1.0)[1], 14.45 - 1.1 / 4, atol=1e-14)
     np.testing.assert_allclose(motions["wall"].coordinates(3.0)[0], 0.25, atol=1e-14)
     assert np.ptp([motions["post"].coordinates(k) for k in range(5)], axis=0).tolist() == [0, 0, 0]
     fluid = next(term for term in seal.terms() if term.label == "fluid")

@@ -21,7 +21,7 @@ from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.outline.section import Arc, Circle, Line
 
 BULB = Path(__file__).parent / "bulb.toml"
-PROFILE = "line = [[-40.0, 0.0], [40.0, 0.0]]\nstart = [0.0, 14.5]"
+PROFILE = "line = [[-40.0, 0.0], [40.0, 0.0]]\nstart = [0.0, 14.45]"
 
 
 def changed(tmp_path, *changes):
@@ -143,7 +143,7 @@ def test_constants_must_be_stable_over_the_range_that_is_stated(tmp_path):
 
 
 def test_a_polyline_becomes_the_profile_of_its_vertices(tmp_path):
-    corner = "line = [[-40.0, 0.0], [0.0, 0.0], [3.0, 2.0], [3.0, 40.0]]\nstart = [0.0, 14.5]"
+    corner = "line = [[-40.0, 0.0], [0.0, 0.0], [3.0, 2.0], [3.0, 40.0]]\nstart = [0.0, 14.45]"
     (door,) = changed(tmp_path, (PROFILE, corner)).profiles
     made = rigid_profile_of(door)
     known = polyline_profile(np.array([(-40.0, 0.0), (0.0, 0.0), (3.0, 2.0), (3.0, 40.0)]))
@@ -153,7 +153,7 @@ def test_a_polyline_becomes_the_profile_of_its_vertices(tmp_path):
 
 
 def test_a_circle_is_walked_around_its_body(tmp_path):
-    circle = "circle = { centre = [0.0, 3.0], radius = 3.0 }\nstart = [0.0, 14.5]"
+    circle = "circle = { centre = [0.0, 3.0], radius = 3.0 }\nstart = [0.0, 14.45]"
     (door,) = changed(tmp_path, (PROFILE, circle)).profiles
     made, known = rigid_profile_of(door), circle_profile((0.0, 3.0), 3.0)
     assert made.period == pytest.approx(known.period)
@@ -162,7 +162,7 @@ def test_a_circle_is_walked_around_its_body(tmp_path):
 
 
 def test_lines_arcs_and_splines_in_one_chain(tmp_path):
-    chain = """start = [0.0, 14.5]
+    chain = """start = [0.0, 14.45]
 [[profile.segment]]
 line = [[-40.0, 0.0], [0.0, 0.0]]
 [[profile.segment]]
@@ -184,7 +184,7 @@ spline = [[4.0, 4.0], [4.2, 6.0], [4.1, 9.0], [5.0, 12.0]]"""
 
 def test_a_closed_spline_is_a_closed_profile(tmp_path):
     oval = "spline = [[0.0, 0.0], [4.0, 2.0], [0.0, 4.0], [-4.0, 2.0], [0.0, 0.0]]"
-    (door,) = changed(tmp_path, (PROFILE, oval + "\nstart = [0.0, 14.5]")).profiles
+    (door,) = changed(tmp_path, (PROFILE, oval + "\nstart = [0.0, 14.45]")).profiles
     assert door.closed
     made = rigid_profile_of(door)
     assert made.period == pytest.approx(made.length.sum())
@@ -197,7 +197,7 @@ def test_stages_become_a_motion(tmp_path):
     (door,) = file.profiles
     motion = motion_of(door, file.n_steps)
     assert motion.n_steps == 80
-    assert np.allclose(motion.positions, [(0.0, 14.5), (0.0, 8.5), (2.0, 8.5)], atol=1e-14)
+    assert np.allclose(motion.positions, [(0.0, 14.45), (0.0, 8.45), (2.0, 8.45)], atol=1e-14)
     assert np.allclose(np.degrees(motion.angles), [10.0, 10.0, -10.0])
     assert np.array_equal(motion.pivot, [1.0, 2.0])
     assert (door.normal_penalty, door.tangent_penalty) == (5e3, 1e2)

@@ -1,0 +1,94 @@
+"""Warning where derivatives are taken at a kink: a contact point just touches or begins to slip.
+
+At a step that is not measured a kink matters by what the step passes to the next one. A touching point
+adds the force f w_n l dg on one side only, which moves what the next step uses by Lambda_n^T f
+(``terms.handed_on``). That is zero where a symmetric section meets a symmetric profile.
+"""
+
+import warnings
+from collections.abc import Collection
+
+import numpy as np
+
+from seal_mdao.analysis.result import PathResult
+from seal_mdao.contact.kinks import SLIGHT, Kinks
+from seal_mdao.dsa.factors import solve_transposed
+from seal_mdao.errors import KinkWarning
+from seal_mdao.terms.point_rates import point_adjoint
+
+NAMED = 3
+"""Contact states and points that a message names; it counts the others."""
+
+
+def warn_of_kinks(path: PathResult, measured: Collection[int]) -> None:
+    """Issue one ``KinkWarning`` where contact is at a kink at a step that measures depend on.
+
+    Parameters
+    ----------
+    path : PathResult
+    measured : collection of int
+        Indices in ``path.steps`` at which something is measured. Where the path is history
+        dependent, the steps before them count as well.
+    """
+    steps = sorted(measured)
+    if path.problem.remembers:
+        steps = range(max(measured, default=-1) + 1)
+    found = [text for index in steps for text in _kinks_at(path, index, index in measured)]
+    if not found:
+        return
+    more = f"; and {len(found) - NAMED} more" if len(found) > NAMED else ""
+    warnings.warn(
+        f"contact is at a kink at this design: {'; '.join(found[:NAMED])}{more}. The derivatives are "
+        "those of one side, and differences across the kink give others; change the start or the load "
+        "steps of the profile so that no point just touches at the end of a step, or change the design "
+        "a little",
+        KinkWarning,
+        stacklevel=2,
+    )
+
+
+def _kinks_at(path: PathResult, index: int, measured: bool) -> list[str]:
+    """Describe the points of every term that are at a kink at a step."""
+    step, found = path.steps[index], []
+    following = None if measured else path.steps[index + 1]
+    for number, term in enumerate(path.problem.terms):
+        after = None if measured else following.responses[number]
+        kinks = term.kinks(step.responses[number], step.fraction, step.before[number], after)
+        if kinks is None:
+            continue
+        touching = kinks.touching
+        if touching.size and not measured:
+            touching = touching[kinks.slips | _passes_on(path, term, kinks, step, following)]
+        for what, points in (("zero gap", touching), ("zero slip margin", kinks.slipping)):
+            if points.size:
+                at = f"{term.label!r} at load step {step.fraction:.6g}"
+                found.append(f"{at}: {what} at {_named(term, points)}")
+    return found
+
+
+def _passes_on(path: PathResult, term, kinks: Kinks, step, following) -> np.ndarray:
+    """Find the touching points whose forces move what the next step uses, shape (t,)."""
+    layout, columns = path.discretization.layout, []
+    for other in path.problem.terms:
+        reverse = other.reverse(1, set())
+        plan = reverse.prepare(step, following, False, reverse.no_history())
+        columns.append(np.zeros((layout.n_equations + 1, plan.count)))
+        if plan.count:
+            reverse.add_handed(plan, columns[-1], np.zeros((plan.count, 1)))
+    adjoints = solve_transposed(path.problem, step, np.hstack(columns))
+    every = np.arange(len(term.where))
+    at_points = np.zeros((every.size, 2, adjoints.shape[1]))
+    point_adjoint(term.table.table, every, adjoints, layout.equations, at_points)
+    moved = np.abs(np.tensordot(kinks.forces, at_points, 2))
+    return (moved > SLIGHT).any(axis=1)
+
+
+def _named(term, points) -> str:
+    """Points with their undeformed coordinates."""
+    first = points[:NAMED]
+    texts = [
+        f"point {point} (x = {x:.4g}, y = {y:.4g})"
+        for point, (x, y) in zip(first, term.reference[first].round(6) + 0.0, strict=True)
+    ]
+    more = points.size - first.size
+    return ", ".join(texts) + (f" and {more} more" if more else "")

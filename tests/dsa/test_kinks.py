@@ -1,0 +1,119 @@
+"""Derivatives at a kink of contact are reported where they jump, and nowhere else."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.contact.friction import OPEN, STICK, ContactLaw
+from seal_mdao.contact.kinks import LIMIT, SMOOTH, TOUCHING, find_kinks, rounding_of
+from seal_mdao.dsa.kinks import warn_of_kinks
+from seal_mdao.errors import KinkWarning
+
+BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()
+START = "start = [0.0, 14.45]"
+
+
+def bulb(folder, start="start = [0.0, 14.5]", friction=0.25):
+    """The bulb with coarse particles and a short path; after five steps of 0.1 mm its door is at the
+    top, y = 14, and slides later."""
+    text = BULB.replace("spacing = 0.9", "spacing = 1.6").replace(START, start)
+    text = text.replace("[0.0, -6.0]\nsteps = 60", "[0.0, -1.2]\nsteps = 12")
+    text = text.replace("[2.0, 0.0]\nrotate = 0.0\nsteps = 20", "[0.2, 0.0]\nsteps = 2")
+    text = text.replace("friction = 0.25", f"friction = {friction}")
+    path = folder / "bulb.toml"
+    path.write_text(text)
+    return sm.build_seal(sm.read_seal_file(path))
+
+
+@pytest.fixture(scope="module")
+def kinked(tmp_path_factory):
+    return bulb(tmp_path_factory.mktemp("kinked"))
+
+
+def one_sided(seal, direction, side, h=1e-6):
+    """Difference of second order of the reaction on one side of the nominal design."""
+    at = [reaction(sm.analyze(seal, side * n * h * direction)) for n in range(3)]
+    return side * (4.0 * at[1] - at[2] - 3.0 * at[0]) / (2.0 * h)
+
+
+def reaction(result):
+    (measure,) = (m for m in result.measures() if m.name == "reaction")
+    return result.value(measure)
+
+
+def test_a_jump_of_the_derivative_is_reported_with_contact_step_and_points(kinked):
+    """The two sides differ by much more than differences err; the derivative is that of one."""
+    result = sm.analyze(kinked)
+    with pytest.warns(KinkWarning) as found:
+        rates = sm.differentiate(result)
+    (message,) = (str(item.message) for item in found)
+    assert "'door' at load step 5: zero gap at point" in message
+    assert "(x = 0, y = 14)" in message
+    direction = np.zeros(kinked.n_offsets)
+    direction[: kinked.n_offsets // 2] = 1.0
+    sides = [one_sided(kinked, direction, side) for side in (-1.0, 1.0)]
+    exact = np.atleast_2d(rates.reaction)[:, : direction.size] @ direction
+    jump = np.abs(sides[1] - sides[0]).max()
+    assert jump > 1e-3 * np.abs(exact).max()
+    assert min(np.abs(side - exact).max() for side in sides) < 1e-2 * jump
+
+
+def test_off_the_kink_nothing_is_reported(tmp_path):
+    seal = bulb(tmp_path, START)
+    sm.differentiate(sm.analyze(seal))
+
+
+def test_without_friction_only_measured_steps_count(tmp_path):
+    seal = bulb(tmp_path, friction=0.0)
+    result = sm.analyze(seal)
+    sm.differentiate(result)
+    with pytest.warns(KinkWarning, match="load step 5: zero gap"):
+        warn_of_kinks(result.path, [4])
+
+
+def test_a_symmetric_touch_that_passes_nothing_on_is_not_reported(drawn):
+    """The door seal's top has zero gap after five steps, at which nothing is measured."""
+    gap = drawn.path.steps[4].responses[drawn.path.place("door")].gap
+    assert np.abs(gap).min() < 1e-14
+    sm.differentiate(drawn)
+    with pytest.warns(KinkWarning, match=r"'door' at load step 5: zero gap at point 25 \(x = 0"):
+        warn_of_kinks(drawn.path, [4])
+
+
+def test_steps_after_the_last_measured_one_do_not_count(kinked):
+    path = sm.analyze(kinked).path
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_of_kinks(path, [3])
+        warn_of_kinks(path, [])
+
+
+def test_zero_gap_and_zero_slip_margin_within_rounding():
+    """w_n = 1000, w_t = 100, mu = 0.2: at a gap of -1e-3 the limit is a slip of 2e-3."""
+    law = ContactLaw(1000.0, 100.0, 0.2, True)
+    rounding = rounding_of(10.0)
+    assert 1e-15 < rounding < 1e-12
+    near, far = 0.9 * rounding, 1e3 * rounding
+    cases = [
+        # gap, slip, found
+        (0.0, 0.0, TOUCHING), (near, 0.0, TOUCHING), (-near, 0.0, TOUCHING), (far, 0.0, SMOOTH),
+        (-1e-3, 2e-3, LIMIT), (-1e-3, 2e-3 + near, LIMIT), (-1e-3, -2e-3 - near, LIMIT),
+        (-1e-3, 2e-3 + far, SMOOTH), (-1e-3, 2e-3 - far, SMOOTH), (-1e-3, 0.0, SMOOTH),
+    ]  # fmt: skip
+    gap, slip = (np.array(column) for column in list(zip(*cases, strict=True))[:2])
+    states = np.where(gap < 0.0, STICK, OPEN)
+    found = np.empty(len(cases), np.int64)
+    none = np.zeros(len(cases))
+    variables = np.column_stack([none, none + 1.0, none])
+    count = find_kinks(0.0, law, gap, slip, states, variables, rounding, found)
+    assert [int(kind) for kind in found] == [case[2] for case in cases]
+    assert count == 6
+    # round a closed profile the shorter way
+    find_kinks(7.0, law, gap, slip + 7.0, states, variables, 1e-12, found)
+    assert list(found[4:7]) == [LIMIT] * 3
+    # without friction there is no limit
+    find_kinks(0.0, law._replace(friction=0.0), gap, slip, states, variables, rounding, found)
+    assert list(found[4:]) == [SMOOTH] * 6
