@@ -18,6 +18,24 @@ from openmdao.core.group import Group
 from openmdao.utils.record_util import create_local_meta
 
 
+class RunOnce(om.NonlinearRunOnce):
+    """Run the subsystems of a group once; where an analysis fails leave NaN in all that it has.
+
+    Subsystems behind the one that failed do not run: a driver that goes on would record what the last
+    design has left in them as values of this one.
+    """
+
+    def solve(self):
+        """Run the subsystems."""
+        try:
+            super().solve()
+        except om.AnalysisError:
+            group = self._system()
+            for vector in (group._inputs, group._outputs):
+                vector.set_val(np.nan)
+            raise
+
+
 class FailedCases(Driver):
     """Mixin of a driver that marks the recorded case of a failed analysis.
 

@@ -16,21 +16,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from seal_mdao.analysis.descent import descend
+from seal_mdao.analysis.jumps import FAR_AWAY, SMALL_BEND, extent, jumped
+from seal_mdao.analysis.limit_points import beyond
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import Reuse, quasi_newton
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
-from seal_mdao.analysis.stability import (
-    critical_mode,
-    flagged,
-    follows_stable,
-    is_stable,
-    jumped,
-    leave,
-    limit_point,
-)
+from seal_mdao.analysis.stability import flagged, is_stable
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.analysis.touching import at_rest_where_it_touches
 
@@ -38,12 +31,6 @@ from seal_mdao.analysis.touching import at_rest_where_it_touches
 NEAR = 40
 # A step that is not stable, or jumps, is halved that often: the path leaves its branch near the end.
 NEAR_THE_END = 5
-# Damped motion that has found no equilibrium within so many iterations gives way to descent.
-SOON = 300
-# Descent under friction finds one within some 200 iterations, or none.
-DESCENT = 500
-# Share of the step that the Euler predictor may miss if its miss is to predict the next one.
-SMALL_BEND = 0.03
 
 
 def _initial_step(problem: PathProblem) -> ConvergedStep:
@@ -88,10 +75,10 @@ def _correct(problem, guess, target, last, options, reuse):
 def _equilibrium(problem, guess, target, last, options, reuse):
     """Equilibrium as ``newton`` returns it; UNSTABLE or JUMPED where the path should not go there."""
     status, d, residuals = _correct(problem, guess, target, last, options, reuse)
-    if status is Status.CONVERGED and follows_stable(problem, options):
-        if jumped(problem, d, guess, last):
+    if status is Status.CONVERGED and options.branch == "stable":
+        if jumped(problem, d, guess, last, target):
             status = Status.JUMPED
-        elif not problem.factor.positive:
+        elif problem.symmetric and not problem.factor.positive:
             status = Status.UNSTABLE
     return status, d, residuals
 
@@ -161,7 +148,7 @@ class _Walk:
             point = None
             if status is not Status.CONVERGED:
                 failure = _describe(problem, status, nominal, target, residuals)
-                onward, d, residuals, point, target = _beyond(
+                onward, d, residuals, point, target = beyond(
                     problem, status, d, guess, (target, nominal + 1.0), last, options, self.note
                 )
                 if onward is not Status.CONVERGED:
@@ -200,7 +187,8 @@ class _Walk:
             tried += residuals
             few = replace(self.options, damped_iterations=min(NEAR, self.options.damped_iterations))
             status, d, residuals = relax(problem, parts.d, target, history, few, self.note)
-        if status is not Status.CONVERGED or jumped(problem, d, parts.d, first):
+        near = max(np.abs(parts.d - first.d).max(), FAR_AWAY * extent(problem))
+        if status is not Status.CONVERGED or np.abs(d - parts.d).max() > near:
             problem.factorize_at(parts)
             return
         del self.steps[begin:]
@@ -266,51 +254,6 @@ def solve_path(
         if callback is not None:
             callback(walk.last)
     return walk.completed()
-
-
-def _beyond(problem, status, d, guess, targets, last, options, note):
-    """Equilibrium beyond the smallest step, which ended with ``status`` at ``d``.
-
-    A stable one is looked for at the first of the ``targets``; damped motion leads to the second.
-
-    Returns
-    -------
-    status, d, residuals
-        As of ``newton``.
-    point : CriticalPoint
-    target : float
-        Where that is.
-    """
-    target, end = targets
-    if follows_stable(problem, options):
-        begin = d if status is Status.UNSTABLE else guess
-        left, d, residuals, point = leave(problem, status, begin, target, last, options, note)
-        if left is Status.CONVERGED:
-            return left, d, residuals, point, target
-    euler = problem.predict(last, problem.factorize_at(last), end)
-    mode = critical_mode(problem, problem.factor, euler[0] - last.d, negative=False)
-    guess = problem.closest(euler, end, last.after)
-    status, d, residuals = _at_rest(problem, guess, end, last, options, note)
-    point = limit_point(last, d, mode)
-    stable = status is not Status.CONVERGED or problem.factor.positive
-    if follows_stable(problem, options) and not stable:
-        status, d, more, point = leave(problem, Status.UNSTABLE, d, end, last, options, note)
-        residuals += more
-    return status, d, residuals, point, end
-
-
-def _at_rest(problem, guess, end, last, options, note):
-    """Equilibrium by damped motion, which mostly finds it soon; by descent where it does not."""
-    few = replace(options, damped_iterations=min(SOON, options.damped_iterations))
-    status, d, residuals = relax(problem, guess, end, last.after, few, note)
-    if status is not Status.NOT_CONVERGED or few == options:
-        return status, d, residuals
-    if not problem.symmetric:
-        few = replace(options, damped_iterations=min(DESCENT, options.damped_iterations))
-        status, d, residuals = descend(problem, guess, end, last.after, few, note)
-        if status is Status.CONVERGED:
-            return status, d, residuals
-    return relax(problem, guess, end, last.after, options, note)
 
 
 def _describe(problem, status, nominal, target, residuals) -> str:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from seal_mdao.analysis.descent import descend
+from seal_mdao.analysis.jumps import extent
 from seal_mdao.analysis.modes import nearest_mode
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.analysis.problem import PathProblem
@@ -21,8 +22,6 @@ from seal_mdao.analysis.result import ConvergedStep, Status
 
 # The push along the critical mode, over the size of the body.
 PUSH = 1e-3
-# Farther from the prediction than that share of its size a body is perhaps on another branch.
-FAR_AWAY = 0.01
 # What is less than that share of the largest counts as zero where the sense of a mode is chosen.
 SENSELESS = 1e-3
 # Step of the path parameter in the difference that gives the force of the loading.
@@ -45,7 +44,8 @@ class CriticalPoint:
     moved : float
         Largest displacement of a particle from there to the equilibrium at which the path went on.
     released : float
-        Energy that the path lost on the way, mJ/m; NaN where the terms have no potential.
+        Energy that the path lost on the way, mJ/m. A lower bound where the terms have no potential
+        (``jumps.released_energy``), NaN where that says nothing.
     """
 
     fraction: float
@@ -86,16 +86,6 @@ def follows_stable(problem: PathProblem, options: NewtonOptions) -> bool:
     return options.branch == "stable" and problem.symmetric
 
 
-def jumped(problem: PathProblem, d, guess, last: ConvergedStep) -> bool:
-    """Whether equilibrium was found far from its prediction: on another branch, perhaps."""
-    far = max(np.abs(guess - last.d).max(), FAR_AWAY * _extent(problem))
-    return bool(np.abs(d - guess).max() > far)
-
-
-def _extent(problem: PathProblem) -> float:
-    return float(np.ptp(problem.discretization.particles, axis=0).max())
-
-
 def leave(problem, status: Status, d, target, last: ConvergedStep, options: NewtonOptions, note):
     """From the end of a stable branch, a little behind ``last``, to the next stable equilibrium.
 
@@ -117,7 +107,7 @@ def leave(problem, status: Status, d, target, last: ConvergedStep, options: Newt
         problem.factorize_at(last)
     mode = critical_mode(problem, problem.factor, d - last.d, negative=kind == "branch")
     available = _available(problem, d if kind == "branch" else None, target, last)
-    push = PUSH * _extent(problem) * mode if kind == "branch" else 0.0
+    push = PUSH * extent(problem) * mode if kind == "branch" else 0.0
     status, found, residuals = descend(problem, d + push, target, last.after, options, note)
     if status is not Status.CONVERGED:
         return status, d, residuals, None
@@ -131,7 +121,9 @@ def leave(problem, status: Status, d, target, last: ConvergedStep, options: Newt
 def limit_point(last: ConvergedStep, found, mode, released=np.nan) -> CriticalPoint:
     """The end of a branch at ``last``, from where the body went to ``found``."""
     moved = float(np.abs(found - last.d).max())
-    return CriticalPoint(last.fraction, "limit", mode, moved, released)
+    return CriticalPoint(
+        last.fraction, "limit", mode, moved, released if released > 0.0 else np.nan
+    )
 
 
 def _available(problem: PathProblem, unstable, target, last: ConvergedStep) -> float:

@@ -3,6 +3,7 @@
 import numpy as np
 import openmdao.api as om
 
+from seal_mdao.components.failures import admissible_design
 from seal_mdao.seals.seal import Seal
 
 CHECK_STEP = 1e-2
@@ -11,7 +12,10 @@ which OpenMDAO takes without ``setup(force_alloc_complex=True)``."""
 
 
 class AreaComp(om.ExplicitComponent):
-    """Exact area of a seal's section, with its exact gradient; complex step works as well."""
+    """Exact area of a seal's section, with its exact gradient; complex step works as well.
+
+    Offsets that the seal does not admit raise ``AnalysisError``.
+    """
 
     def initialize(self):
         self.options.declare("seal", types=Seal, recordable=False, desc="The seal.")
@@ -32,7 +36,8 @@ class AreaComp(om.ExplicitComponent):
 
     def compute(self, inputs, outputs):
         seal, offsets = self.options["seal"], inputs["boundary_offsets"]
-        seal.check_offsets(offsets.real)
+        with admissible_design():
+            seal.check_offsets(offsets.real)
         outputs["area"] = seal.area(offsets)[0]
 
     def compute_partials(self, inputs, partials):

@@ -1,14 +1,12 @@
 """The nonlinear RKPM contact analysis as an explicit component with exact partials."""
 
-from contextlib import contextmanager
-
 import numpy as np
 import openmdao.api as om
 
+from seal_mdao.components.failures import admissible_design, analysis_errors
 from seal_mdao.components.options import check_parameters, declare_seal_options
 from seal_mdao.components.random_directions import RandomDirectionsComp
 from seal_mdao.dsa.sensitivity import particle_gradient
-from seal_mdao.errors import GeometryError, LoadPathError
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.seals.result import analyze, frozen_measures
 
@@ -25,7 +23,8 @@ class RkpmContactComp(RandomDirectionsComp):
     The load path always starts from the undeformed state. The last converged path is kept, or more of
     them with the option ``kept``; partials at any other point solve it again first.
 
-    A design that cannot be analysed raises ``AnalysisError`` and leaves NaN in all outputs, and in the
+    A design that cannot be analysed, and values that the seal does not admit (a radius that is not
+    positive, NaN), raise ``AnalysisError`` and leave NaN in all outputs, and in the
     partials at that very point: a driver that goes on records no values of another design.
     ``check_partials`` takes central differences along random directions of the particles and of every
     parameter. Complex step is refused.
@@ -80,7 +79,7 @@ class RkpmContactComp(RandomDirectionsComp):
             outputs[name] = value
 
     def compute_partials(self, inputs, partials):
-        if self._failed is not None and self._failed == _bytes(inputs):
+        if self._has_failed(inputs):
             for measure in self._measures:
                 for name in (
                     ("particles", *self._parameters) if measure.size(self.options["seal"]) else ()
@@ -95,11 +94,16 @@ class RkpmContactComp(RandomDirectionsComp):
                 if rows.size:
                     partials[measure, name] = rows.reshape(len(rows), -1)
 
+    def _has_failed(self, inputs) -> bool:
+        """Whether the design failed here, or before the analysis, which leaves NaN (``SealGroup``)."""
+        failed = self._failed is not None and self._failed == _bytes(inputs)
+        return failed or np.isnan(inputs["particles"]).all()
+
     def _values(self, inputs) -> dict:
         """Values of the measures by name."""
         result = self._analysis(inputs)
         seal = self.options["seal"]
-        with _analysis_errors():
+        with analysis_errors():
             return {m.name: result.value(m) for m in self._measures if m.size(seal)}
 
     def _analysis(self, inputs):
@@ -110,9 +114,12 @@ class RkpmContactComp(RandomDirectionsComp):
                 "approximate with method='fd'"
             )
         values = {name: float(inputs[name][0]) for name in self._parameters}
-        with _analysis_errors():
+        with admissible_design():
+            seal = self.options["seal"].with_parameters(values)
+            _check_finite(inputs["particles"])
+        with analysis_errors():
             result = self._kept.analyze_particles(
-                self.options["seal"].with_parameters(values),
+                seal,
                 inputs["particles"],
                 factor_memory=self.options["factor_memory"],
                 callback=self.options["callback"],
@@ -121,13 +128,11 @@ class RkpmContactComp(RandomDirectionsComp):
         return result
 
 
-@contextmanager
-def _analysis_errors():
-    """Designs that cannot be analysed or measured, as OpenMDAO wants to hear of them."""
-    try:
-        yield
-    except (GeometryError, LoadPathError) as error:
-        raise om.AnalysisError(str(error)) from error
+def _check_finite(particles) -> None:
+    bad = np.flatnonzero(~np.isfinite(particles).all(axis=1))
+    if bad.size:
+        x, y = particles[bad[0]]
+        raise ValueError(f"particles[{bad[0]}] = ({x}, {y}) is not a finite place")
 
 
 def _bytes(inputs) -> bytes:

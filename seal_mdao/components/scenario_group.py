@@ -6,6 +6,7 @@ from seal_mdao.components.aggregate_comp import AggregateComp
 from seal_mdao.components.area_comp import AreaComp
 from seal_mdao.components.options import declare_settings
 from seal_mdao.components.scenario_comp import ScenarioComp, declare_scenario_options
+from seal_mdao.openmdao_access import RunOnce
 from seal_mdao.seals.result import frozen_measures, is_empty
 from seal_mdao.seals.seal import SETTINGS_OPTION
 from seal_mdao.values import real
@@ -46,6 +47,7 @@ class ScenarioGroup(om.Group):
         measures = frozen_measures(seal, self.options["measures"])
         measures = tuple(measure for measure in measures if not is_empty(measure, seal))
         shared = {name: self.options[name] for name in SHARED} | {"measures": measures}
+        self.nonlinear_solver = RunOnce()
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
         self.add_subsystem("scenarios", ScenarioComp(**shared), promotes=["*"])
         aggregate = AggregateComp(

@@ -6,6 +6,7 @@ from seal_mdao.components.area_comp import AreaComp
 from seal_mdao.components.options import CONTACT_OPTIONS, declare_seal_options, declare_settings
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
+from seal_mdao.openmdao_access import RunOnce
 from seal_mdao.seals.seal import SETTINGS_OPTION
 
 
@@ -16,7 +17,8 @@ class SealGroup(om.Group):
     door seal) and those named in ``parameters``. Promoted outputs: ``particles`` (mm), ``area``
     (mm**2), and the measures: of the door seal ``von_mises`` (kPa), ``gap`` (mm), ``gap_square_sum``
     (mm**2), ``reaction`` (N/m) unless ``measures`` says otherwise. Without an opened stretch in the
-    drawn seal there is no ``gap``, and ``gap_square_sum`` is zero.
+    drawn seal there is no ``gap``, and ``gap_square_sum`` is zero. A design that cannot be analysed
+    raises ``AnalysisError`` and leaves NaN in all of them.
     """
 
     def initialize(self):
@@ -26,6 +28,7 @@ class SealGroup(om.Group):
     def setup(self):
         seal = self.options["seal"]
         self.options[SETTINGS_OPTION] = seal.settings()
+        self.nonlinear_solver = RunOnce()
         self.add_subsystem("geometry", SplineGeometryComp(seal=seal), promotes=["*"])
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
         chosen = {name: self.options[name] for name in CONTACT_OPTIONS}

@@ -3,6 +3,7 @@
 import numpy as np
 import openmdao.api as om
 
+from seal_mdao.components.failures import admissible_design
 from seal_mdao.seals.seal import Seal
 
 CHECK_STEP = 1e-2
@@ -14,7 +15,8 @@ class SplineGeometryComp(om.ExplicitComponent):
     """Particles of a seal from the offsets of its boundaries.
 
     particles = drawn particles + sum_p boundary_offsets[p] V_p, linear, with the design velocity V
-    of Eq. (48) as constant sparse partials. Complex step works as well.
+    of Eq. (48) as constant sparse partials. Complex step works as well. Offsets that the seal does not
+    admit raise ``AnalysisError``.
     """
 
     def initialize(self):
@@ -43,5 +45,6 @@ class SplineGeometryComp(om.ExplicitComponent):
 
     def compute(self, inputs, outputs):
         seal, offsets = self.options["seal"], inputs["boundary_offsets"]
-        seal.check_offsets(offsets.real)
+        with admissible_design():
+            seal.check_offsets(offsets.real)
         outputs["particles"] = seal.moved(offsets)

@@ -83,6 +83,23 @@ class ContactLaw(NamedTuple):
         """Energy of the normal penalty at points with gaps (k,) that stand for ``length`` (k,), mJ/m."""
         return 0.5 * self.normal_penalty * float(length @ np.minimum(gap, 0.0) ** 2)
 
+    def most_friction_work(self, slip, gaps, length) -> float:
+        """Bound from above the work of friction in an increment: mu p |slip| with the larger pressure.
+
+        Parameters
+        ----------
+        slip, length : ndarray, shape (k,)
+        gaps : pair of ndarray, shape (k,)
+            Normal gaps before and after; infinite ones are admissible. A point that is open at one end
+            slips in contact over the fraction g_n / (g_n - g_n0) of the increment alone.
+        """
+        low, high = np.minimum(*gaps), np.maximum(*gaps)
+        at = np.flatnonzero(low < 0.0)
+        low, high = low[at], high[at]
+        fraction = np.where(high > 0.0, low / np.where(high > 0.0, low - high, 1.0), 1.0)
+        pressure = -self.normal_penalty * low
+        return self.friction * float(np.sum(pressure * np.abs(slip[at]) * fraction * length[at]))
+
 
 class ContactHistory(NamedTuple):
     """What a contact point carries from one converged step to the next.

@@ -19,7 +19,7 @@ from seal_mdao.contact.friction import (
     slip_slopes,
     uses_history,
 )
-from seal_mdao.contact.kinematics import normal_gaps
+from seal_mdao.contact.kinematics import normal_gaps, way_along
 from seal_mdao.contact.kinks import (
     LIMIT,
     SLIGHT,
@@ -270,6 +270,26 @@ class ContactTerm(PointTerm):
             return [self.point_loads(moved, response.branch)]
         jump = self._force_again(response, step.fraction) - response.force
         return [self.point_loads(change, response.branch) for change in (moved + jump, moved)]
+
+    def released_energy(self, step, before, d, response, target):
+        works = [
+            self._loading_work(own, at, step.fraction, target)
+            for own, at in ((before, step.fraction), (response, target))
+        ]
+        change = self.potential(d, response) - self.potential(step.d, before)
+        gaps, slip = (before.gap, response.gap), np.zeros(len(self.where))
+        for i in np.flatnonzero(np.minimum(*gaps) < 0.0) if self.remembers else ():
+            now, then = response.history.variables[i], before.history.variables[i]
+            slip[i] = then[1] * way_along(self.curve, now[0], then[0])
+        lost = self.law.most_friction_work(slip, gaps, self.length)
+        return min(works) - change - lost, max(map(abs, works))
+
+    def _loading_work(self, response, at, fraction, target) -> float:
+        """Work of the forces of ``response``, with the profile at ``at``, on its motion, mJ/m."""
+        change = self.motion.coordinates(target) - self.motion.coordinates(fraction)
+        if change[2] == 0.0:
+            return -float(response.total @ change[:2])
+        return -float(np.sum(response.force * (rigid_velocity(self.pose(at), response.x) @ change)))
 
     def _moved(self, response, fraction, target) -> np.ndarray:
         """Change of the forces (k, 2) at fixed x when the profile moves on."""

@@ -183,6 +183,20 @@ class SelfContactTerm(CoupledTerm):
         points, gap = self.gaps(response.x)
         return self.law.potential(gap, self.length[points])
 
+    def released_energy(self, step, before, d, response, target):
+        change = self.potential(d, response) - self.potential(step.d, before)
+        gaps = np.full((2, len(self.where)), np.inf)
+        for own, found in zip((before, response), gaps, strict=True):
+            points, found_there = self.gaps(own.x)
+            found[points] = found_there
+        now, then = response.history, before.history
+        slip = then.variables[:, 1] * self.ring.way(now.variables[:, 0], then.variables[:, 0])
+        known = (now.state != UNKNOWN) & (then.state != UNKNOWN)
+        lost = self.law.most_friction_work(
+            np.where(known & np.isfinite(slip), slip, 0.0), gaps, self.length
+        )
+        return -change - lost, 0.0
+
     def gaps(self, x):
         """Points (m,) that face another stretch near them at the places ``x``, and their gaps, mm."""
         points, _, now = self._followed(x)

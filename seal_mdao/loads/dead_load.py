@@ -82,6 +82,13 @@ class DeadLoadTerm(PointTerm):
     def potential(self, d, response) -> float:
         return float(np.sum(response.force * (response.x - self.reference)))
 
+    def released_energy(self, step, before, d, response, target):
+        # its loading is the growth of the force: dPi/dfraction = f' u
+        grown = response.force - before.force
+        works = [float(np.sum(grown * (own.x - self.reference))) for own in (before, response)]
+        change = self.potential(d, response) - self.potential(step.d, before)
+        return min(works) - change, max(map(abs, works))
+
     def _force(self, fraction) -> np.ndarray:
         return -at_fraction(self.ramp, fraction) * self.length[:, None] * self.density
 

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from seal_mdao.analysis.result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
+from seal_mdao.seals.contact_loss import contact_losses
 from seal_mdao.seals.samples import Samples
 
 SLIGHT, DEEP = 0.01, 0.1
@@ -54,6 +55,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         samples = Samples(path)
         checks = (
             _balance, _stability, _volume, _crossing, _inside_profiles, _inside_itself, _below_base,
+            _contact_loss,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -103,6 +105,12 @@ def _stability(samples: Samples):
             "compare with a little more load or other friction"
         )
     yield Finding(text, False)
+
+
+def _contact_loss(samples: Samples):
+    """Profiles that the seal has slipped off before the end of a closing stage."""
+    for text in contact_losses(samples.path):
+        yield Finding(text, False)
 
 
 def _volume(samples: Samples):

@@ -27,7 +27,7 @@ class Instability:
         How far a particle moved from there to the equilibrium at which the path goes on, mm; 0 where
         the path stays on the branch.
     released : float
-        Energy released on the way, mJ/m; NaN where friction or another term has no potential.
+        Energy released on the way, mJ/m; with friction a lower bound, NaN where that says nothing.
     """
 
     fraction: float

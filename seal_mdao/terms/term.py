@@ -6,6 +6,7 @@ is defined once, by a frozen ``TermDefinition``, and bound to one discretised de
 short: see ``point_term``.
 """
 
+import math
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -168,6 +169,30 @@ class Term:
         """Potential of a conservative term at displacements ``d``, where it gave ``response``, mJ/m."""
         raise NotImplementedError
 
+    def released_energy(self, step, before: Response, d, response: Response, target: float):
+        """Bound from below the energy that the term releases in an increment.
+
+        Parameters
+        ----------
+        step : ConvergedStep
+            Where the increment began, with the term's response ``before``.
+        d : ndarray, shape (n, 2)
+            Equilibrium at ``target``, with ``response``.
+
+        Returns
+        -------
+        released : float
+            Work of its loading, minus the change of its stored energy, minus what it dissipates; the
+            smallest value that the forces at both ends of the increment allow, mJ/m. By default from
+            the potential, or from the forces where there is none or its loading grows; minus infinity
+            where neither is known.
+        work : float
+            Largest amount of that work, mJ/m.
+        """
+        if self.conservative and not self.changes(step, before, target):
+            return self.potential(step.d, before) - self.potential(d, response), 0.0
+        return work_of_forces(before, response) if hasattr(response, "x") else (-math.inf, 0.0)
+
     def describe(self, response: Response, fraction: float) -> str:
         """A few words about a state, for messages."""
         return ""
@@ -251,6 +276,16 @@ class Forward:
 
 
 _NOTHING = np.empty((0, 0))
+
+
+def work_of_forces(before, response) -> tuple[float, float]:
+    """Return the least work of forces at points on the body, and how far it is uncertain, mJ/m.
+
+    With the forces before and after the increment, where nothing is known of what lies between.
+    """
+    moved = response.x - before.x
+    works = [-float(np.sum(forces * moved)) for forces in (before.force, response.force)]
+    return min(works), abs(works[1] - works[0])
 
 
 class Reverse:

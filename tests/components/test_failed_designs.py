@@ -7,8 +7,10 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 
-SIZES = (0.0, 1.3, 0.1)
-"""Of the offsets of three designs; the wall of the second one is folded."""
+SIZES = (0.0, 1.3, 0.1, 3.0, 0.05)
+"""Of the offsets of five designs; those of the second fold the wall, those of the fourth exceed it."""
+
+FAILED = (1.3, 3.0)
 
 
 def design(size):
@@ -16,11 +18,11 @@ def design(size):
 
 
 def recorded(short, mode="rev"):
-    """The recorded cases of the three designs, with derivatives."""
+    """The recorded cases of the designs, with derivatives."""
     cases = [[("boundary_offsets", design(size))] for size in SIZES]
     problem = om.Problem(driver=om.DOEDriver(om.ListGenerator(cases)), reports=None)
     problem.model.add_subsystem("seal", sm.SealGroup(seal=short), promotes=["*"])
-    problem.model.add_design_var("boundary_offsets", lower=-2.0, upper=2.0)
+    problem.model.add_design_var("boundary_offsets", lower=-4.0, upper=4.0)
     problem.model.add_objective("gap_square_sum")
     problem.model.add_constraint("von_mises", upper=200.0)
     problem.driver.add_recorder(om.SqliteRecorder("doe.sql"))
@@ -37,7 +39,7 @@ def recorded(short, mode="rev"):
 def test_doe_with_a_failed_case_records_nan_for_it_and_goes_on(short, mode):
     cases = recorded(short, mode)
     for case, size in zip(cases, SIZES, strict=True):
-        good = size != SIZES[1]  # OpenMDAO's DOEDriver writes that all have succeeded
+        good = size not in FAILED  # OpenMDAO's DOEDriver writes that all have succeeded
         values = np.concatenate([case["gap_square_sum"], case["von_mises"]])
         slopes = case.derivatives["gap_square_sum", "boundary_offsets"]
         for found in (values, slopes):
@@ -75,3 +77,23 @@ def test_partials_of_a_failed_design_that_was_not_run_are_an_error(short, proble
     with pytest.raises(om.AnalysisError, match="folded"):
         made.run_model()
     assert np.isnan(made.compute_totals(["reaction"], ["door_radius"], return_format="array")).all()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_particles_from_upstream_that_are_no_numbers_are_a_failed_analysis(short, problem, value):
+    made = problem(RkpmContactComp(seal=short))
+    particles = short.drawn_particles.copy()
+    particles[3, 1] = value
+    made.set_val("particles", particles)
+    with pytest.raises(om.AnalysisError, match=r"not admissible: particles\[3\]"):
+        made.run_model()
+
+
+def test_scenarios_of_an_inadmissible_design_are_a_failed_analysis(short, problem):
+    scenarios = sm.Scenarios((sm.Variation("friction"),), np.array([[0.2], [0.3]]))
+    made = problem(sm.ScenarioGroup(seal=short, scenarios=scenarios, workers=0))
+    for name, value in (("door_radius", -1.0), ("boundary_offsets", 3.0)):
+        made.set_val(name, value)
+        with pytest.raises(om.AnalysisError, match=name):
+            made.run_model()
+        assert np.isnan(made.get_val("reaction_mean")).all()

@@ -1,0 +1,74 @@
+"""Detect increments that end on another branch of equilibria than the one the path was on.
+
+Newton's method may converge to an equilibrium that the body does not reach quasi-statically: a lip that
+a rod bends springs back a few increments too early, in equilibrium all the same. Energy shows it. Along
+a path of equilibria the work of the loading goes into stored energy and friction; at a jump energy is
+left over, which a real body turns into motion, sound and heat:
+
+    released = work of the loading - change of the stored energy - work of friction.
+
+The work over the increment is not known, only the forces at its two ends. Where the forces change
+monotonously it lies between those with the one and with the other; the smaller one and the largest
+possible work of friction make ``released`` a lower bound, which is not positive on a path of equilibria.
+"""
+
+import numpy as np
+
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.result import ConvergedStep
+
+# Fraction of the increment that the predictor may miss where the tangent describes the increment.
+SMALL_BEND = 0.03
+# Fraction of the body's size from which on a displacement is large where nothing is predicted.
+FAR_AWAY = 0.01
+
+
+def extent(problem: PathProblem) -> float:
+    """Return the larger side of the box around the undeformed body, mm."""
+    return float(np.ptp(problem.discretization.particles, axis=0).max())
+
+
+def released_energy(problem: PathProblem, d, last: ConvergedStep, target: float):
+    """Bound from below the energy that the body releases in an increment.
+
+    Parameters
+    ----------
+    d : ndarray, shape (n, 2)
+        Equilibrium at ``target``, where the terms were evaluated last.
+    last : ConvergedStep
+
+    Returns
+    -------
+    released : float
+        mJ/m; positive where the increment cannot be one of a path of equilibria.
+    work : float
+        Largest work of the loading, in amount, with the forces at either end of the increment, mJ/m.
+    """
+    held = [problem.held_work(at, last.fraction, target) for at in (last.d, d)]
+    released, work = min(held), max(map(abs, held))
+    for term, before, now in zip(problem.terms, last.responses, problem.responses, strict=True):
+        own, own_work = term.released_energy(last, before, d, now, target)
+        released, work = released + own, work + own_work
+    return released, work
+
+
+def jumped(problem: PathProblem, d, guess, last: ConvergedStep, target: float) -> bool:
+    """Return whether equilibrium ``d`` lies on another branch than the path up to ``last``.
+
+    It does where the increment releases energy, and
+
+    - the correction |d - guess| is larger than the predicted increment |guess - d_n|, so that the
+      tangent says nothing of the increment, and than ``FAR_AWAY`` of the body, or
+    - more energy is released than the loading exchanged with the body: on a path of equilibria both
+      tend to zero with the increment, the work linearly and the error of the bound faster.
+
+    Increments that the predictor meets to ``SMALL_BEND`` are described by the tangent and not looked at.
+    """
+    missed, ahead = np.abs(d - guess).max(), np.abs(guess - last.d).max()
+    size = extent(problem)
+    if missed <= SMALL_BEND * ahead:
+        return False
+    released, work = released_energy(problem, d, last, target)
+    far = missed > max(ahead, FAR_AWAY * size)
+    # rounding of forces over the size of the body is rounding of energies
+    return released > problem.rounding * size and bool(far or released > work)

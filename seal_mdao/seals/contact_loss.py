@@ -1,0 +1,59 @@
+"""Contact with a rigid profile that is lost before the end of a closing stage of its motion."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from seal_mdao.analysis.result import PathResult
+from seal_mdao.contact.rigid_contact import ContactTerm
+from seal_mdao.geometry.motion import Motion
+from seal_mdao.seals.profiles import moves
+
+
+def contact_losses(path: PathResult) -> Iterator[str]:
+    """Yield a sentence for every profile that touches the seal in a closing stage, but not at its end.
+
+    A profile that stands still has the stages of the first one that moves.
+    """
+    contacts = [term for term in path.problem.terms if isinstance(term, ContactTerm)]
+    leading = next((term.motion for term in contacts if moves(term.motion)), None)
+    fractions = np.array([step.fraction for step in path.steps])
+    for term in contacts:
+        motion = term.motion if leading is None or moves(term.motion) else leading
+        touching = np.array([own.branch.any() for own in path.responses(term.label)])
+        begin = 0
+        for stage, end in enumerate(np.cumsum(motion.steps)):
+            # the state with which the stage begins is one of it
+            during = np.flatnonzero((fractions >= begin) & (fractions <= end))
+            if closes(motion, stage) and touching[during].any() and not touching[during[-1]]:
+                last = during[touching[during]][-1]
+                yield _sentence(term.label, motion, stage, fractions[last : last + 2])
+            begin = end
+
+
+def closes(motion: Motion, stage: int) -> bool:
+    """Return whether a stage (from 0) leads the profile no nearer to where its motion began."""
+    way, turn = (
+        np.hypot(*(motion.positions - motion.positions[0]).T),
+        motion.angles - motion.angles[0],
+    )
+    if way[stage + 1] != way[stage]:
+        return bool(way[stage + 1] > way[stage])
+    return bool(abs(turn[stage + 1]) >= abs(turn[stage]))
+
+
+def _sentence(label: str, motion: Motion, stage: int, fractions) -> str:
+    """Name the load steps of last contact and after it, ``fractions`` (2,), by their travel."""
+    begin = np.array([*motion.positions[stage], motion.angles[stage]])
+    x, y, angle = np.transpose([motion.coordinates(at) - begin for at in fractions])
+    travels, turns = np.hypot(x, y), np.abs(np.degrees(angle))
+    where = "load steps {:.5g} and {:.5g}".format(*fractions)
+    if travels[1] > 0.0:
+        where = "travels of {:.4f} and {:.4f} mm".format(*travels)
+    elif turns[1] > 0.0:
+        where = "turns of {:.3g} and {:.3g} degrees".format(*turns)
+    of_stage = f" in stage {stage + 1}" if len(motion.steps) > 1 else ""
+    return (
+        f"contact with the profile {label!r} is lost between {where}{of_stage}: they do not touch at "
+        "the end of the stage; end the stage earlier, or lead the profile another way"
+    )

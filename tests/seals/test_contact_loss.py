@@ -1,0 +1,74 @@
+"""Contact that is lost before the end of a closing stage is a warning, not in an opening stage."""
+
+from pathlib import Path
+
+from two_profiles import two_profiles
+
+import seal_mdao as sm
+from seal_mdao.geometry.motion import Stage, staged_motion
+from seal_mdao.seals.contact_loss import closes
+
+LIP = Path(__file__).parents[2] / "examples" / "slipping_lip.toml"
+ONE_STAGE = "[[profile.stage]]\ntranslate = [9.0, 0.0]\nsteps = 72"
+START = "start = [-2.12, 9.6]"
+
+
+def lip(tmp_path, stages, start=START):
+    """The warnings of the lip with a rod on another path, and its last forces."""
+    text = LIP.read_text(encoding="utf-8").replace("friction = 0.0\n", "friction = 0.3\n")
+    assert ONE_STAGE in text
+    assert START in text
+    path = tmp_path / "lip.toml"
+    path.write_text(text.replace(ONE_STAGE, stages).replace(START, start), encoding="utf-8")
+    result = sm.analyze(sm.build_seal(sm.read_seal_file(path)))
+    assert result.converged, result.failure
+    return result.warnings, result.path.reaction("rod")[-1]
+
+
+def stage(translate, steps):
+    return f"[[profile.stage]]\ntranslate = {translate}\nsteps = {steps}\n"
+
+
+def test_a_lip_that_slips_off_is_reported_with_the_travel(tmp_path):
+    (text,), force = lip(tmp_path, stage([9.0, 0.0], 72))
+    assert not force.any()
+    assert text.startswith(
+        "contact with the profile 'rod' is lost between travels of 8.0000 and 8.1250"
+    )
+
+
+def test_the_stage_is_named_where_there_are_several(tmp_path):
+    (text,), _ = lip(tmp_path, stage([3.0, 0.0], 24) + stage([6.0, 0.0], 48))
+    assert "travels of 5.0000 and 5.1250 mm in stage 2" in text
+
+
+def test_a_rod_that_still_touches_is_not(tmp_path):
+    warnings, force = lip(tmp_path, stage([4.0, 0.0], 32))
+    assert force.any()
+    assert not any("is lost" in text for text in warnings)
+
+
+def test_a_rod_that_goes_back_is_not(tmp_path):
+    """Contact ends in the opening stage, and is there again at the end of the next closing one."""
+    warnings, force = lip(tmp_path, stage([3.0, 0.0], 24) + stage([-3.0, 0.0], 24))
+    assert not force.any()
+    assert warnings == ()
+
+
+def test_a_rod_that_never_comes_near_is_not(tmp_path):
+    warnings, force = lip(tmp_path, stage([1.0, 0.0], 4), "start = [-6.0, 9.6]")
+    assert not force.any()
+    assert warnings == ()
+
+
+def test_profiles_that_come_turn_and_go():
+    assert sm.analyze(two_profiles(0.3)).warnings == ()
+
+
+def test_stages_close_unless_they_lead_back():
+    stages = [
+        *(Stage(1, way) for way in ((0.0, -3.0), (0.0, 0.0), (1.0, 0.0), (0.0, 2.0))),
+        *(Stage(1, rotate=turn) for turn in (9.0, -5.0)),
+    ]
+    motion = staged_motion(stages)
+    assert [closes(motion, i) for i in range(6)] == [True, True, True, False, True, False]
