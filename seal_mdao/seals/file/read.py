@@ -26,7 +26,13 @@ from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.load_steps import MOST_STEPS, read_steps
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import NORMAL_PENALTY, TANGENT_PENALTY, read_profile
+from seal_mdao.seals.file.profiles import (
+    MOST_FRICTION,
+    MOST_PENALTY,
+    NORMAL_PENALTY,
+    TANGENT_PENALTY,
+    read_profile,
+)
 from seal_mdao.seals.file.sections import read_section
 from seal_mdao.seals.file.tables import (
     CavityTable,
@@ -58,9 +64,9 @@ CAVITY_KEYS = {
 }
 SELF_CONTACT_KEYS = {
     "edges": Key(NAMES),
-    "friction": Key(number(least=0.0)),
-    "normal_penalty": Key(number(above=0.0), NORMAL_PENALTY),
-    "tangent_penalty": Key(number(above=0.0), TANGENT_PENALTY),
+    "friction": Key(number(least=0.0, most=MOST_FRICTION)),
+    "normal_penalty": Key(number(above=0.0, most=MOST_PENALTY), NORMAL_PENALTY),
+    "tangent_penalty": Key(number(above=0.0, most=MOST_PENALTY), TANGENT_PENALTY),
 }
 STRETCH = Check(
     'the name of an edge, or a list of neighbours, such as ["left", "top"]',
