@@ -17,6 +17,7 @@ import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.door.door_seal import ACCURACIES
+from seal_mdao.standard_streams import make_writable
 
 SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers",
@@ -141,6 +142,7 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         What ``main`` returns, 1 when an analysis could not be completed or a file not be written, 2
         for a seal file that cannot be used, 130 after Ctrl-C. Wrong arguments exit with 2.
     """
+    make_writable()
     if gc.get_freeze_count() == 0:
         # what is imported is no garbage, and to look at it again and again takes half a second
         gc.freeze()

@@ -37,9 +37,9 @@ def main(arguments) -> int:
     summary = summarize(result) | {"wall_s": wall}
     write_summary(arguments.out, summary)
     if len(result.path.nominal_steps):
-        draw(result, arguments.out)
         write_curves(result, arguments.out)
         write_contact(result, arguments.out)
+        draw(result, arguments.out)
     report(result, summary, write_series(result, arguments), arguments.out)
     return 0 if result.converged else 1
 

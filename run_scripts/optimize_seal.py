@@ -64,11 +64,12 @@ def main(arguments) -> int:
     ends = end_numbers(history)
     how = {"optimizer": optimizer, "status": status(numbers)} | numbers
     designs = {"boundary_offsets": offsets, "history": history_rows(history)}
+    write_summary(arguments.out, how | ends | {"on_new_cloud": None} | designs)
+    write_boundary(seal, offsets, arguments.out / "optimum.csv")
     drawing, anew = write_best(file, seal, offsets, kept, arguments.out)
     write_summary(arguments.out, how | ends | {"on_new_cloud": anew} | designs)
     draw(history, results, arguments.out)
     write_report(cases, arguments.out / "report.html", kept=kept)
-    write_boundary(seal, offsets, arguments.out / "optimum.csv")
     report_run(optimizer, numbers, arguments.restart)
     report_ends(history, ends, numbers["kkt"])
     report_anew(ends, anew)

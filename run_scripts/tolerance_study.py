@@ -33,6 +33,8 @@ from seal_mdao.tolerances.statistics import described, rank_correlations
 from seal_mdao.tolerances.study import Sampled, ToleranceStudy
 from seal_mdao.tolerances.tolerances import METHODS
 
+MOST_FAILED = 0.01
+"""Share of samples without results above which the study is no success."""
 OF_THE_DOOR_SEAL = ("gap_square_integral", "reaction", "patch_pressure", "stress_norm")
 """Measures of the door seal that are sampled."""
 
@@ -59,8 +61,8 @@ def main(arguments) -> int:
     summary = summarize(study, sampled, estimate)
     write_summary(arguments.out, summary | {"wall_s": wall})
     draw(study, sampled, estimate, arguments.out)
-    report(summary, sampled, wall, arguments.out)
-    return 0
+    report(summary, wall, arguments.out)
+    return 1 if summary["share_failed"] > MOST_FAILED else 0
 
 
 def study_of(arguments) -> ToleranceStudy:
@@ -110,23 +112,29 @@ def samples_file(arguments) -> Path:
 
 
 def summarize(study: ToleranceStudy, sampled: Sampled, estimate) -> dict:
-    """summary.json: every measure sampled, estimated, and how far apart these are."""
+    """summary.json: every measure sampled, estimated, and how far apart these are.
+
+    Samples that failed are not among those sampled; ``effect_of_failures`` is what leaving them out does
+    to the same numbers of the first-order estimate, which is known for all.
+    """
     there = sampled.completed
+    every = estimate.at(sampled.scenarios)
     inputs = np.hstack([sampled.scenarios.numbers, sampled.scenarios.offsets])[there]
     inputs = inputs[:, : len(study.inputs)]
-    values, linear = sampled.values[there], estimate.at(sampled.scenarios)[there]
+    values, linear = sampled.values[there], every[there]
     ranks = rank_correlations(inputs, values)
     shares = estimate.variances / np.maximum(estimate.variances.sum(axis=1), 1e-300)[:, None]
     names = [variation.name for variation in study.tolerances.variations]
     found = {}
     for m, name in enumerate(study.outputs):
-        own, line = described(values[:, m]), described(linear[:, m])
+        own, line, of_all = (described(t[:, m]) for t in (values, linear, every))
         found[name] = {
             "unit": study.units[m],
             "middle": estimate.values[m],
             "sampled": own,
             "first_order": line | {"std_from_gradient": estimate.std[m]},
             "difference": {key: line[key] - own[key] for key in own},
+            "effect_of_failures": {key: line[key] - of_all[key] for key in own},
             "rank_correlation": dict(zip(study.inputs, ranks[m], strict=True)),
             "share_of_first_order_variance": dict(
                 zip([*names, "boundary"], shares[m], strict=True)
@@ -166,7 +174,7 @@ def correlation_table(study: ToleranceStudy, sampled: Sampled, estimate):
     return names, table
 
 
-def report(summary: dict, sampled: Sampled, wall: float, out: Path) -> None:
+def report(summary: dict, wall: float, out: Path) -> None:
     print(
         f"{summary['samples']} samples, {summary['failed']} failed, {wall:.1f} s "
         f"({summary['seconds_per_analysis']['mean']:.2f} s an analysis)"
@@ -178,7 +186,26 @@ def report(summary: dict, sampled: Sampled, wall: float, out: Path) -> None:
             f"{own['q95']:.4g} {found['unit'] or ''}; first order: mean {line['mean']:.4g}, std "
             f"{line['std']:.3g}, 5 to 95 % {line['q05']:.4g} to {line['q95']:.4g}"
         )
+    if summary["failed"]:
+        report_failures(summary)
     print(f"{SAMPLES}, summary.json, distributions.png and correlations.png in {out}")
+
+
+def report_failures(summary: dict) -> None:
+    """What samples that failed do to the numbers, a line for every measure."""
+    first = summary["failures"][0]
+    print(
+        f"WARNING: {summary['failed']} of {summary['samples']} samples ({summary['share_failed']:.2%}) "
+        f"failed and are in none of these numbers; the first is sample {first['sample']}: "
+        f"{first['message']}"
+    )
+    for name, found in summary["measures"].items():
+        change = found["effect_of_failures"]
+        print(
+            f"WARNING: to first order, leaving them out changes of {name} the mean by "
+            f"{change['mean']:+.3g}, std by {change['std']:+.3g}, 5 % by {change['q05']:+.3g} and 95 % "
+            f"by {change['q95']:+.3g} {found['unit'] or ''}".rstrip()
+        )
 
 
 def arguments_parser():

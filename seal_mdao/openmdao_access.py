@@ -7,6 +7,7 @@ between the releases since 3.38 is hidden here as well.
 
 from __future__ import annotations
 
+import json
 import os
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 import openmdao.api as om
 from openmdao.core.driver import Driver, RecordingDebugging
 from openmdao.core.group import Group
+from openmdao.utils.general_utils import default_noraise, make_serializable
 from openmdao.utils.record_util import create_local_meta
 
 
@@ -167,6 +169,17 @@ def sources(driver: Driver) -> dict[str, str]:
     """Absolute names behind design variables, objectives and constraints, by their own names."""
     tables = (driver._designvars, driver._responses)
     return {name: meta["source"] for table in tables for name, meta in table.items()}
+
+
+def variable_settings(driver: Driver) -> dict[str, dict]:
+    """Settings of design variables, objectives and constraints by name, as recorder files hold them."""
+    tables = (driver._designvars, driver._objs, driver._cons)
+    plain = {
+        name: {key: make_serializable(value) for key, value in meta.items()}
+        for table in tables
+        for name, meta in table.items()
+    }
+    return json.loads(json.dumps(plain, default=default_noraise))
 
 
 def linear_constraints(driver: Driver) -> list[str]:

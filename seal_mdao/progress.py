@@ -9,7 +9,10 @@ from seal_mdao.seals.seal import Seal
 
 
 def hidden() -> bool | None:
-    """What tqdm takes as ``disable``: None, which shows a bar on terminals only, but in Jupyter."""
+    """What tqdm takes as ``disable``: None, which shows a bar on terminals only, but in Jupyter; True
+    where standard error is closed."""
+    if sys.stderr is None:
+        return True
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     return False if type(shell).__name__ == "ZMQInteractiveShell" else None
 

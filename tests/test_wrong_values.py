@@ -253,7 +253,7 @@ def test_powers_without_numbers_are_refused(law, changes):
 @pytest.mark.parametrize(
     ("name", "arguments", "said"),
     [
-        ("build_seal", ["seal.toml"], "file must be a SealFile, got 'seal.toml'"),
+        ("build_seal", [3], "file must be a SealFile, got 3"),
         ("write_dxf", ["seal.toml", "x.dxf"], "outline must be an Outline, got 'seal.toml'"),
         ("restart", ["cases.sql", "cases.sql"], "problem must be a Problem, got 'cases.sql'"),
     ],

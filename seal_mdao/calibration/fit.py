@@ -188,8 +188,18 @@ def _ends(kind: Family, differences: Residuals, rng, progress) -> list[_End]:
             progress(i, len(followed))
     ends = [end for end in ends if end is not None and np.isfinite(end.cost)]
     if not ends:
-        raise MaterialDataError(f"{kind.law} has no value at these stretches, from any start")
+        raise MaterialDataError(_no_end(kind, followed))
     return sorted(ends, key=lambda end: end.cost)
+
+
+def _no_end(kind: Family, started) -> str:
+    """Why no start has led to a law: the constants that suit the data are refused, or give no stress."""
+    try:
+        for _, values, _ in started:
+            kind.template.with_(**values)
+    except ValueError as error:
+        return f"{kind.law} with the constants that suit the data: {error}"
+    return f"{kind.law} has no value at these stretches, from any start"
 
 
 def _best_moduli(template, unknowns, values, differences, scale):

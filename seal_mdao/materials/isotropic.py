@@ -303,7 +303,8 @@ def checked(material, positive=(), nonnegative=(), real=()) -> None:
 
 
 def check_bulk(material) -> None:
-    """Refuse a bulk modulus beside which the shear modulus is lost in rounding.
+    """Refuse a bulk modulus K that gives a negative Poisson's ratio with the shear modulus G, or beside
+    which G is lost in rounding.
 
     Raises
     ------
@@ -311,6 +312,14 @@ def check_bulk(material) -> None:
         With both moduli.
     """
     shear, bulk = material.shear_modulus, material.bulk_modulus
+    # nu = (3 K - 2 G) / (6 K + 2 G)
+    if 3.0 * bulk < 2.0 * shear:
+        ratio = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)
+        raise ValueError(
+            f"bulk_modulus = {bulk:g} of {type(material).__name__} gives a Poisson's ratio of "
+            f"{ratio:.3g} with the shear modulus {shear:g}; it must be at least 2/3 of that, "
+            f"{2.0 * shear / 3.0:.6g} (rubber has some hundred times the shear modulus)"
+        )
     if not bulk <= MOST_BULK * shear:
         raise ValueError(
             f"bulk_modulus of {type(material).__name__} must be at most {MOST_BULK:g} times the shear "

@@ -5,6 +5,7 @@ import openmdao.api as om
 from seal_mdao import openmdao_access as access
 from seal_mdao import values
 from seal_mdao.recording.evaluations import RecordedEvaluations
+from seal_mdao.recording.recorded_setup import require_same_setup
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 
 
@@ -29,8 +30,14 @@ def restart(problem, path) -> None:
     TypeError
         For no problem, or one whose driver is neither UnoDriver nor IpoptDriver.
     RestartError
-        A ValueError: when the file cannot be read, or is not that of this problem. That it is not
-        that of this model shows when the run begins.
+        A ValueError: when the file cannot be read, or is not that of this problem: another driver,
+        other design variables or responses, other bounds or scaling, each named. That it is not that
+        of this model shows when the run begins.
+
+    Warns
+    -----
+    RestartWarning
+        For other options of the driver; those that end a run may be changed.
     """
     values.instance("problem", problem, om.Problem)
     driver = problem.driver
@@ -41,6 +48,8 @@ def restart(problem, path) -> None:
         )
     problem.final_setup()
     path = access.recorder_path(problem, path)
-    RecordedEvaluations(path, driver).load_start()
+    recorded = RecordedEvaluations(path, driver)
+    require_same_setup(path, driver)
+    recorded.load_start()
     driver.options["hotstart_file"] = str(path)
     record_all(driver, RestartRecorder(path, append=True))

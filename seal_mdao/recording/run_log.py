@@ -75,7 +75,7 @@ def create(connection: sqlite3.Connection) -> None:
 
 def begin(connection: sqlite3.Connection, driver) -> int:
     """Note the beginning of a run; returns the number of its row."""
-    row = (_now(), type(driver).__name__, json.dumps(_options(driver)), json.dumps(versions()))
+    row = (_now(), type(driver).__name__, json.dumps(options_of(driver)), json.dumps(versions()))
     with connection:
         create(connection)
         return connection.execute(
@@ -135,7 +135,8 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _options(driver) -> dict:
+def options_of(driver) -> dict:
+    """Options of a driver and of its optimiser, as text where JSON has no form for them."""
     plain = (bool, int, float, str, type(None))
     options = dict(driver.options.items())
     options |= {f"opt_settings[{k!r}]": v for k, v in getattr(driver, "opt_settings", {}).items()}

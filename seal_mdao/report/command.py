@@ -24,7 +24,9 @@ def execute(options, user_args) -> None:
 
     from seal_mdao.errors import GeometryError
     from seal_mdao.report.write import write_report
+    from seal_mdao.standard_streams import make_writable
 
+    make_writable()
     try:
         report = write_report(options.cases, options.outfile)
     except (ValueError, OSError, GeometryError) as error:

@@ -20,14 +20,21 @@ class Processes:
 
     Attributes
     ----------
-    answered : bool
-        Whether one of them has ever given a result.
+    begun : bool
+        Whether one of them has ever been ready to work.
     """
 
     def __init__(self, count: int):
         self.count = values.integer("number of worker processes", count, 1)
-        self.answered = False
+        self._context = multiprocessing.get_context("spawn")
+        self._begun = self._context.RawValue(
+            "b", 0
+        )  # without a lock that a killed worker would hold
         self._pool = self._leash = None
+
+    @property
+    def begun(self) -> bool:
+        return bool(self._begun.value)
 
     def submit(self, function, *arguments) -> Future:
         """As of an executor."""
@@ -36,9 +43,8 @@ class Processes:
         return self._pool.submit(function, *arguments)
 
     def _start(self):
-        context = multiprocessing.get_context("spawn")
-        held, self._leash = context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(self.count, context, begin, (held,))
+        held, self._leash = self._context.Pipe(duplex=False)
+        self._pool = ProcessPoolExecutor(self.count, self._context, begin, (held, self._begun))
 
     def end(self) -> None:
         """End all processes now, whatever they do; the next ``submit`` starts others."""

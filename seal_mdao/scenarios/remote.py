@@ -43,11 +43,13 @@ def _unpacked(key: str, packed: bytes | Path):
     return _tasks.setdefault(key, pickle.loads(content))
 
 
-def begin(leash: Connection) -> None:
+def begin(leash: Connection, begun) -> None:
     """Begin a worker process that ends with its parent, however that ends.
 
-    Ctrl-C goes to all processes of a terminal; the parent alone decides what it means.
+    ``begun``, shared with the parent, becomes 1: the script of this worker could be imported. Ctrl-C
+    goes to all processes of a terminal; the parent alone decides what it means.
     """
+    begun.value = 1
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_end_with, args=(leash,), daemon=True).start()
 

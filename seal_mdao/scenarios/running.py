@@ -20,6 +20,11 @@ AHEAD = 2
 """Scenarios that each process has been given: one that it works on, one that waits for it."""
 DIED = "its worker process ended twice, without a word: out of memory?"
 
+NONE_BEGAN = (
+    "worker processes were started twice and ended before they could work; a script that starts some "
+    'must keep what it runs under  if __name__ == "__main__":'
+)
+
 
 class Point(NamedTuple):
     """Where a task is run.
@@ -65,7 +70,7 @@ def run_scenarios(
     Raises
     ------
     RuntimeError
-        When worker processes end before they have done anything.
+        When worker processes, and those in their place, end before they can work.
     ValueError
         For a task that cannot be sent to another process.
     """
@@ -150,8 +155,6 @@ class _Run:
                 self._dead.append(point)
                 continue
             outcome = future.result()
-            if self._replaceable:
-                self._workers.answered = True
             if outcome is None:  # a worker that does not know the task yet
                 self._give(point, self._packed)
             else:
@@ -162,11 +165,6 @@ class _Run:
         """Replace the processes and repeat what died with them, one by one: nobody else to blame."""
         while self._running:  # all end with the pool
             yield from self._finished()
-        if not self._workers.answered:
-            raise RuntimeError(
-                "the worker processes ended before they had done anything; a script that starts some "
-                'must keep what it runs under  if __name__ == "__main__":'
-            )
         dead, self._dead = self._dead, []
         self._workers.end()
         for point in dead:
@@ -174,4 +172,6 @@ class _Run:
                 yield point.index, self._submitted(point, self._packed).result()
             except BrokenExecutor:
                 self._workers.end()
+                if not self._workers.begun:
+                    raise RuntimeError(NONE_BEGAN) from None
                 yield point.index, Outcome(self._nothing, None, DIED, 0.0)

@@ -9,6 +9,7 @@ import numpy as np
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.dsa.sensitivity import METHODS, sensitivities
 from seal_mdao.errors import LoadPathError
+from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.result import FACTOR_MEMORY, analyze_particles
 from seal_mdao.seals.seal import Seal
 from seal_mdao.values import one_of
@@ -80,6 +81,8 @@ class SealTask:
     def run(self, offsets: np.ndarray, parameters: np.ndarray) -> Outcome:
         """Analyse one scenario; a failure is an outcome, not an exception.
 
+        Profiles that would begin inside of the body begin farther back (``seals.clear_start``).
+
         Parameters
         ----------
         offsets : ndarray, shape (P,)
@@ -98,7 +101,9 @@ class SealTask:
         seal = self.seal.with_parameters(dict(zip(self.parameters, parameters, strict=True)))
         offsets = seal.check_offsets(offsets)
         memory = FACTOR_MEMORY if self.derivatives else 0.0
-        result = analyze_particles(seal, seal.particles(offsets), offsets, factor_memory=memory)
+        particles = seal.particles(offsets)
+        seal = with_clear_starts(seal, particles)
+        result = analyze_particles(seal, particles, offsets, factor_memory=memory)
         result.require_possible()
         values = np.concatenate([result.value(measure) for measure in self.measures])
         if not self.derivatives:

@@ -136,6 +136,13 @@ class AssembledSeal(Seal):
             imposed_displacements=None if imposed is None else imposed.with_ends(ends),
         )  # fmt: skip
 
+    def with_rooms(self, rooms: dict) -> "AssembledSeal":
+        return replace(self, definitions=tuple(
+            replace(own, motion=replace(own.motion, room=rooms[own.label]))
+            if own.label in rooms else own
+            for own in self.definitions
+        ))  # fmt: skip
+
     def area(self, offsets):
         value, by_particles = cells_area(self.body.cells, self.moved(offsets))
         return value, np.tensordot(self.design_velocity, by_particles, 2)

@@ -227,7 +227,7 @@ def _inside_itself(samples: Samples):
 
 
 def _smaller_of_wall_and_squeeze(samples: Samples) -> tuple[float, str]:
-    """What a penetration is compared with, mm, and its name: a thick wall is squeezed by a part of it."""
+    """What a penetration is compared with, mm, and its name: a thick wall is squeezed in part."""
     squeeze = samples.path.largest_displacement
     if 0.0 < squeeze < samples.wall:
         return squeeze, "the largest displacement"

@@ -77,6 +77,16 @@ class Seal:
         """
         raise NotImplementedError
 
+    def with_rooms(self, rooms: dict) -> "Seal":
+        """The same seal with profiles whose first load step begins farther back (``Motion.room``).
+
+        Parameters
+        ----------
+        rooms : dict of str to ndarray, shape (2,)
+            Where it begins, from the first waypoint, by the label of the profile, mm.
+        """
+        raise NotImplementedError
+
     def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
         """Area of the section, mm^2, and its gradient with respect to the offsets.
 

@@ -48,6 +48,21 @@ def test_constants_without_a_stable_material_are_refused(law, constants, word):
         law(**constants)
 
 
+LAWS_WITH_BULK = [NeoHookean(c10=60.0), MooneyRivlin(50.0, 10.0), Yeoh(60.0, -1.0, 0.1),
+                  Gent(120.0, 20.0), Ogden((120.0,), (2.0,))]  # fmt: skip
+
+
+@pytest.mark.parametrize("law", LAWS_WITH_BULK, ids=lambda law: type(law).__name__)
+def test_a_negative_poisson_ratio_is_refused_with_its_value(law):
+    """nu = (3 K - 2 G) / (6 K + 2 G) with G = 120 is -0.1 for K = 60 and 0 for K = 80."""
+    assert law.shear_modulus == pytest.approx(120.0, rel=1e-14)
+    with pytest.raises(
+        ValueError, match=r"bulk_modulus = 60 .* Poisson's ratio of -0.1 .* 2/3 .*80"
+    ):
+        law.with_(bulk_modulus=60.0)
+    assert law.with_(bulk_modulus=80.001).bulk_modulus == 80.001
+
+
 def test_a_change_is_checked_like_a_new_material():
     with pytest.raises(ValueError, match="nu_1"):
         Hyperfoam(**FOAM).with_(nu_1=0.6)

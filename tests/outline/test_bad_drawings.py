@@ -62,6 +62,12 @@ def text(content):
     return make
 
 
+def wrong_layer(folder):
+    path = Drawing(folder).box(layer="lip_top").saved()
+    path.write_text(path.read_text().replace("lip_top", "lip/top"))
+    return path
+
+
 def block(folder):
     drawing = Drawing(folder)
     drawing.document.blocks.new("BULB").add_line((0, 0), (1, 0))
@@ -135,6 +141,7 @@ BAD = {
     "miles": (lambda folder: Drawing(folder, 3).box().saved(), "($INSUNITS = 3) are not known here"),
     "nothing": (lambda folder: Drawing(folder).saved(), "nothing is drawn in the model space"),
     "all off": (empty_layer, "nothing is drawn in the model space on a layer that is on"),
+    "a layer of no such name": (wrong_layer, "on layer 'lip/top': the name 'lip/top' has the character"),
     "block": (block, "on layer 'seal': a reference to the block 'BULB'; explode block references"),
     "text": (add("add_text", "R 4"), "on layer 'extra': entities of this kind are not read, only"),
     "ellipse": (add("add_ellipse", (0, 0), (3, 0), 0.5), "ELLIPSE #"),

@@ -2,6 +2,8 @@
 
 import json
 import re
+import sqlite3
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -87,6 +89,44 @@ def test_study_of_a_seal_file_with_a_profile_that_is_displaced(run_script, tmp_p
     )  # fmt: skip
     assert code == 0
     assert s["samples"] == 3
+
+
+def test_no_sample_is_left_out_because_its_door_begins_inside(run_script, tmp_path):
+    """A door that is drawn to touch, and displaced to both sides: half of the samples."""
+    pytest.importorskip("netgen")
+    file, tolerances = written(tmp_path, {"[0.0, 14.5]": "[0.0, 14.0]"}), tmp_path / "own.toml"
+    tolerances.write_text(FRICTION.replace("friction", "door_y").replace("0.2", "-0.3"))
+    code, s = run_script(
+        "tolerance_study", tmp_path / "out", file, "--tolerances", tolerances, "--samples", 8,
+        "--workers", 0,
+    )  # fmt: skip
+    assert (code, s["failed"]) == (0, 0)
+    force = s["measures"]["reaction"]
+    assert force["rank_correlation"]["door_y"] == pytest.approx(-1.0)
+    assert force["sampled"]["mean"] == pytest.approx(force["first_order"]["mean"], rel=0.1)
+
+
+def test_failed_samples_are_reported_with_what_they_do(run_script, tmp_path, capsys):
+    """A friction below zero cannot be analysed."""
+    tolerances = tmp_path / "own.toml"
+    tolerances.write_text(FRICTION.replace("0.2", "-0.1"))
+    code, s = run_script(
+        "tolerance_study", tmp_path / "out", "--tolerances", tolerances, "--samples", 8, *QUICK
+    )
+    assert code == 1
+    assert (s["failed"], s["share_failed"]) == (2, 0.25)
+    printed = capsys.readouterr().out
+    assert "2 of 8 samples (25.00%) failed and are in none of these numbers" in printed
+    with closing(sqlite3.connect(tmp_path / "out" / "samples.sqlite")) as samples:
+        friction = np.array(samples.execute("SELECT friction FROM samples").fetchall())[:, 0]
+    missed = friction[friction >= 0.0].mean() - friction.mean()
+    assert missed > 0.03
+    for name, found in s["measures"].items():
+        # linear in friction: slope = std / (width / sqrt(12))
+        slope = found["first_order"]["std_from_gradient"] / (0.4 / np.sqrt(12.0))
+        change = found["effect_of_failures"]["mean"]
+        assert abs(change) == pytest.approx(slope * missed, rel=1e-6)
+        assert f"changes of {name} the mean by {change:+.3g}, std by" in printed
 
 
 @pytest.fixture(scope="module")

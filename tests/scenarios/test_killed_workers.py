@@ -7,6 +7,7 @@ import sys
 import time
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
+from threading import Thread
 
 import numpy as np
 import psutil
@@ -51,6 +52,35 @@ def test_a_worker_that_dies_is_replaced_and_its_scenario_repeated(tmp_path):
         found = dict(run_scenarios(Deadly(tmp_path / "died"), points(9), workers))
     assert sorted(found) == list(range(9))
     assert all(outcome.values[0] == 10.0 * i for i, outcome in found.items())
+
+
+def test_a_scenario_that_kills_every_worker_fails_alone_though_nothing_else_has_finished():
+    with Processes(1) as workers:
+        found = dict(run_scenarios(Deadly(), points(5)[3:], workers))
+    assert found[3].failure == DIED
+    assert found[4].values[0] == 40.0
+
+
+def test_workers_that_are_killed_while_they_start_are_replaced():
+    """Before they have imported anything."""
+    with Processes(2) as workers:
+        running = run_scenarios(Instant(), points(6), workers)
+        killer = Thread(target=kill_first_workers)
+        killer.start()
+        found = dict(running)
+        killer.join()
+    assert sorted(found) == list(range(6))
+    assert not any(outcome.failure for outcome in found.values())
+
+
+def kill_first_workers():
+    """Kill the first worker that there is."""
+    for _ in range(1000):
+        found = workers_of(os.getpid())
+        if found:
+            found[0].kill()
+            return
+        time.sleep(0.005)
 
 
 def test_a_scenario_that_kills_every_worker_fails_alone():

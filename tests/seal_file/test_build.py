@@ -30,6 +30,15 @@ def pressed(tmp_path_factory):
     return seal, sm.analyze(seal, keep_factors=True)
 
 
+def test_a_path_makes_the_same_seal_as_the_file_that_is_read(tmp_path):
+    file = read(tmp_path, COARSE)
+    seal = build_seal(file)
+    for path in (file.path, str(file.path)):
+        assert np.array_equal(build_seal(path).drawn_particles, seal.drawn_particles)
+    with pytest.raises(sm.SealFileError, match="there is no such file"):
+        build_seal(tmp_path / "none.toml")
+
+
 def test_everything_that_the_file_says_is_in_the_seal(pressed):
     seal, result = pressed
     assert result.converged

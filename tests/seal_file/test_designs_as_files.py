@@ -127,6 +127,18 @@ def test_its_analysis_is_that_of_the_design(changes, tmp_path):
     assert measures[2].size(seal) > 0, "no gap is open"
 
 
+@pytest.mark.parametrize("place", ["end = [-4.0, 2.0]", "arc = { start = [4.0, 2.0]"])
+def test_a_joint_that_is_open_comes_back(place, tmp_path):
+    """Where the line between two rubbers ends, the boundary is drawn 0.27 micrometres open."""
+    moved = place.replace("4.0, 2.0", "4.00027, 2.0")
+    changes = {old: new.replace(place, moved) for old, new in RUBBERS.items()}
+    assert changes != RUBBERS
+    _, seal, offsets, _, path = written(tmp_path, changes)
+    again = sm.build_seal(sm.read_seal_file(path))
+    assert np.array_equal(again.drawn_particles, seal.particles(offsets))
+    assert np.array_equal(again.parts, seal.parts)
+
+
 def test_the_drawn_seal_comes_back_with_its_design(tmp_path):
     """Arc lengths and normals found at the particles are those of the drawing."""
     file = seal_file(tmp_path)

@@ -332,6 +332,9 @@ class DoorSeal(Seal):
         shares = self.motion.with_ends(ends).shares
         return self._same_body(replace(self, n_steps=len(shares), step_ends=tuple(shares.tolist())))
 
+    def with_rooms(self, rooms: dict) -> "DoorSeal":
+        return self._same_body(replace(self, room=float(rooms[DOOR][1])))
+
     def _same_body(self, other: "DoorSeal") -> "DoorSeal":
         """``other``, which has the same section and cloud, with what has been made of them."""
         for name in OF_THE_CLOUD:

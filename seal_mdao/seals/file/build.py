@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from seal_mdao.seals.file.cross_checks import ROUNDING
 from seal_mdao.seals.file.edges import stretch_order
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
+from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.file.start import gap_at_start, nearest_at_start
 from seal_mdao.seals.file.tables import (
     SELF_CONTACT,
@@ -41,7 +43,7 @@ from seal_mdao.seals.outline.self_touch import SelfTouch
 
 
 def build_seal(
-    file: SealFile,
+    file: SealFile | str | Path,
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
@@ -56,7 +58,8 @@ def build_seal(
 
     Parameters
     ----------
-    file : SealFile
+    file : SealFile, str or Path
+        What ``read_seal_file`` returns, or the path that it takes.
     callback : callable, optional
         As of ``seals.choice.choose``, for these analyses.
     step_ends : sequence of float, optional
@@ -69,13 +72,15 @@ def build_seal(
     SealFileError
         For a section that cannot be filled at this spacing, a design with too few parameters, load
         steps that are not found within the tolerance, or ends of steps or penalties that are not those
-        of the file.
+        of the file; for a path, whatever ``read_seal_file`` refuses.
     LoadPathError
         When load steps or penalties are to be chosen and the path of the nominal seal cannot be
         completed; its ``result`` is as far as it came.
     TypeError
-        For anything else than what ``read_seal_file`` returns.
+        For anything else than a ``SealFile`` or a path.
     """
+    if isinstance(file, str | Path):
+        file = read_seal_file(file)
     values.instance("file", file, SealFile)
     seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
     try:

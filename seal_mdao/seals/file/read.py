@@ -28,7 +28,7 @@ from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.load_steps import MOST_STEPS, read_steps
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import PENALTY, read_profile
+from seal_mdao.seals.file.profiles import MOST_FRICTION, PENALTY, read_profile
 from seal_mdao.seals.file.sections import read_section
 from seal_mdao.seals.file.tables import (
     CavityTable,
@@ -60,7 +60,7 @@ CAVITY_KEYS = {
 }
 SELF_CONTACT_KEYS = {
     "edges": Key(NAMES),
-    "friction": Key(number(least=0.0)),
+    "friction": Key(number(least=0.0, most=MOST_FRICTION)),
     "normal_penalty": Key(PENALTY, None),
     "tangent_penalty": Key(PENALTY, None),
 }

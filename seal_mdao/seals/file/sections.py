@@ -1,7 +1,10 @@
 """``[section]``: the outline, from its segments or from a drawing."""
 
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from seal_mdao.errors import GeometryError, SealFileError
 from seal_mdao.seals.file.checks import (
@@ -19,11 +22,12 @@ from seal_mdao.seals.file.checks import (
 )
 from seal_mdao.seals.file.shapes import KEYS, segments_of
 from seal_mdao.seals.file.tables import RegionTable, SectionTable
+from seal_mdao.seals.outline.chain import ROUNDING
 from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud
 from seal_mdao.seals.outline.dxf import read_dxf
-from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
+from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
 from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.outline.section import Contour, Outline
+from seal_mdao.seals.outline.section import JOIN, Contour, Outline
 from seal_mdao.seals.wall_grid import SCHEMES
 
 LEAST_LAYERS = {name: own.basis_order + 1 for name, own in SCHEMES.items()}
@@ -49,9 +53,11 @@ SECTION_KEYS = {
     "region": Key(LIST, None),
 }
 REGION_KEYS = {"material": Key(TEXT), "at": Key(POINT), "line": Key(POINTS, None)}
-OUTER_KEYS = {"edge": Key(TEXT), "body": Key(whole(1, 1000), 1), **KEYS}
+EDGE = Check(TEXT.allowed, lambda value: layer_name(TEXT.convert(value)))
+"""Drawings of designs have edges as layers."""
+OUTER_KEYS = {"edge": Key(EDGE), "body": Key(whole(1, 1000), 1), **KEYS}
 FILLINGS = ("spacing", "rays", "cloud")
-HOLE_KEYS = {"edge": Key(TEXT), "hole": Key(whole(1, 1000), 1), **KEYS}
+HOLE_KEYS = {"edge": Key(EDGE), "hole": Key(whole(1, 1000), 1), **KEYS}
 
 
 def read_section(given, folder: Path) -> SectionTable:
@@ -75,7 +81,7 @@ def read_section(given, folder: Path) -> SectionTable:
     outline = _drawing(where, values, folder) if drawn else _segments(where, values)
     rows = [] if values["region"] is None else tables("section.region", values["region"])
     regions = tuple(
-        RegionTable(**table(f"[[section.region]] {i}", one, REGION_KEYS))
+        _to_joints(RegionTable(**table(f"[[section.region]] {i}", one, REGION_KEYS)), outline)
         for i, one in enumerate(rows, 1)
     )
     filling = _filling(where, values, folder, outline)
@@ -83,6 +89,21 @@ def read_section(given, folder: Path) -> SectionTable:
         raise SealFileError(f"{where}: [[section.region]] beside rays; use spacing")
     beside = (None if values[key] is None else folder / values[key] for key in ("dxf", "cloud"))
     return SectionTable(outline, values["material"], filling, *beside, regions)
+
+
+def _to_joints(region: RegionTable, outline: Outline) -> RegionTable:
+    """The region with the ends of its line at the joints of the boundary that they are drawn at."""
+    if region.line is None:
+        return region
+    joints = np.array([segment.start for c in outline.contours for segment in c.segments])
+
+    def moved(point):
+        away = np.hypot(*(joints - point).T)
+        near = ROUNDING < away.min() <= JOIN
+        return tuple(joints[away.argmin()].tolist()) if near else point
+
+    first, *inner, last = region.line
+    return replace(region, line=(moved(first), *inner, moved(last)))
 
 
 def _filling(where, values, folder, outline) -> float | Rays | GivenCloud:

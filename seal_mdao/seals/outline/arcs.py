@@ -134,6 +134,14 @@ class Arc(_Round):
     def reversed(self):
         return replace(self, angle=self.angle + self.sweep, sweep=-self.sweep)
 
+    def between(self, start, end):
+        if tuple(start) == tuple(end):
+            return Circle(self.centre, self.radius, self.edge, self.sweep < 0.0)
+        if abs(self.sweep) <= np.pi:
+            return Arc.bulged(start, end, float(np.tan(0.25 * self.sweep)), self.edge)
+        # the ends are close to each other: the point between them keeps the radius
+        return Arc.through(start, self.points([0.5])[0], end, self.edge)
+
 
 @dataclass(frozen=True)
 class Circle(_Round):

@@ -1,4 +1,4 @@
-"""Chains of segments: joined head to tail, none too short, none folding back."""
+"""Chains of segments: joined head to tail in one point, none too short, none folding back."""
 
 from itertools import pairwise
 
@@ -6,17 +6,23 @@ import numpy as np
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.arcs import Circle
-from seal_mdao.seals.outline.segments import Segment, pair
+from seal_mdao.seals.outline.segments import Line, Segment, pair
 
 SHORTEST = 10.0
 """Least length of a segment, over the distance within which ends are joined."""
+
+ROUNDING = 1e-9
+"""Distance of ends that are the same but for rounding, mm; those farther apart are moved together."""
 
 FOLDED = np.radians(1.0)
 """Least angle between neighbouring segments."""
 
 
 def checked_chain(segments, join: float, closed: bool) -> tuple:
-    """The segments, if they make a chain.
+    """The segments, if they make a chain, with ends that are apart moved together.
+
+    What is made of a section (particles, drawings, lines between materials) finds one point at every
+    joint. Lines keep their directions, so that edges stay in planes of symmetry.
 
     Parameters
     ----------
@@ -51,7 +57,43 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
         angle = np.arctan2(abs(ahead[0] * back[1] - ahead[1] * back[0]), ahead @ back)
         if angle < FOLDED:
             raise GeometryError(f"{where} fold back on each other at {pair(one.end)}")
-    return tuple(segments)
+    return _joined(tuple(segments), join, closed)
+
+
+def _joined(segments: tuple, join: float, closed: bool) -> tuple:
+    """The segments with ends that are farther apart than by rounding moved to one point."""
+    ends = [[segment.start, segment.end] for segment in segments]
+    last = len(segments) if closed else len(segments) - 1
+    moved = set()
+    for i in range(last):
+        j = (i + 1) % len(segments)
+        if np.hypot(*(segments[j].start - segments[i].end)) > ROUNDING:
+            ends[i][1] = ends[j][0] = _joint(segments[i], segments[j], join)
+            moved |= {i, j}
+    return tuple(
+        segment.between(*(end.tolist() for end in ends[i])) if i in moved else segment
+        for i, segment in enumerate(segments)
+    )
+
+
+def _joint(one: Segment, other: Segment, join: float) -> np.ndarray:
+    """Where two segments meet whose ends are no farther apart than ``join``: lines where they cross, if
+    that is as near, a line and a curve at the end of the line, curves where the second one begins."""
+    if not isinstance(other, Line):
+        return one.end if isinstance(one, Line) else other.start
+    if not isinstance(one, Line):
+        return other.start
+    # one.end + s t, other.start + r u:  s = ((other.start - one.end) x u) / (t x u)
+    t, u, gap = one.tangents([1.0])[0], other.tangents([0.0])[0], other.start - one.end
+    turn = t[0] * u[1] - t[1] * u[0]
+    if abs(gap[0] * u[1] - gap[1] * u[0]) >= join * abs(turn):
+        return other.start
+    found = one.end + (gap[0] * u[1] - gap[1] * u[0]) / turn * t
+    # coordinates that the lines are drawn with are kept to the last bit
+    across = np.array([u[0] == 0.0, u[1] == 0.0])
+    along = np.array([t[0] == 0.0, t[1] == 0.0])
+    found = np.where(across, other.start, found)
+    return np.where(along, one.end, found)
 
 
 def _check_segment(number, segment, join, alone) -> None:

@@ -9,7 +9,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.input_files import reason_of, require_ordinary
 from seal_mdao.seals.outline.b_splines import b_spline_of
 from seal_mdao.seals.outline.crossings import nearest_around
-from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, pieces_of
+from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name, pieces_of
 from seal_mdao.seals.outline.loops import loops
 from seal_mdao.seals.outline.section import (
     JOIN,
@@ -30,10 +30,10 @@ def read_dxf(path, units: str | None = None) -> Outline:
     """The section in the model space of a drawing, in mm.
 
     Lines, arcs, circles, lightweight polylines and splines in any order and direction; ends closer
-    than 1e-3 mm are joined. Layers are the names of edges; layers that are off or frozen are passed
-    over. The largest contour is the outer one; those inside of it are holes, those outside of all and
-    those in holes are further bodies. Splines of lines, parabolas and cubics are taken over exactly,
-    others followed to 1e-6 mm.
+    than 1e-3 mm are joined in one point. Layers are the names of edges; layers that are off or frozen
+    are passed over. The largest contour is the outer one; those inside of it are holes, those outside
+    of all and those in holes are further bodies. Splines of lines, parabolas and cubics are taken over
+    exactly, others followed to 1e-6 mm.
 
     Parameters
     ----------
@@ -91,10 +91,14 @@ def write_dxf(outline: Outline, path) -> Path:
     ------
     ImportError
         Without ezdxf.
+    GeometryError
+        For an edge whose name no layer can have.
     TypeError
         For anything else than an outline.
     """
     values.instance("outline", outline, Outline)
+    for name in outline.edge_names:
+        layer_name(name)
     ezdxf = _library()
     document = ezdxf.new("R2010", units=MILLIMETRES)
     for number, name in enumerate(outline.edge_names):

@@ -14,6 +14,26 @@ MODEL_UNITS = {"mm": 1.0, "cm": 10.0, "dm": 100.0, "m": 1000.0, "inch": 25.4, "f
 
 _LEVEL = 1e-9
 
+FORBIDDEN = '<>/\\":;?*=`'
+"""Characters that names of layers must not have, beside line breaks and other control characters."""
+
+
+def layer_name(name: str) -> str:
+    """The name of an edge, when a layer of a drawing can have it.
+
+    Raises
+    ------
+    GeometryError
+        With the character that it must not have.
+    """
+    bad = [sign for sign in name if sign in FORBIDDEN or ord(sign) < 32]
+    if bad:
+        raise GeometryError(
+            f"the name {name!r} has the character {bad[0]!r}, which no layer of a drawing (DXF) may "
+            f"have; leave out {' '.join(FORBIDDEN)} and control characters"
+        )
+    return name
+
 
 def pieces_of(document, scale: float) -> list[tuple]:
     """Segments (mm) of all entities of the model space on layers that are shown, with their names.
@@ -59,7 +79,7 @@ def _segments(entity, scale) -> list:
         )
     if kind in ("ARC", "CIRCLE", "LWPOLYLINE"):
         _make_upright(entity)
-    return _READERS[kind](entity, scale, entity.dxf.layer)
+    return _READERS[kind](entity, scale, layer_name(entity.dxf.layer))
 
 
 def _make_upright(entity) -> None:

@@ -7,8 +7,9 @@ from seal_mdao.seals.outline.sampling import Boundary
 from seal_mdao.seals.outline.section import Contour, Outline
 from seal_mdao.seals.outline.spline import Spline
 
-SMOOTH = 1e-6
-"""Largest turn of the tangent, radians, over which one spline goes on to the next segment."""
+SMOOTH = 1e-3
+"""Largest turn of the tangent, radians, over which one spline continues into the next segment: joints
+that were open in a drawing turn by some 1e-4."""
 
 
 def moved_outline(outline: Outline, boundaries: list[Boundary], points) -> Outline:

@@ -84,6 +84,14 @@ class Segment:
         count = min(ceil(self.length * sqrt(sharpest / (8.0 * sagitta))), MOST_CHORDS)
         return np.linspace(0.0, 1.0, max(count, self.sides) + 1)
 
+    def between(self, start, end) -> "Segment":
+        """Move its ends to two points nearby, mm.
+
+        The rest moves by less than three times as far; by more where the ends of an arc are closer to
+        each other than its radius, which their direction turns.
+        """
+        raise NotImplementedError
+
     def named(self, edge: str) -> "Segment":
         """The same segment of another edge."""
         return replace(self, edge=edge)
@@ -126,6 +134,9 @@ class Line(Segment):
 
     def reversed(self):
         return Line(self.last, self.first, self.edge)
+
+    def between(self, start, end):
+        return Line(start, end, self.edge)
 
     @property
     def area(self):

@@ -183,6 +183,12 @@ class Spline(Segment):
         rate = x[..., 0] * t[..., 1] - x[..., 1] * t[..., 0]
         return float(0.25 * np.diff(self._panels) @ (rate @ _WEIGHTS))
 
+    def between(self, start, end):
+        through = (tuple(start), *self.through[1:-1], tuple(end))
+        # one that is closed so keeps its kink: without slopes it would be periodic
+        slopes = self.end_slopes if through[0] == through[-1] else self.slopes
+        return replace(self, through=through, slopes=slopes)
+
     def reversed(self):
         slopes = self.slopes
         if slopes is not None:

@@ -1,0 +1,80 @@
+"""Profiles that begin clear of the body, whatever its boundary and wherever they are placed."""
+
+import numpy as np
+
+from seal_mdao.contact.kinematics import normal_gaps
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.geometry.pose import Pose
+from seal_mdao.seals.seal import Seal
+
+PART = 0.005
+"""A profile backs off in whole multiples of this share of the section's size: then where it begins is
+the same for designs next to each other, and their derivatives are those of one path."""
+MOST = 400
+"""Such multiples, twice the section's size."""
+PRESSING = 0.1
+"""Least share of a travel that goes along the normal for a profile to back off along that travel."""
+
+
+def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
+    """Let profiles that would begin inside of a body begin farther back along their motion.
+
+    The first load step becomes longer and ends where it did (``Motion.room``), as do all others. A
+    profile whose first stage does not press (it stands still, turns or slides) backs off along its
+    normal and is brought to its place by the first step. One that is clear is left as it is, and so is
+    one whose first stage leads away from the body.
+
+    Parameters
+    ----------
+    seal : Seal
+    particles : ndarray, shape (n, 2)
+        Of the design, mm.
+
+    Returns
+    -------
+    Seal
+        The same object where all profiles are clear.
+    """
+    rooms = {}
+    for definition in seal.terms():
+        if isinstance(definition, RigidContact):
+            room = _room(definition, particles)
+            if room is not None:
+                rooms[definition.label] = room
+    return seal.with_rooms(rooms) if rooms else seal
+
+
+def _room(contact: RigidContact, particles) -> np.ndarray | None:
+    """Where the first load step of a contact has to begin, from its first waypoint, (2,) mm; None where
+    it is clear as it is, or cannot be."""
+    points, motion = contact.where.points, contact.motion
+    x = np.einsum("ka,kai->ki", points.weights, particles[points.anchors])
+    curve, (px, py, angle) = contact.shape.profile().curve, motion.coordinates(0.0)
+
+    def gaps(shift):
+        found = np.empty(len(x))
+        normal_gaps(curve, Pose.of((px + shift[0], py + shift[1]), angle, motion.pivot), x, found)
+        return found
+
+    if gaps((0.0, 0.0)).min() >= 0.0:
+        return None
+    part = PART * float(np.hypot(*np.ptp(particles, axis=0)))
+    way = _way_back(motion.positions[1] - motion.positions[0], gaps, part)
+    for count in range(1, MOST + 1):
+        if gaps(count * part * way).min() > 0.0:
+            return motion.room + count * part * way
+    return None
+
+
+def _way_back(travel: np.ndarray, gaps, part: float) -> np.ndarray:
+    """Unit vector against the travel of the first stage where that presses, else along the normal at
+    the deepest point; zero where the first stage leads away from the body."""
+    deepest = int(gaps((0.0, 0.0)).argmin())
+    # n = grad g by central differences
+    steps = 1e-3 * part * np.eye(2)
+    slope = np.array([gaps(step)[deepest] - gaps(-step)[deepest] for step in steps])
+    normal, length = slope / (np.hypot(*slope) or 1.0), float(np.hypot(*travel))
+    pressing = -normal @ travel
+    if pressing >= PRESSING * length > 0.0:
+        return -travel / length
+    return normal if pressing >= 0.0 else np.zeros(2)

@@ -1,0 +1,131 @@
+"""Samples whose profile would begin inside of the seal are analysed, not left out."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.geometry.motion import Stage, staged_motion
+from seal_mdao.scenarios.task import SealTask
+from seal_mdao.seals.clear_start import with_clear_starts
+from seal_mdao.seals.seal import Seal
+from seal_mdao.tolerances.placement import placeable
+
+BLOCK = """
+[material.rubber]
+law = "neo_hookean"
+c10 = 100.0
+bulk_modulus = 2e4
+[section]
+material = "rubber"
+spacing = 1.0
+outer = [
+  { edge = "base", line = [[-4.0, 0.0], [4.0, 0.0]] },
+  { edge = "right", line = [[4.0, 0.0], [4.0, 3.0]] },
+  { edge = "top", arc = { start = [4.0, 3.0], through = [0.0, 5.0], end = [-4.0, 3.0] } },
+  { edge = "left", line = [[-4.0, 3.0], [-4.0, 0.0]] },
+]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "plate"
+friction = 0.2
+contact = ["top"]
+line = [[-40.0, 0.0], [40.0, 0.0]]
+start = [0.0, 5.0]
+stage = [%s]
+[[measure]]
+type = "reaction"
+profile = "plate"
+component = "y"
+"""
+DOWN = "{ translate = [0.0, -0.6], steps = 12 }"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    pytest.importorskip("netgen")
+    folder = tmp_path_factory.mktemp("block")
+
+    def make(stages=DOWN, start=5.0) -> Seal:
+        text = BLOCK.replace("start = [0.0, 5.0]", f"start = [0.0, {start}]")
+        (folder / "seal.toml").write_text(text % stages)
+        return placeable(sm.build_seal(folder / "seal.toml"))
+
+    return make
+
+
+def outcome(seal, offset=0.0, derivatives=False):
+    task = SealTask(seal, seal.standard, ("plate_y",), "direct", derivatives)
+    found = task.run(np.zeros(0), np.array([offset]))
+    assert not found.failure, found.failure
+    return found
+
+
+@pytest.mark.parametrize("offset", [-0.05, -0.35])
+def test_a_plate_that_begins_inside_gives_the_force_of_one_that_comes_from_afar(made, offset):
+    """They differ by the first load step alone, which is longer: friction depends on the path."""
+    near = outcome(made(), offset).values[0]
+    far = outcome(made("{ translate = [0.0, -1.0], steps = 60 }", 5.4), offset).values[0]
+    assert far > 10.0
+    assert near == pytest.approx(far, rel=5e-3)
+
+
+def test_a_plate_that_is_clear_keeps_its_bits(made):
+    seal = made()
+    for offset in (0.0, 0.2):
+        own = seal.with_parameters({"plate_y": offset})
+        assert with_clear_starts(own, own.particles()) is own
+
+
+def test_derivatives_of_a_sample_that_backs_off(made):
+    """Where the plate begins is the same for samples next to each other."""
+    seal, h = made(), 1e-5
+    slope = outcome(seal, -0.35, derivatives=True).gradient[0, -1]
+    up, down = (outcome(seal, -0.35 + step).values[0] for step in (h, -h))
+    assert slope == pytest.approx((up - down) / (2.0 * h), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("travel", "way"),
+    [
+        ((0.0, -1.0), (0.0, 1.0)),  # against its travel
+        ((0.3, -1.0), (-0.3, 1.0)),
+        ((0.0, 0.0), (0.0, 1.0)),  # stands still, turns, slides: along the normal
+        ((2.0, 0.0), (0.0, 1.0)),
+        ((0.0, 1.0), None),  # leads away from the body
+    ],
+)
+def test_where_profiles_back_off_to(made, travel, way):
+    seal = made()
+    body, contact = seal.definitions[0], seal.definitions[1]
+    motion = staged_motion([Stage(3, travel, 1.0)], start=(0.0, 4.8))
+    inside = RigidContact(
+        "plate", contact.where, contact.shape, motion, ContactLaw(1e4, 1e2, 0.2, True)
+    )
+    own = replace(seal, definitions=(body, inside), n_steps=3)
+    found = with_clear_starts(own, own.particles())
+    if way is None:
+        assert found is own
+        return
+    room = found.definitions[1].motion.room
+    assert np.abs(room / np.hypot(*room) - way / np.hypot(*way)).max() < 1e-3
+    assert 0.2 < room[1] < 0.3
+    pose = found.definitions[1].motion.pose(0.0)
+    assert pose.position[1] > 5.0
+    later = [own.definitions[1].motion.pose(k).position for k in (1, 2, 3)]
+    again = [found.definitions[1].motion.pose(k).position for k in (1, 2, 3)]
+    assert np.array_equal(later, again)
+
+
+def test_the_door_of_the_door_seal_backs_off():
+    seal = sm.door_seal(start=10.01, room=0.0, depth=2.0, n_steps=6)
+    swollen = np.full(seal.n_offsets, 0.1)
+    task = SealTask(seal, seal.measures(("reaction",)), ())
+    found = task.run(swollen, np.zeros(0))
+    assert not found.failure
+    roomy = SealTask(seal.with_(room=0.6), task.measures, ()).run(swollen, np.zeros(0))
+    assert found.values == pytest.approx(roomy.values, rel=1e-3)
