@@ -10,7 +10,7 @@ from seal_mdao.contact.friction import OPEN
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import Motion, step_shares
-from seal_mdao.measures.contact import touching_shares, way_round
+from seal_mdao.measures.boundary_line import touching_shares, way_round
 
 PARALLEL = 1e-9
 """Sine of the angle between stages that still go along one line."""

@@ -143,7 +143,7 @@ def least_scale(measure, result: SealResult) -> float:
     """What a measure that may be zero but for rounding is compared with: its noise along the path, and
     for one component of a reaction the whole force."""
     if isinstance(measure, Reaction):
-        return float(np.abs(result.path.reaction(measure.profile)).max())
+        return measure.scale * float(np.abs(result.path.reaction(measure.profile)).max())
     base = measure.base if isinstance(measure, Derived) else measure
     if not base.wants_end:
         return 0.0

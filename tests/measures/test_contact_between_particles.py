@@ -7,7 +7,8 @@ from quotients import quotients
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.export.vtu import point_data
-from seal_mdao.measures.contact import ContactWidth, way_round
+from seal_mdao.measures.boundary_line import way_round
+from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.measures.work import ProfileWork
 from seal_mdao.report.shapes import Pictures
 from seal_mdao.seals.door.measures import FURTHER, STANDARD

@@ -5,7 +5,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.geometry.motion import Stage, staged_motion
-from seal_mdao.measures.contact import ContactWidth
+from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.seals.profiles import (
     contacts,
     courses,

@@ -120,6 +120,11 @@ class ProfileTable:
         """Load steps of all stages."""
         return sum(stage.n_steps for stage in self.stages)
 
+    @property
+    def travel(self) -> float:
+        """Length of its path, mm; rotation is no travel."""
+        return float(sum(np.hypot(*stage.translate) for stage in self.stages))
+
 
 @dataclass(frozen=True)
 class CavityTable:
