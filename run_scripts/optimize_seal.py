@@ -22,7 +22,13 @@ from _seal_file import file_errors, file_of, seal_of
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.export.tables import write_boundary
-from seal_mdao.file_optimization import STEP_ENDS, file_problem, on_new_cloud, problem_settings
+from seal_mdao.file_optimization import (
+    STEP_ENDS,
+    file_problem,
+    measure_names,
+    on_new_cloud,
+    problem_settings,
+)
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.plotting.recorded import RecordedOptimization, label, read_optimization, unit_of
@@ -31,6 +37,7 @@ from seal_mdao.recording.restart import restart
 from seal_mdao.recording.settings import open_cases, recorded_settings
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
 from seal_mdao.seals.result import frozen_measures
 
 
@@ -62,18 +69,24 @@ def main(arguments) -> int:
     offsets = history.design["boundary_offsets"][-1]
     results = kept.analyze(seal), kept.analyze(seal, offsets)
     ends = end_numbers(history)
+    gaps = gap_numbers(seal, file, results, kept)
     how = {"optimizer": optimizer, "status": status(numbers)} | numbers
     designs = {"boundary_offsets": offsets, "history": history_rows(history)}
     drawing, anew = write_best(file, seal, offsets, kept, arguments.out)
-    write_summary(arguments.out, how | ends | {"on_new_cloud": anew} | designs)
+    write_summary(arguments.out, how | ends | gaps | {"on_new_cloud": anew} | designs)
     draw(history, results, arguments.out)
-    write_report(cases, arguments.out / "report.html", kept=kept)
+    write_report(
+        cases, arguments.out / "report.html", kept=kept, figures=gap_figures(gaps),
+        notes=gaps["unmeasured_gaps"],
+    )  # fmt: skip
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
     report_run(optimizer, numbers, arguments.restart)
     report_ends(history, ends, numbers["kkt"])
+    for figure in gap_figures(gaps):
+        print(" ".join(figure))
     report_anew(ends, anew)
-    for result, which in zip(results, ("first", "last"), strict=True):
-        print_warnings(result, f" ({which} design)")
+    print_warnings(results[0], " (first design)")
+    print_warnings(results[1], " (last design)", gaps["unmeasured_gaps"])
     print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
     return 0 if numbers["success"] else 1
 
@@ -128,6 +141,29 @@ def end_numbers(history: RecordedOptimization) -> dict:
         "max_constraint_violation": history.max_violation[-1],
         "recorded_evaluations": history.evaluations,
     }  # fmt: skip
+
+
+def gap_numbers(seal, file, results, kept: KeptAnalyses) -> dict:
+    """Part of summary.json: the largest gap of every profile before and after, wherever it opens, and
+    whether the measures of the optimisation look there."""
+    first, last = map(largest_gaps, results)
+    measures = frozen_measures(seal, measure_names(file), kept.analyze)
+    return {
+        "largest_gap_mm": {label: (first[label], last[label]) for label in first},
+        "unmeasured_gaps": unmeasured_gaps(results[1], measures),
+    }
+
+
+def gap_figures(gaps: dict) -> list[tuple[str, str, str]]:
+    """The largest gaps as name, value and explanation."""
+    return [
+        (
+            f"largest gap to {name}:",
+            f"{end:.4f} mm",
+            f"between the contacts, at the start {start:.4f} mm",
+        )
+        for name, (start, end) in gaps["largest_gap_mm"].items()
+    ]
 
 
 def draw(history: RecordedOptimization, results, out: Path) -> None:

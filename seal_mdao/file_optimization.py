@@ -10,6 +10,7 @@ from openmdao.core.driver import Driver
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.measures.contact import GapSquareIntegral, LargestGap, OpenGapSquareSum
 from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.load_steps import chosen_ends
@@ -19,6 +20,8 @@ from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empt
 
 TAKEN = ("boundary_offsets", "particles", "area")
 """Names of a ``SealGroup`` that no measure can have."""
+GAPS = LargestGap, OpenGapSquareSum, GapSquareIntegral
+"""Measures that are zero where nothing stands open."""
 STEP_ENDS = "step_ends"
 """What a recorder file calls load steps that were chosen, as ``build_seal`` takes them."""
 
@@ -79,6 +82,7 @@ def file_problem(
             "seal's path nothing stands open between points in contact"
         )
     start = {measure.name: drawn.value(measure) for measure in measures}
+    _require_gap(file, measures, start)
     group = SealGroup(seal=seal, callback=callback, measures=measures, kept=kept)
     problem = new_problem(group, driver, work_dir, reports)
     bounds = design_bounds(file)
@@ -122,6 +126,16 @@ def _require_problem(file, seal) -> None:
                 f"{file.path}: [[measure]]: name = {name!r} is taken in an optimisation; give "
                 "the measure another name"
             )
+
+
+def _require_gap(file, measures, start) -> None:
+    """Refuse to minimise a gap that is closed in the nominal seal."""
+    aim = next(m for m in measures if m.name == file.optimize.minimize)
+    if isinstance(aim, GAPS) and not start[aim.name].any():
+        raise SealFileError(
+            f"{file.path}: [optimize]: the measure {aim.name!r} is zero at the start: at the end of the "
+            "nominal seal's path nothing stands open between points in contact; minimise something else"
+        )
 
 
 def measure_names(file: SealFile) -> tuple:

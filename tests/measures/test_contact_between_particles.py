@@ -85,7 +85,7 @@ def test_pressure_of_particles_is_the_mean_of_the_points_beside(result):
     pytest.importorskip("meshio")
     outer = result.seal.grid.free_outer
     points = -result.seal.normal_penalty * np.minimum(result.contact.gap, 0.0)
-    found = point_data(result, len(result.path.nominal_steps) - 1)["pressure_door"]
+    found = point_data(result, len(result.path.nominal_steps) - 1)["nominal_pressure_door"]
     np.testing.assert_allclose(found[outer[1:-1]], 0.5 * (points[:-1] + points[1:]), rtol=1e-12)
     assert np.flatnonzero(found).size == np.isin(outer, np.flatnonzero(found)).sum()
 
