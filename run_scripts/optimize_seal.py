@@ -198,7 +198,8 @@ def write_best(file, seal, offsets, kept: KeptAnalyses, out: Path) -> tuple[str,
         return f" (no seal file: {error})", None
     said = "".join(f", {path.name}" for path in paths)
     try:
-        result = on_new_cloud(sm.read_seal_file(paths[0]), file.section.spacing)
+        design, section = sm.read_seal_file(paths[0]), file.section
+        result = on_new_cloud(design, section.spacing, section.layers)
     except (sm.GeometryError, sm.SealFileError) as error:
         return f"{said} (not analysed with new particles: {error})", None
     if not result.converged:

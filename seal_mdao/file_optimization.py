@@ -15,6 +15,7 @@ from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.load_steps import chosen_ends
 from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 
@@ -95,7 +96,7 @@ def file_problem(
     return problem
 
 
-def on_new_cloud(design: SealFile, filling) -> SealResult:
+def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
     """A design analysed with new particles: what its numbers owe to those that it was optimised with.
 
     Parameters
@@ -104,6 +105,8 @@ def on_new_cloud(design: SealFile, filling) -> SealResult:
         As ``write_design`` writes it.
     filling : float or Rays
         Spacing of the new cloud, mm, or its rays.
+    layers : int
+        Of particles across a wall at least, with a spacing.
 
     Raises
     ------
@@ -111,7 +114,7 @@ def on_new_cloud(design: SealFile, filling) -> SealResult:
         For a section that cannot be filled so.
     """
     measures = tuple(m for m in design.measures if m.arguments.get("places") is None)
-    section = replace(design.section, spacing=filling)
+    section = replace(design.section, spacing=filling, layers=layers)
     return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
 
 

@@ -74,11 +74,14 @@ class SealResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is not right with the end of a completed path, a line each; ``seals.checks`` lists it.
+        """What is not right with the end of a completed path, a line each (``seals.checks``), and the
+        cautions of the seal.
 
         Nothing of it for a path that was not completed.
         """
-        return tuple(found.text for found in findings(self.path)) if self.converged else ()
+        if not self.converged:
+            return ()
+        return (*(found.text for found in findings(self.path)), *self.seal.cautions)
 
     @cached_property
     def critical_points(self) -> tuple[Instability, ...]:

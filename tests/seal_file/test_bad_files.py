@@ -191,6 +191,10 @@ BAD = {
     "coordinate too large": ("[4.0, 0.0]]", "[4e99, 0.0]]", "line: last = (4e+99, 0) is beyond 1e+09"),
     "spacing misspelt": ("spacing =", "spaceing =", "unknown key 'spaceing' (did you mean 'spacing'?)"),
     "outline and drawing": ("spacing = 0.9", 'spacing = 0.9\ndxf = "a.dxf"', "it has both"),
+    "two layers": ("spacing = 0.9\n", "spacing = 0.9\nlayers = 2\n", "layers = 2, but it must be a "
+                   "whole number from 3 to 50"),
+    "layers beside rays": ("spacing = 0.9\n", "rays = { rays = 24, layers = 4 }\nlayers = 5\n",
+                           "[section]: layers belongs to spacing; rays and a cloud have their own"),
     "no outline": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\n', "it has neither"),
     "units without drawing": ("spacing = 0.9", 'spacing = 0.9\nunits = "mm"', "units belongs to dxf"),
     "no such drawing": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\ndxf = "no.dxf"\n',

@@ -75,6 +75,20 @@ def test_the_door_presses_from_above_and_drags_to_the_right(pressed):
     assert -0.75 < top < -0.55
 
 
+def test_walls_with_fewer_than_five_layers_are_reported(tmp_path):
+    """1.4 mm thick, with a spacing of 0.9 mm; ``layers`` gives more."""
+    thin = BULB.replace("radius = 4.5", "radius = 5.6").replace("[0.0, -6.0]", "[0.0, -0.6]")
+    thin = thin.replace("steps = 60", "steps = 2").replace("steps = 20", "steps = 1")
+    few = build_seal(read(tmp_path, thin))
+    enough = build_seal(read(tmp_path, thin.replace("spacing = 0.9", "spacing = 0.9\nlayers = 5")))
+    assert len(enough.drawn_particles) > 1.5 * len(few.drawn_particles)
+    assert enough.cautions == ()
+    assert sm.analyze(enough).warnings == ()
+    (text,) = sm.analyze(few).warnings
+    assert "mm thick and has about 3 layers of particles across, fewer than 5" in text
+    assert "layers = 5 of [section]" in text
+
+
 def test_gradients_against_central_differences(pressed):
     """The same points touch and slip at both ends. The step's square is 1e-8 of the value's, and
     Newton's tolerance over the step less."""

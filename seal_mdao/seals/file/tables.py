@@ -7,6 +7,7 @@ import numpy as np
 
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Outline
@@ -43,6 +44,8 @@ class SectionTable:
         Largest distance of particles, mm; or the rays that they lie on; or they themselves.
     drawing, cloud : Path or None
         What the outline and the particles were read from.
+    layers : int
+        Of particles across a wall at least, where a spacing fills the section.
     regions : tuple of RegionTable
     """
 
@@ -52,6 +55,7 @@ class SectionTable:
     drawing: Path | None = None
     cloud: Path | None = None
     regions: tuple[RegionTable, ...] = ()
+    layers: int = LAYERS
 
     @property
     def cuts(self) -> list:
