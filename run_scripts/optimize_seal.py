@@ -82,8 +82,8 @@ def main(arguments) -> int:
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
     report_run(optimizer, numbers, arguments.restart)
     report_ends(history, ends, numbers["kkt"])
-    for figure in gap_figures(gaps):
-        print(" ".join(figure))
+    for name, value, text in gap_figures(gaps):
+        print(f"{name}: {value} {text}")
     report_anew(ends, anew)
     print_warnings(results[0], " (first design)")
     print_warnings(results[1], " (last design)", gaps["unmeasured_gaps"])
@@ -158,7 +158,7 @@ def gap_figures(gaps: dict) -> list[tuple[str, str, str]]:
     """The largest gaps as name, value and explanation."""
     return [
         (
-            f"largest gap to {name}:",
+            f"largest gap to {name}",
             f"{end:.4f} mm",
             f"between the contacts, at the start {start:.4f} mm",
         )

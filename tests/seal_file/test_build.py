@@ -192,6 +192,23 @@ def test_a_ring_that_nothing_holds_but_two_planes(tmp_path):
         np.testing.assert_allclose(direct[name], adjoint[name], rtol=0.0, atol=1e-9 * size)
 
 
+def test_the_largest_stress_lies_inside_and_is_seen(tmp_path):
+    """That of a squeezed ring lies below the contact, far above all along its boundary."""
+    stress = '[[measure]]\ntype = "von_mises"\n'
+    seal = build_seal(read(tmp_path, f'{RING}{stress}{stress}name = "boundary"\ncount = 7\n'))
+    result = sm.analyze(seal, keep_factors=True)
+    everywhere, boundary = (
+        result.value(measure) for measure in result.measures() if measure.units == "kPa"
+    )
+    largest = result.stress_field().max()
+    assert largest <= everywhere[0] <= 1.05 * largest
+    assert result.stress_field().argmax() not in np.concatenate(seal.loops)
+    assert boundary.max() < 0.7 * largest
+    rates = [sm.differentiate(result, ("c10",), None, way) for way in ("direct", "adjoint")]
+    one, other = (np.atleast_2d(found["von_mises"]) for found in rates)
+    assert np.abs(one - other).max() <= 1e-10 * np.abs(one).max()
+
+
 @pytest.mark.parametrize(("start", "clear"), [(6.0, True), (6.0 - 2e-6, False), (6.1, True)])
 def test_the_least_gap_is_found_between_the_points_that_are_looked_at(tmp_path, start, clear):
     text = RING.replace("start = [0.0, 6.0]", f"start = [0.0, {start!r}]")
