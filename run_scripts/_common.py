@@ -222,9 +222,9 @@ def announce(seal: sm.Seal) -> None:
     cost_of.announce(cost, seal.body, seal.n_steps, LONG)
 
 
-def print_warnings(result, label: str = "") -> None:
-    """What a result says about itself, a line each."""
-    for text in result.warnings:
+def print_warnings(result, label: str = "", further=()) -> None:
+    """What a result says about itself, and ``further`` lines, a line each."""
+    for text in (*result.warnings, *further):
         print(f"WARNING{label}: {text}")
 
 

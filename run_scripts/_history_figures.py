@@ -4,7 +4,9 @@ from pathlib import Path
 
 from seal_mdao import plotting
 from seal_mdao.plotting.recorded import RecordedOptimization
+from seal_mdao.seals.door.measures import DOOR
 from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
 
 
 def draw_history(
@@ -33,27 +35,36 @@ def end_numbers(
 ) -> dict:
     """Part of summary.json that describes the last design."""
     offsets, parameters = history.design_at(-1)
+    start, end = (largest_gap(result, DOOR).size for result in (initial, final))
     return {
         "objective_ratio": history.objective_ratio[-1],
+        "largest_gap_mm": {"start": start, "end": end},
         "max_constraint_violation": history.max_violation[-1],
         "area_mm2": final.area,
         "von_mises_kPa": final.von_mises,
         "reaction_ratio": final.reaction[-1, 1] / initial.reaction[-1, 1],
-        "warnings": final.warnings,
+        "warnings": [*final.warnings, *gap_warnings(history, final)],
         "boundary_offsets": offsets,
         **parameters,
         "history": history_rows(history),
     }
 
 
+def gap_warnings(history: RecordedOptimization, final: DoorSealResult) -> tuple[str, ...]:
+    """Whether the largest gap of the last design lies where the objective does not look."""
+    return gaps_unmeasured_by(final, history.objective_name.rsplit(".", 1)[-1])
+
+
 def report_end(history: RecordedOptimization, numbers: dict) -> None:
-    """Two lines about the last design."""
+    """Three lines about the last design."""
     kind = "gradients" if history.major else "evaluations"
     print(
         f"{len(history.objective) - 1} {kind}: cost at "
         f"{100 * numbers['objective_ratio']:.4f} % of its start, "
         f"largest constraint violation {numbers['max_constraint_violation']:.1e}"
     )
+    gap = numbers["largest_gap_mm"]
+    print(f"largest gap between the contacts {gap['start']:.4f} -> {gap['end']:.4f} mm")
     print(
         f"area {numbers['area_mm2']:.2f} mm2, vertical reaction at "
         f"{100 * numbers['reaction_ratio']:.1f} % of its start, "

@@ -22,7 +22,8 @@ A run has converged when the optimiser reports success, the optimality condition
 all by {{py:class}}`~seal_mdao.drivers.optimality.Optimality`) and the limits to {violation:g}.
 These tolerances, the seed of the drawn cases and their rule were set down before the first run, and
 each case is run once. Costs are shares of that of the drawn seal. They cannot fall below zero, so a
-run leaves at most its cost to be gained.
+run leaves at most its cost to be gained. The gap is the largest one between the first and the last
+contact, wherever it opens.
 
 """
 FACTORS_TEXT = """## The paper's case, single changes, combinations
@@ -87,8 +88,11 @@ def _cell(row: dict) -> str:
     if row["cost"] is None:
         return "**failed**"
     steps = "" if row["iterations"] is None else f"{row['iterations']} iterations, "
+    # runs that were recorded before the gap was have none
+    gap = f"gap {row['largest_gap_mm']:.4f} mm, " if "largest_gap_mm" in row else ""
     text = (
-        f"{steps}{row['analyses']} analyses, {100 * row['cost']:.4f} %, KKT {row['optimality']:.0e}"
+        f"{steps}{row['analyses']} analyses, {100 * row['cost']:.4f} %, {gap}"
+        f"KKT {row['optimality']:.0e}"
     )
     return text if converged(row) else f"**failed**: {text}"
 

@@ -25,7 +25,9 @@ from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.reaction import travel_table
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.seals.door.measures import DOOR
 from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
 
 
 def main(arguments) -> int:
@@ -63,6 +65,7 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
         "critical_points": critical_table(result),
         "failure": result.path.failure or None,
         "warnings": result.warnings,
+        "unmeasured_gaps": (),
     }
     end_keys = (
         "gap_square_sum_mm2", "max_gap_mm", "max_penetration_mm", "von_mises_kPa", "n_open_points",
@@ -72,8 +75,9 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
     if result.converged:
         opened, counts = opened_points(result.contact.state), result.contact_counts
         summary |= {
+            "unmeasured_gaps": gaps_unmeasured_by(result, "gap_square_sum"),
             "gap_square_sum_mm2": result.gap_square_sum,
-            "max_gap_mm": max([0.0, *result.contact.gap[opened]]),
+            "max_gap_mm": largest_gap(result, DOOR).size,
             "max_penetration_mm": result.max_penetration,
             "von_mises_kPa": result.von_mises,
             "n_open_points": opened.size,
@@ -117,7 +121,7 @@ def report(result: DoorSealResult, summary: dict, out: Path) -> None:
             f"{summary['max_gap_mm']:.4f} mm, sum of squares {summary['gap_square_sum_mm2']:.3g} mm2"
         )
         print(f"highest of the seven stresses {max(summary['von_mises_kPa']):.1f} kPa")
-        print_warnings(result)
+        print_warnings(result, "", summary["unmeasured_gaps"])
     else:
         print(f"NOT CONVERGED at {summary['failure']}")
     print(f"figures and summary.json in {out}")

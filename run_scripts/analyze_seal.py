@@ -24,9 +24,16 @@ from seal_mdao.export.tables import write_contact, write_curves
 from seal_mdao.mesh_files import library
 from seal_mdao.plotting.reaction import reaction_tables
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.seals.gaps import largest_gap, largest_gaps
 from seal_mdao.seals.profiles import ProfileHistory, profile_histories
 from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
+
+END_KEYS = (
+    "true_peak_pressure_kPa", "deformed_contact_width_mm", "nominal_peak_pressure_kPa",
+    "nominal_contact_width_mm", "largest_gap_mm", "largest_von_mises_kPa", "largest_von_mises_at_mm",
+)  # fmt: skip
+"""Of summary.json, of all profiles together and of the section at the end of the path."""
 
 
 def main(arguments) -> int:
@@ -67,8 +74,7 @@ def summarize(result: SealResult) -> dict:
         "n_steps": len(steps),
         "area_mm2": result.seal.area(result.boundary_offsets)[0],
         "reaction_N_per_m": reaction_tables(result),
-        "peak_pressure_kPa": None,
-        "contact_width_mm": None,
+        **dict.fromkeys(END_KEYS),
         "max_penetration_mm": None,
         "min_det_F": lowest_jacobian(result.path),
         "newton_iterations": result.newton_iterations,
@@ -81,11 +87,16 @@ def summarize(result: SealResult) -> dict:
     if result.converged:
         ends = [history for history in histories if len(history.stage)]
         gaps = [result.response(history.label).gap.min() for history in ends]
-        summary |= {
-            "peak_pressure_kPa": max([0.0, *(history.peak[-1] for history in ends)]),
-            "contact_width_mm": sum(history.width[-1] for history in ends),
-            "max_penetration_mm": max([0.0, *(-gap for gap in gaps)]),
-        }
+        stress = result.stress_field()
+        values = (
+            max([0.0, *(history.peak[-1] for history in ends)]),
+            sum(history.width[-1] for history in ends),
+            max([0.0, *(history.nominal_peak[-1] for history in ends)]),
+            sum(history.nominal_width[-1] for history in ends),
+            max([0.0, *largest_gaps(result).values()]), stress.max(), result.particles[stress.argmax()],
+        )  # fmt: skip
+        summary |= dict(zip(END_KEYS, values, strict=True))
+        summary["max_penetration_mm"] = max([0.0, *(-gap for gap in gaps)])
     return summary | measured(result)
 
 
@@ -96,10 +107,13 @@ def at_profile(result: SealResult, history: ProfileHistory) -> dict:
     return {
         "force_N_per_m": history.force[-1],
         "force_N_per_100mm": 0.1 * history.force[-1],
-        "peak_pressure_kPa": history.peak[-1],
-        "contact_width_mm": history.width[-1],
-        "highest_pressure_kPa": history.peak.max(),
-        "largest_width_mm": history.width.max(),
+        "true_peak_pressure_kPa": history.peak[-1],
+        "deformed_contact_width_mm": history.width[-1],
+        "nominal_peak_pressure_kPa": history.nominal_peak[-1],
+        "nominal_contact_width_mm": history.nominal_width[-1],
+        "largest_gap_mm": largest_gap(result, history.label).size,
+        "highest_true_pressure_kPa": history.peak.max(),
+        "largest_deformed_width_mm": history.width.max(),
     }
 
 
@@ -167,9 +181,18 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
         if end:
             across, up = end["force_N_per_m"]
             print(
-                f"{label}: force {across:.2f}, {up:.2f} N/m (x, y), {end['contact_width_mm']:.2f} mm in "
-                f"contact, up to {end['peak_pressure_kPa']:.1f} kPa"
+                f"{label}: force {across:.2f}, {up:.2f} N/m (x, y), "
+                f"{end['deformed_contact_width_mm']:.2f} mm in contact (nominal "
+                f"{end['nominal_contact_width_mm']:.2f}), up to {end['true_peak_pressure_kPa']:.1f} kPa "
+                f"(nominal {end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "
+                f"{end['largest_gap_mm']:.4f} mm"
             )
+    if summary["largest_von_mises_kPa"] is not None:
+        x, y = summary["largest_von_mises_at_mm"]
+        print(
+            f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at x = {x:.3g}, y = "
+            f"{y:.3g} undeformed"
+        )
     for name, found in summary["measures"].items():
         if found:
             value = ", ".join(f"{v:.6g}" for v in np.atleast_1d(found["value"]))

@@ -17,11 +17,14 @@ from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao.drivers.optimality import measure_optimality
+from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OBJECTIVE_REF, OPTIMIZERS, major_iterations, seal_problem
 from seal_mdao.recording.run_log import versions
+from seal_mdao.seals.door.measures import DOOR
+from seal_mdao.seals.gaps import largest_gap
 
 NOTHING = dict.fromkeys(
-    ("success", "iterations", "analyses", "cost", "violation", "optimality"), None
+    ("success", "iterations", "analyses", "cost", "largest_gap_mm", "violation", "optimality"), None
 )
 """What a run tells that was ended by an exception."""
 
@@ -97,19 +100,22 @@ def solve_case(entry: tuple[Case, str], n_steps: int) -> dict:
 
 def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
     """Run a driver on a case, and measure its last point; ``cost`` is over that of the drawn seal."""
-    seal = case.seal(n_steps=n_steps)
-    problem = seal_problem(seal, driver=driver, work_dir=folder, **case.settings())
+    seal, kept = case.seal(n_steps=n_steps), KeptAnalyses()
+    problem = seal_problem(seal, driver=driver, work_dir=folder, kept=kept, **case.settings())
     offsets, radius = case.design(seal)
     problem.set_val("boundary_offsets", offsets)
     problem.set_val("door_radius", radius)
     success = problem.run_driver().success
     (objective,) = driver.get_objective_values(driver_scaling=True).values()
     end = measure_optimality(driver)
+    best = {"door_radius": float(problem.get_val("door_radius")[0])}
+    last = kept.analyze(seal, problem.get_val("boundary_offsets"), best)
     return {
         "success": bool(success),
         "iterations": major_iterations(problem),
         "analyses": driver.result.model_evals,
         "cost": OBJECTIVE_REF * float(objective[0]),
+        "largest_gap_mm": largest_gap(last, DOOR).size,
         "violation": end.infeasibility,
         "optimality": max(end.stationarity, end.complementarity),
         "message": str(driver.result.exit_status),

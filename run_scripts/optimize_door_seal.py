@@ -13,7 +13,7 @@ from _common import (
     seal_from,
     write_summary,
 )
-from _history_figures import draw_history, end_numbers, report_end
+from _history_figures import draw_history, end_numbers, gap_warnings, report_end
 from _optimization import judged, optimize, report_run
 from _restart import continued_file, recorded_run, recorder_file
 
@@ -67,7 +67,7 @@ def main(arguments) -> int:
     report_run(optimizer, run_numbers, arguments.restart)
     report_end(history, numbers)
     print_warnings(initial, " (first design)")
-    print_warnings(final, " (last design)")
+    print_warnings(final, " (last design)", gap_warnings(history, final))
     print(f"report.html, figures, summary.json and cases.sql in {arguments.out}")
     return 0 if run_numbers["success"] else 1
 

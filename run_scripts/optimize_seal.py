@@ -22,7 +22,13 @@ from _seal_file import file_errors, file_of, seal_of
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.export.tables import write_boundary
-from seal_mdao.file_optimization import CHOSEN, file_problem, on_new_cloud, problem_settings
+from seal_mdao.file_optimization import (
+    CHOSEN,
+    file_problem,
+    measure_names,
+    on_new_cloud,
+    problem_settings,
+)
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.plotting.recorded import RecordedOptimization, label, read_optimization, unit_of
@@ -31,6 +37,7 @@ from seal_mdao.recording.restart import restart
 from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
 from seal_mdao.seals.result import frozen_measures
 
 
@@ -62,19 +69,25 @@ def main(arguments) -> int:
     offsets = history.design["boundary_offsets"][-1]
     results = kept.analyze(seal), kept.analyze(seal, offsets)
     ends = end_numbers(history)
+    gaps = gap_numbers(seal, file, results, kept)
     how = {"optimizer": optimizer, "status": status(numbers)} | numbers
     designs = {"boundary_offsets": offsets, "history": history_rows(history)}
     write_summary(arguments.out, how | ends | {"on_new_cloud": None} | designs)
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
     drawing, anew = write_best(file, seal, offsets, kept, arguments.out)
-    write_summary(arguments.out, how | ends | {"on_new_cloud": anew} | designs)
+    write_summary(arguments.out, how | ends | gaps | {"on_new_cloud": anew} | designs)
     draw(history, results, arguments.out)
-    write_report(cases, arguments.out / "report.html", kept=kept)
+    write_report(
+        cases, arguments.out / "report.html", kept=kept, figures=gap_figures(gaps),
+        notes=gaps["unmeasured_gaps"],
+    )  # fmt: skip
     report_run(optimizer, numbers, arguments.restart)
     report_ends(history, ends, numbers["kkt"])
+    for name, value, text in gap_figures(gaps):
+        print(f"{name}: {value} {text}")
     report_anew(ends, anew)
-    for result, which in zip(results, ("first", "last"), strict=True):
-        print_warnings(result, f" ({which} design)")
+    print_warnings(results[0], " (first design)")
+    print_warnings(results[1], " (last design)", gaps["unmeasured_gaps"])
     print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
     return 0 if numbers["success"] else 1
 
@@ -131,6 +144,29 @@ def end_numbers(history: RecordedOptimization) -> dict:
     }  # fmt: skip
 
 
+def gap_numbers(seal, file, results, kept: KeptAnalyses) -> dict:
+    """Part of summary.json: the largest gap of every profile before and after, wherever it opens, and
+    whether the measures of the optimisation look there."""
+    first, last = map(largest_gaps, results)
+    measures = frozen_measures(seal, measure_names(file), kept.analyze)
+    return {
+        "largest_gap_mm": {label: (first[label], last[label]) for label in first},
+        "unmeasured_gaps": unmeasured_gaps(results[1], measures),
+    }
+
+
+def gap_figures(gaps: dict) -> list[tuple[str, str, str]]:
+    """The largest gaps as name, value and explanation."""
+    return [
+        (
+            f"largest gap to {name}",
+            f"{end:.4f} mm",
+            f"between the contacts, at the start {start:.4f} mm",
+        )
+        for name, (start, end) in gaps["largest_gap_mm"].items()
+    ]
+
+
 def draw(history: RecordedOptimization, results, out: Path) -> None:
     name, unit = label(history.objective_name), unit_of(history, history.objective_name)
     words = [f"{name} {value:.4g} {unit}".rstrip() for value in history.objective[[0, -1]]]
@@ -163,7 +199,8 @@ def write_best(file, seal, offsets, kept: KeptAnalyses, out: Path) -> tuple[str,
         return f" (no seal file: {error})", None
     said = "".join(f", {path.name}" for path in paths)
     try:
-        result = on_new_cloud(sm.read_seal_file(paths[0]), file.section.spacing)
+        design, section = sm.read_seal_file(paths[0]), file.section
+        result = on_new_cloud(design, section.spacing, section.layers)
     except (sm.GeometryError, sm.SealFileError) as error:
         return f"{said} (not analysed with new particles: {error})", None
     if not result.converged:

@@ -12,7 +12,7 @@ from _common import (
     seal_from,
     write_summary,
 )
-from _history_figures import draw_history, end_numbers, report_end
+from _history_figures import draw_history, end_numbers, gap_warnings, report_end
 
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.plotting.recorded import read_optimization
@@ -29,7 +29,7 @@ def main(arguments) -> int:
     draw_history(history, initial, final, arguments.out)
     report_end(history, numbers)
     print_warnings(initial, " (first design)")
-    print_warnings(final, " (last design)")
+    print_warnings(final, " (last design)", gap_warnings(history, final))
     print(f"figures and summary.json in {arguments.out}")
     return 0
 

@@ -10,10 +10,12 @@ from openmdao.core.driver import Driver
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.measures.contact import GapSquareIntegral, LargestGap, OpenGapSquareSum
 from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 
@@ -21,6 +23,8 @@ TAKEN = ("boundary_offsets", "particles", "area")
 """Names of a ``SealGroup`` that no measure can have."""
 CHOSEN = "chosen"
 """What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
+GAPS = LargestGap, OpenGapSquareSum, GapSquareIntegral
+"""Measures that are zero where nothing stands open."""
 
 
 def file_problem(
@@ -79,6 +83,7 @@ def file_problem(
             "seal's path nothing stands open between points in contact"
         )
     start = {measure.name: drawn.value(measure) for measure in measures}
+    _require_gap(file, measures, start)
     group = SealGroup(seal=seal, callback=callback, measures=measures, kept=kept)
     problem = new_problem(group, driver, work_dir, reports)
     bounds = design_bounds(file)
@@ -91,7 +96,7 @@ def file_problem(
     return problem
 
 
-def on_new_cloud(design: SealFile, filling) -> SealResult:
+def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
     """A design analysed with new particles: what its numbers owe to those that it was optimised with.
 
     Parameters
@@ -100,6 +105,8 @@ def on_new_cloud(design: SealFile, filling) -> SealResult:
         As ``write_design`` writes it.
     filling : float or Rays
         Spacing of the new cloud, mm, or its rays.
+    layers : int
+        Of particles across a wall at least, with a spacing.
 
     Raises
     ------
@@ -107,7 +114,7 @@ def on_new_cloud(design: SealFile, filling) -> SealResult:
         For a section that cannot be filled so.
     """
     measures = tuple(m for m in design.measures if m.arguments.get("places") is None)
-    section = replace(design.section, spacing=filling)
+    section = replace(design.section, spacing=filling, layers=layers)
     return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
 
 
@@ -122,6 +129,16 @@ def _require_problem(file, seal) -> None:
                 f"{file.path}: [[measure]]: name = {name!r} is taken in an optimisation; give "
                 "the measure another name"
             )
+
+
+def _require_gap(file, measures, start) -> None:
+    """Refuse to minimise a gap that is closed in the nominal seal."""
+    aim = next(m for m in measures if m.name == file.optimize.minimize)
+    if isinstance(aim, GAPS) and not start[aim.name].any():
+        raise SealFileError(
+            f"{file.path}: [optimize]: the measure {aim.name!r} is zero at the start: at the end of the "
+            "nominal seal's path nothing stands open between points in contact; minimise something else"
+        )
 
 
 def measure_names(file: SealFile) -> tuple:

@@ -150,10 +150,14 @@ class ModelEvaluator:
             raise
 
     def totals_here(self, once: bool = False):
-        """Return gradient and Jacobian at the point now in the model, without running it."""
+        """Return gradient and Jacobian at the point now in the model, without running it.
+
+        Those that are asked for ``once``, after a run, are not checked for zero rows and columns: an
+        optimum may have some.
+        """
         layout = self.layout
         rows = access.compute_totals(self.driver, layout.responses, list(layout.desvars), once)
-        if self._look_at_jacobian:
+        if self._look_at_jacobian and not once:
             self._look_at_jacobian = False
             access.report_singular(self.driver)
         return self._as_totals(rows)

@@ -9,18 +9,23 @@ from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.seals.profiles import (
     contact_places,
     contacts,
-    pressure,
+    nominal_pressure,
     profile_histories,
     side_lengths,
+    true_pressure,
 )
 
 CURVE_HEADER = (
     "step", "stage", "travel_mm", "turn_deg", "x_mm", "y_mm", "angle_deg", "Fx_N_per_m", "Fy_N_per_m",
-    "Fx_N_per_100mm", "Fy_N_per_100mm", "contact_width_mm", "peak_pressure_kPa",
+    "Fx_N_per_100mm", "Fy_N_per_100mm", "deformed_contact_width_mm", "true_peak_pressure_kPa",
+    "contact_width_mm", "peak_pressure_kPa",
 )  # fmt: skip
+"""``contact_width_mm`` and ``peak_pressure_kPa`` are the nominal ones, of the undeformed length."""
 EDGE_HEADER = (
-    "step", "arc_length_mm", "X_mm", "Y_mm", "x_mm", "y_mm", "gap_mm", "pressure_kPa", "state",
+    "step", "arc_length_mm", "X_mm", "Y_mm", "x_mm", "y_mm", "gap_mm", "true_pressure_kPa",
+    "pressure_kPa", "state",
 )  # fmt: skip
+"""``pressure_kPa`` is the nominal one, force over undeformed length."""
 
 
 def write_curves(result, folder) -> list[Path]:
@@ -35,6 +40,7 @@ def write_curves(result, folder) -> list[Path]:
         columns = (
             np.arange(1, len(history.stage) + 1), history.stage, history.travel, history.turn,
             *history.place.T, *history.force.T, *(0.1 * history.force.T), history.width, history.peak,
+            history.nominal_width, history.nominal_peak,
         )  # fmt: skip
         path = Path(folder) / f"curve_{history.label}.csv"
         written.append(_write(path, CURVE_HEADER, zip(*columns, strict=True)))
@@ -42,7 +48,7 @@ def write_curves(result, folder) -> list[Path]:
 
 
 def write_contact(result, folder, steps=None) -> list[Path]:
-    """Write ``contact_NAME.csv`` for every profile: gap, pressure and state of every point that may
+    """Write ``contact_NAME.csv`` for every profile: gap, pressures and state of every point that may
     touch, at nominal ``steps`` from 0 (``result.key_steps()``).
 
     Returns
@@ -58,8 +64,8 @@ def write_contact(result, folder, steps=None) -> list[Path]:
             words = [
                 "open" if s == OPEN else "slip" if s == SLIP else "stick" for s in answer.state
             ]
-            values = pressure(contact, answer)
-            numbers = np.column_stack([arc, places, answer.x, answer.gap, values])
+            true, nominal = true_pressure(result, contact, step), nominal_pressure(contact, answer)
+            numbers = np.column_stack([arc, places, answer.x, answer.gap, true, nominal])
             rows += [(step + 1, *row, word) for row, word in zip(numbers, words, strict=True)]
         path = Path(folder) / f"contact_{contact.label}.csv"
         written.append(_write(path, EDGE_HEADER, rows))

@@ -6,14 +6,18 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.mesh_files import cell_blocks, flat, library
-from seal_mdao.seals.profiles import contacts, pressure
+from seal_mdao.seals.profiles import contacts, nominal_pressure, true_pressure
+
+PRESSURES = ("pressure", "nominal_pressure")
+"""Before the name of a profile: its true and its nominal contact pressure."""
 
 
 def write_vtu_series(result, folder) -> Path:
     """Write a VTU file for the undeformed section and for every nominal step of a result.
 
     Points are the undeformed particles (mm); ``displacement`` (mm), ``von_mises`` (kPa), ``det_F`` and,
-    for every profile, its contact pressure (kPa) are data of the points. In ParaView open the series
+    for every profile, its true and its nominal contact pressure (kPa; force over deformed and over
+    undeformed length) are data of the points. In ParaView open the series
     and warp by ``displacement``.
 
     Parameters
@@ -58,8 +62,10 @@ def point_data(result, step: int) -> dict[str, np.ndarray]:
         "det_F": f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2],
     }
     for contact in contacts(result.seal):
-        values = pressure(contact, result.path.at_nominal(contact.label)[step])
-        data[f"pressure_{contact.label}"] = contact.where.mean_at_particles(values, len(f))
+        response = result.path.at_nominal(contact.label)[step]
+        values = true_pressure(result, contact, step), nominal_pressure(contact, response)
+        for kind, own in zip(PRESSURES, values, strict=True):
+            data[f"{kind}_{contact.label}"] = contact.where.mean_at_particles(own, len(f))
     return data
 
 
@@ -67,4 +73,5 @@ def _no_data(result) -> dict[str, np.ndarray]:
     """The same before the first step."""
     n = len(result.particles)
     data = {"displacement": np.zeros((n, 3)), "von_mises": np.zeros(n), "det_F": np.ones(n)}
-    return data | {f"pressure_{c.label}": np.zeros(n) for c in contacts(result.seal)}
+    labels = [contact.label for contact in contacts(result.seal)]
+    return data | {f"{kind}_{label}": np.zeros(n) for label in labels for kind in PRESSURES}

@@ -1,4 +1,4 @@
-"""Measures of a contact: gaps, pressures, widths, reactions."""
+"""Measures of a contact: gaps and reactions."""
 
 from dataclasses import dataclass, replace
 
@@ -6,10 +6,21 @@ import numpy as np
 
 from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.motion import ROUNDING
-from seal_mdao.measures.aggregates import MEAN_ORDER, lehmer_mean, opened_square_integral
+from seal_mdao.measures.aggregates import NORM_ORDER, opened_square_integral, p_norm
+from seal_mdao.measures.boundary_line import BoundaryLine, is_closed
 from seal_mdao.measures.measure import Derived, Measure
-from seal_mdao.measures.selection import contact_patches, opened_points, touching_stretch
-from seal_mdao.values import numbers
+from seal_mdao.measures.selection import opened_points, touching_stretch
+from seal_mdao.values import numbers, real
+
+TRAVEL = "travel"
+"""Direction of a reaction: against that in which the profile travels."""
+
+
+def open_between(result, profile: str) -> np.ndarray:
+    """Contact points of a profile that stand open between the first and the last contact at the end of
+    the path."""
+    closed = is_closed(result.term(profile).where)
+    return opened_points(result.response(profile).state, closed)
 
 
 @dataclass(frozen=True)
@@ -36,7 +47,7 @@ class Gap(Measure):
         return self.points is None
 
     def frozen(self, drawn):
-        opened = opened_points(drawn.response(self.profile).state)
+        opened = open_between(drawn, self.profile)
         return replace(self, points=tuple(int(point) for point in opened))
 
     def size(self, seal):
@@ -67,15 +78,64 @@ class GapSquareSum(Derived):
 
 
 @dataclass(frozen=True)
+class OpenGapSquareSum(Measure):
+    """Sum of the squared gaps that open between the first and the last contact of every design.
+
+    The points are those of the design, not of the nominal seal. A gap that closes leaves the sum
+    smoothly; a design that loses the first or the last of its contacts loses the gap beside it at once.
+
+    Attributes
+    ----------
+    profile : str
+    """
+
+    profile: str
+    name: str = "gap_square_sum"
+    units = "mm**2"
+    text = "Sum of the squared gaps between the first and the last contact of the design."
+
+    def evaluate(self, result, partials):
+        points = open_between(result, self.profile)
+        gap = result.response(self.profile).gap[points]
+        partials.output(self.profile, "gap")[0, points] += 2.0 * gap
+        return gap @ gap
+
+
+@dataclass(frozen=True)
+class LargestGap(Measure):
+    """Largest gap that opens between the first and the last contact of a design, as a p-norm.
+
+    It is never below the largest gap, and at most m^(1/p) times as large with m open points.
+
+    Attributes
+    ----------
+    profile : str
+    order : int
+    """
+
+    profile: str
+    order: int = NORM_ORDER
+    name: str = "largest_gap"
+    units = "mm"
+    text = "Largest gap between the first and the last contact of the design, an upper bound."
+
+    def evaluate(self, result, partials):
+        points = open_between(result, self.profile)
+        value, by_gap = p_norm(result.response(self.profile).gap[points], self.order)
+        partials.output(self.profile, "gap")[0, points] += by_gap
+        return value
+
+
+@dataclass(frozen=True)
 class GapSquareIntegral(Measure):
-    """Integral of g^2 over the undeformed boundary that stands open in a stretch of points.
+    """Integral of g^2 over the undeformed boundary that stands open in a stretch of contact points.
 
     Attributes
     ----------
     profile : str
     stretch : tuple of int, or None
-        Consecutive contact points; None for those of the drawn seal from the first to the last one
-        in contact.
+        Consecutive contact points; None for those from the first to the last contact of every design,
+        wherever its gap opens.
     """
 
     profile: str
@@ -83,163 +143,20 @@ class GapSquareIntegral(Measure):
     name: str = "gap_square_integral"
     units = "mm**3"
     text = (
-        "Integral of the squared gap over the opened stretch, hardly dependent on the refinement."
+        "Integral of the squared gap between the first and the last contact of the design, hardly "
+        "dependent on the refinement."
     )
 
-    @property
-    def takes_places(self):
-        return self.stretch is None
-
-    def frozen(self, drawn):
-        touching = touching_stretch(drawn.response(self.profile).state)
-        return replace(self, stretch=tuple(int(point) for point in touching))
-
     def evaluate(self, result, partials):
-        stretch = np.array(self.stretch, int)
-        line = _Line(result, self.profile, stretch)
-        gap = result.response(self.profile).gap[stretch]
+        response, where = result.response(self.profile), result.term(self.profile).where
+        found = touching_stretch(response.state, is_closed(where))
+        stretch = found if self.stretch is None else np.array(self.stretch, int)
+        line = BoundaryLine(where, stretch, result.particles)
+        gap = response.gap[stretch]
         value, by_gap, by_length = opened_square_integral(gap, line.length)
         partials.output(self.profile, "gap")[0, stretch] += by_gap
         line.add_partials(by_length, partials.particles[0])
         return value
-
-
-class _Line:
-    """Straight pieces between consecutive contact points of the undeformed boundary."""
-
-    def __init__(self, result, profile: str, stretch):
-        self.where, self.stretch = result.term(profile).where, stretch
-        self.edges = np.diff(self.where.points.at(result.particles)[stretch], axis=0)
-        self.length = np.hypot(*self.edges.T)
-
-    def add_partials(self, by_length, particles) -> None:
-        """Add d/d(particles) (n, 2) of a function with derivatives ``by_length`` (k - 1,)."""
-        pull = (by_length / self.length)[:, None] * self.edges
-        on_points = np.zeros((len(self.where), 2))
-        on_points[self.stretch[1:]] += pull
-        on_points[self.stretch[:-1]] -= pull
-        self.where.add_point_seeds(on_points[:, :, None], particles[:, :, None])
-
-
-def way_round(where) -> np.ndarray:
-    """The points of a boundary in order, the first once more at the end where it is closed."""
-    every, (first, last) = np.arange(len(where)), where.points.anchors[[0, -1]]
-    closed = np.isin(last, where.edges[0]).any() and np.isin(first, where.edges[-1]).any()
-    return np.append(every, 0) if closed and len(every) > 2 else every
-
-
-def touching_shares(gap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Share of every stretch between neighbouring contact points that touches, the gap being linear.
-
-    Parameters
-    ----------
-    gap : ndarray, shape (k,)
-
-    Returns
-    -------
-    share, by_first, by_second : ndarray, shape (k - 1,)
-        With its derivatives in the gaps at both ends.
-    """
-    a, b = gap[:-1], gap[1:]
-    span = np.where((a < 0.0) != (b < 0.0), a - b, 1.0)
-    share = np.where((a < 0.0) & (b < 0.0), 1.0, 0.0)
-    first, last = (a < 0.0) & (b >= 0.0), (a >= 0.0) & (b < 0.0)
-    share = np.where(first, a / span, np.where(last, -b / span, share))
-    # a / (a - b) where the first end touches, -b / (a - b) where the second one does
-    by_a = np.where(first, -b, np.where(last, b, 0.0)) / span**2
-    by_b = np.where(first, a, np.where(last, -a, 0.0)) / span**2
-    return share, by_a, by_b
-
-
-@dataclass(frozen=True)
-class ContactWidth(Measure):
-    """Length of the undeformed boundary that is in contact at the end of the path.
-
-    Between neighbouring contact points the gap is taken to be linear, so the width changes smoothly.
-
-    Attributes
-    ----------
-    profile : str
-    """
-
-    profile: str
-    name: str = "contact_width"
-    units = "mm"
-    text = "Length of the undeformed boundary in contact."
-
-    def evaluate(self, result, partials):
-        way = way_round(result.term(self.profile).where)
-        line = _Line(result, self.profile, way)
-        share, by_a, by_b = touching_shares(result.response(self.profile).gap[way])
-        on_gap = partials.output(self.profile, "gap")[0]
-        on_gap[way[:-1]] += line.length * by_a
-        on_gap[way[1:]] += line.length * by_b
-        line.add_partials(share, partials.particles[0])
-        return line.length @ share
-
-
-@dataclass(frozen=True)
-class ContactPressure(Measure):
-    """Contact pressure w_n |g_n| of patches of contact points: a mean of high order below the peak.
-
-    Attributes
-    ----------
-    profile : str
-    patches : tuple of tuple of int, or None
-        Contact points of every patch; None for all points of the drawn seal's contact, divided in the
-        middle of its opened stretch.
-    order : int
-        Of the Lehmer mean.
-    """
-
-    profile: str
-    patches: tuple | None = None
-    order: int = MEAN_ORDER
-    name: str = "contact_pressure"
-    units = "kPa"
-    text = "Contact pressure of each patch, a mean of high order below the peak."
-
-    @property
-    def takes_places(self):
-        return self.patches is None
-
-    def frozen(self, drawn):
-        found = contact_patches(drawn.response(self.profile).state)
-        return replace(self, patches=tuple(tuple(int(p) for p in patch) for patch in found))
-
-    def size(self, seal):
-        return len(self.patches)
-
-    def evaluate(self, result, partials):
-        gap, term = result.response(self.profile).gap, result.term(self.profile)
-        penalty, values = term.law.normal_penalty, np.empty(len(self.patches))
-        on_gap = partials.output(self.profile, "gap")
-        for row, patch in enumerate(self.patches):
-            own = np.array(patch, int)
-            values[row], weight = lehmer_mean(penalty * np.maximum(-gap[own], 0.0), self.order)
-            on_gap[row, own] -= penalty * weight * (gap[own] < 0.0)
-        partials.parameter(term.names[0])[:] += values / penalty
-        return values
-
-
-@dataclass(frozen=True)
-class PeakPressure(ContactPressure):
-    """Contact pressure of all points of a contact: a mean of high order below the peak."""
-
-    order: int = 40
-    name: str = "peak_pressure"
-    text = "Contact pressure, a mean of high order below the peak."
-
-    @property
-    def takes_places(self):
-        return False
-
-    def size(self, seal):
-        return 1
-
-    def evaluate(self, result, partials):
-        every = tuple(range(len(result.term(self.profile).where)))
-        return ContactPressure(self.profile, (every,), self.order).evaluate(result, partials)
 
 
 @dataclass(frozen=True)
@@ -253,19 +170,28 @@ class Reaction(Measure):
     ----------
     profile : str
     travels : tuple of float, or None
-        How far the profile has come along its path, mm; None for the end of the path.
+        How far the profile has come along its path, mm; None for the end of the path. For a profile
+        that does not travel it is the path of the first one that does.
     components : tuple of int
         0 horizontal, 1 vertical; one after the other at every travel.
+    direction : pair of float, "travel", or None
+        In place of the components: the force along this direction, of any length, or against the travel
+        of the profile there, positive where the seal resists.
+    length : float, or None
+        Length of the seal whose force it is, mm, and then in N; None for the force per length, N/m.
 
     Raises
     ------
     ValueError
-        For travels that are no numbers from zero on, or other components.
+        For travels that are no numbers from zero on, other components, a direction of length zero, a
+        length that is not positive.
     """
 
     profile: str
     travels: tuple | None = None
     components: tuple = (0, 1)
+    direction: tuple | str | None = None
+    length: float | None = None
     name: str = "reaction"
     units = "N/m"
     text = "Force of the seal on the profile: horizontal, vertical."
@@ -284,27 +210,66 @@ class Reaction(Measure):
                 f"components of {self.name!r} must be 0 (horizontal) or 1 (vertical), got "
                 f"{self.components}"
             )
+        object.__setattr__(self, "direction", self._unit_direction())
+        if self.length is not None:
+            real(f"length of {self.name!r}", self.length, above=0.0)
+            object.__setattr__(self, "units", "N")
+        if self.direction is not None:
+            against = "against its travel" if self.direction == TRAVEL else "in a direction"
+            object.__setattr__(self, "text", f"Force of the seal on the profile {against}.")
+
+    def _unit_direction(self) -> tuple | str | None:
+        text = isinstance(self.direction, str)
+        if self.direction is None or (text and self.direction == TRAVEL):
+            return self.direction
+        vector = np.zeros(2) if text else numbers(f"direction of {self.name!r}", self.direction)
+        size = np.linalg.norm(vector)
+        if vector.shape != (2,) or not 0.0 < size < np.inf:
+            raise ValueError(
+                f"direction of {self.name!r} must be two numbers that are not both zero, or "
+                f"{TRAVEL!r}, got {self.direction!r}"
+            )
+        return tuple((vector / size).tolist())
+
+    @property
+    def scale(self) -> float:
+        """The unit of the value over N/m."""
+        return 1.0 if self.length is None else 1e-3 * self.length
 
     def before(self, seal) -> float:
         """Travel from the start to where ``travels`` are counted from, mm."""
         return 0.0
 
+    @property
+    def _rows(self) -> int:
+        """Values at every travel."""
+        return len(self.components) if self.direction is None else 1
+
     def size(self, seal):
-        return len(self.components) * (1 if self.travels is None else len(self.travels))
+        return self._rows * (1 if self.travels is None else len(self.travels))
 
     def evaluate(self, result, partials):
-        steps, motion = result.path.nominal_steps, result.term(self.profile).motion
+        steps, motion = result.path.nominal_steps, self._motion(result)
         if self.travels is None:
-            places = [(float(len(steps)), np.zeros(len(motion.names)))]
+            places = [(motion.travel, float(len(steps)), np.zeros(len(motion.names)))]
         else:
             self._check_reached(result, motion)
             before = self.before(result.seal)
-            places = [motion.at_travel(before + travel) for travel in self.travels]
+            counted = [before + travel for travel in self.travels]
+            places = [(travel, *motion.at_travel(travel)) for travel in counted]
         parts = [
-            self._interpolated(result, partials, row * len(self.components), *place)
+            self._interpolated(result, partials, row * self._rows, motion, *place)
             for row, place in enumerate(places)
         ]
         return np.concatenate(parts)
+
+    def _motion(self, result):
+        """Of the profile; of the first one that travels where it does not."""
+        own, terms = result.term(self.profile).motion, result.path.problem.terms
+        if own.travel > 0.0:
+            return own
+        others = (term.motion for term in terms if hasattr(term, "motion"))
+        return next((motion for motion in others if motion.travel > 0.0), own)
 
     def _check_reached(self, result, motion) -> None:
         end = motion.travel - self.before(result.seal)
@@ -316,12 +281,25 @@ class Reaction(Measure):
                 result,
             )
 
-    def _interpolated(self, result, partials, row, fraction, rates) -> np.ndarray:
-        """Components of the force after ``fraction`` nominal steps; ``rates`` are its derivatives with
-        respect to the parameters of the motion."""
+    def _directions(self, motion, travel) -> tuple[np.ndarray, np.ndarray]:
+        """Directions (r, 2) whose forces are the values at a travel, and their derivatives (m, r, 2)
+        with respect to the m parameters of the motion."""
+        if self.direction == TRAVEL:
+            unit, rates = travel_direction(motion, travel)
+            return -unit[None], -rates[:, None]
+        fixed = np.eye(2)[list(self.components)]
+        if self.direction is not None:
+            fixed = np.array([self.direction])
+        return fixed, np.zeros((len(motion.names), *fixed.shape))
+
+    def _interpolated(self, result, partials, row, motion, travel, fraction, rates) -> np.ndarray:
+        """Values after ``fraction`` nominal steps, at ``travel``; ``rates`` are the derivatives of the
+        fraction with respect to the parameters of the motion."""
         steps, place = result.path.nominal_steps, result.path.place(self.profile)
-        first, values, change = min(int(fraction), len(steps) - 1), 0.0, 0.0
-        rows, components = row + np.arange(len(self.components)), np.array(self.components)
+        directions, turns = self._directions(motion, travel)
+        directions, turns = self.scale * directions, self.scale * turns
+        first, force, change = min(int(fraction), len(steps) - 1), np.zeros(2), np.zeros(2)
+        rows = row + np.arange(self._rows)
         for number, weight, sign in (
             (first, 1.0 - (fraction - first), -1.0),
             (first + 1, fraction - first, 1.0),
@@ -329,11 +307,26 @@ class Reaction(Measure):
             if number == 0:  # nothing touches at the start
                 continue
             step = steps[number - 1]
-            total = np.asarray(step.responses[place].total)[components]
-            values, change = values + weight * total, change + sign * total
+            total = np.asarray(step.responses[place].total)
+            force, change = force + weight * total, change + sign * total
             if weight != 0.0:
-                partials.force(self.profile, step)[rows, :, components] += weight
-        for name, rate in zip(result.term(self.profile).motion.names, rates, strict=True):
-            if rate != 0.0:
-                partials.parameter(name)[rows] += rate * change
-        return np.broadcast_to(values, rows.shape)
+                partials.force(self.profile, step)[rows] += weight * directions[:, None]
+        # d(F . e) = (F_1 - F_0) . e d(fraction) + F . de
+        for name, rate, turn in zip(motion.names, rates, turns, strict=True):
+            if rate != 0.0 or turn.any():
+                partials.parameter(name)[rows] += rate * (directions @ change) + turn @ force
+        return directions @ force
+
+
+def travel_direction(motion, travel: float) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vector (2,) along which a profile moves when it has come so far, and its derivatives (m, 2)
+    with respect to the m parameters of the motion; zero for one that does not travel."""
+    ways, rates = np.diff(motion.positions, axis=0), np.diff(motion.rates[:, :, :2], axis=1)
+    lengths = np.hypot(*ways.T)
+    ends = np.cumsum(lengths)
+    if not ends[-1] > 0.0:
+        return np.zeros(2), np.zeros((len(motion.names), 2))
+    stage = int(np.searchsorted(ends, min(travel, ends[-1])))
+    stage = stage if lengths[stage] > 0.0 else int(np.flatnonzero(lengths)[0])
+    unit, rate = ways[stage] / lengths[stage], rates[:, stage]
+    return unit, (rate - np.outer(rate @ unit, unit)) / lengths[stage]

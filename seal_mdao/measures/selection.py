@@ -33,17 +33,28 @@ def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate(ranked)[:count]
 
 
-def touching_stretch(state: np.ndarray) -> np.ndarray:
-    """Contact points from the first to the last one in contact."""
+def touching_stretch(state: np.ndarray, closed: bool = False) -> np.ndarray:
+    """Contact points from the first to the last one in contact, in order.
+
+    On a closed boundary they are all points but those of its longest open part.
+    """
     touching = np.flatnonzero(state != OPEN)
     if touching.size == 0:
         return touching
+    if closed:
+        following = np.append(touching[1:], touching[0] + state.size)
+        last = int(np.argmax(following - touching))
+        first = (last + 1) % touching.size
+        return (
+            np.arange(touching[first], touching[last] + 1 + state.size * (first > last))
+            % state.size
+        )
     return np.arange(touching[0], touching[-1] + 1)
 
 
-def opened_points(state: np.ndarray) -> np.ndarray:
+def opened_points(state: np.ndarray, closed: bool = False) -> np.ndarray:
     """Contact points that stand open between the first and the last one in contact."""
-    between = touching_stretch(state)
+    between = touching_stretch(state, closed)
     return between[state[between] == OPEN]
 
 

@@ -1,6 +1,7 @@
-"""Von Mises stress at particles, and its p-norm over a region."""
+"""Von Mises stress at particles, its p-norm over a region, and its maximum over the section."""
 
 from dataclasses import dataclass, replace
+from math import ceil, log, log1p
 
 import numpy as np
 
@@ -8,8 +9,11 @@ from seal_mdao.measures.aggregates import NORM_ORDER, p_norm
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import boundary_peaks
 from seal_mdao.structure.particle_stress import particle_stress
+from seal_mdao.values import real
 
 STRESS_COUNT = 7
+EXCESS = 0.05
+"""Bound on what the smooth maximum is above the largest stress, relative."""
 
 
 @dataclass(frozen=True)
@@ -81,3 +85,42 @@ class StressNorm(Measure):
         for name, row in by_constants.items():
             partials.parameter(name)[0] += weight @ row
         return value
+
+
+@dataclass(frozen=True)
+class LargestVonMises(Measure):
+    """Smooth maximum of the von Mises stress over all particles of the section.
+
+    It is their p-norm, for which
+
+        max_i s_i <= (sum_i s_i^p)^(1/p) <= n^(1/p) max_i s_i,
+
+    with p = ln n / ln(1 + excess) of the n particles, so the value is never below the largest stress of
+    a particle, and at most ``excess`` above it. Its sensitivities cost one adjoint solution.
+
+    Attributes
+    ----------
+    excess : float
+        Bound on the relative excess: with a smaller one the derivatives change faster with the design.
+
+    Raises
+    ------
+    ValueError
+        For an excess that is not between 0 and 1.
+    """
+
+    excess: float = EXCESS
+    name: str = "largest_von_mises"
+    units = "kPa"
+    text = "Largest von Mises stress of the section, a smooth upper bound."
+
+    def __post_init__(self):
+        real(f"excess of {self.name!r}", self.excess, above=0.0, high=1.0)
+
+    def order(self, n_particles: int) -> int:
+        """p of the norm over so many particles."""
+        return max(2, ceil(log(n_particles) / log1p(self.excess)))
+
+    def evaluate(self, result, partials):
+        norm = StressNorm(order=self.order(len(result.particles)))
+        return norm.evaluate(result, partials)

@@ -14,7 +14,7 @@ from seal_mdao.plotting.style import (
     styled,
     subplots,
 )
-from seal_mdao.seals.profiles import contacts, pressure, side_lengths
+from seal_mdao.seals.profiles import contacts, nominal_pressure, side_lengths, true_pressure
 from seal_mdao.seals.result import SealResult
 
 BESIDE = 2
@@ -28,7 +28,8 @@ def arc_length(result: SealResult, label: str) -> np.ndarray:
 
 @styled
 def contact_pressure(result: SealResult, steps=None) -> Figure:
-    """Contact pressure along the edges that may touch, a picture for every profile.
+    """True contact pressure along the edges that may touch, a picture for every profile, and the nominal
+    one at the end.
 
     Parameters
     ----------
@@ -62,14 +63,18 @@ def _draw_pressures(axes, result, contact, steps) -> None:
     s, answers = arc_length(result, contact.label), result.path.at_nominal(contact.label)
     touched = np.zeros(len(s), bool)
     for number, step in enumerate(steps):
-        values, last = pressure(contact, answers[step]), number == len(steps) - 1
+        values, last = true_pressure(result, contact, step), number == len(steps) - 1
         touched |= values > 0.0
         axes.plot(
             s, values, color=BLUE if last else CYCLE[1:][number % (len(CYCLE) - 1)],
             linewidth=1.8 if last else 1.1, linestyle="-" if last else (":", "--", "-.")[number % 3],
             label=result.caption(step), zorder=3 if last else 2,
         )  # fmt: skip
-    state, values = answers[steps[-1]].state, pressure(contact, answers[steps[-1]])
+    axes.plot(
+        s, nominal_pressure(contact, answers[steps[-1]]), color=GREY, linewidth=1.1,
+        label="nominal, at the end", zorder=2,
+    )  # fmt: skip
+    state = answers[steps[-1]].state
     for text, marker, fill, chosen in (
         ("stick", "s", BLUE, (state != OPEN) & (state != SLIP)), ("slip", "^", ORANGE, state == SLIP),
     ):  # fmt: skip
@@ -88,13 +93,15 @@ def _draw_pressures(axes, result, contact, steps) -> None:
         axes.set_title("no contact", fontsize=9.5, color=GREY)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel(f"undeformed arc length along the contact with {contact.label} (mm)")
-    axes.set_ylabel("contact pressure (kPa)")
+    axes.set_ylabel("true contact pressure (kPa)")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 @styled
 def contact_width(result: SealResult) -> Figure:
-    """Undeformed length in contact and highest pressure of every profile against its travel.
+    """Deformed width in contact and highest true pressure of every profile against its travel.
+
+    Thin lines are the nominal ones.
 
     Parameters
     ----------
@@ -110,18 +117,26 @@ def contact_width(result: SealResult) -> Figure:
     ValueError
         For a result without profiles or without any converged step.
     """
-    figure, panels = course_panels(result, "contact width, {} (mm)")
+    figure, panels = course_panels(result, "width in contact with {} (mm)")
     for history, course, axes, last in panels:
-        (width,) = axes.plot(*with_start(course, history.width), color=BLUE)
-        axes.set_ylim(0.0, 1.12 * max(history.width.max(), 1e-3))
         right = axes.twinx()
         right.spines["right"].set_visible(last)
         right.grid(False)
-        (peak,) = right.plot(*with_start(course, history.peak), color=VERMILION, linestyle="--")
-        right.set_ylim(0.0, 1.12 * max(history.peak.max(), 1e-3))
+        lines = _both(axes, course, history.width, history.nominal_width, BLUE, "-")
+        lines += _both(right, course, history.peak, history.nominal_peak, VERMILION, "--")
         if last:
             right.set_ylabel("peak pressure (kPa)", color=VERMILION)
         else:
             right.tick_params(right=False, labelright=False)
-    panels[0][2].legend([width, peak], ["width", "peak pressure"], loc="best")
+    words = ["deformed width", "nominal width", "true peak pressure", "nominal peak pressure"]
+    panels[0][2].legend(lines, words, loc="best")
     return figure
+
+
+def _both(axes, course, true, nominal, color, style) -> list:
+    """The true values of a course and, as a thin line, the nominal ones."""
+    lines = axes.plot(*with_start(course, true), color=color, linestyle=style, zorder=3)
+    thin = {"linewidth": 0.8, "alpha": 0.7, "zorder": 2}
+    lines += axes.plot(*with_start(course, nominal), color=color, linestyle=":", **thin)
+    axes.set_ylim(0.0, 1.12 * max(true.max(), nominal.max(), 1e-3))
+    return lines

@@ -15,6 +15,7 @@ from seal_mdao.report import tables
 from seal_mdao.report.history import FEASIBLE, history_data
 from seal_mdao.report.shapes import Pictures
 from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.gaps import gaps_unmeasured_by
 
 ASSETS = files("seal_mdao.report") / "assets"
 SCRIPTS = ("chart.js", "shape.js", "page.js")
@@ -69,6 +70,8 @@ def render(
     seals: list[ShownSeal],
     numbers: list[int],
     further: str = "",
+    figures=(),
+    notes=(),
 ) -> str:
     """The page as text.
 
@@ -83,6 +86,8 @@ def render(
         Which points of the history these are.
     further : str
         HTML of further sections.
+    figures, notes : sequence
+        Further figures and warnings, as of ``write_report``.
 
     Returns
     -------
@@ -104,8 +109,11 @@ def render(
         status_kind=kind,
         status=escape(short),
         message=escape(long),
-        figures="".join(_figure(*figure) for figure in key_figures(history, seals)),
-        warning="".join(f'<p class="warning">{text}</p>' for text in warnings(history, seals)),
+        figures="".join(_figure(*own) for own in [*key_figures(history, seals), *figures]),
+        warning="".join(
+            f'<p class="warning">{text}</p>'
+            for text in [*warnings(history, seals), *(escape(f"{note}.") for note in notes)]
+        ),
         choice=_choice(seals) if len(seals) > 1 else "",
         shapes="" if seals else "hidden",
         first=first,
@@ -160,6 +168,8 @@ def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]
             found += [
                 f"{name} design of {escape(seal.name)}: {escape(t)}." for t in design.warnings
             ]
+        unseen = gaps_unmeasured_by(seal.ends[1], history.objective_name.rsplit(".", 1)[-1])
+        found += [f"Last design of {escape(seal.name)}: {escape(text)}." for text in unseen]
     return found
 
 

@@ -18,7 +18,7 @@ from seal_mdao.plotting.style import STRESS_MAP
 from seal_mdao.report.ring import RingGrid, ring_grid
 from seal_mdao.seals.door.measures import DOOR
 from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.seals.profiles import contacts, pressure
+from seal_mdao.seals.profiles import contacts, true_pressure
 
 POINTS_AROUND, POINTS_ACROSS = 116, 5
 """Points of the fine grid that are enough for a picture."""
@@ -135,7 +135,7 @@ class Pictures:
             "reaction": np.round(result.reaction[steps], 4).tolist(),
             "peak": [float(np.round(self._stress(result, step).max(), 2)) for step in steps],
             "state": ["".join(map(str, contact.state)) for contact in chosen],
-            "pressure": [np.round(pressure(door, contact), 2).tolist() for contact in chosen],
+            "pressure": [np.round(true_pressure(result, door, s), 2).tolist() for s in steps],
             "gap": [np.round(contact.gap, 5).tolist() for contact in chosen],
             "arc": np.round(boundary_coordinate(result), 4).tolist(),
             "door": door_face(result),

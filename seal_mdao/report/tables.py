@@ -8,11 +8,11 @@ from html import escape
 import numpy as np
 
 from seal_mdao.contact.friction import OPEN
-from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.recorded import RecordedOptimization, label, unit_of
 from seal_mdao.report import history as words
 from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.seals.profiles import contacts, pressure
+from seal_mdao.seals.gaps import largest_gap
+from seal_mdao.seals.profiles import contacts, nominal_pressure, profile_histories, true_pressure
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NO_VALUE = "–"
@@ -121,16 +121,26 @@ def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
     """Name, unit and value of what an engineer asks about a design; nan where it is not known."""
     (door,) = contacts(result.seal)
     last = result.path.at_nominal("door")[-1]
-    touching, opened = last.state != OPEN, opened_points(last.state)
-    lengths = result.term("door").length
+    touching = last.state != OPEN
+    (history,) = profile_histories(result)
     reached = result.converged
     return [
         ("sum of squared gaps", "mm²", result.gap_square_sum if reached else math.nan),
-        ("largest gap between contacts", "mm", last.gap[opened].max(initial=0.0)),
+        ("largest gap between contacts", "mm", largest_gap(result, door.label).size),
         ("contact points in contact", "", int(touching.sum())),
-        ("length of the boundary in contact, undeformed", "mm", float(lengths[touching].sum())),
+        ("width in contact, deformed", "mm", float(history.width[-1])),
+        ("width in contact, nominal (undeformed)", "mm", float(history.nominal_width[-1])),
         ("patches in contact", "", patches(touching)),
-        ("highest contact pressure", "kPa", float(pressure(door, last).max())),
+        (
+            "highest contact pressure, true (force over deformed length)",
+            "kPa",
+            float(true_pressure(result, door).max()),
+        ),
+        (
+            "highest contact pressure, nominal (over undeformed length)",
+            "kPa",
+            float(nominal_pressure(door, last).max()),
+        ),
         ("deepest penetration", "mm", max(0.0, -float(last.gap.min()))),
         ("highest von Mises stress at a particle", "kPa", float(result.stress_field().max())),
         ("vertical force on the door", "N/m", float(result.reaction[-1, 1])),

@@ -22,6 +22,8 @@ def write_report(
     given: dict | None = None,
     kept: KeptAnalyses | None = None,
     further: str = "",
+    figures=(),
+    notes=(),
 ) -> Path:
     """Write the HTML report of an optimisation.
 
@@ -41,6 +43,10 @@ def write_report(
         Analyses of the run that wrote the file.
     further : str
         HTML of further sections, such as ``report.samples.samples_section``.
+    figures : sequence of (str, str, str)
+        Further figures at the top of the page: name, value and explanation.
+    notes : sequence of str
+        Further warnings.
 
     Returns
     -------
@@ -59,7 +65,7 @@ def write_report(
     seals = [seal for seal in history.seals if seal.drawable]
     numbers = chosen_points(len(history.objective)) if seals else []
     shown = [ShownSeal(seal, analyze_points(seal, numbers, kept)) for seal in seals]
-    text = render(history, cases.name, shown, numbers, further)
+    text = render(history, cases.name, shown, numbers, further, figures, notes)
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(text, encoding="utf-8")

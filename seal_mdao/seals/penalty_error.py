@@ -150,7 +150,8 @@ def scale_of(measure: Measure, result) -> float:
 def least_scale(measure: Measure, result) -> float:
     """Size below which a measure is as good as zero, in its unit."""
     if isinstance(measure, Reaction):
-        return float(np.abs(result.path.reaction(measure.profile)).max(initial=0.0))
+        force = np.abs(result.path.reaction(measure.profile)).max(initial=0.0)
+        return measure.scale * float(force)
     if isinstance(measure, ContactWidth):  # less than the distance of the points is not resolved
         return float(result.term(measure.profile).length.mean())
     along = result.path.largest_displacement

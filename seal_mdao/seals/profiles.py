@@ -10,7 +10,7 @@ from seal_mdao.contact.friction import OPEN
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import Motion, step_shares
-from seal_mdao.measures.contact import touching_shares, way_round
+from seal_mdao.measures.boundary_line import BoundaryLine, touching_shares, way_round
 
 PARALLEL = 1e-9
 """Sine of the angle between stages that still go along one line."""
@@ -66,10 +66,10 @@ class ProfileHistory:
         x, y (mm), angle (degrees) of the profile itself.
     force : ndarray, shape (n, 2)
         Of the seal on the profile, N/m.
-    width : ndarray, shape (n,)
-        Undeformed length in contact, mm.
-    peak : ndarray, shape (n,)
-        Highest contact pressure of all points, kPa.
+    width, nominal_width : ndarray, shape (n,)
+        Deformed and undeformed length in contact, mm.
+    peak, nominal_peak : ndarray, shape (n,)
+        Highest true and nominal contact pressure of all points, kPa.
     courses : tuple of Course
     """
 
@@ -80,7 +80,9 @@ class ProfileHistory:
     place: np.ndarray
     force: np.ndarray
     width: np.ndarray
+    nominal_width: np.ndarray
     peak: np.ndarray
+    nominal_peak: np.ndarray
     courses: tuple
 
 
@@ -106,21 +108,39 @@ def _history(result, contact) -> ProfileHistory:
     stage = stage_of(motion, number)
     since = _waypoints(motion)[stage - 1]
     way = _coordinates(motion, number) - since
-    responses = result.path.at_nominal(contact.label)
-    ring = way_round(result.term(contact.label).where)
-    lengths = np.hypot(*np.diff(contact_places(result, contact.label)[ring], axis=0).T)
-    pressures = [pressure(contact, response) for response in responses]
+    at_steps = np.array([_contact_at(result, contact, step) for step in range(len(number))])
     return ProfileHistory(
         contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
-        np.array([lengths @ touching_shares(response.gap[ring])[0] for response in responses]),
-        np.array([values.max() for values in pressures]), courses(motion, len(number)),
+        *at_steps.reshape(-1, 4).T, courses(motion, len(number)),
     )  # fmt: skip
 
 
-def pressure(contact: RigidContact, response) -> np.ndarray:
-    """Contact pressure w_n |g_n| of the points, per undeformed area, shape (k,), kPa."""
+def _contact_at(result, contact, step: int) -> tuple:
+    """Deformed and undeformed width in contact, highest true and nominal pressure after a step."""
+    response, where = result.path.at_nominal(contact.label)[step], result.term(contact.label).where
+    ring = way_round(where)
+    shares = touching_shares(response.gap[ring])[0]
+    widths = [
+        BoundaryLine(where, ring, particles).length @ shares
+        for particles in (result.deformed(step), result.particles)
+    ]
+    pressures = true_pressure(result, contact, step), nominal_pressure(contact, response)
+    return (*widths, *(values.max() for values in pressures))
+
+
+def nominal_pressure(contact: RigidContact, response) -> np.ndarray:
+    """Contact pressure w_n |g_n| of the points, force over undeformed length, shape (k,), kPa."""
     return np.where(response.state != OPEN, -contact.law.normal_penalty * response.gap, 0.0)
+
+
+def true_pressure(result, contact: RigidContact, step: int = -1) -> np.ndarray:
+    """True (Cauchy) contact pressure of the points after a nominal step, force over deformed length,
+    shape (k,), kPa."""
+    where, response = contact.where, result.path.at_nominal(contact.label)[step]
+    # p = w_n |g_n| L / l
+    stretch = where.lengths(result.deformed(step)) / where.lengths(result.particles)
+    return nominal_pressure(contact, response) / stretch
 
 
 def contact_places(result, label: str) -> np.ndarray:

@@ -74,13 +74,15 @@ class SealResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is not right with the end of a completed path, a line each; ``seals.checks`` lists it.
+        """What is not right with the end of a completed path, a line each (``seals.checks``), and the
+        cautions of the seal.
 
         Nothing of it for a path that was not completed.
         """
         if not self.converged:
             return ()
-        return (*(found.text for found in findings(self.path)), *penalty_error.warnings_of(self))
+        found = (finding.text for finding in findings(self.path))
+        return (*found, *penalty_error.warnings_of(self), *self.seal.cautions)
 
     @cached_property
     def penalty_error(self) -> dict:

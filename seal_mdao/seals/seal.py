@@ -119,6 +119,11 @@ class Seal:
         """The same seal under the drawn profile, where places of measures are chosen."""
         return self
 
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What is known to make the results of this seal inaccurate, a line each."""
+        return ()
+
     def completed(self, result, analysis=None):
         """A result with what the seal still has to say to it.
 

@@ -156,7 +156,8 @@ def test_optima_of_the_examples(path, tmp_path):
     measures = {measure.name: measure for measure in frozen_measures(seal)}
     aim = measures[file.optimize.minimize]
     assert best.value(aim)[0] < drawn.value(aim)[0]
-    assert not best.warnings
+    # examples whose walls are coarse say so
+    assert best.warnings == seal.cautions
     written = write_design(file, seal, offsets, measures.values(), tmp_path, "optimum")[0]
     again = sm.analyze(sm.build_seal(sm.read_seal_file(written)))
     for measure in again.measures():

@@ -7,7 +7,8 @@ from quotients import quotients
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.export.vtu import point_data
-from seal_mdao.measures.contact import ContactWidth, way_round
+from seal_mdao.measures.boundary_line import way_round
+from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.measures.work import ProfileWork
 from seal_mdao.report.shapes import Pictures
 from seal_mdao.seals.door.measures import FURTHER, STANDARD
@@ -84,7 +85,7 @@ def test_pressure_of_particles_is_the_mean_of_the_points_beside(result):
     pytest.importorskip("meshio")
     outer = result.seal.grid.free_outer
     points = -result.seal.normal_penalty * np.minimum(result.contact.gap, 0.0)
-    found = point_data(result, len(result.path.nominal_steps) - 1)["pressure_door"]
+    found = point_data(result, len(result.path.nominal_steps) - 1)["nominal_pressure_door"]
     np.testing.assert_allclose(found[outer[1:-1]], 0.5 * (points[:-1] + points[1:]), rtol=1e-12)
     assert np.flatnonzero(found).size == np.isin(outer, np.flatnonzero(found)).sum()
 

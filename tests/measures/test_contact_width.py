@@ -11,12 +11,17 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.measures.contact import ContactWidth
+from seal_mdao.measures.contact import LargestGap, Reaction
+from seal_mdao.measures.contact_pressure import ContactWidth, PeakPressure
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import edge_points
 
 RAYS = 24
+MEASURES = (
+    ContactWidth("plate"), PeakPressure("plate"),
+    Reaction("plate", (0.2, 0.4), direction="travel", name="against"),
+)  # fmt: skip
 
 
 def ring(first: int) -> sm.AssembledSeal:
@@ -44,7 +49,7 @@ def ring(first: int) -> sm.AssembledSeal:
     wider[0, 2 * RAYS :] = unit
     return sm.AssembledSeal(
         particles, wider, body, (elastic_body(sm.MooneyRivlin(80.0, 20.0, 2000.0)), plate), 6,
-        (ContactWidth("plate"),), newton=sm.NewtonOptions(tolerance=1e-11),
+        MEASURES, newton=sm.NewtonOptions(tolerance=1e-11),
     )  # fmt: skip
 
 
@@ -68,11 +73,18 @@ def test_derivatives_across_the_seam(seam_in_contact):
         sm.differentiate(seam_in_contact, names, method=method) for method in ("direct", "adjoint")
     )
     for column, name in enumerate(direct.parameters):
-        one, other = (found["contact_width"][0, column] for found in (direct, adjoint))
-        quotient, bound = quotients(seam_in_contact.seal, name, 1e-4)["contact_width"]
-        assert abs(one - other) <= 1e-9 * abs(one), name
-        assert abs(quotient[0] - one) <= bound[0], name
-        assert bound[0] <= 1e-4 * abs(one), name
+        found = quotients(seam_in_contact.seal, name, 1e-4)
+        for measure in MEASURES:
+            one, other = (rates[measure.name][:, column] for rates in (direct, adjoint))
+            quotient, bound = found[measure.name]
+            assert np.abs(one - other).max() <= 1e-10 * np.abs(one).max(), (name, measure.name)
+            assert (np.abs(quotient - one) <= bound).all(), (name, measure.name)
+            assert bound.max() <= 1e-4 * np.abs(one).max(), (name, measure.name)
+
+
+def test_the_part_that_nothing_touches_is_no_gap(seam_in_contact):
+    """The boundary is closed: its longest open part lies outside of the contact, seam or not."""
+    assert float(seam_in_contact.value(LargestGap("plate"))[0]) == 0.0
 
 
 def test_points_between_particles_are_refused(seam_in_contact):

@@ -16,7 +16,7 @@ from seal_mdao.report import tables
 from seal_mdao.report.page import status
 from seal_mdao.report.shapes import FULL, Pictures
 from seal_mdao.report.write import DESIGNS, chosen_points, write_report
-from seal_mdao.seals.profiles import contacts, pressure
+from seal_mdao.seals.profiles import contacts, nominal_pressure, true_pressure
 
 
 def unpacked(text, *shape):
@@ -86,7 +86,9 @@ def test_pressure_carries_the_vertical_force(ends):
     for result in ends:
         end, lengths = result.contact, result.term("door").length
         (door,) = contacts(result.seal)
-        carried = pressure(door, end) * lengths
+        carried = nominal_pressure(door, end) * lengths
+        deformed = door.where.lengths(result.deformed())
+        assert true_pressure(result, door) * deformed == pytest.approx(carried, rel=1e-12)
         normal = np.abs(end.force).max(axis=1)
         flat = np.flatnonzero((carried > 0.0) & (end.x[:, 0] < 1.5))
         assert flat.size

@@ -78,6 +78,8 @@ def test_matrix_goes_on_where_it_stopped(tmp_path, run_script):
     (row,) = summary["table"]
     assert summary["runs"] == summary["converged"] == 1
     assert row["cost"] < 0.01
+    assert f"gap {row['largest_gap_mm']:.4f} mm" in (tmp_path / "page.md").read_text()
+    assert 0.0 <= row["largest_gap_mm"] < 0.1
     assert max(row["violation"], row["optimality"]) <= 1e-3
     assert f"{name} converged in 1 of 1 cases" in (tmp_path / "page.md").read_text()
     # a run of another model, and one that was cut off by a kill, do not count

@@ -35,6 +35,27 @@ def test_gap_closes_within_the_limits(optimised, assert_drawn):
     assert_drawn(out, *FIGURES)
 
 
+def test_headline_has_the_largest_gap_anywhere(tmp_path, run_script, capsys):
+    """At a depth of 8 mm the cost of Eq. (71) all but vanishes as the opening leaves its points."""
+    arguments = ("--depth", 8, *CHEAP)
+    code, s = run_script("optimize_door_seal", tmp_path / "sum", *arguments)
+    said = capsys.readouterr().out
+    gap = s["largest_gap_mm"]
+    assert code == 0
+    assert s["objective_ratio"] < 1e-3
+    assert 0.1 * gap["start"] < gap["end"] < gap["start"]
+    assert f"largest gap between the contacts {gap['start']:.4f} -> {gap['end']:.4f} mm" in said
+    (text,) = s["warnings"]
+    assert "lies outside of the points at which gap_square_sum is measured" in text
+    assert f"WARNING (last design): {text}" in said
+    page = (tmp_path / "sum" / "report.html").read_text(encoding="utf-8")
+    assert "the opening has moved away from them" in page
+    code, s = run_script("optimize_door_seal", tmp_path / "integral", *arguments, "--gap-integral")
+    assert code == 0
+    assert s["largest_gap_mm"]["end"] < 0.1 * gap["end"]
+    assert s["warnings"] == []
+
+
 def test_nothing_is_analysed_twice(counted_optimisation):
     """Not even the drawn seal, at which the optimiser starts, nor for the figures and the report."""
     (_, _, s), solved = counted_optimisation

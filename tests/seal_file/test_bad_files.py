@@ -20,6 +20,7 @@ OPEN = BULB.replace("steps = 60\n", "").replace("steps = 20\n", "")
 OTHER = f'[[profile]]\nname = "other"\nfriction = 0.1\ncontact = ["seal"]\n{DOOR}\nstart = [0.0, 15.0]\n'
 SECOND = PROFILE.replace('"door"', '"wall"')
 WIDTH = 'type = "contact_width"\nprofile = "door"'
+REACTION, STRESS = 'type = "reaction"', 'type = "von_mises"'
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
 FIXED = '[fixed]\nedges = ["base"]\n'
 SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
@@ -199,6 +200,10 @@ BAD = {
     "coordinate too large": ("[4.0, 0.0]]", "[4e99, 0.0]]", "line: last = (4e+99, 0) is beyond 1e+09"),
     "spacing misspelt": ("spacing =", "spaceing =", "unknown key 'spaceing' (did you mean 'spacing'?)"),
     "outline and drawing": ("spacing = 0.9", 'spacing = 0.9\ndxf = "a.dxf"', "it has both"),
+    "two layers": ("spacing = 0.9\n", "spacing = 0.9\nlayers = 2\n", "layers = 2, but it must be a "
+                   "whole number from 3 to 50"),
+    "layers beside rays": ("spacing = 0.9\n", "rays = { rays = 24, layers = 4 }\nlayers = 5\n",
+                           "[section]: layers belongs to spacing; rays and a cloud have their own"),
     "no outline": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\n', "it has neither"),
     "units without drawing": ("spacing = 0.9", 'spacing = 0.9\nunits = "mm"', "units belongs to dxf"),
     "no such drawing": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\ndxf = "no.dxf"\n',
@@ -345,6 +350,22 @@ BAD = {
     "argument of another type": (WIDTH, WIDTH + "\norder = 4", "[[measure]] 1: unknown key 'order'"),
     "order one": (WIDTH, 'type = "peak_pressure"\norder = 1', "order = 1, but it must be a whole numb"),
     "component z": (WIDTH, 'type = "reaction"\ncomponent = "z"', "component = 'z', but it must be one"),
+    "component and direction": (WIDTH, REACTION + '\ncomponent = "y"\ndirection = [0.0, 1.0]',
+                                "[[measure]] 1: component beside direction; use one of them"),
+    "no direction of a force": (WIDTH, REACTION + "\ndirection = [0.0, 0.0]", "direction = [0.0, 0.0], "
+                                "but it must be a direction [x, y] that is not [0, 0], or \"travel\""),
+    "travel beyond the path": (WIDTH, REACTION + "\ntravel = [1.0, 8.5]", "[[measure]] 1: travel = 8.5, "
+                               "but the path of the profile 'door' is only 8 mm long"),
+    "travel backwards": (WIDTH, REACTION + "\ntravel = -1.0", "travel = -1.0, but it must be a travel"),
+    "no travels": (WIDTH, REACTION + "\ntravel = []", "travel = [], but it must be a travel along"),
+    "no length": (WIDTH, REACTION + "\nlength = 0.0", "length = 0.0, but it must be a number above 0"),
+    "two choices of stress": (WIDTH, STRESS + "\ncount = 2\nat = [[0.0, 14.0]]",
+                              "[[measure]] 1: at beside count; use one of them"),
+    "bound of chosen stresses": (WIDTH, STRESS + "\ncount = 2\nexcess = 0.1", "[[measure]] 1: excess "
+                                 "belongs to the maximum of the complete section; leave it out beside"),
+    "wide excess": (WIDTH, STRESS + "\nexcess = 1.5", "excess = 1.5, but it must be a number above 0"),
+    "gaps of another seal": (WIDTH, 'type = "gap_square_sum"\npoints = "drawn"', "points = 'drawn', but "
+                             "it must be one of design, nominal"),
     "no point": (WIDTH, 'type = "displacement"', "[[measure]] 1: the key 'at' is missing; it must be a"),
     "no cavity": (WIDTH, 'type = "cavity_area"\nedge = "seal"', "edge = 'seal' does not go all round a"),
     "unknown cavity": (WIDTH, 'type = "cavity_area"\nedge = "hole"', "edge = 'hole', but there is no "),
@@ -355,7 +376,7 @@ BAD = {
     "unknown aim": ('"section_area"', '"weight"', "[optimize]: minimize = 'weight', but there is no "
                     "such measure; it must be the name of a [[measure]] (contact_width)"),
     "aim misspelt": ('"section_area"', '"section_aera"', "(did you mean 'section_area'?)"),
-    "aim with several values": ('"section_area"', '"von_mises"', "which has several values; minimise a"),
+    "aim with several values": ('"section_area"', '"gap"', "which has several values; minimise a"),
     "aim needs more": ('"section_area"', '"cavity_area"', "minimize = 'cavity_area', but there is no "),
     "no bounds": (*without("lower = 40.0\nupper = 60.0\n"), "[[optimize.constraint]] 1: needs lower, "),
     "bounds the other way": ("lower = 40.0", "lower = 70.0", "lower = 70 is above upper = 60"),

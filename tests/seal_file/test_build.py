@@ -84,6 +84,20 @@ def test_the_door_presses_from_above_and_drags_to_the_right(pressed):
     assert -0.75 < top < -0.55
 
 
+def test_walls_with_fewer_than_five_layers_are_reported(tmp_path):
+    """1.4 mm thick, with a spacing of 0.9 mm; ``layers`` gives more."""
+    thin = BULB.replace("radius = 4.5", "radius = 5.6").replace("[0.0, -6.0]", "[0.0, -0.6]")
+    thin = thin.replace("steps = 60", "steps = 2").replace("steps = 20", "steps = 1")
+    few = build_seal(read(tmp_path, thin))
+    enough = build_seal(read(tmp_path, thin.replace("spacing = 0.9", "spacing = 0.9\nlayers = 5")))
+    assert len(enough.drawn_particles) > 1.5 * len(few.drawn_particles)
+    assert enough.cautions == ()
+    assert sm.analyze(enough).warnings == ()
+    (text,) = sm.analyze(few).warnings
+    assert "mm thick and has about 3 layers of particles across, fewer than 5" in text
+    assert "layers = 5 of [section]" in text
+
+
 def test_gradients_against_central_differences(pressed):
     """The same points touch and slip at both ends. The step's square is 1e-8 of the value's, and
     Newton's tolerance over the step less."""
@@ -185,6 +199,23 @@ def test_a_ring_that_nothing_holds_but_two_planes(tmp_path):
         size = np.abs(direct[name]).max()
         assert size > 0.0
         np.testing.assert_allclose(direct[name], adjoint[name], rtol=0.0, atol=1e-9 * size)
+
+
+def test_the_largest_stress_lies_inside_and_is_seen(tmp_path):
+    """That of a squeezed ring lies below the contact, far above all along its boundary."""
+    stress = '[[measure]]\ntype = "von_mises"\n'
+    seal = build_seal(read(tmp_path, f'{RING}{stress}{stress}name = "boundary"\ncount = 7\n'))
+    result = sm.analyze(seal, keep_factors=True)
+    everywhere, boundary = (
+        result.value(measure) for measure in result.measures() if measure.units == "kPa"
+    )
+    largest = result.stress_field().max()
+    assert largest <= everywhere[0] <= 1.05 * largest
+    assert result.stress_field().argmax() not in np.concatenate(seal.loops)
+    assert boundary.max() < 0.7 * largest
+    rates = [sm.differentiate(result, ("c10",), None, way) for way in ("direct", "adjoint")]
+    one, other = (np.atleast_2d(found["von_mises"]) for found in rates)
+    assert np.abs(one - other).max() <= 1e-10 * np.abs(one).max()
 
 
 @pytest.mark.parametrize(("start", "clear"), [(6.0, True), (6.0 - 2e-6, False), (6.1, True)])

@@ -36,10 +36,27 @@ type = "contact_pressure"
 [[measure]]
 type = "von_mises"
 [[measure]]
+type = "von_mises"
+name = "on_the_boundary"
+count = 4
+[[measure]]
+type = "von_mises"
+name = "at_the_top"
+at = [[0.0, 14.0], [0.0, 13.0]]
+[[measure]]
+type = "gap_square_sum"
+points = "nominal"
+[[measure]]
 type = "displacement"
 at = [0.0, 14.0]
 [[measure]]
 type = "reaction"
+[[measure]]
+type = "reaction"
+name = "on_the_way"
+travel = [1.5, 4.2]
+direction = "travel"
+length = 100.0
 """
 RUBBERS = {
     "[section]\n": '[material.foot]\nlaw = "neo_hookean"\nc10 = 300.0\nbulk_modulus = 2e5\n[section]\n',

@@ -14,9 +14,11 @@ from seal_mdao.contact.kinematics import closest_point
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.geometry.profile import circle_profile, polyline_profile, trace
 from seal_mdao.materials.by_name import LAWS
+from seal_mdao.measures.contact import GapSquareSum, OpenGapSquareSum
 from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.stress import LargestVonMises, VonMises
 from seal_mdao.seals.file.laws import read_law
-from seal_mdao.seals.file.measures import KINDS, measure_of
+from seal_mdao.seals.file.measures import KINDS, is_single, measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.outline.section import Arc, Circle, Line
 
@@ -237,17 +239,62 @@ def test_every_type_becomes_a_measure_with_its_name(tmp_path, name):
     assert measure.name == "mine"
     assert getattr(measure, "profile", "door") == "door"
     assert getattr(measure, "point", 1) == 1
-    assert KINDS[name].one is False or measure.size(None) == 1
+    assert not is_single(file.measures[0]) or measure.size(None) == 1
 
 
 def test_the_reaction_is_taken_along_the_first_travel(tmp_path):
     for travel, axis in (("[0.0, -6.0]", "y"), ("[-6.0, 1.0]", "x"), ("[1.0, 1.0]", "y")):
         file = changed(tmp_path, ("[0.0, -6.0]", travel))
-        assert file.measures[-1].arguments == {"profile": "door", "component": axis}
+        given = {k: v for k, v in file.measures[-1].arguments.items() if v is not None}
+        assert given == {"profile": "door", "component": axis}
     declared = 'type = "reaction"\ncomponent = "x"'
     file = changed(tmp_path, ('type = "contact_width"\nprofile = "door"', declared))
     assert [m.name for m in file.measures] == ["reaction", "section_area"]
     assert measure_of(file.measures[0], np.zeros((1, 2))).components == (0,)
+
+
+@pytest.mark.parametrize(("keys", "size", "fields"), [
+    ("travel = 3.0", 1, {"travels": (3.0,), "components": (1,), "direction": None, "units": "N/m"}),
+    ("travel = [1, 3.5]", 2, {"travels": (1.0, 3.5)}),
+    ("direction = [0.0, -2.0]\nlength = 100.0", 1, {"direction": (0.0, -1.0), "units": "N"}),
+    ('direction = "travel"\ntravel = 8.0', 1, {"direction": "travel", "travels": (8.0,)}),
+])  # fmt: skip
+def test_reactions_at_any_travel_in_any_direction(tmp_path, keys, size, fields):
+    file = changed(tmp_path, ('type = "contact_width"\nprofile = "door"',
+                              f'type = "reaction"\nname = "mine"\n{keys}'))  # fmt: skip
+    measure = measure_of(file.measures[0], np.zeros((1, 2)))
+    assert measure.size(None) == size
+    assert is_single(file.measures[0]) == (size == 1)
+    assert {name: getattr(measure, name) for name in fields} == fields
+
+
+@pytest.mark.parametrize(("keys", "kind", "single"), [
+    ("", LargestVonMises, True), ("excess = 0.1", LargestVonMises, True),
+    ("count = 3", VonMises, False), ("at = [[0.0, 13.9], [0.1, 0.0]]", VonMises, False),
+])  # fmt: skip
+def test_stress_is_that_of_the_complete_section_unless_points_are_chosen(
+    tmp_path, keys, kind, single
+):
+    file = changed(tmp_path, ('type = "contact_width"\nprofile = "door"',
+                              f'type = "von_mises"\n{keys}'))  # fmt: skip
+    measure = measure_of(file.measures[0], np.array([(0.0, 0.0), (5.0, 5.0), (0.0, 14.0)]))
+    assert type(measure) is kind
+    assert is_single(file.measures[0]) == single
+    assert not measure.takes_places or keys.startswith("count")
+    if "at" in keys:
+        assert measure.points == (2, 0)
+
+
+@pytest.mark.parametrize(("keys", "kind"), [
+    ("", OpenGapSquareSum), ('points = "design"', OpenGapSquareSum),
+    ('points = "nominal"', GapSquareSum),
+])  # fmt: skip
+def test_gaps_are_those_of_the_design_unless_the_nominal_ones_are_meant(tmp_path, keys, kind):
+    file = changed(tmp_path, ('type = "contact_width"\nprofile = "door"',
+                              f'type = "gap_square_sum"\n{keys}'))  # fmt: skip
+    measure = measure_of(file.measures[0], np.zeros((1, 2)))
+    assert type(measure) is kind
+    assert measure.takes_places == (kind is GapSquareSum)
 
 
 def test_the_form_in_the_tests_is_toml_of_sixty_lines():

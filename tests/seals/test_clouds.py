@@ -12,6 +12,7 @@ from seal_mdao.rkpm.cells import cell_map, quadrature_weights
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import cloud, graded, longest_side, wall_spacing, wall_thickness
 from seal_mdao.seals.outline.extension import harmonic_extension
+from seal_mdao.seals.outline.layers import thin_wall
 from seal_mdao.seals.outline.quadrilaterals import corner_angles, paired
 from seal_mdao.seals.outline.section import Arc, Contour, Line, Outline, sampled
 
@@ -73,7 +74,7 @@ def test_no_wall_has_fewer_than_three_particles_across(thickness):
         return [circle("out", (0.0, 0.0), 5.0, at), inner]
 
     fine = loops(boundaries(0.1))
-    spacing = float(wall_spacing(fine, 0.9)(fine[0]).min())
+    spacing = float(wall_spacing(fine, 0.9, 3)(fine[0]).min())
     assert spacing == pytest.approx(min(0.9, max(0.5 * thickness, 0.15)), rel=0.02)
     filled = cloud(loops(boundaries(spacing)), 0.9)
     outside = np.isin(np.arange(len(filled.particles)), filled.loops[0])
@@ -86,7 +87,7 @@ def test_spacing_grows_away_from_a_thin_wall():
     """A lip 0.6 thick on a block: fine at the lip, as wanted far from it, no faster than a quarter."""
     corners = [[0, 0], [8, 0], [8, 2.2], [12, 2.2], [12, 2.8], [8, 2.8], [8, 5], [0, 5]]
     fine = loops([polygon(np.array(corners, float), 0.1)])
-    at = wall_spacing(fine, 0.9)
+    at = wall_spacing(fine, 0.9, 3)
     # in the middle of the lip, a quarter of the way from its faces
     assert at([[11.0, 2.2]])[0] == pytest.approx(0.3, rel=0.05)
     assert at([[0.0, 2.5]])[0] == 0.9
@@ -132,6 +133,54 @@ def test_sides_grow_slowly_from_fillets(radius, spacing):
     # the side of a cell beside one with a growth of a quarter of the distance between their middles
     following = np.roll(length[::2], -1)
     assert (np.maximum(length[::2] / following, following / length[::2]) < 1.8).all()
+
+
+def ring_sample(thickness):
+    """Boundaries of a ring by the spacing at them."""
+
+    def sample(at):
+        out, inner = (circle("rim", (0.0, 0.0), r, 0.1).points for r in (8.0, 8.0 - thickness))
+        return [
+            circle("out", (0.0, 0.0), 8.0, float(at(out).min())),
+            circle("in", (0.0, 0.0), 8.0 - thickness, float(at(inner).min()), hole=True),
+        ]
+
+    return sample
+
+
+@pytest.mark.parametrize("layers", [3, 5, 7])
+@pytest.mark.parametrize("thickness", [1.0, 1.4])
+def test_walls_have_as_many_layers_as_are_wanted(layers, thickness):
+    """Particles counted in a narrow sector, and as the warning counts them."""
+    boundaries, spacing = graded(ring_sample(thickness), 0.9, layers=layers)
+    filled = cloud(loops(boundaries), spacing)
+    radius = np.hypot(*filled.particles.T)
+    # between both rims a circle in every layer is crossed by sides of cells
+    inside = 8.0 - thickness + np.arange(1, layers - 1) * thickness / (layers - 1)
+    step = 0.55 * thickness / (layers - 1)
+    assert all((np.abs(radius - r) < step).any() for r in inside)
+    assert thin_wall(filled.loops, filled.particles, filled.cells, layers) is None
+    few = thin_wall(filled.loops, filled.particles, filled.cells, 2 * layers)
+    assert layers - 1 <= few.layers < 2 * layers
+    assert few.thickness == pytest.approx(thickness, rel=0.02)
+
+
+def test_a_wall_of_two_cells_is_too_thin():
+    """1.7 mm thick, with a spacing of 0.9 mm: the force is nine percent too large."""
+    boundaries, spacing = graded(ring_sample(1.7), 0.9, layers=3)
+    filled = cloud(loops(boundaries), spacing)
+    assert thin_wall(filled.loops, filled.particles, filled.cells).layers == 3
+    boundaries, spacing = graded(ring_sample(1.7), 0.9, layers=5)
+    filled = cloud(loops(boundaries), spacing)
+    assert thin_wall(filled.loops, filled.particles, filled.cells) is None
+
+
+def test_solid_sections_and_corners_have_no_thin_walls():
+    for spacing in (0.9, 0.5):
+        filled = cloud([circle("rim", (0.0, 0.0), 4.0, spacing).points], spacing)
+        assert thin_wall(filled.loops, filled.particles, filled.cells) is None
+        filled = cloud([polygon(np.array(BLOCK), spacing).points], spacing)
+        assert thin_wall(filled.loops, filled.particles, filled.cells) is None
 
 
 def test_thickness_of_a_ring():

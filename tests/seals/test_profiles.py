@@ -5,7 +5,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.geometry.motion import Stage, staged_motion
-from seal_mdao.measures.contact import ContactWidth
+from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.seals.profiles import (
     contacts,
     courses,
@@ -13,6 +13,7 @@ from seal_mdao.seals.profiles import (
     moves,
     profile_histories,
     stage_of,
+    true_pressure,
 )
 
 
@@ -75,7 +76,10 @@ def test_history_of_the_door(drawn):
     assert np.array_equal(door.force, drawn.reaction)
     assert door.place[:, 1] == pytest.approx(drawn.door_positions)
     assert door.width[-1] == pytest.approx(drawn.value(ContactWidth("door"))[0], rel=1e-12)
-    assert door.peak[-1] == pytest.approx(1e4 * drawn.max_penetration, rel=1e-12)
+    assert door.nominal_peak[-1] == pytest.approx(1e4 * drawn.max_penetration, rel=1e-12)
+    nominal = ContactWidth("door", nominal=True)
+    assert door.nominal_width[-1] == pytest.approx(drawn.value(nominal)[0], rel=1e-12)
+    assert door.peak[-1] == true_pressure(drawn, contacts(drawn.seal)[0]).max()
     assert door.width[0] == door.peak[0] == 0.0
 
 

@@ -56,7 +56,7 @@ function closing() {
   const open = paths.flatMap((path) => path.gap.flatMap((gaps, i) => { const o = opened(path.state[i]); return gaps.filter((_, k) => o[k]); }));
   const widest = Math.max(0.02, ...open);
   const series = (key) => paths.map((path, i) => ({ name: names[i], x: path.arc, values: path[key][0], color: colors[i], dash: dashes[i], dots: 2.4 }));
-  const pressure = new LineChart(place("pressure"), { name: "Contact pressure", x: along, y: { label: "kPa", low: 0, high: 1.08 * highest || 1 }, series: series("pressure") });
+  const pressure = new LineChart(place("pressure"), { name: "True contact pressure", x: along, y: { label: "kPa", low: 0, high: 1.08 * highest || 1 }, series: series("pressure") });
   const gap = new LineChart(place("gap"), { name: "Normal gap", x: along, y: { label: "mm", low: -0.12 * widest, high: 1.15 * widest }, series: series("gap") });
   const forces = [];
   for (const [component, word, dash] of [[1, "vertical", ""], [0, "horizontal", "2 3"]]) {

@@ -25,7 +25,7 @@ from seal_mdao.seals.file.tables import (
     SelfContactTable,
 )
 from seal_mdao.seals.outline.boundary import doubled
-from seal_mdao.seals.outline.cloud import graded
+from seal_mdao.seals.outline.cloud import LAYERS, graded
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import EdgeDesign
 from seal_mdao.seals.outline.edge_fluid import EdgeFluid
@@ -115,7 +115,7 @@ def _begun(file: SealFile) -> OutlineSeal:
     cuts = section.cuts
     try:
         seal = outline_seal(
-            *boundaries_of(section.outline, section.spacing, cuts),
+            *boundaries_of(section.outline, section.spacing, cuts, section.layers),
             file.materials[section.material],
             n_steps=file.n_steps,
             fixed=file.held,
@@ -139,10 +139,13 @@ def _begun(file: SealFile) -> OutlineSeal:
     return replace(seal, standard=tuple(measure_of(entry, particles) for entry in file.measures))
 
 
-def boundaries_of(outline: Outline, spacing: float | Rays | GivenCloud, cuts=()) -> tuple:
+def boundaries_of(
+    outline: Outline, spacing: float | Rays | GivenCloud, cuts=(), layers: int = LAYERS
+) -> tuple:
     """Boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
 
-    ``cuts`` are those of ``cloud``. Rays and clouds stay what they are.
+    ``cuts`` are those of ``cloud``, ``layers`` those of particles across a wall. Rays and clouds stay
+    what they are.
 
     Raises
     ------
@@ -157,7 +160,7 @@ def boundaries_of(outline: Outline, spacing: float | Rays | GivenCloud, cuts=())
     def sample(at):
         return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
 
-    return graded(sample, spacing, cuts)
+    return graded(sample, spacing, cuts, layers)
 
 
 def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
@@ -177,7 +180,7 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
         For a boundary that crosses itself.
     """
     section = file.section
-    boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts)
+    boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
     particles = seal.particles(offsets)
     return moved_outline(file.section.outline, boundaries, [particles[loop] for loop in seal.loops])
 

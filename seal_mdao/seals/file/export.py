@@ -18,7 +18,7 @@ from seal_mdao.seals.outline.seal import OutlineSeal
 HEAD = """# A design of {name} with the particles that it was computed with; for new ones put spacing
 # in place of cloud.
 """
-DRAWN = ("outer", "hole", "dxf", "units", "spacing", "rays", "cloud")
+DRAWN = ("outer", "hole", "dxf", "units", "spacing", "layers", "rays", "cloud")
 """Keys of a section that the drawing and the cloud replace."""
 
 ON_CUT = 1e-6

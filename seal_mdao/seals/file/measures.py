@@ -1,125 +1,18 @@
-"""``[[measure]]``: types by name, what each asks for, and the ``Measure`` that it becomes."""
+"""``[[measure]]``: reading a table, and the ``Measure`` that it becomes."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.measures.cavity import CavityPressure
-from seal_mdao.measures.contact import (
-    ContactPressure,
-    ContactWidth,
-    Gap,
-    GapSquareIntegral,
-    GapSquareSum,
-    PeakPressure,
-    Reaction,
-)
-from seal_mdao.measures.energy import StrainEnergy
-from seal_mdao.measures.fluid import BlowOffPressure
+from seal_mdao.geometry.motion import ROUNDING
+from seal_mdao.measures.contact import TRAVEL, Gap, GapSquareIntegral
+from seal_mdao.measures.contact_pressure import ContactPressure
 from seal_mdao.measures.measure import Derived, Measure
-from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
-from seal_mdao.measures.stress import StressNorm, VonMises
-from seal_mdao.measures.work import FrictionWork, ProfileWork
-from seal_mdao.seals.file.checks import (
-    NAME,
-    POINT,
-    TEXT,
-    Key,
-    known,
-    many,
-    one_of,
-    suggestion,
-    table,
-    whole,
-)
+from seal_mdao.measures.stress import VonMises
+from seal_mdao.seals.file.checks import NAME, TEXT, Key, known, one_of, suggestion, table
+from seal_mdao.seals.file.measure_kinds import KINDS, stress_points
 from seal_mdao.seals.file.tables import MeasureTable, ProfileTable
-
-_PROFILE = {"profile": Key(TEXT, None)}
-_ORDER = {"order": Key(whole(2, 1000), None)}
-_AXES = {"x": 0, "y": 1}
-_NUMBERS = many(whole(0, 10**6), "a list of numbers of particles, from 0 on")
-_PLACES = {"places": Key(_NUMBERS, None)}
-_PATCHES = {"places": Key(many(_NUMBERS, "a list of such lists, one for every patch"), None)}
-
-
-class Kind(NamedTuple):
-    """A type of measure.
-
-    Attributes
-    ----------
-    make : callable
-        Gives the measure from its arguments and the particles (n, 2).
-    keys : dict of str to Key
-        Of its table, beside ``type`` and ``name``.
-    one : bool
-        Whether it is a single number.
-    """
-
-    make: Callable
-    keys: dict
-    one: bool = True
-
-
-def _given(arguments, *names):
-    return {name: arguments[name] for name in names if arguments[name] is not None}
-
-
-def _of_profile(measure):
-    return lambda a, particles: measure(a["profile"])
-
-
-def _pressure(measure):
-    return lambda a, particles: measure(a["profile"], **_given(a, "order"))
-
-
-def _at_places(measure):
-    return lambda a, particles: measure(a["profile"], a["places"])
-
-
-def _nearest(arguments, particles):
-    away = np.hypot(*(particles - arguments["at"]).T)
-    return Displacement(int(away.argmin()))
-
-
-KINDS = {
-    "section_area": Kind(lambda a, particles: SectionArea(), {}),
-    "cavity_area": Kind(lambda a, particles: CavityArea(a["edge"]), {"edge": Key(TEXT)}),
-    "cavity_pressure": Kind(
-        lambda a, particles: CavityPressure(a["cavity"]), {"cavity": Key(TEXT, "air")}
-    ),
-    "blow_off_pressure": Kind(
-        lambda a, particles: BlowOffPressure(a["fluid"]), {"fluid": Key(TEXT, "fluid")}
-    ),
-    "contact_width": Kind(_of_profile(ContactWidth), _PROFILE),
-    "peak_pressure": Kind(_pressure(PeakPressure), _PROFILE | _ORDER),
-    "contact_pressure": Kind(
-        lambda a, particles: ContactPressure(a["profile"], a["places"], **_given(a, "order")),
-        _PROFILE | _ORDER | _PATCHES,
-        one=False,
-    ),
-    "reaction": Kind(
-        lambda a, particles: Reaction(a["profile"], components=(_AXES[a["component"]],)),
-        _PROFILE | {"component": Key(one_of(*_AXES), None)},
-    ),
-    "gap": Kind(_at_places(Gap), _PROFILE | _PLACES, one=False),
-    "gap_square_sum": Kind(
-        lambda a, particles: GapSquareSum(Gap(a["profile"], a["places"])), _PROFILE | _PLACES
-    ),
-    "gap_square_integral": Kind(_at_places(GapSquareIntegral), _PROFILE | _PLACES),
-    "profile_work": Kind(_of_profile(ProfileWork), _PROFILE),
-    "friction_work": Kind(lambda a, particles: FrictionWork(), {}),
-    "strain_energy": Kind(lambda a, particles: StrainEnergy(), {}),
-    "stress_norm": Kind(lambda a, particles: StressNorm(**_given(a, "order")), _ORDER),
-    "von_mises": Kind(
-        lambda a, particles: VonMises(a["places"], **_given(a, "count")),
-        {"count": Key(whole(1, 1000), None)} | _PLACES,
-        one=False,
-    ),
-    "displacement": Kind(_nearest, {"at": Key(POINT)}, one=False),
-}
 
 
 def read_measure(where: str, given: dict, profiles: tuple[ProfileTable, ...]) -> MeasureTable:
@@ -140,9 +33,50 @@ def read_measure(where: str, given: dict, profiles: tuple[ProfileTable, ...]) ->
     name = values.pop("name")
     if "profile" in keys:
         values["profile"] = _profile(where, values["profile"], profiles)
-    if "component" in keys and values["component"] is None:
-        values["component"] = _main_axis(next(p for p in profiles if p.name == values["profile"]))
+    if kind == "reaction":
+        _check_reaction(where, values, profiles)
+    if kind == "von_mises":
+        _check_stress(where, values)
     return MeasureTable(kind, name, values)
+
+
+def _check_stress(where, values) -> None:
+    """Refuse more than one choice of where the stress is measured."""
+    if values["at"] is not None and values["count"] is not None:
+        raise SealFileError(f"{where}: at beside count; use one of them")
+    if values["excess"] is not None and stress_points(values):
+        raise SealFileError(
+            f"{where}: excess belongs to the maximum of the complete section; leave it out beside "
+            "at, count or places"
+        )
+
+
+def _check_reaction(where, values, profiles) -> None:
+    """Refuse a travel that is not on the path; choose the component unless there is a direction."""
+    own = next(p for p in profiles if p.name == values["profile"])
+    if values["component"] is not None and values["direction"] is not None:
+        raise SealFileError(f"{where}: component beside direction; use one of them")
+    if values["component"] is None and values["direction"] is None:
+        values["component"] = _main_axis(own)
+    moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
+    if values["direction"] == TRAVEL and not own.travel > 0.0:
+        raise SealFileError(
+            f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not travel; give the "
+            "direction as [x, y]"
+        )
+    if values["travel"] is None:
+        return
+    farthest = np.max(values["travel"])
+    if farthest > moving.travel * (1.0 + ROUNDING):
+        raise SealFileError(
+            f"{where}: travel = {farthest:g}, but the path of the profile {moving.name!r} is only "
+            f"{moving.travel:.6g} mm long"
+        )
+
+
+def is_single(measure: MeasureTable) -> bool:
+    """Whether a measure is a single number."""
+    return KINDS[measure.type].one(measure.arguments)
 
 
 def _profile(where, name, profiles) -> str:

@@ -2,7 +2,7 @@
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.checks import LIST, TEXT, Key, number, table, tables
-from seal_mdao.seals.file.measures import KINDS, implied_measure
+from seal_mdao.seals.file.measures import implied_measure, is_single
 from seal_mdao.seals.file.tables import Constraint, OptimizeTable
 
 OPTIMIZE_KEYS = {"minimize": Key(TEXT), "constraint": Key(LIST, None)}
@@ -19,7 +19,7 @@ def read_optimize(given, measures: tuple, profiles: tuple) -> tuple[OptimizeTabl
     where = "[optimize]"
     values, measures = table(where, given, OPTIMIZE_KEYS), list(measures)
     aim = _measure(where, "minimize", values["minimize"], measures, profiles)
-    if not KINDS[aim.type].one:
+    if not is_single(aim):
         raise SealFileError(
             f"{where}: minimize = {aim.name!r} is of the type {aim.type}, which has several values; "
             "minimise a single number, such as stress_norm or gap_square_sum"

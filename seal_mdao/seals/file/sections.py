@@ -23,6 +23,7 @@ from seal_mdao.seals.file.checks import (
 from seal_mdao.seals.file.shapes import KEYS, segments_of
 from seal_mdao.seals.file.tables import RegionTable, SectionTable
 from seal_mdao.seals.outline.chain import ROUNDING
+from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
@@ -32,6 +33,8 @@ from seal_mdao.seals.wall_grid import SCHEMES
 
 LEAST_LAYERS = {name: own.basis_order + 1 for name, own in SCHEMES.items()}
 """Of particles across a wall, by the name of the accuracy."""
+MOST_LAYERS = 50
+"""That a spacing may have across a wall."""
 RAY_KEYS = {
     "rays": Key(whole(8, 100_000)),
     "layers": Key(whole(2, 1000)),
@@ -41,6 +44,7 @@ RAY_KEYS = {
 SECTION_KEYS = {
     "material": Key(TEXT),
     "spacing": Key(number(above=0.0), None),
+    "layers": Key(whole(3, MOST_LAYERS), None),
     "rays": Key(
         Check("a table { rays, layers, centre, accuracy }", lambda v: table("rays", v, RAY_KEYS)),
         None,
@@ -88,7 +92,10 @@ def read_section(given, folder: Path) -> SectionTable:
     if isinstance(filling, Rays) and regions:
         raise SealFileError(f"{where}: [[section.region]] beside rays; use spacing")
     beside = (None if values[key] is None else folder / values[key] for key in ("dxf", "cloud"))
-    return SectionTable(outline, values["material"], filling, *beside, regions)
+    if values["layers"] is not None and not isinstance(filling, float):
+        raise SealFileError(f"{where}: layers belongs to spacing; rays and a cloud have their own")
+    layers = LAYERS if values["layers"] is None else values["layers"]
+    return SectionTable(outline, values["material"], filling, *beside, regions, layers)
 
 
 def _to_joints(region: RegionTable, outline: Outline) -> RegionTable:

@@ -8,6 +8,7 @@ import numpy as np
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.choice import PENALTY_TOLERANCE
+from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section import Outline
@@ -48,6 +49,8 @@ class SectionTable:
         Largest distance of particles, mm; or the rays that they lie on; or they themselves.
     drawing, cloud : Path or None
         What the outline and the particles were read from.
+    layers : int
+        Of particles across a wall at least, where a spacing fills the section.
     regions : tuple of RegionTable
     """
 
@@ -57,6 +60,7 @@ class SectionTable:
     drawing: Path | None = None
     cloud: Path | None = None
     regions: tuple[RegionTable, ...] = ()
+    layers: int = LAYERS
 
     @property
     def cuts(self) -> list:
@@ -124,6 +128,11 @@ class ProfileTable:
     def n_steps(self) -> int:
         """Load steps of all stages."""
         return sum(stage.n_steps for stage in self.stages)
+
+    @property
+    def travel(self) -> float:
+        """Length of its path, mm; rotation is no travel."""
+        return float(sum(np.hypot(*stage.translate) for stage in self.stages))
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,9 @@ SLOPE = 0.25
 FINEST = 1.0 / 6.0
 """Least spacing over the largest one."""
 
+LAYERS = 3
+"""Of particles across a wall, at least."""
+
 LONGEST = 1.25
 """Longest side of a cell over the spacing that is content."""
 
@@ -114,12 +117,13 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
     return OutlineCloud(particles, cells, around, np.repeat(parts, corners))
 
 
-def graded(sample, spacing: float, cuts=()) -> tuple[list, float]:
+def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list, float]:
     """Boundaries graded by wall thickness, and the spacing for ``cloud``.
 
-    Two cells lie across every wall, so that no fewer than three particles do. From sides that have to
+    No wall has fewer than ``layers`` particles across, where the spacing stays above ``FINEST`` of the
+    largest. From sides that have to
     be short, as round a fillet, the spacing grows as slowly as it does from thin walls. Where walls are
-    such that two cells are long and more do not fit, the spacing is taken smaller.
+    such that its cells are long and more do not fit, the spacing is taken smaller.
 
     Parameters
     ----------
@@ -130,6 +134,8 @@ def graded(sample, spacing: float, cuts=()) -> tuple[list, float]:
         Largest distance of particles, mm; sides of cells inside are up to a quarter longer.
     cuts
         As of ``cloud``.
+    layers : int
+        Of particles across a wall, at least 2; cells come in pairs.
 
     Raises
     ------
@@ -138,7 +144,7 @@ def graded(sample, spacing: float, cuts=()) -> tuple[list, float]:
     """
     dense = [b.points for b in sample(lambda x: np.full(len(x), DENSE * spacing))]
     for share in SHARES:
-        at = wall_spacing(dense, share * spacing)
+        at = wall_spacing(dense, share * spacing, layers)
         boundaries = sample(_beside_short(sample(at), at))
         filled = cloud([boundary.points for boundary in boundaries], share * spacing, cuts)
         if longest_side(filled.cells, filled.particles) <= LONGEST * spacing:
@@ -194,9 +200,9 @@ def _normals(loop):
     return np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
 
 
-def wall_spacing(loops, spacing: float):
+def wall_spacing(loops, spacing: float, layers: int = LAYERS):
     """Spacing by wall thickness, as a function of places (k, 2): cells about as long as wide where
-    two of them fill the wall.
+    ``layers - 1`` of them, or one more, fill the wall.
 
     Parameters
     ----------
@@ -205,8 +211,8 @@ def wall_spacing(loops, spacing: float):
     spacing : float
         Largest value, mm.
     """
-    points = np.concatenate(loops)
-    local = np.clip(0.5 * np.concatenate(wall_thickness(loops)), FINEST * spacing, spacing)
+    points, across = np.concatenate(loops), 2 * (layers // 2)
+    local = np.clip(np.concatenate(wall_thickness(loops)) / across, FINEST * spacing, spacing)
     thin = local < spacing
     return _grown(points[thin], local[thin], lambda places: np.full(len(places), float(spacing)))
 

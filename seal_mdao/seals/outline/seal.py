@@ -1,7 +1,7 @@
 """A seal from the boundary of any section."""
 
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.extension import harmonic_extension
 from seal_mdao.seals.outline.kernels import Kernels
+from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.self_touch import SelfTouch
 from seal_mdao.structure.elastic_body import ElasticBody, Region
@@ -120,6 +121,21 @@ class OutlineSeal(AssembledSeal):
     spacing: float | Rays | GivenCloud = 1.0
     kernels: Kernels = field(default_factory=Kernels)
     cuts: tuple = ()
+
+    @cached_property
+    def cautions(self) -> tuple[str, ...]:
+        """A wall with too few layers of particles; those of rays are the user's choice."""
+        if isinstance(self.spacing, Rays):
+            return ()
+        wall = thin_wall(self.loops, self.drawn_particles, self.body.cells)
+        if wall is None:
+            return ()
+        x, y = np.round(wall.place, 6) + 0.0
+        return (
+            f"the wall near x = {x:.3g}, y = {y:.3g} is {wall.thickness:.3g} mm thick and has about "
+            f"{wall.layers} layers of particles across, fewer than {ENOUGH}: forces may be 10 % and "
+            f"more too large; use more (layers = {ENOUGH} of [section]) or a smaller spacing",
+        )
 
     @property
     def parts(self) -> np.ndarray:

@@ -1,0 +1,167 @@
+"""Measures of contact pressure and contact width, true ones and nominal ones.
+
+The true (Cauchy) pressure is the normal force over the deformed length, the nominal one that over the
+undeformed length:
+
+    p_nominal = w_n |g_n|,    p = p_nominal L / l,
+
+with L and l the undeformed and the deformed length of the boundary that belongs to a contact point.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from seal_mdao.measures.aggregates import MEAN_ORDER, lehmer_mean
+from seal_mdao.measures.boundary_line import (
+    BoundaryLine,
+    add_deformed_seeds,
+    touching_shares,
+    way_round,
+)
+from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.selection import contact_patches
+
+
+@dataclass(frozen=True)
+class ContactWidth(Measure):
+    """Length of the deformed boundary that is in contact at the end of the path.
+
+    Between neighbouring contact points the gap is taken to be linear, so the width changes smoothly.
+
+    Attributes
+    ----------
+    profile : str
+    nominal : bool
+        Take the length of the undeformed boundary in its place.
+    """
+
+    profile: str
+    nominal: bool = False
+    name: str = "contact_width"
+    units = "mm"
+    text = "Length of the deformed boundary in contact."
+
+    def __post_init__(self):
+        if self.nominal:
+            object.__setattr__(self, "text", "Length of the undeformed boundary in contact.")
+
+    def evaluate(self, result, partials):
+        where = result.term(self.profile).where
+        way = way_round(where)
+        line = BoundaryLine(where, way, result.particles if self.nominal else result.deformed())
+        share, by_a, by_b = touching_shares(result.response(self.profile).gap[way])
+        on_gap = partials.output(self.profile, "gap")[0]
+        on_gap[way[:-1]] += line.length * by_a
+        on_gap[way[1:]] += line.length * by_b
+        on_line = np.zeros_like(result.particles)
+        line.add_partials(share, on_line)
+        if self.nominal:
+            partials.particles[0] += on_line
+        else:
+            add_deformed_seeds(partials, 0, on_line)
+        return line.length @ share
+
+
+@dataclass(frozen=True)
+class ContactPressure(Measure):
+    """Contact pressure of patches of contact points: a mean of high order below the peak.
+
+    Attributes
+    ----------
+    profile : str
+    patches : tuple of tuple of int, or None
+        Contact points of every patch; None for all points of the drawn seal's contact, divided in the
+        middle of its opened stretch.
+    order : int
+        Of the Lehmer mean.
+    nominal : bool
+        Take the force over the undeformed length, w_n |g_n|, in place of that over the deformed one.
+    """
+
+    profile: str
+    patches: tuple | None = None
+    order: int = MEAN_ORDER
+    nominal: bool = False
+    name: str = "contact_pressure"
+    units = "kPa"
+    text = "True contact pressure of each patch, a mean of high order below the peak."
+
+    def __post_init__(self):
+        if self.nominal:
+            object.__setattr__(self, "text", self.text.replace("True", "Nominal"))
+
+    @property
+    def takes_places(self):
+        return self.patches is None
+
+    def frozen(self, drawn):
+        found = contact_patches(drawn.response(self.profile).state)
+        return replace(self, patches=tuple(tuple(int(p) for p in patch) for patch in found))
+
+    def size(self, seal):
+        return len(self.patches)
+
+    def evaluate(self, result, partials):
+        points = _PointPressures(result, self.profile, self.nominal)
+        values = np.empty(len(self.patches))
+        for row, patch in enumerate(self.patches):
+            own, on_pressure = np.array(patch, int), np.zeros(points.value.size)
+            values[row], on_pressure[own] = lehmer_mean(points.value[own], self.order)
+            points.add_partials(partials, row, on_pressure)
+        partials.parameter(points.term.names[0])[:] += values / points.penalty
+        return values
+
+
+class _PointPressures:
+    """Contact pressures of all points of a profile at the end of the path, kPa."""
+
+    def __init__(self, result, profile: str, nominal: bool):
+        self.profile, self.nominal = profile, nominal
+        self.term, self.gap = result.term(profile), result.response(profile).gap
+        self.penalty = self.term.law.normal_penalty
+        self.undeformed, self.value = result.particles, self.penalty * np.maximum(-self.gap, 0.0)
+        if nominal:
+            self.share = np.ones(self.gap.size)
+            return
+        # p = p_nominal L / l
+        self.deformed = result.deformed()
+        self.length = self.term.where.lengths(self.deformed)
+        self.share = self.term.length / self.length
+        self.value = self.value * self.share
+
+    def add_partials(self, partials, row: int, on_pressure) -> None:
+        """Add what a function with derivatives ``on_pressure`` (k,) takes from gaps and lengths."""
+        on_gap = partials.output(self.profile, "gap")
+        on_gap[row] -= self.penalty * on_pressure * self.share * (self.gap < 0.0)
+        if self.nominal:
+            return
+        where, on_share = self.term.where, on_pressure * self.value
+        by_undeformed, by_deformed = on_share / self.term.length, -on_share / self.length
+        where.add_length_seeds(
+            self.undeformed, by_undeformed[:, None], partials.particles[row][:, :, None]
+        )
+        on_deformed = np.zeros_like(self.deformed)
+        where.add_length_seeds(self.deformed, by_deformed[:, None], on_deformed[:, :, None])
+        add_deformed_seeds(partials, row, on_deformed)
+
+
+@dataclass(frozen=True)
+class PeakPressure(ContactPressure):
+    """Contact pressure of all points of a contact: a mean of high order below the peak."""
+
+    order: int = 40
+    name: str = "peak_pressure"
+    text = "True contact pressure, a mean of high order below the peak."
+
+    @property
+    def takes_places(self):
+        return False
+
+    def size(self, seal):
+        return 1
+
+    def evaluate(self, result, partials):
+        every = (tuple(range(len(result.term(self.profile).where))),)
+        own = ContactPressure(self.profile, every, self.order, self.nominal)
+        return own.evaluate(result, partials)

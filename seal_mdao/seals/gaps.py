@@ -1,0 +1,94 @@
+"""The largest gap between the contacts at the end of a path, and whether the measures look there."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.measures.boundary_line import is_closed
+from seal_mdao.measures.contact import Gap, GapSquareIntegral
+from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.measures.selection import opened_points
+from seal_mdao.seals.profiles import contact_places, contacts
+
+NEGLIGIBLE = 1e-3
+"""Gap that is as good as closed, mm: a penalty leaves as much."""
+
+
+class OpenGap(NamedTuple):
+    """The largest gap between the first and the last contact with a profile.
+
+    Attributes
+    ----------
+    profile : str
+    size : float
+        mm; 0 where nothing opens.
+    point : int
+        Contact point; -1 where nothing opens.
+    place : tuple of float
+        Where that is in the undeformed section, mm; empty where nothing opens.
+    """
+
+    profile: str
+    size: float
+    point: int
+    place: tuple
+
+
+def largest_gap(result, profile: str) -> OpenGap:
+    """The largest gap at all contact points of a profile after the last step that converged."""
+    response = result.path.at_nominal(profile)[-1]
+    points = opened_points(response.state, is_closed(result.term(profile).where))
+    if not points.size:
+        return OpenGap(profile, 0.0, -1, ())
+    point = int(points[response.gap[points].argmax()])
+    place = contact_places(result, profile)[point]
+    return OpenGap(profile, float(response.gap[point]), point, tuple(place.tolist()))
+
+
+def largest_gaps(result) -> dict[str, float]:
+    """The largest gap of every profile by its name, mm."""
+    labels = [contact.label for contact in contacts(result.seal)]
+    return {label: largest_gap(result, label).size for label in labels}
+
+
+def unmeasured_gaps(result, measures: Sequence[Measure]) -> tuple[str, ...]:
+    """A line for every measure of gaps that is taken at points where the largest gap is not.
+
+    Parameters
+    ----------
+    result : SealResult
+        Of a completed path.
+    measures : sequence of Measure
+        With their places.
+    """
+    found = (_unmeasured(result, measure) for measure in measures)
+    return tuple(text for text in found if text)
+
+
+def gaps_unmeasured_by(result, name: str) -> tuple[str, ...]:
+    """The same for one of the seal's own measures by its name; nothing for a name that it does not know,
+    such as that of an aggregate."""
+    try:
+        measures = result.measures((name,))
+    except ValueError:
+        return ()
+    return unmeasured_gaps(result, measures)
+
+
+def _unmeasured(result, measure) -> str:
+    base = measure.base if isinstance(measure, Derived) else measure
+    points = getattr(base, {Gap: "points", GapSquareIntegral: "stretch"}.get(type(base), ""), None)
+    if points is None:
+        return ""
+    largest = largest_gap(result, base.profile)
+    if largest.size <= NEGLIGIBLE or largest.point in points:
+        return ""
+    x, y = largest.place
+    gap = result.response(base.profile).gap[np.array(points, int)]
+    return (
+        f"the largest gap to {base.profile!r}, {largest.size:.3g} mm at x = {x:.3g}, y = {y:.3g} of "
+        f"the undeformed section, lies outside of the points at which {measure.name} is measured, "
+        f"where it is {gap.max(initial=0.0):.3g} mm at most: the opening has moved away from them; "
+        "minimise a measure of the gap wherever it opens (--gap-integral, gap_square_integral)"
+    )

@@ -1,0 +1,86 @@
+"""Layers of particles across the walls of a cloud: how many there are, and where they are too few."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.seals.outline.cloud import wall_thickness
+
+ENOUGH = 5
+"""Layers with which forces are within half a percent (page on accuracy)."""
+ALONG = 2.0
+"""Length of a wall over its thickness from which on it counts: tips and notches are none."""
+NEARLY = 0.75
+"""Cells across that may be missing: those of a mesh are not all as large."""
+
+
+class ThinWall(NamedTuple):
+    """The wall with the fewest layers.
+
+    Attributes
+    ----------
+    layers : int
+        Of particles across it.
+    thickness : float
+        mm.
+    place : ndarray, shape (2,)
+        A point of its boundary, mm.
+    """
+
+    layers: int
+    thickness: float
+    place: np.ndarray
+
+
+def thin_wall(loops, particles: np.ndarray, cells: np.ndarray, wanted: int = ENOUGH):
+    """The wall with the fewest layers of particles, where these are fewer than ``wanted``; else None.
+
+    Parameters
+    ----------
+    loops : sequence of ndarray of int
+        Boundary particles of every loop.
+    particles : ndarray, shape (n, 2)
+    cells : ndarray of int, shape (m, 4)
+    """
+    points = [particles[loop] for loop in loops]
+    size = _cell_sizes(particles, cells)
+    worst = None
+    for loop, at, thickness in zip(loops, points, wall_thickness(points), strict=True):
+        across = thickness / size[loop]
+        side = np.hypot(*(np.roll(at, -1, axis=0) - at).T)
+        few = across < wanted - 1 - NEARLY
+        for run in _runs(few):
+            wall = thickness[run]
+            if side[run].sum() < ALONG * wall.mean():
+                continue
+            thinnest = run[int(across[run].argmin())]
+            layers = 1 + int(np.round(across[thinnest]))
+            if worst is None or layers < worst.layers:
+                worst = ThinWall(layers, float(thickness[thinnest]), at[thinnest])
+    return worst
+
+
+def _cell_sizes(particles, cells) -> np.ndarray:
+    """Root of the mean area of the cells at every particle, shape (n,), mm; triangles count as half."""
+    x, y = np.moveaxis(particles[cells], -1, 0)
+    # half the cross product of the diagonals
+    area = 0.5 * np.abs(
+        (x[:, 2] - x[:, 0]) * (y[:, 3] - y[:, 1]) - (x[:, 3] - x[:, 1]) * (y[:, 2] - y[:, 0])
+    )
+    distinct = np.array([np.unique(cell).size for cell in cells])
+    area = area * np.where(distinct == 3, 2.0, 1.0)
+    total = np.bincount(cells.ravel(), np.repeat(area, 4), len(particles))
+    count = np.bincount(cells.ravel(), minlength=len(particles))
+    return np.sqrt(total / np.maximum(count, 1))
+
+
+def _runs(chosen: np.ndarray) -> list[np.ndarray]:
+    """Neighbours round a closed loop that are chosen, each run as its indices in order."""
+    if not chosen.any():
+        return []
+    if chosen.all():
+        return [np.arange(chosen.size)]
+    first = int(np.flatnonzero(~chosen)[0])
+    order = np.roll(np.arange(chosen.size), -first)
+    ends = np.flatnonzero(np.diff(chosen[order].astype(int)))
+    return [part for part in np.split(order, ends + 1) if chosen[part[0]]]

@@ -1,0 +1,55 @@
+"""The largest gap between the contacts, and measures that do not look there."""
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.measures.contact import Gap, GapSquareIntegral, GapSquareSum, OpenGapSquareSum
+from seal_mdao.measures.selection import opened_points
+from seal_mdao.seals.gaps import (
+    gaps_unmeasured_by,
+    largest_gap,
+    largest_gaps,
+    unmeasured_gaps,
+)
+
+
+def test_largest_gap_of_the_nominal_seal(drawn):
+    opened, gap = opened_points(drawn.contact.state), drawn.contact.gap
+    found = largest_gap(drawn, "door")
+    assert found.size == gap[opened].max()
+    assert gap[found.point] == found.size
+    assert found.place == pytest.approx(drawn.term("door").reference[found.point])
+    assert largest_gaps(drawn) == {"door": found.size}
+
+
+def test_no_gap_without_contact_on_both_sides():
+    result = sm.analyze(sm.door_seal(depth=1.0, n_steps=3))
+    found = largest_gap(result, "door")
+    assert (found.size, found.place) == (0.0, ())
+    assert unmeasured_gaps(result, (GapSquareSum(Gap("door", ())),)) == ()
+
+
+def test_gaps_beside_the_measured_points_are_reported(drawn):
+    worst = largest_gap(drawn, "door").point
+    others = tuple(p for p in opened_points(drawn.contact.state).tolist() if p != worst)
+    measures = (
+        GapSquareSum(Gap("door", others)), GapSquareIntegral("door", others), Gap("door", (worst,)),
+        GapSquareIntegral("door"), OpenGapSquareSum("door"), sm.seals.door.measures.StressNorm(),
+    )  # fmt: skip
+    first, second = unmeasured_gaps(drawn, measures)
+    assert "outside of the points at which gap_square_sum is measured" in first
+    assert "gap_square_integral is measured" in second
+    assert f"{drawn.contact.gap[list(others)].max():.3g} mm at most" in first
+
+
+def test_the_seals_own_measures_by_name(drawn):
+    worst = largest_gap(drawn, "door").point
+    fewer = drawn.at(drawn.points.__class__(**{
+        **vars(drawn.points), "gap": np.setdiff1d(drawn.points.gap, [worst])
+    }))  # fmt: skip
+    assert gaps_unmeasured_by(drawn, "gap_square_sum") == ()
+    (text,) = gaps_unmeasured_by(fewer, "gap_square_sum")
+    assert "the opening has moved away" in text
+    assert gaps_unmeasured_by(fewer, "gap_square_integral") == ()
+    assert gaps_unmeasured_by(fewer, "mean_of_something") == ()
