@@ -3,6 +3,7 @@
 The predictor is Euler's, from the converged tangent, with the curvature that the last step showed.
 Where a term gives two estimates of how its force changes, the one with the smaller residual is taken.
 What points do that begin to touch is predicted too (``touching``).
+Where Newton's method fails mixed iterations follow (``mixed_newton``), for stiff contact.
 A step that was halved is solved as one from where its parts led, under friction.
 Where the smallest step still fails, damped motion leads to equilibrium at the end of the nominal one.
 Where equilibrium is not stable, the path goes on to a stable one (``stability``).
@@ -18,6 +19,7 @@ import numpy as np
 
 from seal_mdao.analysis.jumps import FAR_AWAY, SMALL_BEND, extent, jumped
 from seal_mdao.analysis.limit_points import beyond
+from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
@@ -60,7 +62,8 @@ def _bend(step: ConvergedStep, before: ConvergedStep, euler) -> np.ndarray | Non
 def _correct(problem, guess, target, last, options, reuse):
     """Equilibrium from the predictor ``guess``, as ``newton`` returns it.
 
-    Where old factors are not reused, or did not lead there, Newton's method finds it.
+    Where old factors are not reused, or did not lead there, Newton's method finds it. Where that fails
+    the mixed iterations are tried, which must not lead far away.
     """
     tried = ()
     if problem.discretization.layout.storage.reuses_factors and reuse.is_due():
@@ -69,7 +72,13 @@ def _correct(problem, guess, target, last, options, reuse):
         if status is Status.CONVERGED:
             return status, d, tried
     status, d, residuals = newton(problem, guess, target, last.after, options)
-    return status, d, tried + residuals
+    tried += residuals
+    if status is not Status.CONVERGED:
+        mixed, found, residuals = mixed_newton(problem, guess, target, last, options)
+        tried += residuals[1:]  # from the same predictor
+        if mixed is Status.CONVERGED and not jumped(problem, found, guess, last, target):
+            return mixed, found, tried
+    return status, d, tried
 
 
 def _equilibrium(problem, guess, target, last, options, reuse):

@@ -20,7 +20,7 @@ class NewtonOptions:
     tolerance : float
         Residual norm over the norm of the contact and internal forces, at most 1e-4.
     max_iterations : int
-        Newton iterations before a step is cut.
+        Iterations of Newton's method, and of the mixed ones after it, before a step is cut.
     max_cuts : int
         How often a step may be halved. Under friction a nominal step that was halved is solved as one
         in the end, from where its parts led.

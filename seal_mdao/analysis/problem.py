@@ -88,10 +88,17 @@ class PathProblem:
         for term in self.terms:
             term.begin()
 
-    def assemble(self, d, fraction: float, history) -> bool:
-        """Fill forces and tangent at displacements ``d``; False where a term has no answer."""
+    def begin_mixed(self, step: ConvergedStep, target: float) -> None:
+        """Take a converged step as the first linearisation of mixed iterations at ``target``."""
+        self.begin()
+        for term, response in zip(self.terms, step.responses, strict=True):
+            term.begin_mixed(step, response, target)
+
+    def assemble(self, d, fraction: float, history, mixed: bool = False) -> bool:
+        """Fill forces and tangent at displacements ``d``, those of a ``mixed`` iteration on demand;
+        False where a term has no answer."""
         self.values[:] = 0.0
-        answered = self._add_to(self.values, d, fraction, history)
+        answered = self._add_to(self.values, d, fraction, history, mixed)
         if answered:
             self.discretization.layout.condense_tangent(self.values)
         return answered
@@ -100,13 +107,14 @@ class PathProblem:
         """Fill the forces as ``assemble`` does, and leave the tangent as it is."""
         return self._add_to(np.empty(0), d, fraction, history)
 
-    def _add_to(self, values, d, fraction, history) -> bool:
+    def _add_to(self, values, d, fraction, history, mixed=False) -> bool:
         """Fill the forces and, where ``values`` is not empty, add the tangent to it."""
         disc = self.discretization
         self.forces[:] = 0.0
         raw, responses = disc.transformation.coefficients(d), []
         for term, force, own in zip(self.terms, self.forces, history, strict=True):
-            response = term.add(d, raw, fraction, own, force, values)
+            add = term.add_mixed if mixed else term.add
+            response = add(d, raw, fraction, own, force, values)
             if response is None:
                 return False
             disc.layout.condense_force(force)

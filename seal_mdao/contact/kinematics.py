@@ -11,7 +11,10 @@ from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.contact.cubic_projection import nearest_on_cubic
 from seal_mdao.geometry.bounds import PIECES_A_RUN
 from seal_mdao.geometry.curve import CUBIC, END_SLACK, LINE, cubic_point, curve_point
-from seal_mdao.geometry.pose import in_frame
+from seal_mdao.geometry.pose import in_frame, turned
+
+# Share of its way by which a point may miss its linearised gap.
+FARTHEST_MISS = 0.3
 
 
 @inlined
@@ -172,6 +175,36 @@ def contact_frame(profile, piece, xi, g_n):
     beta = e_t[0] * x2[0] + e_t[1] * x2[1]
     gamma = e_n[0] * x3[0] + e_n[1] * x3[1]
     return e_t, e_n, size, alpha, beta, gamma, size * size - g_n * alpha
+
+
+@compiled
+def linearized_places(profile, pose, x, place, normal, gap):
+    """Move ``place`` to where the points ``x`` (n, 2) have the gaps that their linearisation expects.
+
+    The gap was linearised at ``place``: g = gap + e_n . (x - place). From the closest point of x the new
+    place has that gap along the normal there, so it is x itself where the profile is straight.
+    Where x = place nothing was linearised, and where the gap of x differs by more than FARTHEST_MISS
+    of the distance x - place, the linearisation means nothing: the new place is x.
+
+    Parameters
+    ----------
+    place, normal : ndarray, shape (n, 2)
+        Of the last linearisation; updated.
+    gap : ndarray, shape (n,)
+        Gaps at ``place``; updated.
+    """
+    for i in range(len(x)):
+        dx, dy = x[i, 0] - place[i, 0], x[i, 1] - place[i, 1]
+        expected = gap[i] + normal[i, 0] * dx + normal[i, 1] * dy
+        own = in_frame(pose, x[i, 0], x[i, 1])
+        piece, xi, g_n = closest_point(profile, own[0], own[1])
+        e_n = turned(pose, contact_frame(profile, piece, xi, g_n)[1])
+        missed = g_n - expected
+        if abs(missed) > FARTHEST_MISS * (dx * dx + dy * dy) ** 0.5:
+            missed = 0.0
+        gap[i] = g_n - missed
+        for a in range(2):
+            place[i, a], normal[i, a] = x[i, a] - missed * e_n[a], e_n[a]
 
 
 @inlined

@@ -19,7 +19,7 @@ from seal_mdao.contact.friction import (
     slip_slopes,
     uses_history,
 )
-from seal_mdao.contact.kinematics import normal_gaps, way_along
+from seal_mdao.contact.kinematics import linearized_places, normal_gaps, way_along
 from seal_mdao.contact.kinks import (
     LIMIT,
     SLIGHT,
@@ -192,6 +192,28 @@ class ContactTerm(PointTerm):
             x, self._force, self._tangent, self._state, ContactHistory(self._state, self._kept),
             self._gap, made_to_stick,
         )  # fmt: skip
+
+    # ---- mixed iterations ----
+
+    def begin_mixed(self, step, response, target):
+        """The points of the step, with their gaps there, relative to the profile at ``target``."""
+        x, pose = response.x, self.pose(step.fraction)
+        place, normal, gap = x.copy(), np.zeros_like(x), np.zeros(len(x))
+        linearized_places(self.curve, pose, x, place, normal, gap)
+        moved = self.motion.coordinates(target) - self.motion.coordinates(step.fraction)
+        self._linearized = place + rigid_velocity(pose, x) @ moved, normal, gap
+
+    def add_mixed(self, d, raw, fraction, history, force, values):
+        """The law linearised at the places z whose gaps the last linearisation expects: with x - z
+        along the normal, f = f(z) + T(z) (x - z). Points are open, stick and slip as they do at z, so
+        one that touches there is pulled back where x has a small positive gap."""
+        x, place = self.deformed(raw), self._linearized[0]
+        linearized_places(self.curve, self.pose(fraction), x, *self._linearized)
+        response = self.respond(place, fraction, history)
+        response.force[:] += np.einsum("kij,kj->ki", response.tangent, x - place)
+        return self.assembled(response._replace(x=x), force, values)
+
+    # ---- the contract of a term at single points ----
 
     def linearize(self, response, fraction, history, points):
         out = np.empty((points.size, *self.local_shape))

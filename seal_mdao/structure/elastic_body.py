@@ -210,15 +210,46 @@ class StructuralTerm(Term):
             return None
         return StructuralResponse()
 
-    def _assemble(self, table, d, scatter, force, values) -> bool:
+    def _assemble(self, table, d, scatter, force, values, before=None) -> bool:
+        """Assemble at displacements ``d``; the tangent of a mixed iteration where the displacements
+        ``before`` of the last one are given. False where a point is inverted."""
         weights, functions = self.cells.column_weights, self.functions
         if deform(table, weights, functions, d, self.deformation) >= 0:
             return False
-        assemble_internal(
-            table, weights, functions, self.deformation, 0,
-            self.energy_derivatives(self.deformation)[:, 0], self.bulk, scatter, force, values,
-        )  # fmt: skip
+        w, now = self.energy_derivatives(self.deformation)[:, 0], self.deformation
+        quadrature, law = (table, weights, functions), (0, w, self.bulk, scatter)
+        if before is None:
+            assemble_internal(*quadrature, now, *law, force, values)
+            return True
+        expected = now._replace(swelling=now.swelling - self._beyond_linear(table, d - before))
+        assemble_internal(*quadrature, now, *law, force, np.empty(0))
+        assemble_internal(*quadrature, expected, *law, np.empty_like(force), values)
         return True
+
+    def _beyond_linear(self, table, du) -> np.ndarray:
+        """Part of the swelling (n_columns, m) that is quadratic in an increment ``du`` (n, 2):
+        det(F + G) - det F - cof F : G = det G with G = grad du. 0 where an increment inverts a cell."""
+        weights, functions = self.cells.column_weights, self.functions
+        increment = no_deformation(1, weights, len(functions))
+        if deform(table, weights, functions, du, increment) >= 0:
+            return np.zeros(self.deformation.swelling.shape[1:])
+        f = increment.f[0]
+        det = f[..., 4] - (f[..., 0] - 1.0) - (f[..., 3] - 1.0)
+        return (weights * det) @ functions.T / (weights @ functions.T)
+
+    # ---- mixed iterations ----
+
+    def begin_mixed(self, step, response, target):
+        self._before = self.discretization.transformation.coefficients(step.d)
+
+    def add_mixed(self, d, raw, fraction, history, force, values):
+        """The pressure in the tangent is K times the linearised swelling: what a linearised rotation
+        adds to det F is of second order, but not when the bulk modulus multiplies it."""
+        scatter, before = self.discretization.layout.scatter[0], self._before
+        if not self._assemble(self.cells.raw, raw, scatter, force, values, before):
+            return None
+        self._before = raw
+        return StructuralResponse()
 
     def forces(self, d: np.ndarray) -> np.ndarray | None:
         """Internal forces of all components, imposed ones included, shape (n, 2); None if inverted.

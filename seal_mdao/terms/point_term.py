@@ -141,10 +141,16 @@ class PointTerm(Term):
         return 2 + h + len(self.output_names), columns
 
     def add(self, d, raw, fraction, history, force, values):
-        x = self._x
-        interpolate(self.table.raw, raw, x)
-        x += self.reference
-        response = self.respond(x, fraction, history)
+        return self.assembled(self.respond(self.deformed(raw), fraction, history), force, values)
+
+    def deformed(self, raw) -> np.ndarray:
+        """Deformed places (k, 2) of the points, in a buffer."""
+        interpolate(self.table.raw, raw, self._x)
+        self._x += self.reference
+        return self._x
+
+    def assembled(self, response: PointResponse, force, values) -> PointResponse:
+        """Add the forces and tangents of a ``response`` to the buffers; it is returned."""
         assemble_points(
             self.table.raw, response.force, response.tangent, response.branch, self.scatter, force,
             values,

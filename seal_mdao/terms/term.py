@@ -152,6 +152,15 @@ class Term:
         """
         raise NotImplementedError
 
+    def begin_mixed(self, step, response: Response, target: float) -> None:
+        """Take a converged step as the first linearisation of ``add_mixed`` at ``target``."""
+
+    def add_mixed(self, d, raw, fraction, history, force, values) -> Response | None:
+        """As ``add``, for mixed iterations (``analysis.mixed_newton``): stresses and contact forces in
+        the tangent are those that the last linearisation led to. Same as ``add`` where d has converged.
+        """
+        return self.add(d, raw, fraction, history, force, values)
+
     def check_start(self, response: Response) -> None:
         """Raise GeometryError where the undeformed state is not admissible."""
 

@@ -1,0 +1,174 @@
+"""Mixed iterations: what they linearise, and what they spare stiff contact."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.analysis import load_path
+from seal_mdao.analysis.mixed_newton import mixed_newton
+from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.result import Status
+from seal_mdao.contact.kinematics import linearized_places, normal_gaps
+from seal_mdao.geometry.pose import Pose
+from seal_mdao.geometry.profile import circle_profile, flat_profile
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+RADIUS = 4.0
+
+
+def stiff(name, normal, tangent):
+    """An example with these penalties at every contact."""
+    seal = sm.build_seal(sm.read_seal_file(EXAMPLES / name))
+    own = {label: normal for label in seal.scalars if label.endswith("normal_penalty")}
+    own |= {label: tangent for label in seal.scalars if label.endswith("tangent_penalty")}
+    return seal.with_parameters(own)
+
+
+def problem_of(result):
+    """The problem of an analysis, for iterations of one's own."""
+    return PathProblem(result.path.discretization, result.seal.terms())
+
+
+def expected(profile, pose, x, *linearized):
+    """What ``linearized_places`` makes of arrays that stay as they are."""
+    copies = tuple(part.copy() for part in linearized)
+    linearized_places(profile, pose, x, *copies)
+    return copies
+
+
+def gaps(profile, pose, x):
+    """Normal gaps of points."""
+    out = np.empty(len(x))
+    normal_gaps(profile, pose, np.ascontiguousarray(x), out)
+    return out
+
+
+# ---- the linearised place ----
+
+POSE = Pose.of((0.3, -0.2), 0.4, (1.0, 0.5))
+
+
+def beside_circle(gap, angle):
+    """A point with a gap from the circle, and its normal there."""
+    profile = circle_profile((0.4, 1.0), RADIUS)
+    away = np.array([np.cos(angle), np.sin(angle)])
+    return profile, POSE.places(np.array([[0.4, 1.0] + (RADIUS + gap) * away]))
+
+
+@pytest.mark.parametrize("gap", [-0.02, 0.05])
+def test_a_point_beside_a_circle_has_the_gap_of_its_linearisation(gap):
+    profile, before = beside_circle(gap, 0.7)
+    place, normal, at = expected(profile, POSE, before, before, np.zeros((1, 2)), np.zeros(1))
+    np.testing.assert_array_equal(place, before)
+    assert at[0] == pytest.approx(gap, abs=1e-12)
+    now = before + np.array([0.2, -0.35])
+    linear = gap + (normal * (now - before)).sum()
+    missed = gaps(profile, POSE, now)[0] - linear
+    assert missed > 1e-3
+    place, normal, at = expected(profile, POSE, now, place, normal, at)
+    assert at[0] == pytest.approx(linear, abs=1e-12)
+    assert gaps(profile, POSE, place)[0] == pytest.approx(linear, abs=1e-12)
+    np.testing.assert_allclose(now - place, missed * normal, rtol=0.0, atol=1e-14)
+
+
+def test_a_straight_profile_moves_no_place():
+    before, now = np.array([[0.2, 0.1]]), np.array([[1.7, -0.3]])
+    linearized = expected(flat_profile(), POSE, before, before, np.zeros((1, 2)), np.zeros(1))
+    place, _, at = expected(flat_profile(), POSE, now, *linearized)
+    np.testing.assert_allclose(place, now, rtol=0.0, atol=1e-14)
+    assert at[0] == pytest.approx(gaps(flat_profile(), POSE, now)[0], abs=1e-14)
+
+
+def test_a_point_far_from_where_it_was_linearised_stays_where_it_is():
+    profile, before = beside_circle(0.1, 0.7)
+    linearized = expected(profile, POSE, before, before, np.zeros((1, 2)), np.zeros(1))
+    now = beside_circle(0.1, 2.7)[1]
+    np.testing.assert_array_equal(expected(profile, POSE, now, *linearized)[0], now)
+
+
+# ---- the linearised swelling ----
+
+
+def test_the_swelling_is_linear_in_the_increment(drawn):
+    """(s(u + du) - s(u - du)) / 2 is the linear part: in two dimensions det F has no third."""
+    problem, step = problem_of(drawn), drawn.path.steps[60]
+    structure = problem.term("structure")
+    table, raw = structure.cells.raw, problem.discretization.transformation.coefficients
+    before, after = raw(step.d), raw(drawn.path.steps[61].d)
+
+    def swelling(d):
+        assert structure._assemble(table, d, problem.discretization.layout.scatter[0],
+                                   np.zeros(problem.forces.shape[1]), np.empty(0))  # fmt: skip
+        return structure.deformation.swelling[0].copy()
+
+    linear = 0.5 * (swelling(after) - swelling(2.0 * before - after))
+    quadratic = structure._beyond_linear(table, after - before)
+    assert np.abs(quadratic).max() > 1e-6
+    found = swelling(after) - quadratic - swelling(before)
+    np.testing.assert_allclose(found, linear, rtol=0.0, atol=1e-13)
+
+
+# ---- the iterations ----
+
+
+def test_at_equilibrium_they_are_newtons(drawn):
+    """Where the increment is zero forces and tangent are those of Newton's method."""
+    problem = problem_of(drawn)
+    for step in drawn.path.steps[30::25]:
+        problem.assemble_at(step)
+        values, residual = problem.values.copy(), problem.residual()[0]
+        problem.begin_mixed(step, step.fraction)
+        problem.assemble(step.d, step.fraction, step.before, mixed=True)
+        scale = np.abs(values).max()
+        np.testing.assert_allclose(problem.values, values, rtol=0.0, atol=1e-11 * scale)
+        np.testing.assert_allclose(problem.residual()[0], residual, rtol=0.0, atol=1e-9)
+
+
+def test_they_find_the_equilibrium_that_newton_finds(drawn):
+    problem = problem_of(drawn)
+    for before, step in zip(drawn.path.steps[40::20], drawn.path.steps[41::20], strict=False):
+        guess = problem.predict(before, problem.factorize_at(before), step.fraction)[0]
+        options = drawn.seal.newton
+        one = newton(problem, guess, step.fraction, before.after, options)
+        two = mixed_newton(problem, guess, step.fraction, before, options)
+        assert one[0] is two[0] is Status.CONVERGED
+        np.testing.assert_allclose(two[1], one[1], rtol=0.0, atol=1e-9)
+        assert len(two[2]) <= len(one[2]) + 1
+
+
+def test_what_newtons_method_solves_stays_as_it_is(drawn_model, monkeypatch):
+    def never(*_):
+        raise AssertionError("mixed iterations where Newton's method converges")
+
+    monkeypatch.setattr(load_path, "mixed_newton", never)
+    assert sm.analyze(drawn_model).step_cuts == 0
+
+
+@pytest.mark.parametrize(("penalties", "most"), [((1e5, 1e3), 3), ((1e6, 1e4), 3)])
+def test_a_lip_bent_over_a_stiff_corner_is_hardly_cut(penalties, most):
+    """Newton's method alone cuts 87 and 189 times."""
+    result = sm.analyze(stiff("lip.toml", *penalties))
+    assert result.converged
+    assert result.step_cuts <= most
+    assert result.newton_iterations.sum() < 450
+
+
+def test_an_equilibrium_far_away_is_refused(monkeypatch):
+    """The step is cut then as if the mixed iterations had failed."""
+    seal = stiff("lip.toml", 1e4, 1e2)
+    found = []
+
+    def far(problem, guess, *_):
+        found.append(guess)
+        return Status.CONVERGED, guess + 10.0, ()
+
+    monkeypatch.setattr(load_path, "mixed_newton", far)
+    refused = sm.analyze(seal)
+    monkeypatch.setattr(load_path, "mixed_newton", lambda _, d, *rest: (Status.SINGULAR, d, ()))
+    failed = sm.analyze(seal)
+    assert found
+    assert refused.step_cuts == failed.step_cuts > 0
+    np.testing.assert_array_equal(refused.path.steps[-1].d, failed.path.steps[-1].d)
