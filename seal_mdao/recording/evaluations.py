@@ -40,6 +40,16 @@ class RecordedCase(Case):
 
     totals: dict = field(default_factory=dict)
 
+    def fits(self, model) -> bool:
+        """Whether the recorded values have the sizes of the model's variables."""
+        inputs, outputs, _ = model.get_nonlinear_vectors()
+        pairs = [
+            (access.find_value(vector, name), value)
+            for vector, values in ((inputs, self.inputs), (outputs, self.outputs))
+            for name, value in values.items()
+        ]
+        return all(here is None or here.size == value.size for here, value in pairs)
+
     def restore(self, model) -> None:
         """Put the recorded values into the model.
 
@@ -109,7 +119,7 @@ class RecordedEvaluations:
         self._by_design = {}
         finished = [case for _, case in cases if not case.failure.startswith(UNFINISHED)]
         for case in finished:
-            if case.outputs.keys() >= needed:
+            if case.outputs.keys() >= needed and case.fits(self._model):
                 self._add(case)
         if finished and not self._by_design:
             raise RestartError(

@@ -1,6 +1,7 @@
 """The seal problem that a recorder file belongs to."""
 
 import json
+from contextlib import suppress
 from dataclasses import dataclass
 
 from seal_mdao.recording.plain_reading import PlainDatabase, reading
@@ -82,8 +83,9 @@ def recorded_settings(model: RecordedModel) -> dict:
     """
     for options in model.options.values():
         if PROBLEM_OPTION in options:
-            found = json.loads(options[PROBLEM_OPTION])
-            if not isinstance(found, dict):
-                raise ValueError(f"its {PROBLEM_OPTION} are not those of a problem")
-            return found
+            with suppress(RecursionError):
+                found = json.loads(options[PROBLEM_OPTION])
+                if isinstance(found, dict):
+                    return found
+            raise ValueError(f"its {PROBLEM_OPTION} are not those of a problem")
     return {}

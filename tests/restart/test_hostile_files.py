@@ -231,6 +231,13 @@ def test_names_are_text(cases, name):
     assert page.count("<script") == 2
 
 
+@pytest.mark.parametrize("text", ['{"valley.x": [1.0]}', '{"valley.x": []}'])
+def test_values_of_other_sizes_are_not_continued(cases, text):
+    put(cases, "driver_iterations", "inputs", text)
+    with pytest.raises(RestartError, match=r"no case in .*cases\.sql holds"):
+        sm.restart(valley_problem(sm.UnoDriver()), cases)
+
+
 TRIGGERS = (
     "CREATE TRIGGER once AFTER INSERT ON driver_iterations BEGIN DELETE FROM driver_derivatives; END",
     "CREATE TRIGGER once AFTER INSERT ON run_log BEGIN DELETE FROM driver_derivatives; END",

@@ -453,12 +453,13 @@ class DoorSeal(Seal):
         ValueError
             When they are not those of this version's ``DoorSeal``.
         """
-        settings, defaults = json.loads(text), cls()
+        defaults = cls()
         try:
+            settings = json.loads(text)
             for name in ("section", "material", "newton"):
                 settings[name] = type(getattr(defaults, name))(**settings[name])
             return cls(**settings)
-        except (TypeError, KeyError) as error:
+        except (TypeError, KeyError, RecursionError) as error:
             raise ValueError(
                 f"the settings are not those of this version's door seal: {error}"
             ) from error
