@@ -183,6 +183,9 @@ def test_checked_products_are_those_of_the_jacobian(sums):
         forward, reverse = by_t["directional_fwd_rev"]
         assert forward == pytest.approx(reverse, rel=1e-12)
     assert not sums.model.seal.sums.matrix_free
+    differences = data["sums", "x"]["J_fd"].copy()
+    sums.compute_totals(["sums"], ["x"])
+    np.testing.assert_array_equal(data["sums", "x"]["J_fd"], differences)
 
 
 @pytest.mark.filterwarnings("ignore:.*nonlinear solver that computes gradients")
