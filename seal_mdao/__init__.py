@@ -29,6 +29,7 @@ _LAZY = {
     "Section": "seal_mdao.seals.door.section",
     "GeometryError": "seal_mdao.errors",
     "LoadPathError": "seal_mdao.errors",
+    "KinkWarning": "seal_mdao.errors",
     "SealFileError": "seal_mdao.errors",
     "SealFile": "seal_mdao.seals.file.tables",
     "read_seal_file": "seal_mdao.seals.file.read",

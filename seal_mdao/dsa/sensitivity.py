@@ -66,6 +66,12 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
         Unknown method, parameter or measure.
     LoadPathError
         For a path that was not completed, where a measure is taken at its end.
+
+    Warns
+    -----
+    KinkWarning
+        Where a contact point has zero gap or zero slip margin at the end of a step, and derivatives
+        of the two sides differ.
     """
     _check_method(method)
     if not hasattr(result, "require_converged"):

@@ -6,6 +6,7 @@ import pytest
 from openmdao.utils.assert_utils import assert_check_partials
 
 import seal_mdao as sm
+from seal_mdao.components.aggregate_comp import AggregateComp
 from seal_mdao.components.random_directions import RandomDirectionsComp
 
 RTOL = 1e-4
@@ -147,6 +148,16 @@ def test_wrong_entry_of_scenarios(name, scenario_problem, monkeypatch, rng):
     check_finds_errors(scenario_problem, name, monkeypatch, rng)
 
 
+def test_wrong_entry_of_aggregates_with_a_scenario_that_failed(monkeypatch, rng):
+    group = om.Group()
+    aggregates = AggregateComp(shapes={"force": (5, 2)}, units={"force": "N/m"}, quantiles=(0.9,))
+    group.add_subsystem("aggregates", aggregates, promotes=["*"])
+    values = rng.uniform(50.0, 80.0, (5, 2))
+    values[3] = np.nan
+    problem = set_up(group, force_scenarios=values)
+    check_finds_errors(problem, "aggregates", monkeypatch, rng)
+
+
 class Sums(RandomDirectionsComp):
     """Two sums of four inputs and a number."""
 
@@ -183,6 +194,9 @@ def test_checked_products_are_those_of_the_jacobian(sums):
         forward, reverse = by_t["directional_fwd_rev"]
         assert forward == pytest.approx(reverse, rel=1e-12)
     assert not sums.model.seal.sums.matrix_free
+    differences = data["sums", "x"]["J_fd"].copy()
+    sums.compute_totals(["sums"], ["x"])
+    np.testing.assert_array_equal(data["sums", "x"]["J_fd"], differences)
 
 
 @pytest.mark.filterwarnings("ignore:.*nonlinear solver that computes gradients")

@@ -112,6 +112,24 @@ def test_which_wall_is_called_master_does_not_matter(pressed):
     assert abs(moment.sum()) <= 1e-11 * size
 
 
+def test_a_point_with_zero_gap_is_at_a_kink(pressed):
+    """An open point near the other wall, moved there, and a step at which it has a gap."""
+    term, step = pressed.term("hole"), pressed.end
+    response, before = pressed.response("hole"), step.before[pressed.path.place("hole")]
+    assert not any(part.size for part in term.kinks(response, step.fraction, before))
+    points, _, now = term._followed(response.x)
+    chosen = int(np.flatnonzero(now.gap > 0.0)[now.gap[now.gap > 0.0].argmin()])
+    x, point = response.x.copy(), points[chosen]
+    for _ in range(4):  # Newton's method, for the projection moves as well
+        points, _, now = term._followed(x)
+        (chosen,) = np.flatnonzero(points == point)
+        normal = now.gap_1[chosen, :2]
+        x[point] -= now.gap[chosen] * normal / (normal @ normal)
+    found = term.kinks(term.respond(x, step.fraction, before).kept(), step.fraction, before)
+    assert point in found.touching
+    assert found.slips.all()
+
+
 def test_without_friction_the_force_is_the_gradient_of_a_potential(pressed, rng):
     """The step is a tenth of the smallest penetration, so that the same points touch."""
     term, response = pressed.term("hole"), pressed.response("hole")

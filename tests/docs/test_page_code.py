@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from openmdao.utils.assert_utils import assert_check_totals
 
 import seal_mdao as sm
 
@@ -117,6 +118,9 @@ def test_own_openmdao_model(run_page):
         for block in comp.values():
             worst = np.abs(block["J_fwd"] - block["J_fd"]).max()
             assert worst <= 1e-5 * max(1e-3, np.abs(block["J_fd"]).max())
+    checks = names["totals_in_metres"] | names["totals_in_mm"]
+    assert set(checks) == {("cost", "bulge"), ("cost", "wave"), ("cost", "door_radius")}
+    assert_check_totals(checks, atol=0.0, rtol=1e-4)
     # what the model has is what the numerics give for the same design
     seal, prob = names["seal"], names["prob"]
     offsets = 1e3 * prob.get_val("waves.offsets", units="m")
