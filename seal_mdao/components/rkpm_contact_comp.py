@@ -5,7 +5,7 @@ from contextlib import contextmanager
 import numpy as np
 import openmdao.api as om
 
-from seal_mdao.components.options import check_parameters, declare_seal_options
+from seal_mdao.components.options import check_outputs, check_parameters, declare_seal_options
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.errors import GeometryError, LoadPathError
 from seal_mdao.kept_analyses import KeptAnalyses
@@ -15,6 +15,8 @@ PARTICLE_STEP = 1e-5
 """Of ``check_partials`` along a random direction of all particle coordinates, mm."""
 PARAMETER_STEP = 2e-5
 """Of ``check_partials`` in a scalar parameter, relative."""
+BESIDE = ("particles", "boundary_offsets", "area")
+"""Variables of this component, and of those beside it in a ``SealGroup``."""
 
 
 class RkpmContactComp(om.ExplicitComponent):
@@ -41,6 +43,7 @@ class RkpmContactComp(om.ExplicitComponent):
         analysis = analyze if kept is None else kept.analyze
         self._measures = frozen_measures(seal, self.options["measures"], analysis)
         self._parameters = tuple(dict.fromkeys((*seal.inputs, *self.options["parameters"])))
+        check_outputs(seal, self._measures, (*BESIDE, *self._parameters))
         self.add_input(
             "particles", val=seal.drawn_particles, units="mm", desc="Undeformed particles X_I."
         )
