@@ -2,6 +2,7 @@
 
 import sys
 import time
+from dataclasses import asdict
 from pathlib import Path
 
 from _common import WrongArgumentError, checked_arguments, parser, run, write_summary
@@ -11,10 +12,14 @@ from seal_mdao import plotting
 from seal_mdao.calibration.data import MaterialDataError, read_tests
 from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
 from seal_mdao.calibration.fit import Fit, fit
+from seal_mdao.calibration.outliers import residual_table, write_residuals
 from seal_mdao.calibration.residuals import WEIGHTINGS
 from seal_mdao.calibration.seal_file import material_table
 from seal_mdao.calibration.stability import MARGIN, UnstableMaterialError
 from seal_mdao.materials.by_name import LAWS
+
+MOST_TOLD = 10
+"""Outliers that are printed."""
 
 
 def main(arguments) -> int:
@@ -26,11 +31,15 @@ def main(arguments) -> int:
     except (MaterialDataError, UnstableMaterialError) as error:
         print(f"fit_material.py: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
+    rows = residual_table(found)
+    outliers = [row for row in rows if row.outlier]
     summary = summarize(found, arguments, time.perf_counter() - begun)
-    write_summary(arguments.out, summary)
-    plotting.save(plotting.material_fit(found), arguments.out / "fit.png")
+    write_summary(arguments.out, summary | {"outliers": [asdict(row) for row in outliers]})
+    write_residuals(rows, arguments.out / "residuals.csv")
     (arguments.out / "material.toml").write_text(table, encoding="utf-8")
+    plotting.save(plotting.material_fit(found), arguments.out / "fit.png")
     report(found, table, arguments.out)
+    report_outliers(outliers)
     return 0
 
 
@@ -112,6 +121,20 @@ def report(found: Fit, table: str, out: Path) -> None:
     for stability in found.stability.values():
         print(stability.text)
     print(f"{found.agreeing} of {found.starts} starts agree; files in {out}\n\n{table}", end="")
+
+
+def report_outliers(outliers) -> None:
+    """The readings that do not go with the others, the farthest first."""
+    for row in sorted(outliers, key=lambda row: -row.score)[:MOST_TOLD]:
+        print(
+            f"OUTLIER: {row.mode} at stretch {row.stretch:.4g}: {row.measured_kPa:.4g} kPa measured, "
+            f"{row.computed_kPa:.4g} kPa by the law, {row.score:.3g} standard deviations"
+        )
+    if outliers:
+        print(
+            f"outliers that take part in the fit: {len(outliers)}; they are mistakes in the data, to be "
+            "corrected, or stretches where another law is needed (all are in residuals.csv)"
+        )
 
 
 def arguments_parser():

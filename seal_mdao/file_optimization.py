@@ -7,6 +7,7 @@ import numpy as np
 import openmdao.api as om
 from openmdao.core.driver import Driver
 
+from seal_mdao.components.rkpm_contact_comp import BESIDE
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.kept_analyses import KeptAnalyses
@@ -19,8 +20,6 @@ from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 
-TAKEN = ("boundary_offsets", "particles", "area")
-"""Names of a ``SealGroup`` that no measure can have."""
 CHOSEN = "chosen"
 """What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
 GAPS = LargestGap, OpenGapSquareSum, GapSquareIntegral
@@ -124,7 +123,7 @@ def _require_problem(file, seal) -> None:
     if not seal.n_offsets:
         raise SealFileError(f"{file.path}: [[design]] is missing: say which edges may move")
     for name in measure_names(file):
-        if name in TAKEN:
+        if name in BESIDE:
             raise SealFileError(
                 f"{file.path}: [[measure]]: name = {name!r} is taken in an optimisation; give "
                 "the measure another name"

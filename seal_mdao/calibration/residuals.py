@@ -81,11 +81,10 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
     """
     if weighting not in WEIGHTINGS:
         raise ValueError(f"weighting must be one of {', '.join(WEIGHTINGS)}, got {weighting!r}")
-    whole = max(np.abs(data.stress).max() for data in tests.modes.values())
-    parts = []
+    scales, parts = weighted_by(tests, weighting), []
     for name, data in tests.modes.items():
         root = np.sqrt(data.stretch.size)
-        scale = _scale(data.stress, whole, weighting) * root
+        scale = scales[name] * root
         across = None
         if lateral:
             strain = data.lateral - 1.0
@@ -93,6 +92,12 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
             across = np.maximum(_scale(strain, largest, weighting), LATERAL_FLOOR) * root
         parts.append(Part(MODES[name], data, scale, across))
     return Residuals(tuple(parts))
+
+
+def weighted_by(tests: MaterialTests, weighting: str) -> dict[str, np.ndarray]:
+    """What differences of stress are divided by, kPa, for every reading of every mode."""
+    whole = max(np.abs(data.stress).max() for data in tests.modes.values())
+    return {name: _scale(data.stress, whole, weighting) for name, data in tests.modes.items()}
 
 
 def _scale(values, whole, weighting):

@@ -90,6 +90,22 @@ def check_parameters(seal: Seal, names) -> None:
         )
 
 
+def check_outputs(seal: Seal, measures, taken=()) -> None:
+    """Raise ValueError where no measure has a value, or one has a name that is ``taken`` by an input or
+    another output."""
+    if not any(measure.size(seal) for measure in measures):
+        raise ValueError(
+            "option 'measures': there is no measure with a value, so no output; name at least one (None "
+            "stands for the seal's standard ones, of which a seal file has those of its [[measure]])"
+        )
+    for measure in measures:
+        if measure.name in taken:
+            raise ValueError(
+                f"option 'measures': {measure.name!r} is the name of another variable; give the measure "
+                "a name of its own, dataclasses.replace(measure, name=...) or name in [[measure]]"
+            )
+
+
 def _check_names(name, value):
     if isinstance(value, str):
         raise ValueError(f"option {name!r} must be a sequence of names, got the string {value!r}")

@@ -4,7 +4,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.failures import admissible_design, analysis_errors
-from seal_mdao.components.options import check_parameters, declare_seal_options
+from seal_mdao.components.options import check_outputs, check_parameters, declare_seal_options
 from seal_mdao.components.random_directions import RandomDirectionsComp
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.kept_analyses import KeptAnalyses
@@ -15,6 +15,8 @@ PARTICLE_STEP = 2e-6
 some 1e-11 of themselves, and a direction that changes from particle to particle bends them more."""
 PARAMETER_STEP = 2e-5
 """Of ``check_partials`` in a scalar parameter, relative; times a random number of 0.3 to 1."""
+BESIDE = ("particles", "boundary_offsets", "area")
+"""Variables of this component, and of those beside it in a ``SealGroup``."""
 
 
 class RkpmContactComp(RandomDirectionsComp):
@@ -42,6 +44,7 @@ class RkpmContactComp(RandomDirectionsComp):
         analysis = analyze if kept is None else kept.analyze
         self._measures = frozen_measures(seal, self.options["measures"], analysis)
         self._parameters = tuple(dict.fromkeys((*seal.inputs, *self.options["parameters"])))
+        check_outputs(seal, self._measures, (*BESIDE, *self._parameters))
         self.add_input(
             "particles", val=seal.drawn_particles, units="mm", desc="Undeformed particles X_I."
         )

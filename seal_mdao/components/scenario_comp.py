@@ -5,7 +5,12 @@ from concurrent.futures import Executor
 import numpy as np
 import openmdao.api as om
 
-from seal_mdao.components.options import check_parameters, declare_measures, declare_parameters
+from seal_mdao.components.options import (
+    check_outputs,
+    check_parameters,
+    declare_measures,
+    declare_parameters,
+)
 from seal_mdao.components.random_directions import RandomDirectionsComp
 from seal_mdao.scenarios.evaluate import evaluate
 from seal_mdao.scenarios.processes import Processes
@@ -66,6 +71,7 @@ class ScenarioComp(RandomDirectionsComp):
         measures = frozen_measures(seal, self.options["measures"])
         inputs = dict.fromkeys((*seal.inputs, *self.options["parameters"]))
         names = tuple(dict.fromkeys((*inputs, *scenarios.parameters)))
+        check_outputs(seal, measures)
         kept = tuple(measure for measure in measures if not is_empty(measure, seal))
         self._task = SealTask(seal, kept, names, self.options["sensitivity"], derivatives=True)
         self._named, self._workers, self._last = tuple(inputs), _workers(self.options), None

@@ -90,8 +90,11 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
 @one_blas_thread
 def sensitivities(result, names, measures, method: str = "auto") -> Sensitivities:
     """As ``differentiate``, of measures that have their places, and parameters that are known."""
-    seal, wanted = result.seal, Wanted(result, measures)
-    velocity = seal.design_velocity
+    velocity = result.seal.design_velocity
+    offsets = tuple(f"boundary_offsets[{i}]" for i in range(len(velocity)))
+    if not measures:
+        return Sensitivities(offsets + names, {})
+    wanted = Wanted(result, measures)
     count = len(velocity) + len(names)
     if method == "auto":
         method = "adjoint" if wanted.count < count else "direct"
@@ -101,7 +104,6 @@ def sensitivities(result, names, measures, method: str = "auto") -> Sensitivitie
         gradient = adjoint_gradient(result, wanted, names)
         by_shape = np.tensordot(gradient.particles, velocity, ((1, 2), (1, 2)))
         table = np.hstack([by_shape, gradient.of(names)])
-    offsets = tuple(f"boundary_offsets[{i}]" for i in range(len(velocity)))
     rows = {
         name: own[0] if single else own for (name, own), single in
         zip(wanted.by_name(table).items(), wanted.single, strict=True)

@@ -1,5 +1,7 @@
 """OpenMDAO components: values, partials, totals, and the call patterns of drivers."""
 
+from dataclasses import replace
+
 import numpy as np
 import openmdao.api as om
 import pytest
@@ -308,6 +310,35 @@ def test_wrong_options_are_refused_before_any_analysis(system, problem, short):
         system(seal=short, parameters=("friction", "friction"))
     with pytest.raises(ValueError, match="string"):
         system(seal=short, parameters="friction")
+
+
+@pytest.mark.parametrize("name", ["particles", "boundary_offsets", "area", "door_radius", "c10"])
+def test_a_measure_with_the_name_of_another_variable_is_refused(problem, short, name):
+    (force,) = short.measures(("reaction",))
+    measures = [replace(force, name=name)]
+    with pytest.raises(ValueError, match=f"'{name}' is the name of another variable; give the mea"):
+        problem(sm.SealGroup(seal=short, measures=measures, parameters=("c10",)))
+
+
+@pytest.mark.parametrize("group", [sm.SealGroup, sm.ScenarioGroup])
+def test_no_measure_at_all_is_refused(problem, short, group):
+    more = {}
+    if group is sm.ScenarioGroup:
+        more = {
+            "scenarios": sm.Scenarios((sm.Variation("friction"),), [[0.2], [0.3]]),
+            "workers": 0,
+        }
+    with pytest.raises(
+        ValueError, match="no measure with a value, so no output; name at least one"
+    ):
+        problem(group(seal=short, measures=[], **more))
+
+
+@pytest.mark.parametrize("method", ["auto", "direct", "adjoint"])
+def test_derivatives_of_no_measure_are_an_empty_table(short, method):
+    found = sm.differentiate(sm.analyze(short), ("c10",), [], method)
+    assert found.rows == {}
+    assert found.parameters[-1] == "c10"
 
 
 def test_callback_must_be_callable(short):

@@ -62,6 +62,18 @@ def text(content):
     return make
 
 
+def polyline_of(count):
+    """A drawing of a polygon with so many sides."""
+
+    def make(folder):
+        drawing, angle = Drawing(folder), np.arange(count) * 2.0 * np.pi / count
+        corners = 1e4 * np.column_stack([np.cos(angle), np.sin(angle)])
+        drawing.model.add_lwpolyline(corners.tolist(), close=True, dxfattribs=ON)
+        return drawing.saved()
+
+    return make
+
+
 def wrong_layer(folder):
     path = Drawing(folder).box(layer="lip_top").saved()
     path.write_text(path.read_text().replace("lip_top", "lip/top"))
@@ -141,6 +153,10 @@ BAD = {
     "miles": (lambda folder: Drawing(folder, 3).box().saved(), "($INSUNITS = 3) are not known here"),
     "nothing": (lambda folder: Drawing(folder).saved(), "nothing is drawn in the model space"),
     "all off": (empty_layer, "nothing is drawn in the model space on a layer that is on"),
+    "too many lines": (
+        polyline_of(20_001),
+        "20001 segments (lines, arcs, splines), but at most 20000 are read; draw the section with",
+    ),
     "a layer of no such name": (wrong_layer, "on layer 'lip/top': the name 'lip/top' has the character"),
     "block": (block, "on layer 'seal': a reference to the block 'BULB'; explode block references"),
     "text": (add("add_text", "R 4"), "on layer 'extra': entities of this kind are not read, only"),

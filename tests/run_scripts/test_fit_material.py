@@ -1,13 +1,17 @@
 """fit_material.py: its files, Treloar's data, one line for bad ones."""
 
+import csv
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import seal_mdao
 from seal_mdao.calibration.fit import fit
+from seal_mdao.calibration.modes import MODES, nominal_stress
 from seal_mdao.calibration.treloar import treloar_tests
+from seal_mdao.materials.yeoh import Yeoh
 
 TRELOAR = Path(seal_mdao.__file__).parent / "calibration" / "treloar.csv"
 HEAD = "mode,stretch,stress_kPa\n"
@@ -43,6 +47,41 @@ def test_yeoh_on_treloars_data(fit_script, assert_drawn, capsys):
     assert table["c10"] == pytest.approx(expected.law.c10, rel=1e-7)
     assert text in capsys.readouterr().out  # ready to be copied
     assert_drawn(out, "fit")
+
+
+@pytest.mark.parametrize("weighting", ["relative", "absolute"])
+def test_a_reading_with_a_shifted_decimal_point_is_shown(fit_script, capsys, weighting):
+    """One of thirty readings of a known rubber, with errors as the weighting supposes, is ten times too
+    large."""
+    law, rng = Yeoh(60.0, -1.0, 0.1), np.random.default_rng(2)
+    stretch = np.linspace(1.05, 2.0, 30)
+    stress = nominal_stress(law, MODES["uniaxial"], stretch)
+    error = rng.normal(size=stretch.size)
+    stress += 0.01 * stress * error if weighting == "relative" else error
+    clean, wrong = stress.copy(), 17
+    stress[wrong] *= 10.0
+
+    def csv_of(values):
+        rows = zip(stretch.tolist(), values.tolist(), strict=True)
+        return HEAD + "\n".join(f"uniaxial,{x!r},{y!r}" for x, y in rows)
+
+    arguments = ("--law", "yeoh", "--weighting", weighting, "--allow-unstable")
+    code, summary, out = fit_script(csv_of(stress), *arguments)
+    assert code == 0
+    worst = max(summary["outliers"], key=lambda row: row["score"])
+    assert worst["stretch"] == stretch[wrong]
+    assert f"OUTLIER: uniaxial at stretch {stretch[wrong]:.4g}: " in capsys.readouterr().out
+    with (out / "residuals.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 30
+    assert [float(row["measured_kPa"]) for row in rows] == stress.tolist()
+    assert [row["outlier"] for row in rows].count("True") == len(summary["outliers"])
+    for row in rows:
+        difference = float(row["computed_kPa"]) - float(row["measured_kPa"])
+        assert float(row["difference_kPa"]) == difference
+    code, summary, _ = fit_script(csv_of(clean), *arguments)
+    assert (code, summary["outliers"]) == (0, [])
+    assert "OUTLIER" not in capsys.readouterr().out
 
 
 def test_foam_with_lateral_stretch(fit_script, assert_drawn):

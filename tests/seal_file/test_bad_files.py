@@ -341,6 +341,11 @@ BAD = {
     "design fixed": ('["seal", "cavity"]', '["base"]', "[[design]] 1: edges has 'base', which [fixed]"),
     "design twice": ("[[measure]]", '[[design]]\nedges = ["seal"]\nparameters = 3\nbound = 0.1\n'
                      "[[measure]]", "[[design]] 2: edges has 'seal', which [[design]] 1 has already"),
+    # too many
+    "measures": ("[optimize]", f"[[measure]]\n{WIDTH}\n" * 10_000 + "[optimize]",
+                 "[[measure]]: 10001 of them, but at most 10000 are read"),
+    "points": (DOOR, f"line = [{'[-40.0, 0.0], [40.0, 0.0], ' * 50_000}]",
+               "[[profile]] 1 ('door'): line: 100000 points, but at most 20000 are read"),
     # measure
     "no type": (*without('type = "contact_width"\n'), "[[measure]] 1: the key 'type' is missing; it m"),
     "unknown type": ('"contact_width"', '"width"', "[[measure]] 1: type = 'width', but it must be one"),

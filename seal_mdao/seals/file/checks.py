@@ -11,6 +11,10 @@ from seal_mdao.values import shown
 
 REQUIRED = object()
 LARGEST = sys.float_info.max
+MOST_ROWS = 10_000
+"""Tables of one list."""
+MOST_POINTS = 20_000
+"""Of a line or spline."""
 
 
 class Check(NamedTuple):
@@ -133,7 +137,15 @@ def many(one: Check, what: str, least: int = 1) -> Check:
 
 
 NAMES = many(TEXT, 'a list of names, such as ["base"]')
-POINTS = many(POINT, "a list of at least two points [[x, y], [x, y], ...]", 2)
+
+
+def _points(value):
+    if isinstance(value, list) and len(value) > MOST_POINTS:
+        raise GeometryError(f"{len(value)} points, but at most {MOST_POINTS} are read")
+    return many(POINT, "", 2).convert(value)
+
+
+POINTS = Check("a list of at least two points [[x, y], [x, y], ...]", _points)
 NUMBERS = many(number(), "a list of numbers")
 
 LIST = Check("a list of tables", lambda value: value)
@@ -202,6 +214,8 @@ def tables(where: str, given) -> list:
         raise SealFileError(
             f"{where} must be a list of tables, each written [[{where}]], got {shown(given)}"
         )
+    if len(given) > MOST_ROWS:
+        raise SealFileError(f"[[{where}]]: {len(given)} of them, but at most {MOST_ROWS} are read")
     return given
 
 

@@ -11,6 +11,9 @@ from seal_mdao.seals.outline.segments import Line, Segment, pair
 SHORTEST = 10.0
 """Least length of a segment, over the distance within which ends are joined."""
 
+MOST_SEGMENTS = 20_000
+"""Of a contour, and of a drawing: each becomes a particle at least."""
+
 ROUNDING = 1e-9
 """Distance of ends that are the same but for rounding, mm; those farther apart are moved together."""
 
@@ -38,6 +41,7 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
     """
     if not isinstance(segments, tuple | list) or not segments:
         raise GeometryError(f"a contour needs at least one segment, got {segments!r}")
+    check_count(len(segments))
     for number, segment in enumerate(segments, 1):
         _check_segment(number, segment, join, alone=len(segments) == 1)
     following = [*pairwise(enumerate(segments, 1))]
@@ -58,6 +62,21 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
         if angle < FOLDED:
             raise GeometryError(f"{where} fold back on each other at {pair(one.end)}")
     return _joined(tuple(segments), join, closed)
+
+
+def check_count(count: int) -> None:
+    """Refuse more segments than ``MOST_SEGMENTS``.
+
+    Raises
+    ------
+    GeometryError
+        With their number.
+    """
+    if count > MOST_SEGMENTS:
+        raise GeometryError(
+            f"{count} segments (lines, arcs, splines), but at most {MOST_SEGMENTS} are read; draw the "
+            "section with fewer and longer ones, or leave out layers that are not its boundary"
+        )
 
 
 def _joined(segments: tuple, join: float, closed: bool) -> tuple:

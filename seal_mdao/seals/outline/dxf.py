@@ -8,6 +8,7 @@ from seal_mdao import values
 from seal_mdao.errors import GeometryError
 from seal_mdao.input_files import reason_of, require_ordinary
 from seal_mdao.seals.outline.b_splines import b_spline_of
+from seal_mdao.seals.outline.chain import check_count
 from seal_mdao.seals.outline.crossings import nearest_around
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name, pieces_of
 from seal_mdao.seals.outline.loops import loops
@@ -53,6 +54,7 @@ def read_dxf(path, units: str | None = None) -> Outline:
     try:
         scale = MODEL_UNITS[_units(document, units)]
         pieces = pieces_of(document, scale)
+        check_count(len(pieces))
         if not pieces:
             raise GeometryError("nothing is drawn in the model space on a layer that is on")
         segments, names = zip(*pieces, strict=True)
