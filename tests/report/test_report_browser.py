@@ -200,16 +200,16 @@ def test_problem_that_is_no_seal(browser, other_page):
 
 @pytest.fixture
 def markup_page(seal_page, tmp_path):
-    """The seal's report with a unit after which a browser takes all that follows for data."""
+    """The seal's report with a name after which a browser takes all that follows for data."""
     cases = shutil.copy(seal_page.cases, tmp_path / "cases.sql")
     with closing(sqlite3.connect(cases)) as connection, connection:
-        (packed,) = connection.execute("SELECT abs2meta FROM metadata").fetchone()
-        unit = zlib.decompress(packed).replace(b'"mm**2"', b'"<!--<script>"')
-        connection.execute("UPDATE metadata SET abs2meta=?", (zlib.compress(unit),))
+        (packed,) = connection.execute("SELECT var_settings FROM metadata").fetchone()
+        named = zlib.decompress(packed).replace(b'"area": {', b'"<!--<script>": {')
+        connection.execute("UPDATE metadata SET var_settings=?", (zlib.compress(named),))
     return write_report(cases)
 
 
-def test_markup_as_a_unit_does_not_disable_the_page(browser, markup_page):
+def test_markup_as_a_name_does_not_disable_the_page(browser, markup_page):
     browser.get(markup_page.as_uri())
     assert "\\u003c!--\\u003cscript>" in markup_page.read_text(encoding="utf-8")
     assert browser.execute_script("return document.documentElement.dataset.ready") == "true"

@@ -112,7 +112,7 @@ def test_units(text):
 @pytest.mark.parametrize(
     "text",
     ["", "9**9**9", "m**99", "m.real", "m()", "m(s)", "().x", "[m]", "m if m else m", "m,m", "__x",
-     "(m)**2", "m\n", "'m'", "lambda: m"],
+     "(m)**2", "m\n", "'m'", "<b>", "lambda: m"],
 )  # fmt: skip
 def test_what_are_no_units(text):
     with pytest.raises(ValueError, match="which are none"):

@@ -161,16 +161,9 @@ def test_files_that_cannot_be_continued(tmp_path, run_script, optimised, capsys)
 
 def forget_an_attribute(path):
     """Rename an attribute of the seal in the recorded settings."""
-    import pickle
-    import zlib
-
     connection = sqlite3.connect(path)
-    query = "SELECT component_metadata FROM system_metadata WHERE id='root'"
-    options = pickle.loads(zlib.decompress(connection.execute(query).fetchone()[0]))
-    options["seal_settings"] = options["seal_settings"].replace('"friction":', '"rubbing":')
-    blob = zlib.compress(pickle.dumps(options))
+    (text,) = connection.execute("SELECT model_viewer_data FROM driver_metadata").fetchone()
+    text = text.replace(r"\"friction\":", r"\"rubbing\":")
     with connection:
-        connection.execute(
-            "UPDATE system_metadata SET component_metadata=? WHERE id='root'", (blob,)
-        )
+        connection.execute("UPDATE driver_metadata SET model_viewer_data=?", (text,))
     connection.close()
