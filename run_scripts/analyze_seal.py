@@ -87,13 +87,13 @@ def summarize(result: SealResult) -> dict:
     if result.converged:
         ends = [history for history in histories if len(history.stage)]
         gaps = [result.response(history.label).gap.min() for history in ends]
-        stress = result.stress_field()
+        places, stress = result.section_stress()
         values = (
             max([0.0, *(history.peak[-1] for history in ends)]),
             sum(history.width[-1] for history in ends),
             max([0.0, *(history.nominal_peak[-1] for history in ends)]),
             sum(history.nominal_width[-1] for history in ends),
-            max([0.0, *largest_gaps(result).values()]), stress.max(), result.particles[stress.argmax()],
+            max([0.0, *largest_gaps(result).values()]), stress.max(), places[stress.argmax()],
         )  # fmt: skip
         summary |= dict(zip(END_KEYS, values, strict=True))
         summary["max_penetration_mm"] = max([0.0, *(-gap for gap in gaps)])

@@ -14,7 +14,7 @@ from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
-from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud
+from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud, PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_tables
 from seal_mdao.structure.pressure import PressureSpace, through_column
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
@@ -135,6 +135,15 @@ class Body:
         return through_column(self.column, self.n_gauss)
 
     @cached_property
+    def samples(self) -> PointSet:
+        """Points all over the section: particles, middles of the sides of cells, middles of cells."""
+        pairs = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
+        sides = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+        particles = np.repeat(np.arange(self.n_particles)[:, None], 4, axis=1)
+        anchors = np.vstack([particles, np.tile(sides, 2), self.cells])
+        return PointSet(anchors, np.full(anchors.shape, 0.25), 1)
+
+    @cached_property
     def edge_rule(self) -> EdgeRule:
         return edge_rule(self.cells, self.constrained, self.pressure.cells)
 
@@ -223,12 +232,16 @@ class Discretization:
 
     @one_blas_thread
     def table_at(self, which: np.ndarray) -> PointTable:
-        """Shape functions at the particles ``which``; kept, for measures ask for the same ones again."""
-        key = np.asarray(which, int).tobytes()
+        """Shape functions at the particles ``which``, or at ``Body.samples`` beyond them; cached, for
+        measures ask for the same ones again."""
+        which = np.asarray(which, int)
+        key = which.tobytes()
         if key not in self._tables_at:
-            self._tables_at[key] = build_table(
-                self.cloud, single_points(which), self.transformation
-            )
+            points = single_points(which)
+            if which.max(initial=0) >= self.body.n_particles:
+                every = self.body.samples
+                points = PointSet(every.anchors[which], every.weights[which], 1)
+            self._tables_at[key] = build_table(self.cloud, points, self.transformation)
         return self._tables_at[key]
 
     @cached_property

@@ -61,15 +61,20 @@ class Partials:
         On scalar parameters, likewise.
     seeds : dict of int to Seeds
         By place in ``path.steps``.
+    section : dict of int to ndarray, shape (M, N, 4)
+        By place, on F at all N points of ``Body.samples``.
     """
 
     def __init__(self, path, n_measures: int):
         self.path, self.count = path, n_measures
         self.particles = np.zeros((n_measures, *path.discretization.particles.shape))
-        self.parameters, self.seeds = {}, {}
+        self.parameters, self.seeds, self.section = {}, {}, {}
+
+    def _place(self, step) -> int:
+        return len(self.path.steps) - 1 if step is None else self.path.steps.index(step)
 
     def _at(self, step) -> Seeds:
-        place = len(self.path.steps) - 1 if step is None else self.path.steps.index(step)
+        place = self._place(step)
         if place not in self.seeds:
             m, n = self.particles.shape[:2]
             self.seeds[place] = Seeds(np.zeros((m, n, 2)), np.zeros((m, n, 4)), {})
@@ -82,6 +87,14 @@ class Partials:
     def gradient(self, step=None) -> np.ndarray:
         """On F at the particles, in the order 11, 12, 21, 22, shape (M, n, 4)."""
         return self._at(step).gradient
+
+    def section_gradient(self, step=None) -> np.ndarray:
+        """On F at ``Body.samples``, points all over the section with the particles first, in the order
+        11, 12, 21, 22, shape (M, N, 4)."""
+        self._at(step)
+        n_samples = len(self.path.discretization.body.samples.anchors)
+        empty = np.zeros((self.count, n_samples, 4))
+        return self.section.setdefault(self._place(step), empty)
 
     def of_term(self, label: str, step=None):
         """On what a term gives, in the form of its ``no_seeds``."""
@@ -202,9 +215,9 @@ class Stack:
     count : int
         M.
     at : ndarray of int
-        Particles whose displacement or F any measure takes.
+        Points of ``Body.samples`` whose displacement or F any measure takes.
     seeds : dict of int to Seeds
-        By place in ``path.steps``, on those particles.
+        By place in ``path.steps``, on those points.
     particles : ndarray, shape (M, n, 2)
     parameters : dict of str to ndarray, shape (M,)
     """
@@ -233,10 +246,35 @@ def stacked(functionals) -> Stack:
             whole.gradient(step)[rows] = own.gradient
             for label, seeds in own.terms.items():
                 whole.of_term(label, step).put(rows, seeds)
+        for place, own in part.section.items():
+            whole.section_gradient(path.steps[place])[rows] = own
         first += part.count
-    used = np.zeros(whole.particles.shape[1], bool)
-    for own in whole.seeds.values():
-        used |= own.displacement.any(axis=(0, 2)) | own.gradient.any(axis=(0, 2))
+    seeds = {
+        place: _on_samples(own, whole.section.get(place)) for place, own in whole.seeds.items()
+    }
+    n_samples = max((own.gradient.shape[1] for own in seeds.values()), default=0)
+    used = np.zeros(n_samples, bool)
+    for own in seeds.values():
+        some = own.displacement.any(axis=(0, 2)) | own.gradient.any(axis=(0, 2))
+        used[: some.size] |= some
     at = np.flatnonzero(used)
-    seeds = {place: own.at(at) for place, own in whole.seeds.items()}
+    seeds = {place: _padded(own, n_samples).at(at) for place, own in seeds.items()}
     return Stack(whole.count, at, seeds, whole.particles, whole.parameters)
+
+
+def _on_samples(own: Seeds, section: np.ndarray | None) -> Seeds:
+    """Seeds on the particles with those on F all over the section."""
+    if section is None:
+        return own
+    every = _padded(own, section.shape[1])
+    return replace(every, gradient=every.gradient + section)
+
+
+def _padded(own: Seeds, count: int) -> Seeds:
+    """The same on ``count`` points, those beyond the particles with nothing."""
+    more = ((0, 0), (0, count - own.gradient.shape[1]), (0, 0))
+    if more[1][1] == 0:
+        return own
+    return replace(
+        own, displacement=np.pad(own.displacement, more), gradient=np.pad(own.gradient, more)
+    )

@@ -169,6 +169,21 @@ class SealResult:
         every = np.arange(len(self.particles))
         return particle_stress(self.path, every, self.path.nominal_steps[step])[0]
 
+    def section_stress(self, step: int = -1) -> tuple[np.ndarray, np.ndarray]:
+        """Von Mises stress all over the section after a nominal step: at the points of ``Body.samples``.
+
+        Returns
+        -------
+        places : ndarray, shape (N, 2)
+            Undeformed, mm.
+        stress : ndarray, shape (N,)
+            kPa.
+        """
+        samples = self.path.discretization.body.samples
+        every = np.arange(len(samples.anchors))
+        stress = particle_stress(self.path, every, self.path.nominal_steps[step])[0]
+        return samples.at(self.particles), stress
+
     def key_steps(self) -> list[int]:
         """Nominal steps, from 0, of which pictures tell most; the last one that was reached is one."""
         return profiles.key_steps(self)

@@ -190,6 +190,27 @@ class StructuralTerm(Term):
             out[body.cells[region.at]] = number
         return out
 
+    @cached_property
+    def sample_regions(self) -> np.ndarray:
+        """Number of the region of every one of ``Body.samples``; between two regions the last one."""
+        regions, body = self.definition.regions, self.discretization.body
+        cell_regions = np.zeros(len(body.cells), int)
+        for number, region in enumerate(regions):
+            cell_regions[region.at] = number
+        n, m = body.n_particles, len(body.cells)
+        ends = np.sort(body.samples.anchors[n:-m, :2], axis=1)
+        sides = np.zeros(len(ends), int)
+        # sides are in the order of their two particles
+        place = ends[:, 0] * n + ends[:, 1]
+        for corner in range(4):
+            pair = np.sort(
+                np.column_stack([body.cells[:, corner], body.cells[:, corner - 3]]), axis=1
+            )
+            real = pair[:, 0] != pair[:, 1]
+            which = np.searchsorted(place, pair[real, 0] * n + pair[real, 1])
+            np.maximum.at(sides, which, cell_regions[real])
+        return np.concatenate([self.particle_regions, sides, cell_regions])
+
     def deformation_of(self, d: np.ndarray) -> Deformation:
         """Deformation at displacement fields (K, n, 2) that are known to be admissible."""
         return deformations(self.cells.table, self.cells.column_weights, self.functions, d)

@@ -23,9 +23,10 @@ def deformation_gradients(table, d: np.ndarray) -> np.ndarray:
 
 
 def particle_stress(path, points: np.ndarray, step=None):
-    """Von Mises stress at particles ``points`` (s,) at a converged step (the last).
+    """Von Mises stress at ``points`` (s,) of ``Body.samples``, the particles first, at a converged step
+    (the last).
 
-    At a particle between two materials it is that of the region named last.
+    At a point between two materials it is that of the region named last.
 
     Returns
     -------
@@ -43,7 +44,8 @@ def particle_stress(path, points: np.ndarray, step=None):
     t, j = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4]
     cofactor = f[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0)
     stress, by_gradient, by_constants = np.empty(len(points)), np.empty((len(points), 4)), {}
-    of_region = structure.particle_regions[points]
+    inside = points.size > 0 and points.max() >= disc.body.n_particles
+    of_region = (structure.sample_regions if inside else structure.particle_regions)[points]
     for number, region in enumerate(structure.definition.regions):
         at = np.flatnonzero(of_region == number)
         value, by_t, by_j = region.material.von_mises(t[at], j[at])

@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pressed_block import pressed_block
 
+import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.materials.isotropic import invariants
+from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.structure.particle_stress import particle_stress
 
 
@@ -81,3 +84,37 @@ def test_stress_does_not_change_under_a_rigid_rotation(drawn):
     more = (disc.particles + d) @ np.array([[c, s], [-s, c]]) - disc.particles
     before, after = (stress_of(drawn, field)[0] for field in (d, more))
     assert after == pytest.approx(before, rel=1e-9, abs=1e-8)
+
+
+def test_stress_all_over_the_section(drawn):
+    """The particles first, as they are; then the middles of the sides of all cells, and of all cells."""
+    places, stress = drawn.section_stress()
+    cells, n = drawn.seal.body.cells, len(drawn.particles)
+    np.testing.assert_array_equal(stress[:n], drawn.stress_field())
+    np.testing.assert_allclose(places[-len(cells) :], drawn.particles[cells].mean(axis=1))
+    sides = {tuple(sorted(pair)) for c in cells for pair in zip(c, np.roll(c, -1), strict=True)}
+    assert len(places) == n + len(sides) + len(cells)
+    middles = {tuple(np.round(drawn.particles[list(side)].mean(axis=0), 9)) for side in sides}
+    found = places[n : -len(cells)]
+    assert {tuple(np.round(place, 9)) for place in found} == middles
+
+
+def test_points_between_cells_have_the_material_beside_them():
+    """Of two materials that of the region named last."""
+    block = pressed_block()
+    soft, hard = np.arange(12), np.arange(12, 24)
+    body = ElasticBody(
+        (
+            Region(sm.NeoHookean(120.0, 20_000.0), soft, "low_"),
+            Region(sm.NeoHookean(240.0, 20_000.0), hard, "high_"),
+        )
+    )
+    result = sm.analyze(replace(block, definitions=(body, *block.definitions[1:])))
+    regions, seal = result.term("structure").sample_regions, result.seal
+    cells, n = seal.body.cells, len(result.particles)
+    np.testing.assert_array_equal(regions[-len(cells) :], np.arange(24) >= 12)
+    for anchors, region in zip(
+        seal.body.samples.anchors[n : -len(cells)], regions[n : -len(cells)], strict=True
+    ):
+        beside = [i for i, cell in enumerate(cells) if np.isin(anchors[:2], cell).all()]
+        assert region == max(i >= 12 for i in beside)
