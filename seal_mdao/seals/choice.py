@@ -55,7 +55,7 @@ class Choice(NamedTuple):
         force anywhere on the path over its largest one; None where the steps were given.
     penalty_error : float or None
         Largest estimated error by the penalties that were chosen, relative, of a measure; None where
-        they were given.
+        they were given, and where a path in steps that were given cannot be completed.
     """
 
     seal: Seal
@@ -110,7 +110,7 @@ def choose(
     Raises
     ------
     LoadPathError
-        When the path cannot be completed.
+        When the path cannot be completed and steps are to be chosen.
     ValueError
         When a tolerance is no such number, or load steps within it are not found in ``ROUNDS`` rounds.
     """
@@ -122,6 +122,13 @@ def choose(
     names, run = frozenset(names if penalty_tolerance is not None else ()), _Analyses(callback)
     begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
     ends, result = _first_path(seal, begun, run, more=1)
+    if not result.converged:
+        if step_tolerance is not None:
+            result.require_converged()
+        # its analysis will say how far it comes
+        return Choice(
+            seal, tuple(np.arange(1.0, seal.n_steps + 1.0)), _values(seal, names), None, None
+        )
     if names:
         result = _with_penalties(result, names, penalty_tolerance, run)
     error, left = None, relative_error(result, names) if names else None
@@ -147,14 +154,13 @@ def _thinned(seal: Seal, coarse: int) -> np.ndarray:
 
 
 def _first_path(seal: Seal, ends: np.ndarray, run, more: int):
-    """Ends of load steps in which the path is completed, and that path; halved while it fails."""
+    """Ends of load steps in which the path is completed, and that path; halved while it fails, up to
+    ``MOST`` times as many."""
     most = MOST * len(ends)
     while True:
         result = run(seal.with_ends(ends), more)
-        if result.converged:
+        if result.converged or len(ends) >= most:
             return ends, result
-        if len(ends) >= most:
-            result.require_converged()
         ends = divided(ends, 2)
 
 

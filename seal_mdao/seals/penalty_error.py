@@ -21,8 +21,8 @@ from seal_mdao.measures.measure import Derived, Measure
 NORMAL, TANGENT = "normal_penalty", "tangent_penalty"
 SMALL_LENGTH = 0.01
 """Fraction of the largest displacement below which a length (a gap, a width) is as good as zero."""
-NOISE = 1e-6
-"""Fraction of its largest value along the path below which a measure is zero but for rounding."""
+SMALL = 0.01
+"""Fraction of its largest value along the path below which a measure is as good as zero at the end."""
 WARNED, CURED = 0.01, 0.001
 """Relative error of a measure from which on a warning is given, and what its advice leaves of it."""
 
@@ -70,8 +70,8 @@ class PenaltyError:
         The part of each penalty, by its parameter's name.
     scale : float
         What the error is compared with: the largest value, but no less than a length that is as good
-        as zero, the distance of the contact points for a width, the noise along the path, or for a
-        component of a force the complete one.
+        as zero, the distance of the contact points for a width, a small fraction of the largest value
+        along the path, or for a component of a force the complete one.
     """
 
     error: np.ndarray
@@ -159,8 +159,8 @@ def least_scale(measure: Measure, result) -> float:
     small = SMALL_LENGTH * along
     by_units = {"mm": small, "mm**2": small**2, "mm**3": small**2 * along}
     base = measure.base if isinstance(measure, Derived) else measure
-    noise = NOISE * along_path(measure, result) if base.wants_end else 0.0
-    return max(by_units.get(measure.units, 0.0), noise)
+    before = SMALL * along_path(measure, result) if base.wants_end else 0.0
+    return max(by_units.get(measure.units, 0.0), before)
 
 
 def along_path(measure: Measure, result) -> float:

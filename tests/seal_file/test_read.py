@@ -203,7 +203,8 @@ def test_stages_become_a_motion(tmp_path):
     assert np.allclose(motion.positions, [(0.0, 14.45), (0.0, 8.45), (2.0, 8.45)], atol=1e-14)
     assert np.allclose(np.degrees(motion.angles), [10.0, 10.0, -10.0])
     assert np.array_equal(motion.pivot, [1.0, 2.0])
-    assert (door.normal_penalty, door.tangent_penalty) == (5e3, 1e2)
+    assert (door.normal_penalty, door.tangent_penalty) == (5e3, None)
+    assert file.open_penalties == ("door_tangent_penalty",)
 
 
 def test_a_profile_without_stages_stands_still(tmp_path):

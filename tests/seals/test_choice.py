@@ -17,7 +17,7 @@ from seal_mdao.seals.choice import (
     measure_difference,
 )
 from seal_mdao.seals.door.door_seal import DoorSeal
-from seal_mdao.seals.penalty_error import NOISE, least_scale
+from seal_mdao.seals.penalty_error import SMALL, least_scale
 from seal_mdao.seals.profiles import profile_histories
 
 TOLERANCE = 5e-3
@@ -90,7 +90,7 @@ def test_a_seal_that_stands_free_at_the_end_is_compared_with_its_path():
     assert choice.step_error <= TOLERANCE
     assert set(range(1, seal.n_steps + 1)) <= set(choice.ends)
     end = sm.analyze(seal.with_ends(choice.ends))
-    assert end.value(energy)[0] < 1e-9 * least_scale(energy, end) / NOISE
+    assert end.value(energy)[0] < 1e-9 * least_scale(energy, end) / SMALL
 
 
 def test_one_component_of_a_force_is_compared_with_all_of_it():

@@ -13,8 +13,13 @@ ONE_STAGE = "[[profile.stage]]\ntranslate = [9.0, 0.0]\nsteps = 72"
 START = "start = [-2.12, 9.6]"
 
 
+def lost(result):
+    """The warnings that contact is lost."""
+    return tuple(text for text in result.warnings if "is lost" in text)
+
+
 def lip(tmp_path, stages, start=START):
-    """The warnings of the lip with a rod on another path, and its last forces."""
+    """Warnings of contact that is lost by the lip with a rod on another path, and its last forces."""
     text = LIP.read_text(encoding="utf-8").replace("friction = 0.0\n", "friction = 0.3\n")
     assert ONE_STAGE in text
     assert START in text
@@ -22,7 +27,7 @@ def lip(tmp_path, stages, start=START):
     path.write_text(text.replace(ONE_STAGE, stages).replace(START, start), encoding="utf-8")
     result = sm.analyze(sm.build_seal(sm.read_seal_file(path)))
     assert result.converged, result.failure
-    return result.warnings, result.path.reaction("rod")[-1]
+    return lost(result), result.path.reaction("rod")[-1]
 
 
 def stage(translate, steps):
@@ -45,7 +50,7 @@ def test_the_stage_is_named_where_there_are_several(tmp_path):
 def test_a_rod_that_still_touches_is_not(tmp_path):
     warnings, force = lip(tmp_path, stage([4.0, 0.0], 32))
     assert force.any()
-    assert not any("is lost" in text for text in warnings)
+    assert warnings == ()
 
 
 def test_a_rod_that_goes_back_is_not(tmp_path):
@@ -62,7 +67,7 @@ def test_a_rod_that_never_comes_near_is_not(tmp_path):
 
 
 def test_profiles_that_come_turn_and_go():
-    assert sm.analyze(two_profiles(0.3)).warnings == ()
+    assert lost(sm.analyze(two_profiles(0.3))) == ()
 
 
 def test_stages_close_unless_they_lead_back():
