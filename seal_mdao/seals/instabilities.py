@@ -27,7 +27,9 @@ class Instability:
         How far a particle moved from there to the equilibrium at which the path goes on, mm; 0 where
         the path stays on the branch.
     released : float
-        Energy released on the way, mJ/m; with friction a lower bound, NaN where that says nothing.
+        Energy released on the way, mJ/m; NaN where nothing is known of it.
+    lower_bound : bool
+        Whether that is a lower bound of it, as with friction.
     """
 
     fraction: float
@@ -36,6 +38,7 @@ class Instability:
     mode: np.ndarray
     moved: float
     released: float
+    lower_bound: bool
 
     @property
     def text(self) -> str:
@@ -50,7 +53,10 @@ class Instability:
             )
         if self.moved == 0.0:
             return f"equilibrium is not stable from {place} on, and the path stays on that branch"
-        lost = f" and releases {self.released:.2g} mJ/m" if np.isfinite(self.released) else ""
+        least = "at least " if self.lower_bound else ""
+        lost = (
+            f" and releases {least}{self.released:.2g} mJ/m" if np.isfinite(self.released) else ""
+        )
         why = "the branch of equilibria ends" if self.kind == "limit" else "equilibrium branches"
         return f"{why} at {place}: the seal moves {self.moved:.2g} mm to the next stable one{lost}"
 
@@ -65,7 +71,7 @@ def _instability(result, point) -> Instability:
     interpolate(result.path.discretization.everywhere.table, point.mode, mode)
     return Instability(
         point.fraction, result.travel_at(point.fraction), point.kind, mode / np.abs(mode).max(),
-        point.moved, point.released,
+        point.moved, point.released, not result.path.problem.symmetric,
     )  # fmt: skip
 
 

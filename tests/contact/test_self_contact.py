@@ -9,7 +9,7 @@ from squeezed_ring import itself, ring, ring_body
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import SLIP, ContactLaw
-from seal_mdao.contact.self_contact import SelfContact
+from seal_mdao.contact.self_contact import SelfContact, SelfContactTerm
 from seal_mdao.measures.contact import Reaction
 from seal_mdao.seals.checks import findings
 
@@ -267,3 +267,22 @@ def test_a_bad_contact_is_refused(changed, words):
     }  # fmt: skip
     with pytest.raises(ValueError, match=words):
         SelfContact(**{**good, **changed})
+
+
+def energy_taken(result):
+    """What the contact takes along the path at most, and what it stores at its end, mJ/m."""
+    path = result.path
+    (term,) = (term for term in path.problem.terms if isinstance(term, SelfContactTerm))
+    own, steps, taken = path.responses(term.label), [path.start, *path.steps], 0.0
+    before = [path.start.responses[path.place(term.label)], *own]
+    for last, then, step, now in zip(steps, before, steps[1:], own, strict=False):
+        taken -= term.released_energy(last, then, step.d, now, step.fraction)[0]
+    return taken, term.potential(path.steps[-1].d, own[-1])
+
+
+def test_the_energy_that_the_contact_takes_is_stored_but_for_friction(pressed):
+    taken, stored = energy_taken(pressed)
+    assert stored > 0.0
+    assert taken == pytest.approx(stored, rel=1e-9)
+    taken, stored = energy_taken(sm.analyze(sm.build_seal(sm.read_seal_file(LIP))))
+    assert 1.2 * stored < taken < 2.0 * stored

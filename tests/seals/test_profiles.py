@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from energy_bounds import energy_bounds
+from two_profiles import two_profiles
 
 import seal_mdao as sm
 from seal_mdao.geometry.motion import Stage, staged_motion
@@ -89,3 +91,15 @@ def test_profile_that_stands_still_follows_the_one_that_moves(drawn):
     (door,) = contacts(drawn.seal)
     assert leading_motion(drawn.seal) is not still
     assert moves(door.motion)
+
+
+def test_the_bound_of_the_released_energy_tends_to_zero_with_profiles_that_turn():
+    """A wrong work of forces or moments would leave its part of it."""
+    sums = []
+    for steps in (6, 12, 24):
+        released, _ = energy_bounds(sm.analyze(two_profiles(0.0, steps, "in")).path).T
+        assert released.max() <= 1e-9
+        sums.append(released.sum())
+    assert sums[0] < 0.0
+    assert sums[1] / sums[0] == pytest.approx(0.5, abs=0.05)
+    assert sums[2] / sums[1] == pytest.approx(0.5, abs=0.02)
