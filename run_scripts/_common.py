@@ -228,6 +228,27 @@ def print_warnings(result, label: str = "", further=()) -> None:
         print(f"WARNING{label}: {text}")
 
 
+def penalty_table(result) -> dict | None:
+    """Estimated errors by the contact penalties for summary.json; None for a path not completed."""
+    if not result.converged:
+        return None
+    return {
+        name: {"error": found.error[0] if found.error.size == 1 else found.error,
+               "relative": found.relative}
+        for name, found in result.penalty_error.items()
+    }  # fmt: skip
+
+
+def print_penalty_errors(result) -> None:
+    """The largest of them, in a line; nothing without contact."""
+    found = result.penalty_error
+    if found:
+        name = max(found, key=lambda name: abs(found[name].relative))
+        print(
+            f"estimated error by contact penalties: at most {abs(found[name].relative):.2%} ({name})"
+        )
+
+
 def print_critical_points(result) -> None:
     """Where the seal lost its stability, a line each."""
     for point in result.critical_points:

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from _common import penalty_table
+
 from seal_mdao import plotting
 from seal_mdao.plotting.recorded import RecordedOptimization
 from seal_mdao.seals.door.measures import DOOR
@@ -43,6 +45,7 @@ def end_numbers(
         "area_mm2": final.area,
         "von_mises_kPa": final.von_mises,
         "reaction_ratio": final.reaction[-1, 1] / initial.reaction[-1, 1],
+        "penalty_error": penalty_table(final),
         "warnings": [*final.warnings, *gap_warnings(history, final)],
         "boundary_offsets": offsets,
         **parameters,

@@ -12,6 +12,7 @@ from _common import (
     critical_table,
     design_from,
     parser,
+    penalty_table,
     print_critical_points,
     print_warnings,
     run,
@@ -65,6 +66,7 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
         "critical_points": critical_table(result),
         "failure": result.path.failure or None,
         "warnings": result.warnings,
+        "penalty_error": penalty_table(result),
         "unmeasured_gaps": (),
     }
     end_keys = (

@@ -10,7 +10,9 @@ from _common import (
     announce,
     critical_table,
     parser,
+    penalty_table,
     print_critical_points,
+    print_penalty_errors,
     print_warnings,
     run,
     write_summary,
@@ -82,6 +84,7 @@ def summarize(result: SealResult) -> dict:
         "critical_points": critical_table(result),
         "failure": result.failure or None,
         "warnings": result.warnings if result.converged else None,
+        "penalty_error": penalty_table(result),
         "profiles": {history.label: at_profile(result, history) for history in histories},
     }
     if result.converged:
@@ -201,6 +204,7 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
     if not result.converged:
         print(f"NOT CONVERGED: {summary['failure']}")
     else:
+        print_penalty_errors(result)
         print_warnings(result)
     print(f"figures, CSV and summary.json in {out}{series}")
 

@@ -10,6 +10,7 @@ from _common import (
     announce,
     checked_arguments,
     parser,
+    penalty_table,
     print_warnings,
     run,
     write_summary,
@@ -75,15 +76,17 @@ def main(arguments) -> int:
     write_summary(arguments.out, how | ends | {"on_new_cloud": None} | designs)
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
     drawing, anew = write_best(file, seal, offsets, kept, arguments.out)
-    write_summary(arguments.out, how | ends | gaps | {"on_new_cloud": anew} | designs)
+    penalties = {"penalty_error": penalty_table(results[1])}
+    write_summary(arguments.out, how | ends | gaps | penalties | {"on_new_cloud": anew} | designs)
     draw(history, results, arguments.out)
+    own_figures = [*gap_figures(gaps), *penalty_figures(results[1])]
     write_report(
-        cases, arguments.out / "report.html", kept=kept, figures=gap_figures(gaps),
-        notes=gaps["unmeasured_gaps"],
+        cases, arguments.out / "report.html", kept=kept, figures=own_figures,
+        notes=[*results[1].warnings, *gaps["unmeasured_gaps"]],
     )  # fmt: skip
     report_run(optimizer, numbers, arguments.restart)
     report_ends(history, ends, numbers["kkt"])
-    for name, value, text in gap_figures(gaps):
+    for name, value, text in own_figures:
         print(f"{name}: {value} {text}")
     report_anew(ends, anew)
     print_warnings(results[0], " (first design)")
@@ -164,6 +167,16 @@ def gap_figures(gaps: dict) -> list[tuple[str, str, str]]:
             f"between the contacts, at the start {start:.4f} mm",
         )
         for name, (start, end) in gaps["largest_gap_mm"].items()
+    ]
+
+
+def penalty_figures(result) -> list[tuple[str, str, str]]:
+    """The largest error by the contact penalties as name, value and explanation; nothing without it."""
+    if not result.converged or not result.penalty_error:
+        return []
+    largest = max(abs(found.relative) for found in result.penalty_error.values())
+    return [
+        ("error by penalties", f"{largest:.2%}", "estimated, of the measures of the last design")
     ]
 
 

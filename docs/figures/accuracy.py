@@ -1,26 +1,27 @@
 """Sources of error of the door seal, one figure each, and what the accurate discretisation costs."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from time import process_time
 
 import numpy as np
-from seal_mdao.seals.step_choice import (
-    FINER,
-    TOLERANCE,
-    choose_steps,
-    divided,
-    force_differences,
-    measure_difference,
-)
 
 from figures.tables import percent, table
 from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplots
+from seal_mdao.seals.choice import (
+    STEP_TOLERANCE,
+    choose,
+    divided,
+    force_difference,
+    measure_difference,
+)
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.file.build import build_seal
-from seal_mdao.seals.file.load_steps import FIRST, one_step_each
+from seal_mdao.seals.file.load_steps import one_step_each
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.kernels import Kernels
+from seal_mdao.seals.penalty_error import NORMAL, penalties_of
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import CONTACT_POINTS
 from seal_mdao.verification.error_sources import (
@@ -51,6 +52,9 @@ from seal_mdao.verification.pressed_elements import CORNER, FLAT, GAP
 from seal_mdao.verification.ray_bulb import limit, ray_bulb
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+REFERENCES = Path(__file__).resolve().parents[2] / "tests" / "verification" / "references"
+FINER = 4
+"""Times as many load steps that a path is compared with."""
 PRODUCT = (1.8, 2.5)
 ROUND = 2.0
 BY_CELL = {"support": ROUND}, {"support": PRODUCT}
@@ -75,6 +79,7 @@ def make(out: Path, reduced: bool) -> dict:
         _integration,
         _refinement,
         _penalty,
+        _penalties,
         _steps,
         _preset,
         _outline,
@@ -230,7 +235,8 @@ def _penalty(out, reduced) -> dict:
 def _step_errors(seal, ends):
     """Differences from four times as many steps: measures, forces."""
     coarse, fine = (analyze(seal.with_ends(e)) for e in (ends, divided(np.array(ends), FINER)))
-    return measure_difference(coarse, fine), float(force_differences(coarse, fine).max())
+    at = np.arange(FINER - 1, FINER * len(ends), FINER)
+    return measure_difference(coarse, fine), force_difference(coarse, fine, at)
 
 
 def _steps(out, reduced) -> dict:
@@ -238,13 +244,13 @@ def _steps(out, reduced) -> dict:
     counts = (10, 20) if reduced else (10, 20, 35, 50, 105)
     found = [_step_errors(seal, (np.arange(1, n + 1) / n).tolist()) for n in counts]
     tolerances = (1e-2,) if reduced else (2e-2, 5e-3, 2e-3)
-    chosen = [choose_steps(seal, tolerance) for tolerance in tolerances]
+    chosen = [choose(seal, tolerance) for tolerance in tolerances]
     measures, forces = np.array(found).T
     lines = {
         "measures, equal steps": (counts, measures),
         "forces, equal steps": (counts, forces),
         "measures and forces, chosen steps": ([len(c.ends) for c in chosen],
-                                              [c.error for c in chosen]),
+                                              [c.step_error for c in chosen]),
     }  # fmt: skip
     value = "difference from four times as many (%)"
     _lines(out / "error_steps.png", "load steps", lines, value)
@@ -268,14 +274,37 @@ def _chosen_for(file) -> list:
     """Row of a seal file whose load steps are chosen, whatever it gives."""
     fluids = tuple(replace(fluid, steps=None) for fluid in file.fluids)
     begun = replace(file, profiles=one_step_each(file.profiles), fluids=fluids, step_tolerance=None)
-    seal = build_seal(begun)
-    solved = []
-    ends = choose_steps(seal, TOLERANCE, FIRST, lambda step: solved.append(step.nominal)).ends
+    seal, solved = build_seal(begun), []
+    ends = choose(seal, STEP_TOLERANCE, callback=lambda step: solved.append(step.nominal)).ends
     lengths = np.diff(ends, prepend=0.0)
     return [
         f"`{file.path.stem}`", len(ends), f"{lengths.max() / lengths.min():.3g}",
         *map(percent, _step_errors(seal, ends)), len(solved),
     ]  # fmt: skip
+
+
+def _penalties(out, reduced) -> dict:
+    """Sections whose force independent finite elements know: error and its estimate, by penalties."""
+    names = ("half_ring",) if reduced else ("half_disc", "o_ring", "bonded_gasket", "half_ring")
+    rows = []
+    for name in names:
+        seal = build_seal(read_seal_file(REFERENCES / f"{name}.toml"))
+        known = json.loads((REFERENCES / f"{name}.json").read_text(encoding="utf-8"))
+        exact, uncertain = known["force_N_per_m"][-1], known["relative_uncertainty"][-1]
+        chosen = {p.name: p.value for p in penalties_of(seal)}
+        soft = dict.fromkeys(chosen, 1e2) | {n: 1e4 for n in chosen if n.endswith(NORMAL)}
+        results = [analyze(seal.with_parameters(own), keep_factors=True) for own in (chosen, soft)]
+        forces_of = [abs(r.path.reaction(r.seal.terms()[1].label)[-1, 1]) for r in results]
+        estimates = [next(iter(r.penalty_error.values())).relative for r in results]
+        cells = [percent(value) for f, e in zip(forces_of, estimates, strict=True)
+                 for value in (f / exact - 1.0, e)]  # fmt: skip
+        largest = max(chosen.values())
+        rows.append([f"`{name}`", f"{exact:.1f}", percent(uncertain, 2), f"{largest:.2g}", *cells])
+    head = [
+        "section", "finite elements (N/m)", "their uncertainty", "normal penalty chosen (kPa/mm)",
+        "error", "estimated part of it", "error with 10⁴, 10² kPa/mm", "estimated part of it",
+    ]  # fmt: skip
+    return {"sections_table": table(head, rows)}
 
 
 def _preset(out, reduced) -> dict:

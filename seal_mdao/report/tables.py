@@ -144,12 +144,25 @@ def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
         ("deepest penetration", "mm", max(0.0, -float(last.gap.min()))),
         ("highest von Mises stress at a particle", "kPa", float(result.stress_field().max())),
         ("vertical force on the door", "N/m", float(result.reaction[-1, 1])),
+        ("error of the gaps by contact penalties, estimated", "%", _penalty_error(result, "gap")),
+        (
+            "error of the force by contact penalties, estimated",
+            "%",
+            _penalty_error(result, "reaction"),
+        ),
         ("horizontal force on the door", "N/m", float(result.reaction[-1, 0])),
         ("area of the section", "mm²", _area(result)),
         ("corner radius of the door", "mm", result.door_radius),
         ("door travel reached", "mm", float(result.door_travel[-1])),
         ("times that stability was lost", "", len(result.critical_points)),
     ]
+
+
+def _penalty_error(result: DoorSealResult, name: str) -> float:
+    """Relative, in percent; nan where it is not known."""
+    if not result.converged or name not in result.penalty_error:
+        return math.nan
+    return 100.0 * result.penalty_error[name].relative
 
 
 def _area(result: DoorSealResult) -> float:
