@@ -62,8 +62,7 @@ def _bend(step: ConvergedStep, before: ConvergedStep, euler) -> np.ndarray | Non
 def _correct(problem, guess, target, last, options, reuse):
     """Equilibrium from the predictor ``guess``, as ``newton`` returns it.
 
-    Where old factors are not reused, or did not lead there, Newton's method finds it. Where that fails
-    the mixed iterations are tried, which must not lead far away.
+    Where old factors are not reused, or did not lead there, Newton's method finds it.
     """
     tried = ()
     if problem.discretization.layout.storage.reuses_factors and reuse.is_due():
@@ -72,24 +71,33 @@ def _correct(problem, guess, target, last, options, reuse):
         if status is Status.CONVERGED:
             return status, d, tried
     status, d, residuals = newton(problem, guess, target, last.after, options)
-    tried += residuals
-    if status is not Status.CONVERGED:
-        mixed, found, residuals = mixed_newton(problem, guess, target, last, options)
-        tried += residuals[1:]  # from the same predictor
-        if mixed is Status.CONVERGED and not jumped(problem, found, guess, last, target):
-            return mixed, found, tried
-    return status, d, tried
+    return status, d, tried + residuals
 
 
 def _equilibrium(problem, guess, target, last, options, reuse):
-    """Equilibrium as ``newton`` returns it; UNSTABLE or JUMPED where the path should not go there."""
+    """Equilibrium as ``newton`` returns it; UNSTABLE or JUMPED where the path should not go there.
+
+    Where Newton's method fails or jumps mixed iterations follow, which must not lead far away.
+    """
     status, d, residuals = _correct(problem, guess, target, last, options, reuse)
+    status = _judged(problem, status, d, guess, last, target, options)
+    if status in (Status.CONVERGED, Status.UNSTABLE):
+        return status, d, residuals
+    mixed, found, more = mixed_newton(problem, guess, target, last, options)
+    residuals += more[1:]  # from the same predictor
+    if mixed is Status.CONVERGED and not jumped(problem, found, guess, last, target):
+        return _judged(problem, mixed, found, guess, last, target, options), found, residuals
+    return status, d, residuals
+
+
+def _judged(problem, status, d, guess, last, target, options) -> Status:
+    """UNSTABLE or JUMPED in place of CONVERGED where the path should not go; factor in ``problem``."""
     if status is Status.CONVERGED and options.branch == "stable":
         if jumped(problem, d, guess, last, target):
-            status = Status.JUMPED
-        elif problem.symmetric and not problem.factor.positive:
-            status = Status.UNSTABLE
-    return status, d, residuals
+            return Status.JUMPED
+        if problem.symmetric and not problem.factor.positive:
+            return Status.UNSTABLE
+    return status
 
 
 def _most_cuts(status: Status, options: NewtonOptions) -> int:

@@ -577,4 +577,5 @@ def door_seal(
     if steps is None:
         return seal
     seal = replace(seal, n_steps=1, step_ends=None)
+    values.real("step_tolerance", step_tolerance, above=0.0, high=1.0)
     return choose(seal, step_tolerance).seal
