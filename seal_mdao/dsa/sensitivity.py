@@ -95,6 +95,7 @@ def sensitivities(result, names, measures, method: str = "auto") -> Sensitivitie
     if not measures:
         return Sensitivities(offsets + names, {})
     wanted = Wanted(result, measures)
+    warn_of_kinks(result.path, wanted.stack.seeds)
     count = len(velocity) + len(names)
     if method == "auto":
         method = "adjoint" if wanted.count < count else "direct"
@@ -131,6 +132,7 @@ def particle_gradient(result, parameters, measures, method: str = "auto") -> dic
     """
     _check_method(method)
     n, wanted = len(result.particles), Wanted(result, measures)
+    warn_of_kinks(result.path, wanted.stack.seeds)
     if method == "auto":
         method = "adjoint" if wanted.count < 2 * n + len(parameters) else "direct"
     if method == "adjoint":
@@ -175,7 +177,6 @@ class Wanted:
         self.values = [functional.values for functional in functionals]
         self.stack = stacked(functionals)
         self.probe = result.path.discretization.table_at(self.stack.at)
-        warn_of_kinks(result.path, self.stack.seeds)
 
     @property
     def count(self) -> int:

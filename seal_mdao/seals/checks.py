@@ -222,7 +222,7 @@ def _inside_itself(samples: Samples):
                 f"walls of the seal lie {depth:.3g} mm inside each other near {_at(place)}, "
                 f"{100.0 * depth / size:.2g} % of {whose}: the penalty of "
                 f"{term.label!r} gives so much; use a larger one, or a smaller depth",
-                bool(depth > DEEP * size),
+                bool(depth > DEEP * samples.wall),
             )
 
 
@@ -251,7 +251,7 @@ def _inside_profiles(samples: Samples):
                 f"{_at(place)}, {-100.0 * gap[worst] / size:.2g} % of {whose}: there is contact at the "
                 "contact points only, with a penalty; use more particles along the boundary, a rounder "
                 "profile, a larger normal penalty, or a smaller depth",
-                not gap[worst] >= -DEEP * size,
+                not gap[worst] >= -DEEP * samples.wall,
             )
 
 

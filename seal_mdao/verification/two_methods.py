@@ -21,8 +21,8 @@ FRICTIONS = {
 DOORS = {"corner": {}, "32 segments": {"segments": 32}, "flat": {"door": "flat"}}
 PATHS = {
     "40 steps": {"n_steps": 40, "newton": NewtonOptions(tolerance=1e-11)},
-    "6 steps, cut": {
-        "n_steps": 6,
+    "5 steps, cut": {
+        "n_steps": 5,
         "newton": NewtonOptions(tolerance=1e-11, max_iterations=3, damped_iterations=0),
     },
 }

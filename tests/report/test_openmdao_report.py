@@ -49,7 +49,7 @@ def test_report_after_run_driver(reports_on, capsys):
     text = (problem.get_reports_dir() / "seal_report.html").read_text(encoding="utf-8")
     assert "Not converged" in text
     # the pictures are those of the run, with the radius and the friction that it had
-    assert 'class="warning"' not in text
+    assert not further_warnings(text)
     assert '<th scope="row">corner radius of the door</th><td>4.2</td>' in text
     problem.cleanup()
 

@@ -91,7 +91,7 @@ def test_upstream_parameters_in_other_units(tmp_path):
     assert parameters["friction"] == 0.3
     assert parameters["door_radius"] == problem.get_val("rubber.door_radius", units="mm")[0]
     text, data = shapes(path)
-    assert 'class="warning"' not in text
+    assert not further_warnings(text)
     radius = problem.get_val("rubber.door_radius", units="mm")[0]
     assert f"corner radius of the door</th><td>4</td><td>{radius:.4g}</td>" in text
     charts = {part["label"]: part for part in data["history"]["design"]}
@@ -156,7 +156,7 @@ def test_every_seal_is_shown(two_seals):
     for name, radius in (("sharp", "3.5"), ("blunt", "4.5")):
         table = text.partition(f"First and last design of {name}, from")[2].partition("</table>")[0]
         assert f"corner radius of the door</th><td>{radius}</td><td>{radius}</td>" in table
-    assert 'class="warning"' not in text
+    assert not further_warnings(text)
 
 
 def test_address_of_the_page_chooses_the_seal(two_seals, browser):
@@ -219,7 +219,7 @@ def test_subclass_of_the_group(tmp_path):
     offsets, _ = seal.design(len(history.objective) - 1)
     np.testing.assert_array_equal(offsets, problem.get_val("mine.boundary_offsets", units="mm"))
     assert title(history) == "Optimisation of mine.cost.cost"
-    assert 'class="warning"' not in shapes(path)[0]
+    assert not further_warnings(shapes(path)[0])
 
 
 def test_design_whose_result_is_not_right_is_pointed_out(tmp_path):

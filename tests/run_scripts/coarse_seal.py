@@ -13,10 +13,13 @@ CHANGES = {
     "parameters = 12": "parameters = 4",
     "lower = 40.0": "lower = 15.0",
     "upper = 60.0": "upper = 18.0",
+    'name = "door"': 'name = "door"\nnormal_penalty = 1e4\ntangent_penalty = 1e2',
 }
 
-OPEN = {"\nsteps = 4": "", "\nsteps = 2": ""}
-"""Load steps are to be chosen."""
+OPEN = {
+    "\nsteps = 4": "", "\nsteps = 2": "", "\nnormal_penalty = 1e4\ntangent_penalty = 1e2": "",
+}  # fmt: skip
+"""Load steps and penalties are to be chosen."""
 
 
 def coarse(changes=()) -> str:
