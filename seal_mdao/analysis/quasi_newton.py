@@ -179,10 +179,7 @@ def _factorize(problem, d, target, last) -> Status:
     """
     problem.assemble(d, target, last.after)
     try:
-        if problem.symmetric:
-            problem.factorize(check=True)
-        else:
-            problem.factorize_roughly()
+        problem.factorize_iterate(converged=True)
     except np.linalg.LinAlgError:
         return Status.SINGULAR
     return Status.CONVERGED

@@ -22,7 +22,9 @@ def bulb(folder, start="start = [0.0, 14.5]", friction=0.25):
     text = BULB.replace("spacing = 0.9", "spacing = 1.6").replace(START, start)
     text = text.replace("[0.0, -6.0]\nsteps = 60", "[0.0, -1.2]\nsteps = 12")
     text = text.replace("[2.0, 0.0]\nrotate = 0.0\nsteps = 20", "[0.2, 0.0]\nsteps = 2")
-    text = text.replace("friction = 0.25", f"friction = {friction}\nnormal_penalty = 1e4\ntangent_penalty = 1e2")
+    text = text.replace(
+        "friction = 0.25", f"friction = {friction}\nnormal_penalty = 1e4\ntangent_penalty = 1e2"
+    )
     path = folder / "bulb.toml"
     path.write_text(text)
     return sm.build_seal(sm.read_seal_file(path))

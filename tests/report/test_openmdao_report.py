@@ -7,6 +7,7 @@ from pathlib import Path
 
 import openmdao.api as om
 import pytest
+from penalty_warnings import further_warnings
 
 import seal_mdao as sm
 from seal_mdao.report import command

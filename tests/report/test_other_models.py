@@ -7,6 +7,7 @@ import numpy as np
 import openmdao.api as om
 import pytest
 from openmdao.core.driver import Driver
+from penalty_warnings import further_warnings
 
 import seal_mdao as sm
 from seal_mdao.plotting.recorded import read_optimization

@@ -9,6 +9,7 @@ import sqlite3
 import numpy as np
 import openmdao.api as om
 import pytest
+from penalty_warnings import further_warnings
 
 import seal_mdao as sm
 from seal_mdao.plotting.recorded import read_optimization
