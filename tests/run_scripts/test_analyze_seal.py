@@ -205,7 +205,7 @@ def test_a_path_on_which_no_load_steps_are_found_is_written_as_far_as_it_went(
     code, s = run_script("analyze_seal", tmp_path, written(tmp_path, changes), "--no-vtu")
     assert code == 1
     assert s["converged"] is False
-    assert 10 < s["n_steps"] < 80
+    assert 0 < s["n_steps"] < 10
     assert "could not be completed" in s["failure"]
     assert "NOT CONVERGED" in capsys.readouterr().out
     assert_drawn(tmp_path, *FIGURES)
