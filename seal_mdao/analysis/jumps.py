@@ -65,10 +65,16 @@ def jumped(problem: PathProblem, d, guess, last: ConvergedStep, target: float) -
     Increments that the predictor meets to ``SMALL_BEND`` are described by the tangent and not looked at.
     """
     missed, ahead = np.abs(d - guess).max(), np.abs(guess - last.d).max()
-    size = extent(problem)
     if missed <= SMALL_BEND * ahead:
         return False
     released, work = released_energy(problem, d, last, target)
-    far = missed > max(ahead, FAR_AWAY * size)
+    far = is_far(problem, d, guess, last)
     # rounding of forces over the size of the body is rounding of energies
-    return released > problem.rounding * size and bool(far or released > work)
+    return released > problem.rounding * extent(problem) and bool(far or released > work)
+
+
+def is_far(problem: PathProblem, d, guess, last: ConvergedStep) -> bool:
+    """Return whether the correction |d - guess| is larger than the predicted increment
+    |guess - d_n|, and than ``FAR_AWAY`` of the body."""
+    missed, ahead = np.abs(d - guess).max(), np.abs(guess - last.d).max()
+    return bool(missed > max(ahead, FAR_AWAY * extent(problem)))

@@ -17,7 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from seal_mdao.analysis.jumps import FAR_AWAY, SMALL_BEND, extent, jumped
+from seal_mdao.analysis.jumps import FAR_AWAY, SMALL_BEND, extent, is_far, jumped
 from seal_mdao.analysis.limit_points import beyond
 from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import NewtonOptions, newton
@@ -85,7 +85,7 @@ def _equilibrium(problem, guess, target, last, options, reuse):
         return status, d, residuals
     mixed, found, more = mixed_newton(problem, guess, target, last, options)
     residuals += more[1:]  # from the same predictor
-    if mixed is Status.CONVERGED and not jumped(problem, found, guess, last, target):
+    if mixed is Status.CONVERGED and not is_far(problem, found, guess, last):
         return _judged(problem, mixed, found, guess, last, target, options), found, residuals
     return status, d, residuals
 

@@ -5,7 +5,6 @@ from pathlib import Path
 BULB = Path(__file__).parents[1] / "seal_file" / "bulb.toml"
 CHANGES = {
     "spacing = 0.9": "spacing = 1.8",
-    "14.45": "14.5",
     "[0.0, -6.0]": "[0.0, -1.2]",
     "steps = 60": "steps = 4",
     "[2.0, 0.0]": "[0.0, 0.4]",

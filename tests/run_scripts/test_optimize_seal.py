@@ -18,7 +18,9 @@ FIGURES = ("designs", "start", "optimum")
 def stopped(run_script, tmp_path_factory):
     """Folder, exit code and summary of a run that was given too few iterations."""
     out = tmp_path_factory.mktemp("optimised")
-    return out, *run_script("optimize_seal", out, written(out), "--max-iterations", 3)
+    return out, *run_script(
+        "optimize_seal", out, written(out, {"[0.0, 14.45]": "[0.0, 14.5]"}), "--max-iterations", 3
+    )
 
 
 @pytest.fixture(scope="module")

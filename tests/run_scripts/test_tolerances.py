@@ -94,7 +94,7 @@ def test_study_of_a_seal_file_with_a_profile_that_is_displaced(run_script, tmp_p
 def test_no_sample_is_left_out_because_its_door_begins_inside(run_script, tmp_path):
     """A door that is drawn to touch, and displaced to both sides: half of the samples."""
     pytest.importorskip("netgen")
-    file, tolerances = written(tmp_path, {"[0.0, 14.5]": "[0.0, 14.0]"}), tmp_path / "own.toml"
+    file, tolerances = written(tmp_path, {"[0.0, 14.45]": "[0.0, 14.0]"}), tmp_path / "own.toml"
     tolerances.write_text(FRICTION.replace("friction", "door_y").replace("0.2", "-0.3"))
     code, s = run_script(
         "tolerance_study", tmp_path / "out", file, "--tolerances", tolerances, "--samples", 8,
