@@ -10,10 +10,10 @@ import numpy as np
 
 from seal_mdao.contact.self_contact import SelfContact
 
-NORMAL_RATIO, TANGENT_RATIO = 300.0, 30.0
+RIGID_RATIOS = {"normal_penalty": 300.0, "tangent_penalty": 30.0}
 """Penalties over E/h of contact with a rigid body."""
-BETWEEN_BODIES = 0.1
-"""Times as large penalties of a body with itself, both of whose sides give way."""
+SELF_RATIOS = {"normal_penalty": 30.0, "tangent_penalty": 3.0}
+"""The same of a body with itself, both of whose sides give way."""
 
 
 def completed(definition, elastic, body, particles: np.ndarray):
@@ -32,9 +32,7 @@ def completed(definition, elastic, body, particles: np.ndarray):
     if law is None or not law.open_penalties:
         return definition
     stiffness = stiffness_at(definition.where, elastic, body, particles)
-    if isinstance(definition, SelfContact):
-        stiffness *= BETWEEN_BODIES
-    ratios = {"normal_penalty": NORMAL_RATIO, "tangent_penalty": TANGENT_RATIO}
+    ratios = SELF_RATIOS if isinstance(definition, SelfContact) else RIGID_RATIOS
     # two significant digits, for whoever reads them
     chosen = {name: float(f"{ratios[name] * stiffness:.2g}") for name in law.open_penalties}
     return replace(definition, law=law._replace(**chosen))

@@ -34,6 +34,8 @@ MOST = 8
 ROUNDS = 10
 CORRECTIONS = 4
 """Times that the penalties are raised, at the most."""
+COSTLY = 2.0
+"""Times the iterations that a path with higher penalties may take."""
 SURPLUS = 1.5
 """Factor on the ratio of error to tolerance by which a penalty is raised."""
 RELATIVE_ROUNDING = 1e-10
@@ -182,19 +184,32 @@ def relative_error(result: SealResult, names) -> float:
 def _with_penalties(result: SealResult, names, tolerance: float, run) -> SealResult:
     """The path again with ``names`` raised until their error is within the tolerance.
 
-    All of them by one factor: the ratio of tangential to normal penalty decides over the first
-    increment of a point that comes into contact, which is an error of the load steps. The last completed
-    path where a higher penalty fails, or where rounding bounds it.
+    Those of all rigid bodies by one factor, and those of the seal with itself by another one: the ratio
+    of tangential to normal penalty decides over the first increment of a point that comes into contact,
+    which is an error of the load steps. The last path where a higher penalty fails or takes ``COSTLY``
+    times the iterations, or where rounding bounds it.
     """
+    groups = _groups(result.seal, names)
     for _ in range(CORRECTIONS):
-        raised = _raised(result, names, tolerance)
+        raised = {}
+        for group in groups:
+            raised |= _raised(result, group, tolerance)
         if not raised:
             return result
         again = run(_own(result.seal.with_parameters(raised)), 1)
-        if not again.converged:
+        iterations = again.newton_iterations.sum()
+        if not again.converged or iterations > COSTLY * result.newton_iterations.sum():
             return result
         result = again
     return result
+
+
+def _groups(seal: Seal, names) -> list[frozenset]:
+    """The penalties of contact with rigid bodies, and those of the seal with itself."""
+    rigid = {contact.label for contact in contacts(seal)}
+    own = [p for p in penalties_of(seal) if p.name in names]
+    parts = ([p.name for p in own if (p.contact in rigid) == kind] for kind in (True, False))
+    return [frozenset(part) for part in parts if part]
 
 
 def _raised(result: SealResult, names, tolerance: float) -> dict[str, float]:
