@@ -121,7 +121,10 @@ def choose(
     ):  # fmt: skip
         if tolerance is not None:
             values.real(name, tolerance, above=0.0, high=1.0)
-    names, run = frozenset(names if penalty_tolerance is not None else ()), _Analyses(callback)
+    wanted, run = frozenset(names if penalty_tolerance is not None else ()), _Analyses(callback)
+    # contact of the seal with itself keeps its default: stiffer, its two passes constrain too much
+    rigid = {contact.label for contact in contacts(seal)}
+    names = frozenset(p.name for p in penalties_of(seal) if p.name in wanted and p.contact in rigid)
     begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
     ends, result = _first_path(seal, begun, run, more=1)
     if not result.converged:
@@ -184,16 +187,12 @@ def relative_error(result: SealResult, names) -> float:
 def _with_penalties(result: SealResult, names, tolerance: float, run) -> SealResult:
     """The path again with ``names`` raised until their error is within the tolerance.
 
-    Those of all rigid bodies by one factor, and those of the seal with itself by another one: the ratio
-    of tangential to normal penalty decides over the first increment of a point that comes into contact,
-    which is an error of the load steps. The last path where a higher penalty fails or takes ``COSTLY``
-    times the iterations, or where rounding bounds it.
+    All of them by one factor: the ratio of tangential to normal penalty decides over the first
+    increment of a point that comes into contact, which is an error of the load steps. The last path
+    where a higher penalty fails or takes ``COSTLY`` times the iterations, or where rounding bounds it.
     """
-    groups = _groups(result.seal, names)
     for _ in range(CORRECTIONS):
-        raised = {}
-        for group in groups:
-            raised |= _raised(result, group, tolerance)
+        raised = _raised(result, names, tolerance)
         if not raised:
             return result
         again = run(_own(result.seal.with_parameters(raised)), 1)
@@ -202,14 +201,6 @@ def _with_penalties(result: SealResult, names, tolerance: float, run) -> SealRes
             return result
         result = again
     return result
-
-
-def _groups(seal: Seal, names) -> list[frozenset]:
-    """The penalties of contact with rigid bodies, and those of the seal with itself."""
-    rigid = {contact.label for contact in contacts(seal)}
-    own = [p for p in penalties_of(seal) if p.name in names]
-    parts = ([p.name for p in own if (p.contact in rigid) == kind] for kind in (True, False))
-    return [frozenset(part) for part in parts if part]
 
 
 def _raised(result: SealResult, names, tolerance: float) -> dict[str, float]:
