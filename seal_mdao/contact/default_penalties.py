@@ -10,7 +10,7 @@ import numpy as np
 
 from seal_mdao.contact.self_contact import SelfContact
 
-RIGID_RATIOS = {"normal_penalty": 300.0, "tangent_penalty": 30.0}
+RIGID_RATIOS = {"normal_penalty": 300.0, "tangent_penalty": 10.0}
 """Penalties over E/h of contact with a rigid body."""
 SELF_RATIOS = {"normal_penalty": 30.0, "tangent_penalty": 3.0}
 """The same of a body with itself, both of whose sides give way."""
