@@ -32,6 +32,8 @@ outer = [
 edges = ["base"]
 [[profile]]
 name = "plate"
+normal_penalty = 1e4
+tangent_penalty = 1e2
 friction = 0.2
 contact = ["top"]
 line = [[-40.0, 0.0], [40.0, 0.0]]
