@@ -95,7 +95,8 @@ def gradients_agree(seal, base=0.0, limit=1e-5):
             quotient = np.array([1.0, -8.0, 8.0, -1.0]) @ found / (12.0 * STEP)
             exact = np.atleast_2d(sensitivities[measure.name])
             size = np.abs(exact * np.where(way == 0.0, 0.0, np.abs(way))).sum(axis=1).max()
-            rounding = relative * np.abs(found).max() / STEP
+            # the weights of the quotient, 1, 8, 8, 1 twelfths, add up to 1.5
+            rounding = 1.5 * relative * np.abs(found).max() / STEP
             assert np.abs(quotient - exact @ way).max() <= limit * size + rounding, measure.name
 
 
@@ -145,6 +146,7 @@ def test_gradients_of_the_examples(path, tmp_path):
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore::seal_mdao.errors.KinkWarning")  # designs on the way may be at one
 @pytest.mark.parametrize("path", OPTIMISED, ids=lambda path: path.stem)
 def test_optima_of_the_examples(path, tmp_path):
     """Feasible, at a point of Karush, Kuhn and Tucker, and the same when read from its own files."""
@@ -160,8 +162,9 @@ def test_optima_of_the_examples(path, tmp_path):
     measures = {measure.name: measure for measure in frozen_measures(seal)}
     aim = measures[file.optimize.minimize]
     assert best.value(aim)[0] < drawn.value(aim)[0]
-    # examples whose walls are coarse say so
-    assert best.warnings == seal.cautions
+    # examples whose walls are coarse say so, and optima with a contact about to part what penalties do
+    warned = tuple(text for text in best.warnings if "gives way to its pressure" not in text)
+    assert warned == seal.cautions
     written = write_design(file, seal, offsets, measures.values(), tmp_path, "optimum")[0]
     again = sm.analyze(sm.build_seal(sm.read_seal_file(written)))
     for measure in again.measures():
