@@ -146,10 +146,11 @@ def test_gradients_of_the_examples(path, tmp_path):
 
 
 @pytest.mark.long
-@pytest.mark.filterwarnings("ignore::seal_mdao.errors.KinkWarning")  # designs on the way may be at one
+@pytest.mark.filterwarnings("ignore::seal_mdao.errors.KinkWarning")
 @pytest.mark.parametrize("path", OPTIMISED, ids=lambda path: path.stem)
 def test_optima_of_the_examples(path, tmp_path):
-    """Feasible, at a point of Karush, Kuhn and Tucker, and the same when read from its own files."""
+    """Feasible KKT points, the same when read from their own files; designs on the way there may be at
+    a kink of contact."""
     file = sm.read_seal_file(path)
     seal = sm.build_seal(file)
     problem = file_problem(file, seal, work_dir=tmp_path)
