@@ -55,7 +55,7 @@ def mixed_newton(
         problem.assemble(d, target, last.after, mixed=not done)
         residual = problem.residual()[0]
         try:
-            problem.factorize_iterate(converged=done)
+            problem.factorize(check=done)
         except np.linalg.LinAlgError:
             return Status.SINGULAR, d, tuple(residuals)
         if done:

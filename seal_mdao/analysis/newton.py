@@ -77,7 +77,7 @@ def newton(problem: PathProblem, d, target: float, history, options: NewtonOptio
             return Status.DIVERGED, d, tuple(residuals)
         done = converged(problem, size, rounding, options)
         try:
-            problem.factorize_iterate(converged=done)
+            problem.factorize(check=done)
         except np.linalg.LinAlgError:
             return Status.SINGULAR, d, tuple(residuals)
         if done:

@@ -146,17 +146,10 @@ class PathProblem:
         self.factor = self.discretization.layout.factorize(self.values, check and self.symmetric)
         return self.factor
 
-    def factorize_iterate(self, converged: bool):
-        """As ``factorize``, good to the digits that iterations and the predictor need.
-
-        A symmetric tangent has an exact factor, which at a ``converged`` iterate knows whether it is
-        definite.
-        """
-        layout = self.discretization.layout
-        if self.symmetric or not layout.storage.reuses_factors:
-            return self.factorize(check=converged)
+    def factorize_roughly(self):
+        """As ``factorize``, good to the digits that a predictor and quasi-Newton iterations need."""
         self.factor = None
-        self.factor = layout.factorize_roughly(self.values)
+        self.factor = self.discretization.layout.factorize_roughly(self.values)
         return self.factor
 
     def assemble_at(self, step: ConvergedStep) -> None:

@@ -179,7 +179,10 @@ def _factorize(problem, d, target, last) -> Status:
     """
     problem.assemble(d, target, last.after)
     try:
-        problem.factorize_iterate(converged=True)
+        if problem.symmetric:
+            problem.factorize(check=True)
+        else:
+            problem.factorize_roughly()
     except np.linalg.LinAlgError:
         return Status.SINGULAR
     return Status.CONVERGED

@@ -172,35 +172,3 @@ def test_an_equilibrium_far_away_is_refused(monkeypatch):
     assert found
     assert refused.step_cuts == failed.step_cuts > 0
     np.testing.assert_array_equal(refused.path.steps[-1].d, failed.path.steps[-1].d)
-
-
-def test_derivatives_go_through_steps_that_they_solved(monkeypatch):
-    """Friction of the stiff lip: both methods against the difference of two analyses."""
-    used = []
-
-    def counted(*args):
-        used.append(mixed_newton(*args))
-        return used[-1]
-
-    monkeypatch.setattr(load_path, "mixed_newton", counted)
-    seal = stiff("lip.toml", 1e6, 1e4)
-    (name,) = (label for label in seal.scalars if label.endswith("friction"))
-    value = seal.scalars[name].value
-    result = sm.analyze(seal, keep_factors=True)
-    assert sum(status is Status.CONVERGED for status, *_ in used) > 20
-    step = 1e-5 * value
-    sides = [sm.analyze(seal.with_parameters({name: value + k * step})) for k in (1, -1)]
-    direct, adjoint = (
-        sm.differentiate(result, (name,), None, how) for how in ("direct", "adjoint")
-    )
-    for measure in ("reaction", "stress_norm"):
-        above, below = (np.ravel(dict(values(side))[measure])[-1] for side in sides)
-        slope = (above - below) / (2.0 * step)
-        rates = [np.atleast_2d(found[measure])[-1, -1] for found in (direct, adjoint)]
-        assert rates[0] == pytest.approx(rates[1], rel=1e-9)
-        assert rates[0] == pytest.approx(slope, rel=5e-5)
-
-
-def values(result):
-    """Measures by name."""
-    return [(measure.name, result.value(measure)) for measure in result.measures()]

@@ -13,11 +13,7 @@ from scipy.sparse import csr_array
 
 import seal_mdao as sm
 from seal_mdao.analysis.linear_solver import storage_for
-from seal_mdao.analysis.mixed_newton import mixed_newton
-from seal_mdao.analysis.newton import newton
-from seal_mdao.analysis.pardiso import PardisoStorage, import_pypardiso
-from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import Status
+from seal_mdao.analysis.pardiso import import_pypardiso
 
 
 def test_missing_pypardiso_is_an_error_of_one_line(monkeypatch):
@@ -70,25 +66,6 @@ def test_rough_factors_have_single_precision_and_what_is_kept_of_them_double(rng
     found, expected = rough.kept().solve(rhs), layout.factorize(given).solve(rhs)
     np.testing.assert_array_equal(found, expected)
     assert rough.positive == layout.factorize(given).positive
-
-
-def test_iterations_have_rough_factors_where_old_ones_are_reused(monkeypatch):
-    """They lead to the same equilibrium."""
-    pytest.importorskip("pypardiso")
-    result = sm.analyze(sm.door_seal(depth=3.0, n_steps=14, solver="pardiso"))
-    before, step = result.path.steps[10:12]
-    problem = PathProblem(result.path.discretization, result.seal.terms())
-    guess = problem.predict(before, problem.factorize_at(before), step.fraction)[0]
-
-    def exact(*_):
-        raise AssertionError("an iteration with an exact factor")
-
-    monkeypatch.setattr(PardisoStorage, "factorize", exact)
-    for solve, start in ((newton, before.after), (mixed_newton, before)):
-        status, d, residuals = solve(problem, guess, step.fraction, start, result.seal.newton)
-        assert status is Status.CONVERGED
-        assert 2 <= len(residuals) - 1 <= 8
-        np.testing.assert_allclose(d, step.d, rtol=0.0, atol=1e-8)
 
 
 def test_kept_factors_share_a_handle_and_leave_their_place_to_others(rng):
