@@ -23,7 +23,7 @@ from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empt
 CHOSEN = "chosen"
 """What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
 GAPS = LargestGap, OpenGapSquareSum, GapSquareIntegral
-"""Measures that are zero where nothing stands open."""
+"""Measures that are zero where contact has no gap region."""
 
 
 def file_problem(

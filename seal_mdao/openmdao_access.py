@@ -23,7 +23,7 @@ from openmdao.utils.record_util import create_local_meta
 class RunOnce(om.NonlinearRunOnce):
     """Run the subsystems of a group once; where an analysis fails leave NaN in all that it has.
 
-    Subsystems behind the one that failed do not run: a driver that goes on would record what the last
+    Subsystems behind the one that failed do not run: a driver that continues would record what the last
     design has left in them as values of this one.
     """
 
