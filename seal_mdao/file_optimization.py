@@ -11,7 +11,7 @@ from seal_mdao.components.rkpm_contact_comp import BESIDE
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.measures.contact import GapSquareIntegral, LargestGap, OpenGapSquareSum
+from seal_mdao.measures.contact import BetweenContacts
 from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
@@ -22,8 +22,6 @@ from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empt
 
 CHOSEN = "chosen"
 """What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
-GAPS = LargestGap, OpenGapSquareSum, GapSquareIntegral
-"""Measures that are zero where contact has no gap region."""
 
 
 def file_problem(
@@ -133,7 +131,7 @@ def _require_problem(file, seal) -> None:
 def _require_gap(file, measures, start) -> None:
     """Refuse to minimise a gap that is closed in the nominal seal."""
     aim = next(m for m in measures if m.name == file.optimize.minimize)
-    if isinstance(aim, GAPS) and not start[aim.name].any():
+    if isinstance(aim, BetweenContacts) and not start[aim.name].any():
         raise SealFileError(
             f"{file.path}: [optimize]: the measure {aim.name!r} is zero at the start: at the end of the "
             "nominal seal's path nothing stands open between points in contact; minimise something else"

@@ -21,10 +21,11 @@ from openmdao.utils.record_util import create_local_meta
 
 
 class RunOnce(om.NonlinearRunOnce):
-    """Run the subsystems of a group once; where an analysis fails leave NaN in all that it has.
+    """Run the subsystems of a group once; where an analysis fails leave NaN in all that they have.
 
     Subsystems behind the one that failed do not run: a driver that continues would record what the last
-    design has left in them as values of this one.
+    design has left in them as values of this one. Independent variables keep their values: they are
+    the design, and some of them are not set again for the next one.
     """
 
     def solve(self):
@@ -32,9 +33,10 @@ class RunOnce(om.NonlinearRunOnce):
         try:
             super().solve()
         except om.AnalysisError:
-            group = self._system()
-            for vector in (group._inputs, group._outputs):
-                vector.set_val(np.nan)
+            for component in self._system().system_iter(recurse=True, typ=om.ExplicitComponent):
+                if not isinstance(component, om.IndepVarComp):
+                    for vector in (component._inputs, component._outputs):
+                        vector.set_val(np.nan)
             raise
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from seal_mdao.contact.friction import OPEN
 from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.motion import ROUNDING
 from seal_mdao.measures.aggregates import NORM_ORDER, opened_square_integral, p_norm
@@ -78,81 +79,99 @@ class GapSquareSum(Derived):
 
 
 @dataclass(frozen=True)
-class OpenGapSquareSum(Measure):
-    """Sum of the squared gaps that open between the first and the last contact of every design.
+class BetweenContacts(Measure):
+    """Base of the measures of gaps from the first to the last contact of the design or the nominal seal.
 
-    The points are those of the design, not of the nominal seal. A gap that closes leaves the sum
-    smoothly; a design that loses the first or the last of its contacts loses the gap beside it at once.
+    A gap counts wherever it opens between contacts of the design; where the nominal seal has contact it
+    counts also when the design loses that contact, so no measure falls because a contact lifts off.
 
     Attributes
     ----------
     profile : str
+        Label of the contact.
+    nominal : tuple of int, or None
+        Contact points from the first to the last contact of the nominal seal; None until they are taken
+        from its path.
     """
 
     profile: str
+    nominal: tuple | None = None
+
+    @property
+    def takes_places(self):
+        return self.nominal is None
+
+    def frozen(self, drawn):
+        closed = is_closed(drawn.term(self.profile).where)
+        points = touching_stretch(drawn.response(self.profile).state != OPEN, closed)
+        return replace(self, nominal=tuple(points.tolist()))
+
+    def stretch(self, result) -> np.ndarray:
+        """Contact points from the first to the last contact of either seal, in order."""
+        touching = result.response(self.profile).state != OPEN
+        touching[list(self.nominal)] = True
+        return touching_stretch(touching, is_closed(result.term(self.profile).where))
+
+    def open_gaps(self, result) -> tuple[np.ndarray, np.ndarray]:
+        """Those of these points that are open, and their gaps, mm."""
+        points, response = self.stretch(result), result.response(self.profile)
+        points = points[response.state[points] == OPEN]
+        return points, response.gap[points]
+
+
+@dataclass(frozen=True)
+class OpenGapSquareSum(BetweenContacts):
+    """Sum of the squared gaps between contacts; smooth where a gap closes."""
+
     name: str = "gap_square_sum"
     units = "mm**2"
-    text = "Sum of the squared gaps between the first and the last contact of the design."
+    text = "Sum of the squared gaps between the first and the last contact."
 
     def evaluate(self, result, partials):
-        points = open_between(result, self.profile)
-        gap = result.response(self.profile).gap[points]
+        points, gap = self.open_gaps(result)
         partials.output(self.profile, "gap")[0, points] += 2.0 * gap
         return gap @ gap
 
 
 @dataclass(frozen=True)
-class LargestGap(Measure):
-    """Largest gap that opens between the first and the last contact of a design, as a p-norm.
+class LargestGap(BetweenContacts):
+    """Largest gap between contacts, as a p-norm.
 
     It is never below the largest gap, and at most m^(1/p) times as large with m open points.
 
     Attributes
     ----------
-    profile : str
     order : int
+        p.
     """
 
-    profile: str
     order: int = NORM_ORDER
     name: str = "largest_gap"
     units = "mm"
-    text = "Largest gap between the first and the last contact of the design, an upper bound."
+    text = "Largest gap between the first and the last contact, an upper bound."
 
     def evaluate(self, result, partials):
-        points = open_between(result, self.profile)
-        value, by_gap = p_norm(result.response(self.profile).gap[points], self.order)
+        points, gap = self.open_gaps(result)
+        value, by_gap = p_norm(gap, self.order)
         partials.output(self.profile, "gap")[0, points] += by_gap
         return value
 
 
 @dataclass(frozen=True)
-class GapSquareIntegral(Measure):
-    """Integral of g^2 over the undeformed boundary that stands open in a stretch of contact points.
+class GapSquareIntegral(BetweenContacts):
+    """Integral of g^2 over the undeformed boundary that is open between contacts."""
 
-    Attributes
-    ----------
-    profile : str
-    stretch : tuple of int, or None
-        Consecutive contact points; None for those from the first to the last contact of every design,
-        wherever its gap opens.
-    """
-
-    profile: str
-    stretch: tuple | None = None
     name: str = "gap_square_integral"
     units = "mm**3"
     text = (
-        "Integral of the squared gap between the first and the last contact of the design, hardly "
-        "dependent on the refinement."
+        "Integral of the squared gap between the first and the last contact, hardly dependent on the "
+        "refinement."
     )
 
     def evaluate(self, result, partials):
-        response, where = result.response(self.profile), result.term(self.profile).where
-        found = touching_stretch(response.state, is_closed(where))
-        stretch = found if self.stretch is None else np.array(self.stretch, int)
-        line = BoundaryLine(where, stretch, result.particles)
-        gap = response.gap[stretch]
+        stretch = self.stretch(result)
+        line = BoundaryLine(result.term(self.profile).where, stretch, result.particles)
+        gap = result.response(self.profile).gap[stretch]
         value, by_gap, by_length = opened_square_integral(gap, line.length)
         partials.output(self.profile, "gap")[0, stretch] += by_gap
         line.add_partials(by_length, partials.particles[0])

@@ -33,28 +33,25 @@ def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate(ranked)[:count]
 
 
-def touching_stretch(state: np.ndarray, closed: bool = False) -> np.ndarray:
+def touching_stretch(in_contact: np.ndarray, closed: bool = False) -> np.ndarray:
     """Contact points from the first to the last one in contact, in order.
 
     On a closed boundary they are all points but those of its longest open part.
     """
-    touching = np.flatnonzero(state != OPEN)
+    touching, size = np.flatnonzero(in_contact), in_contact.size
     if touching.size == 0:
         return touching
     if closed:
-        following = np.append(touching[1:], touching[0] + state.size)
+        following = np.append(touching[1:], touching[0] + size)
         last = int(np.argmax(following - touching))
         first = (last + 1) % touching.size
-        return (
-            np.arange(touching[first], touching[last] + 1 + state.size * (first > last))
-            % state.size
-        )
+        return np.arange(touching[first], touching[last] + 1 + size * (first > last)) % size
     return np.arange(touching[0], touching[-1] + 1)
 
 
 def opened_points(state: np.ndarray, closed: bool = False) -> np.ndarray:
     """Contact points that stand open between the first and the last one in contact."""
-    between = touching_stretch(state, closed)
+    between = touching_stretch(state != OPEN, closed)
     return between[state[between] == OPEN]
 
 

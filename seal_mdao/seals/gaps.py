@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.contact import Gap, GapSquareIntegral
+from seal_mdao.measures.contact import Gap
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.seals.profiles import contact_places, contacts
@@ -78,10 +78,9 @@ def gaps_unmeasured_by(result, name: str) -> tuple[str, ...]:
 
 def _unmeasured(result, measure) -> str:
     base = measure.base if isinstance(measure, Derived) else measure
-    points = getattr(base, {Gap: "points", GapSquareIntegral: "stretch"}.get(type(base), ""), None)
-    if points is None:
+    if not isinstance(base, Gap):
         return ""
-    largest = largest_gap(result, base.profile)
+    points, largest = base.points, largest_gap(result, base.profile)
     if largest.size <= NEGLIGIBLE or largest.point in points:
         return ""
     x, y = largest.place

@@ -44,7 +44,8 @@ def agree(results):
     """Forces up to the first limit point, its travel, and where the last one lets go of the lip.
 
     A point that lands sticks for one load step, however long that is: forces are compared where all
-    runs have the same points in contact, in the same state.
+    runs have the same points in contact, in the same state. The force has no bound on its slope at a
+    limit point, so they are compared up to where that point lies within the tolerance of its travel.
     """
     assert all(result.converged for result in results), [r.failure for r in results]
     firsts, lasts = zip(
@@ -57,7 +58,7 @@ def agree(results):
         every = len(result.path.nominal_steps) // len(travel)
         _, other, its = curve(result, every)
         same = (states == its).all(axis=1)
-        before = travel < min(firsts)
+        before = travel < (1.0 - WITHIN) * min(firsts)
         assert same[before].mean() > 0.8
         assert np.abs(other - force)[before & same].max() <= WITHIN * np.abs(force[before]).max()
 

@@ -17,11 +17,14 @@ def design(size):
     return size * np.concatenate([-np.ones(14), np.ones(11)])
 
 
-def recorded(short, mode="rev"):
+def recorded(short, mode, alone):
     """The recorded cases of the designs, with derivatives."""
     cases = [[("boundary_offsets", design(size))] for size in SIZES]
     problem = om.Problem(driver=om.DOEDriver(om.ListGenerator(cases)), reports=None)
-    problem.model.add_subsystem("seal", sm.SealGroup(seal=short), promotes=["*"])
+    if alone:
+        problem.model = sm.SealGroup(seal=short)
+    else:
+        problem.model.add_subsystem("seal", sm.SealGroup(seal=short), promotes=["*"])
     problem.model.add_design_var("boundary_offsets", lower=-4.0, upper=4.0)
     problem.model.add_objective("gap_square_sum")
     problem.model.add_constraint("von_mises", upper=200.0)
@@ -34,10 +37,12 @@ def recorded(short, mode="rev"):
     return [reader.get_case(name) for name in reader.list_cases("driver", out_stream=None)]
 
 
+@pytest.mark.parametrize("alone", [False, True], ids=["in a model", "the model"])
 @pytest.mark.parametrize("mode", ["fwd", "rev"])
 @pytest.mark.filterwarnings("ignore:.*Inefficient choice of derivative mode")
-def test_doe_with_a_failed_case_records_nan_for_it_and_goes_on(short, mode):
-    cases = recorded(short, mode)
+def test_doe_with_a_failed_case_records_nan_for_it_and_continues(short, mode, alone):
+    """A group that is the complete model owns the independent variables: they keep their values."""
+    cases = recorded(short, mode, alone)
     for case, size in zip(cases, SIZES, strict=True):
         good = size not in FAILED  # OpenMDAO's DOEDriver writes that all have succeeded
         values = np.concatenate([case["gap_square_sum"], case["von_mises"]])

@@ -47,7 +47,7 @@ line = [[0.0, {4.0 + GAP}], [0.0, {2.0 + GAP}]]
 [self_contact]
 edges = ["joint", "under"]
 friction = 0.0
-normal_penalty = 1e5
+normal_penalty = 1e6
 [fixed]""",
     )
 )  # fmt: skip
@@ -70,7 +70,7 @@ def built(tmp_path):
 @pytest.mark.long
 def test_two_bodies_press_on_each_other_as_two_layers(built):
     """Half of the spacing, less than half of the error: that of rounded corners of the joint."""
-    exact, errors = exact_force(joint=1e5), []
+    exact, errors = exact_force(joint=1e6), []
     for spacing in (0.7, 0.35):
         result = sm.analyze(built(spacing))
         assert result.converged, result.failure

@@ -53,8 +53,9 @@ def test_contact_at_edges_is_halfway_between_particles():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["sealed_bulb", "weatherstrip"])
-def test_both_bases_converge_and_the_linear_one_has_the_smaller_error(name):
+@pytest.mark.parametrize(("name", "less"), [("sealed_bulb", 0.0), ("weatherstrip", 0.002)])
+def test_both_bases_converge_and_the_quadratic_one_is_hardly_better(name, less):
+    """By at most ``less`` of the largest force."""
     file, seal = example(name)
     exact = fine_forces(file)
     linear, quadratic = (
@@ -62,7 +63,7 @@ def test_both_bases_converge_and_the_linear_one_has_the_smaller_error(name):
     )
     fine = force_error(forces(with_kernels(refined(file), LINEAR)), exact)
     assert fine < 0.5 * linear
-    assert linear < quadratic < 0.1
+    assert linear - less < quadratic < 0.015
 
 
 @pytest.mark.long

@@ -5,9 +5,15 @@ from functools import lru_cache
 
 import numpy as np
 
+from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.contact import Gap, GapSquareIntegral, GapSquareSum, Reaction
 from seal_mdao.measures.contact_pressure import ContactPressure
-from seal_mdao.measures.selection import boundary_peaks, contact_patches, opened_points
+from seal_mdao.measures.selection import (
+    boundary_peaks,
+    contact_patches,
+    opened_points,
+    touching_stretch,
+)
 from seal_mdao.measures.stress import STRESS_COUNT, StressNorm, VonMises
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.seal import Seal
@@ -74,6 +80,8 @@ class MeasurePoints:
         Particles at which the von Mises stress is a measure.
     gap : ndarray of int
         Contact points whose normal gap is a measure.
+    stretch : ndarray of int
+        Contact points from the first to the last one in contact.
     patches : tuple of ndarray of int
         All contact points, divided in the middle of the opened stretch.
     curve : tuple of float
@@ -82,6 +90,7 @@ class MeasurePoints:
 
     stress: np.ndarray
     gap: np.ndarray
+    stretch: np.ndarray
     patches: tuple
     curve: tuple
 
@@ -110,7 +119,7 @@ def chosen_points(drawn) -> MeasurePoints:
     rows = [(grid.free_outer, False), (inner, True)]
     return MeasurePoints(
         boundary_peaks(rows, drawn.stress_field(), STRESS_COUNT), opened_points(state),
-        contact_patches(state), curve_travels(drawn.seal),
+        touching_stretch(state != OPEN), contact_patches(state), curve_travels(drawn.seal),
     )  # fmt: skip
 
 
@@ -131,7 +140,10 @@ def _at(points: MeasurePoints, measure):
         return replace(measure, base=_at(points, measure.base))
     if isinstance(measure, ReactionCurve):
         return replace(measure, travels=points.curve)
-    places = {VonMises: ("points", points.stress), Gap: ("points", points.gap)}
+    places = {
+        VonMises: ("points", points.stress), Gap: ("points", points.gap),
+        GapSquareIntegral: ("nominal", points.stretch),
+    }  # fmt: skip
     if isinstance(measure, ContactPressure):
         return replace(measure, patches=tuple(tuple(patch.tolist()) for patch in points.patches))
     name, values = places[type(measure)]

@@ -102,8 +102,8 @@ def _nearest(point, particles) -> int:
 
 def _gap_square_sum(a, particles):
     """Where the nominal seal stands open as in Eq. (71), or wherever the design does."""
-    if a["places"] is None and a["points"] != _OF_NOMINAL:
-        return OpenGapSquareSum(a["profile"])
+    if a["points"] != _OF_NOMINAL:
+        return OpenGapSquareSum(a["profile"], a["places"])
     return GapSquareSum(Gap(a["profile"], a["places"]))
 
 
@@ -162,7 +162,8 @@ KINDS = {
         lambda a, particles: GapSquareIntegral(a["profile"], a["places"]), _PROFILE | _PLACES
     ),
     "largest_gap": Kind(
-        lambda a, particles: LargestGap(a["profile"], **_given(a, "order")), _PROFILE | _ORDER
+        lambda a, particles: LargestGap(a["profile"], a["places"], **_given(a, "order")),
+        _PROFILE | _ORDER | _PLACES,
     ),
     "profile_work": Kind(_of_profile(ProfileWork), _PROFILE),
     "friction_work": Kind(lambda a, particles: FrictionWork(), {}),

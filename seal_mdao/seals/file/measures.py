@@ -6,7 +6,7 @@ import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.motion import ROUNDING
-from seal_mdao.measures.contact import TRAVEL, Gap, GapSquareIntegral
+from seal_mdao.measures.contact import TRAVEL, BetweenContacts, Gap
 from seal_mdao.measures.contact_pressure import ContactPressure
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.stress import VonMises
@@ -131,9 +131,9 @@ def places_of(measure: Measure):
     base = measure.base if isinstance(measure, Derived) else measure
     named = {
         Gap: "points",
-        GapSquareIntegral: "stretch",
+        BetweenContacts: "nominal",
         ContactPressure: "patches",
         VonMises: "points",
     }
-    name = named.get(type(base))
-    return None if name is None else getattr(base, name)
+    names = [name for kind, name in named.items() if isinstance(base, kind)]
+    return getattr(base, names[0]) if names else None
