@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import openmdao.api as om
+from openmdao.core.constants import INF_BOUND
 from openmdao.core.driver import Driver, RecordingDebugging
 from openmdao.core.group import Group
 from openmdao.utils.general_utils import default_noraise, make_serializable
@@ -182,6 +183,23 @@ def variable_settings(driver: Driver) -> dict[str, dict]:
         for name, meta in table.items()
     }
     return json.loads(json.dumps(plain, default=default_noraise))
+
+
+def with_unscaled_bounds(setting: dict) -> dict:
+    """One of the ``variable_settings`` with its bounds as they were given.
+
+    Releases before 3.44 keep (bound + adder) scaler in their place, but for infinite ones.
+    """
+    if hasattr(Driver, "autoscaler"):
+        return setting
+    scaler, adder = (setting.get(key) for key in ("scaler", "adder"))
+    found = {}
+    for key in ("lower", "upper", "equals"):
+        bound = np.array(setting.get(key), float)
+        if setting.get(key) is not None and np.abs(bound).max() < INF_BOUND:
+            bound = bound / (1.0 if scaler is None else scaler) - (0.0 if adder is None else adder)
+            found[key] = np.round(bound, 12).tolist()  # what scaling to and fro has rounded
+    return setting | found
 
 
 def linear_constraints(driver: Driver) -> list[str]:

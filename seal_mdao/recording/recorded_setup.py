@@ -110,8 +110,9 @@ def _variables(recorded: dict | None, here: dict) -> list:
     found = [f"{name!r} was not in it" for name in here if name not in recorded]
     found += [f"{name!r} is not in this one" for name in recorded if name not in here]
     for name in (name for name in here if name in recorded):
+        old, new = (access.with_unscaled_bounds(table[name]) for table in (recorded, here))
         for key in COMPARED:
-            was, now = recorded[name].get(key), here[name].get(key)
+            was, now = old.get(key), new.get(key)
             if not _same(was, now):
                 found.append(f"{key} of {name!r} was {_shown(was)} and is {_shown(now)}")
     return found
