@@ -4,9 +4,9 @@ import sys
 
 import numpy as np
 from _common import checked_arguments, parser, run, write_summary
+from verification.random_designs import study_designs
 
 import seal_mdao as sm
-from seal_mdao.verification.random_designs import study_designs
 
 
 def main(arguments) -> int:

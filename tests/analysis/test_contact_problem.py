@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import dense
+from verification.differences import contact_states
 
 import seal_mdao as sm
 from seal_mdao.analysis.newton import newton
@@ -12,7 +13,6 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
-from seal_mdao.verification.differences import contact_states
 
 
 @pytest.fixture(scope="module", params=["accumulated", "incremental"])

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import inside, square
+from verification.differences import contact_states
 
 import seal_mdao as sm
 from seal_mdao.analysis import load_path
@@ -20,7 +21,6 @@ from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import edge_points, fixed_points, single_points
-from seal_mdao.verification.differences import contact_states
 
 
 def heights(seal):

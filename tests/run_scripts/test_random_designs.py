@@ -1,9 +1,9 @@
 """Random designs complete their paths at any friction, or say why not."""
 
 import pytest
+from verification.random_designs import study_designs
 
 import seal_mdao as sm
-from seal_mdao.verification.random_designs import study_designs
 
 
 @pytest.mark.parametrize(

@@ -10,16 +10,16 @@ from seal_mdao.materials.isotropic import cofactor
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import fixed_points
-from seal_mdao.verification.bodies import (
+from verification.bodies import (
     Grid,
     fixed_components,
     grid_body,
     row_gauss_points,
     scattered,
 )
-from seal_mdao.verification.fields import displacement_at, domain_rule
-from seal_mdao.verification.quadratic_integration import discretize_quadratic
-from seal_mdao.verification.solving import grown, ramp, solve_discretized, tight
+from verification.fields import displacement_at, domain_rule
+from verification.quadratic_integration import discretize_quadratic
+from verification.solving import grown, ramp, solve_discretized, tight
 
 AMPLITUDE, WAVE = 0.1, 2.0
 # shear modulus 1, bulk modulus 50 (any stress unit)

@@ -8,7 +8,7 @@ from seal_mdao.dsa.sensitivity import Sensitivities
 from seal_mdao.seals.door.door_seal import DOOR, DoorSeal
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.result import analyze, analyze_particles
-from seal_mdao.verification.estimates import Estimate, fitted, most_certain, nothing, plateau
+from verification.estimates import Estimate, fitted, most_certain, nothing, plateau
 
 STEPS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
 # second-order quotients: the places of their analyses in steps, and the weights over the step

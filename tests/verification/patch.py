@@ -9,15 +9,15 @@ from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.materials.isotropic import Isotropic, cofactor
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.verification.bodies import (
+from verification.bodies import (
     Grid,
     fixed_components,
     grid_body,
     row_gauss_points,
     scattered,
 )
-from seal_mdao.verification.fields import piola_stresses
-from seal_mdao.verification.solving import grown, holding_forces, ramp, solve, tight
+from verification.fields import piola_stresses
+from verification.solving import grown, holding_forces, ramp, solve, tight
 
 # displacement gradient of the patch: stretch, shear and rotation of order 20 %
 GRADIENT = np.array([[0.20, 0.15], [-0.10, -0.12]])

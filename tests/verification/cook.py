@@ -10,14 +10,14 @@ import numpy as np
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.verification.biquadratic import mapped_elements, solve_elements
-from seal_mdao.verification.bodies import (
+from verification.biquadratic import mapped_elements, solve_elements
+from verification.bodies import (
     Grid,
     fixed_components,
     grid_body,
     row_gauss_points,
 )
-from seal_mdao.verification.solving import ramp, solve, tight
+from verification.solving import ramp, solve, tight
 
 # E = 240.565, nu = 0.4999 (J. C. Simo and F. Armero, Int. J. Numer. Meth. Engng 33 (1992) 1413):
 # shear modulus 80.1938, bulk modulus 400 942; 100 in all on the right side; any stress unit

@@ -12,8 +12,8 @@ from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, row_points
-from seal_mdao.verification.solving import holding_forces, solve
+from verification.bodies import Grid, fixed_components, grid_body, row_points
+from verification.solving import holding_forces, solve
 
 MATERIAL = MooneyRivlin(80.0, 20.0, 2000.0)
 

@@ -13,8 +13,8 @@ from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import MaterialPoints
-from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, row_points
-from seal_mdao.verification.solving import solve
+from verification.bodies import Grid, fixed_components, grid_body, row_points
+from verification.solving import solve
 
 RADIUS = 100.0
 # shear modulus 1, Poisson's ratio 0.3: E = 2.6, plane-strain modulus E / (1 - nu^2)

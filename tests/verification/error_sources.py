@@ -11,8 +11,8 @@ from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import edge_points
-from seal_mdao.verification.flat_door_reference import REACTION, at_its_travels
-from seal_mdao.verification.pressed_elements import FLAT
+from verification.flat_door_reference import REACTION, at_its_travels
+from verification.pressed_elements import FLAT
 
 STEPS = 42
 """Equal load steps of a study of anything else. One ends at every travel of the reference: between

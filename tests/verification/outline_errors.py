@@ -15,8 +15,8 @@ from seal_mdao.seals.outline.section import Contour, Outline
 from seal_mdao.seals.outline.segments import Line
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.wall_grid import ray_directions
-from seal_mdao.verification.error_sources import STEPS
-from seal_mdao.verification.flat_door_reference import reaction_errors
+from verification.error_sources import STEPS
+from verification.flat_door_reference import reaction_errors
 
 START, DEPTH = 10.0, 10.0
 """The door's flat at the start; its final depth below the top of the drawn seal, mm."""

@@ -15,7 +15,7 @@ from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.measures.selection import touching_stretch
 from seal_mdao.seals.door.door_seal import DoorSeal
 from seal_mdao.seals.wall_grid import ray_directions
-from seal_mdao.verification.biquadratic import (
+from verification.biquadratic import (
     Elements,
     changed_pressures,
     components,
@@ -24,7 +24,7 @@ from seal_mdao.verification.biquadratic import (
     lagrange,
     mapped_elements,
 )
-from seal_mdao.verification.flat_door_reference import at_its_travels
+from verification.flat_door_reference import at_its_travels
 
 # 16 x 464 elements, 105 steps; 8 x 232 differ by up to 0.016 %, 12 x 348 by 0.005 % and in the gap
 # by 1e-5 mm; twice as many steps, or five points an edge, by 0.005 %

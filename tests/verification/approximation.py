@@ -5,9 +5,9 @@ import numpy as np
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import cell_map, quadrature_points, quadrature_weights, support_radii
 from seal_mdao.rkpm.shape_functions import Cloud
-from seal_mdao.verification.bodies import Grid, scattered
-from seal_mdao.verification.fields import values_at
-from seal_mdao.verification.manufactured import (
+from verification.bodies import Grid, scattered
+from verification.fields import values_at
+from verification.manufactured import (
     Convergence,
     displacement,
     displacement_gradient,

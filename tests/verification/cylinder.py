@@ -6,8 +6,8 @@ import numpy as np
 
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import ElasticBody, elastic_body
-from seal_mdao.verification.bodies import Grid, fixed_components, grid_body
-from seal_mdao.verification.solving import grown, holding_forces, solve, tight
+from verification.bodies import Grid, fixed_components, grid_body
+from verification.solving import grown, holding_forces, solve, tight
 
 BORE, OUTSIDE = 1.0, 2.0
 

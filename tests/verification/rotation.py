@@ -7,9 +7,9 @@ import numpy as np
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, scattered
-from seal_mdao.verification.fields import piola_stresses
-from seal_mdao.verification.solving import solve, tight
+from verification.bodies import Grid, fixed_components, grid_body, scattered
+from verification.fields import piola_stresses
+from verification.solving import solve, tight
 
 
 class Rotation(NamedTuple):

@@ -10,8 +10,8 @@ from seal_mdao.geometry.profile import ARC, RigidProfile, rigid_profile
 from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.seals.door.door_seal import DOOR, DoorSeal
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.verification.rotation import rotation_matrix
-from seal_mdao.verification.solving import solve
+from verification.rotation import rotation_matrix
+from verification.solving import solve
 
 
 class Frame(NamedTuple):

@@ -16,8 +16,8 @@ from seal_mdao.analysis.result import PathResult
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.verification.bodies import Grid, fixed_components, grid_body, row_points
-from seal_mdao.verification.solving import ramp, solve
+from verification.bodies import Grid, fixed_components, grid_body, row_points
+from verification.solving import ramp, solve
 
 MATERIAL = MooneyRivlin()
 

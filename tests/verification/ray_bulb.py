@@ -13,7 +13,7 @@ from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
 from seal_mdao.seals.outline.section import Contour, Outline
 from seal_mdao.seals.outline.segments import Line
 from seal_mdao.terms.points import CONTACT_POINTS
-from seal_mdao.verification.file_errors import force_error, forces
+from verification.file_errors import force_error, forces
 
 CENTRE, TOP, HOLE = (0.0, 7.0), 14.0, 4.5
 """Of the rays and of the hole; the top of the bulb and the radius of the hole, mm."""

@@ -9,7 +9,7 @@ from seal_mdao.measures.selection import opened_points
 from seal_mdao.seals.door.door_seal import DOOR, door_seal
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.result import analyze
-from seal_mdao.verification.flat_door_reference import BOUNDARY, REACTION
+from verification.flat_door_reference import BOUNDARY, REACTION
 
 LEVELS = ((58, 3), (116, 5), (174, 7))
 

@@ -14,9 +14,9 @@ from seal_mdao.materials.neo_hookean import NeoHookean
 from seal_mdao.materials.ogden import Ogden
 from seal_mdao.materials.yeoh import Yeoh
 from seal_mdao.structure.elastic_body import ElasticBody, Region, elastic_body
-from seal_mdao.verification.cylinder import BORE, OUTSIDE, inflate
-from seal_mdao.verification.layered_cylinder import bore_pressure, free_stretch, principal_stress
-from seal_mdao.verification.patch import squeeze
+from verification.cylinder import BORE, OUTSIDE, inflate
+from verification.layered_cylinder import bore_pressure, free_stretch, principal_stress
+from verification.patch import squeeze
 
 BULK = 1e3
 LAWS = {

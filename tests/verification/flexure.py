@@ -7,8 +7,8 @@ import numpy as np
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body
-from seal_mdao.verification.bodies import Grid, fixed_components, grid_body
-from seal_mdao.verification.solving import holding_forces, solve, tight
+from verification.bodies import Grid, fixed_components, grid_body
+from verification.solving import holding_forces, solve, tight
 
 
 class Flexure(NamedTuple):
