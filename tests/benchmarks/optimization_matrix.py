@@ -1,4 +1,4 @@
-"""Solve problem (71) from everywhere: a matrix of cases, each with every optimiser."""
+"""Solve problem (71) in a matrix of cases, each with every optimiser."""
 
 import json
 import multiprocessing
@@ -10,9 +10,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
 from pathlib import Path
 
-from _common import parser, plain, positive_integer, run, write_summary
-from _matrix_cases import Case, combinations, drawn_cases, single_changes
-from _matrix_page import KKT, VIOLATION, converged, page
+from matrix_cases import Case, combinations, drawn_cases, single_changes
+from matrix_page import KKT, VIOLATION, converged, page
 from tqdm import tqdm
 
 import seal_mdao as sm
@@ -22,6 +21,11 @@ from seal_mdao.optimization import OBJECTIVE_REF, OPTIMIZERS, major_iterations, 
 from seal_mdao.recording.run_log import versions
 from seal_mdao.seals.door.measures import DOOR
 from seal_mdao.seals.gaps import largest_gap
+
+# the options and the output of the run scripts
+sys.path.append(str(Path(__file__).resolve().parents[2] / "run_scripts"))
+
+from _common import parser, plain, positive_integer, run, write_summary
 
 NOTHING = dict.fromkeys(
     ("success", "iterations", "analyses", "cost", "largest_gap_mm", "violation", "optimality"), None

@@ -7,7 +7,7 @@ import seal_mdao as sm
 from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.recording.evaluations import read_cases
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 RECORDS = {
     "empty": b"", "text": b"no database", "database without a page": b"SQLite format 3\x00" + bytes(84),
     "zeros": bytes(4096),

@@ -2,7 +2,7 @@
 
 from statistics import median
 
-from _matrix_cases import DRAWN_SEED, drawn_cases
+from matrix_cases import DRAWN_SEED, drawn_cases
 
 KKT = 1e-3
 """Largest entry of the scaled Lagrangian's gradient, and product of a multiplier and a distance."""
@@ -11,7 +11,7 @@ VIOLATION = 1e-3
 
 HEAD = """# Optimisation from everywhere
 
-`python run_scripts/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` writes
+`python tests/benchmarks/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` writes
 this page from the runs that it makes; it goes on where it was interrupted. It solves problem (71)
 for the paper's case, for each factor changed alone, for 20 combinations of the factors, and for
 {run} of {drawn} drawn cases, with every optimiser of {{mod}}`seal_mdao.optimization` at its settings

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import openmdao.api as om
-from _wrong_files import file_cases
+from wrong_files import file_cases
 
 import seal_mdao as sm
 from seal_mdao.seals.door.measures import ReactionCurve

@@ -1,30 +1,19 @@
 """optimization_matrix.py: its cases, one small run, going on after an interruption, its page."""
 
-import sys
 from functools import partial
 
+import matrix_cases as cases
+import matrix_page
 import numpy as np
+import optimization_matrix
 import pytest
-from script_runs import CHEAP, SCRIPTS
 
 from seal_mdao.optimization import OPTIMIZERS
 
-
-@pytest.fixture(scope="module", autouse=True)
-def _scripts():
-    sys.path.insert(0, str(SCRIPTS))
-    yield
-    sys.path.remove(str(SCRIPTS))
+CHEAP = ("--n-steps", "21")
 
 
-@pytest.fixture(scope="module")
-def cases():
-    import _matrix_cases
-
-    return _matrix_cases
-
-
-def test_single_changes_are_each_factor_alone(cases):
+def test_single_changes_are_each_factor_alone():
     found = cases.single_changes()
     assert found[0] == cases.Case()
     assert found[0].name == "paper"
@@ -32,14 +21,14 @@ def test_single_changes_are_each_factor_alone(cases):
     assert all("," not in case.name for case in found)
 
 
-def test_combinations_are_new_and_always_the_same(cases):
+def test_combinations_are_new_and_always_the_same():
     found = cases.combinations(20)
     assert found == cases.combinations(20)
     assert found[:5] == cases.combinations(5)
     assert len({*found, *cases.single_changes()}) == 20 + 11
 
 
-def test_drawn_cases_follow_their_rule_and_are_always_the_same(cases):
+def test_drawn_cases_follow_their_rule_and_are_always_the_same():
     found = cases.drawn_cases()
     assert found == cases.drawn_cases()
     assert len({case.name for case in found}) == cases.DRAWN
@@ -55,7 +44,7 @@ def test_drawn_cases_follow_their_rule_and_are_always_the_same(cases):
     assert {name for case in found for name in case.flags} == set(cases.FLAGS)
 
 
-def test_seals_and_starts(cases):
+def test_seals_and_starts():
     ten = cases.Case(parameters=10, start=2, segments=32, flags=("keep_force",))
     assert ten.name == "parameters 10, segments 32, start 2, keep_force"
     seal = ten.seal(n_steps=21)
@@ -92,10 +81,8 @@ def test_matrix_goes_on_where_it_stopped(tmp_path, run_script):
 
 
 @pytest.mark.long
-def test_runs_come_from_the_workers_and_one_that_fails_is_named(cases, monkeypatch):
+def test_runs_come_from_the_workers_and_one_that_fails_is_named(monkeypatch):
     """Without friction the drawn seal sways and has no gap to close: the row says so."""
-    import optimization_matrix
-
     monkeypatch.setattr(optimization_matrix, "compile_kernels", lambda: None)
     slippery = [cases.Case(friction=0.0, segments=segments) for segments in (None, 32)]
     entries = [(case, next(iter(OPTIMIZERS))) for case in slippery]
@@ -122,15 +109,11 @@ def made_row(case, optimizer, **changes):
     "changes", [{"success": False}, {"optimality": 2e-3}, {"violation": 2e-3}, {"success": None}]
 )
 def test_convergence_is_measured_not_believed(changes):
-    import _matrix_page
-
-    assert _matrix_page.converged(made_row("paper", "A"))
-    assert not _matrix_page.converged(made_row("paper", "A", **changes))
+    assert matrix_page.converged(made_row("paper", "A"))
+    assert not matrix_page.converged(made_row("paper", "A", **changes))
 
 
-def test_page_lists_all_cases_and_every_failure(cases):
-    import _matrix_page
-
+def test_page_lists_all_cases_and_every_failure():
     drawn = cases.drawn_cases()[0].name
     nothing = dict.fromkeys(("success", "iterations", "analyses", "cost"))
     table = [
@@ -138,7 +121,7 @@ def test_page_lists_all_cases_and_every_failure(cases):
         made_row(drawn, "A", optimality=5e-3, message="no\nprogress"),
         made_row(drawn, "B", **nothing, message="LoadPathError: cut"),
     ]  # fmt: skip
-    text = _matrix_page.page(table, {drawn})
+    text = matrix_page.page(table, {drawn})
     first, second = text.split("## Drawn cases")
     good = "8 iterations, 10 analyses, 0.0020 %, KKT 4e-04"
     assert f"| paper | {good} | 30 analyses, 0.0020 %, KKT 4e-04 |" in first

@@ -1,7 +1,7 @@
 """Random designs complete their paths at any friction, or say why not."""
 
 import pytest
-from verification.random_designs import study_designs
+from random_designs import study_designs
 
 import seal_mdao as sm
 
@@ -21,7 +21,7 @@ def test_designs_within_half_a_millimetre_complete(friction, count):
 
 
 def test_script_writes_what_it_found(tmp_path, run_script):
-    code, s = run_script("study_random_designs", tmp_path, "--count", 2, "--friction", 0.25)
+    code, s = run_script("random_designs", tmp_path, "--count", 2, "--friction", 0.25)
     assert code == 0
     assert s["0.25"]["completed"] == 1.0
     assert s["0.25"]["median_s"] > 0.0
