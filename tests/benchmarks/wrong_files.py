@@ -4,8 +4,8 @@ from functools import partial
 from pathlib import Path
 
 import seal_mdao as sm
-from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.recording.evaluations import read_cases
+from seal_mdao.recording.recorded_optimization import read_optimization
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 RECORDS = {
