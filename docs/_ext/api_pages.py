@@ -17,6 +17,7 @@ TITLES = {
     "materials": "Material",
     "calibration": "Constants from tests",
     "contact": "Contact",
+    "equilibrium": "Discretisation and linear solvers",
     "analysis": "Analysis",
     "measures": "Measures",
     "dsa": "Design sensitivity analysis",

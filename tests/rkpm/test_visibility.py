@@ -7,7 +7,7 @@ from verification.bodies import Grid, fixed_components
 from verification.solving import solve, tight
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import Body
+from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.integration import integration_points

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body, Edge
+from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 

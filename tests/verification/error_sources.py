@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.measures.selection import touching_stretch
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.door.result import DoorSealResult

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body
 from seal_mdao.contact.friction import OPEN, ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.geometry.profile import circle_profile
 from seal_mdao.geometry.shape import GivenShape

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import Discretization, discretize
+from seal_mdao.equilibrium.discretization import Discretization, discretize
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.materials.isotropic import cofactor
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin

@@ -18,9 +18,9 @@ from threading import Lock, local
 import numpy as np
 from scipy.sparse import csr_array
 
-from seal_mdao.analysis.compressed_columns import CompressedColumns, rounding
-from seal_mdao.analysis.modes import nearest_mode
-from seal_mdao.analysis.threads import one_blas_thread
+from seal_mdao.equilibrium.compressed_columns import CompressedColumns, rounding
+from seal_mdao.equilibrium.modes import nearest_mode
+from seal_mdao.equilibrium.threads import one_blas_thread
 
 # Phases, and the matrix types: real, structurally symmetric or symmetric positive definite.
 ORDER, FACTORIZE, SOLVE, LET_GO, LET_ALL_GO = 11, 22, 33, 0, -1

@@ -3,11 +3,11 @@
 import numpy as np
 from scipy.sparse import csc_array
 
-from seal_mdao.analysis.storage import Scheme
+from seal_mdao.equilibrium.storage import Scheme
 
 
 class CompressedColumns:
-    """Compressed columns of a matrix whose pattern is symmetric; see ``analysis.storage``.
+    """Compressed columns of a matrix whose pattern is symmetric; see ``equilibrium.storage``.
 
     Attributes
     ----------

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from seal_mdao.analysis.modes import nearest_mode
+from seal_mdao.equilibrium.modes import nearest_mode
 
 
 class CorrectedFactor:

@@ -10,9 +10,9 @@ from scipy.sparse import csc_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from seal_mdao.analysis.compressed_columns import CompressedColumns, dof_pattern, rounding
-from seal_mdao.analysis.pardiso import PardisoStorage
-from seal_mdao.analysis.storage import Scheme, Storage
+from seal_mdao.equilibrium.compressed_columns import CompressedColumns, dof_pattern, rounding
+from seal_mdao.equilibrium.pardiso import PardisoStorage
+from seal_mdao.equilibrium.storage import Scheme, Storage
 
 SOLVERS = ("auto", "banded", "superlu", "pardiso")
 
@@ -60,7 +60,7 @@ class BandedFactor:
 
 
 class BandedStorage(NamedTuple):
-    """LAPACK band storage with equal half-widths; see ``analysis.storage``."""
+    """LAPACK band storage with equal half-widths; see ``equilibrium.storage``."""
 
     n: int
     width: int

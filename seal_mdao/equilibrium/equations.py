@@ -11,12 +11,12 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
 
-from seal_mdao.analysis.condensation import Condensation, condense_force, condense_tangent
-from seal_mdao.analysis.corrected_factor import CorrectedFactor
-from seal_mdao.analysis.couplings import couplings
-from seal_mdao.analysis.linear_solver import storage_for
-from seal_mdao.analysis.storage import Scheme, Storage
 from seal_mdao.compilation import compiled, inlined
+from seal_mdao.equilibrium.condensation import Condensation, condense_force, condense_tangent
+from seal_mdao.equilibrium.corrected_factor import CorrectedFactor
+from seal_mdao.equilibrium.couplings import couplings
+from seal_mdao.equilibrium.linear_solver import storage_for
+from seal_mdao.equilibrium.storage import Scheme, Storage
 from seal_mdao.rkpm.sorted_lists import first_not_below
 
 # The band is narrowed by trying that many starting particles in the body, and at its base.
