@@ -15,7 +15,8 @@ os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "_generated"
-sys.path[:0] = [str(HERE / "_ext"), str(HERE)]
+# the last one for the package ``verification``: the benchmarks that the tests assert
+sys.path[:0] = [str(HERE / "_ext"), str(HERE), str(HERE.parent / "tests")]
 
 import api_pages  # noqa: E402
 import equation_index  # noqa: E402

@@ -5,7 +5,7 @@ from pathlib import Path
 from _common import penalty_table
 
 from seal_mdao import plotting
-from seal_mdao.plotting.recorded import RecordedOptimization
+from seal_mdao.recording.recorded_optimization import RecordedOptimization
 from seal_mdao.seals.door.measures import DOOR
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap

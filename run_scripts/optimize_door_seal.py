@@ -19,8 +19,8 @@ from _restart import continued_file, recorded_run, recorder_file
 
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, seal_problem
-from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.restart import restart
 from seal_mdao.report.write import write_report
 

@@ -30,8 +30,8 @@ import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import FORCE_BAND, OPTIMIZERS, PRESSURE_SHARE, seal_problem
-from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import hidden
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.restart import restart
 from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.samples import samples_section

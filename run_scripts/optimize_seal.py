@@ -32,8 +32,13 @@ from seal_mdao.file_optimization import (
 )
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS
-from seal_mdao.plotting.recorded import RecordedOptimization, label, read_optimization, unit_of
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.recording.recorded_optimization import (
+    RecordedOptimization,
+    label,
+    read_optimization,
+    unit_of,
+)
 from seal_mdao.recording.restart import restart
 from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.write import write_report

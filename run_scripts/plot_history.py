@@ -15,7 +15,7 @@ from _common import (
 from _history_figures import draw_history, end_numbers, gap_warnings, report_end
 
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.plotting.recorded import read_optimization
+from seal_mdao.recording.recorded_optimization import read_optimization
 
 
 def main(arguments) -> int:

@@ -44,7 +44,7 @@ DAMAGE_ANNOUNCED = "SEAL_MDAO_DAMAGE_ANNOUNCED"
 
 PACKAGE = Path(__file__).parent
 KERNEL_FOLDERS = (
-    "analysis", "contact", "geometry", "loads", "materials", "rkpm", "structure", "terms",
+    "contact", "equilibrium", "geometry", "loads", "materials", "rkpm", "structure", "terms",
 )  # fmt: skip
 """Folders of the package with compiled functions and all that these call."""
 FOLDER_PREFIX = "seal_mdao-"

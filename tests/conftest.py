@@ -2,8 +2,8 @@
 
 import gc
 import importlib
+import json
 import signal
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -116,24 +116,31 @@ def rng(request):
 
 
 @pytest.fixture(scope="session")
-def refusing_script():
+def run_script():
+    """Run a script in this process; returns its exit code and summary.json (None without)."""
+
+    def run(name, out, *arguments):
+        script = importlib.import_module(name)
+        argv = ["--out", str(out), *map(str, arguments)]
+        code = script.run(script.arguments_parser(), script.main, argv)
+        summary = Path(out) / "summary.json"
+        return code, json.loads(summary.read_text()) if summary.exists() else None
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def refusing_script(run_script):
     """What ``analyze_seal.py`` says of a seal file, in one line with exit status 2."""
-    scripts = str(Path(__file__).parents[1] / "run_scripts")
-    sys.path.insert(0, scripts)
-    script = importlib.import_module("analyze_seal")
 
     def said(path, capsys):
-        out = path.parent / "out"
-        arguments = ["--out", str(out), str(path)]
-        assert script.run(script.arguments_parser(), script.main, arguments) == 2
-        assert not (out / "summary.json").exists()
+        assert run_script("analyze_seal", path.parent / "out", path) == (2, None)
         captured = capsys.readouterr()
         # the first look at a profile may have to compile
         (line,) = (line for line in captured.err.splitlines() if "compiling" not in line)
         return line
 
-    yield said
-    sys.path.remove(scripts)
+    return said
 
 
 @pytest.fixture

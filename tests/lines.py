@@ -1,8 +1,7 @@
 """Derivatives along a line of analyses by difference quotients that know their own error."""
 
 import numpy as np
-
-from seal_mdao.verification.differences import same_sequence
+from verification.differences import same_sequence
 
 ALWAYS = ("von_mises", "gap", "gap_square_sum", "reaction")
 # a quotient of high order and one of second order, of values at seven equidistant places

@@ -24,8 +24,9 @@ NUMERICS = """
 import importlib, pkgutil, json
 import seal_mdao
 names = []
-for folder in ("analysis", "calibration", "contact", "dsa", "geometry", "loads", "materials",
-               "measures", "rkpm", "scenarios", "seals", "structure", "terms", "tolerances"):
+for folder in ("analysis", "calibration", "contact", "dsa", "equilibrium", "geometry", "loads",
+               "materials", "measures", "rkpm", "scenarios", "seals", "structure", "terms",
+               "tolerances"):
     package = importlib.import_module("seal_mdao." + folder)
     for module in pkgutil.walk_packages(package.__path__, f"seal_mdao.{folder}."):
         names.append(importlib.import_module(module.name).__name__)

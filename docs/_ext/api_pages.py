@@ -1,19 +1,23 @@
-"""One page of the programming reference for every folder of the package, made at each build."""
+"""One page of the programming reference for every folder of the package and for the benchmarks of
+the tests (``tests/verification``), made at each build."""
 
 import pkgutil
 from importlib import import_module
 from pathlib import Path
 
+import verification
+
 import seal_mdao
 
 TITLES = {
-    "": "Model, analysis, errors",
+    "seal_mdao": "Model, analysis, errors",
     "design": "Design parameters",
     "geometry": "Geometry",
     "rkpm": "Reproducing kernel particle method",
     "materials": "Material",
     "calibration": "Constants from tests",
     "contact": "Contact",
+    "equilibrium": "Discretisation and linear solvers",
     "analysis": "Analysis",
     "measures": "Measures",
     "dsa": "Design sensitivity analysis",
@@ -29,22 +33,24 @@ TITLES = {
 
 
 def modules() -> dict[str, list[str]]:
-    """Modules of the package by folder; those beside the folders under the empty name."""
-    found = {folder: [] for folder in TITLES}
-    for info in pkgutil.walk_packages(seal_mdao.__path__, "seal_mdao."):
-        parts = info.name.split(".")
-        if info.ispkg or parts[-1].startswith("_"):
-            continue
-        found.setdefault(parts[1] if len(parts) > 2 else "", []).append(info.name)
+    """Modules by package, those beside the folders under ``seal_mdao``; tests are left out."""
+    found = {}
+    for package in (seal_mdao, verification):
+        root = package.__name__
+        for info in pkgutil.walk_packages(package.__path__, f"{root}."):
+            *parents, name = info.name.split(".")
+            if not info.ispkg and not name.startswith(("_", "test_", "conftest")):
+                found.setdefault(".".join(parents[:2]), []).append(info.name)
     return found
 
 
-def page(folder: str, names: list[str]) -> str:
+def page(package: str, names: list[str]) -> str:
     """MyST text of one folder's page."""
+    folder = package.rpartition(".")[2]
     lines = [f"# {TITLES.get(folder, folder)}", ""]
-    if folder:
-        text = import_module(f"seal_mdao.{folder}").__doc__ or ""
-        lines += [f"`seal_mdao.{folder}`. {text.splitlines()[0] if text else ''}", ""]
+    if package != "seal_mdao":
+        text = import_module(package).__doc__ or ""
+        lines += [f"`{package}`. {text.splitlines()[0] if text else ''}", ""]
     for name in names:
         lines += [f"## {name.removeprefix('seal_mdao.')}", "", "```{eval-rst}"]
         lines += [f".. automodule:: {name}", "   :members:", "   :show-inheritance:", "```", ""]
@@ -54,7 +60,10 @@ def page(folder: str, names: list[str]) -> str:
 def write_all(folder: Path) -> None:
     """Write the pages and drop those of folders that are gone."""
     folder.mkdir(parents=True, exist_ok=True)
-    texts = {key or "top": page(key, names) for key, names in modules().items() if names}
+    texts = {
+        "top" if package == "seal_mdao" else package.rpartition(".")[2]: page(package, names)
+        for package, names in modules().items()
+    }
     for old in folder.glob("*.md"):
         if old.stem not in texts:
             old.unlink()

@@ -6,6 +6,32 @@ from pathlib import Path
 from time import process_time
 
 import numpy as np
+from verification.error_sources import (
+    FUNCTIONS,
+    at_travels,
+    drawn,
+    flat_errors,
+    from_the_limit,
+    largest_opened_gap,
+    worst_error,
+)
+from verification.file_errors import (
+    LINEAR,
+    QUADRATIC,
+    at_edges,
+    fine_forces,
+    force_error,
+    forces,
+    with_kernels,
+)
+from verification.flat_door_reference import REACTION
+from verification.flexure import bend_block
+from verification.outline_errors import (
+    flat_door_seal,
+    reaction_error,
+)
+from verification.pressed_elements import CORNER, FLAT, GAP
+from verification.ray_bulb import limit, ray_bulb
 
 from figures.tables import percent, table
 from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplots
@@ -24,32 +50,6 @@ from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.penalty_error import NORMAL, penalties_of
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import CONTACT_POINTS
-from seal_mdao.verification.error_sources import (
-    FUNCTIONS,
-    at_travels,
-    drawn,
-    flat_errors,
-    from_the_limit,
-    largest_opened_gap,
-    worst_error,
-)
-from seal_mdao.verification.file_errors import (
-    LINEAR,
-    QUADRATIC,
-    at_edges,
-    fine_forces,
-    force_error,
-    forces,
-    with_kernels,
-)
-from seal_mdao.verification.flat_door_reference import REACTION
-from seal_mdao.verification.flexure import bend_block
-from seal_mdao.verification.outline_errors import (
-    flat_door_seal,
-    reaction_error,
-)
-from seal_mdao.verification.pressed_elements import CORNER, FLAT, GAP
-from seal_mdao.verification.ray_bulb import limit, ray_bulb
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 REFERENCES = Path(__file__).resolve().parents[2] / "tests" / "verification" / "references"

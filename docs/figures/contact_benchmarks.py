@@ -3,18 +3,18 @@
 from pathlib import Path
 
 import numpy as np
-
-import seal_mdao as sm
-from figures.tables import percent, power, table
-from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
-from seal_mdao.verification.hertz import press_cylinder
-from seal_mdao.verification.o_ring import (
+from verification.hertz import press_cylinder
+from verification.o_ring import (
     lindley_force,
     small_force,
     small_squeeze,
     squeeze_ring,
 )
-from seal_mdao.verification.sliding import drag_block, pull_belt
+from verification.sliding import drag_block, pull_belt
+
+import seal_mdao as sm
+from figures.tables import percent, power, table
+from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
 
 FRICTION = 0.3
 RING = Path(__file__).resolve().parents[2] / "examples" / "o_ring.toml"

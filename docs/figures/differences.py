@@ -4,10 +4,7 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-
-import seal_mdao as sm
-from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.verification.differences import (
+from verification.differences import (
     SCHEMES,
     Design,
     Differences,
@@ -17,8 +14,11 @@ from seal_mdao.verification.differences import (
     measure_rates,
     measure_values,
 )
-from seal_mdao.verification.estimates import error_scale, plateau
-from seal_mdao.verification.gradients import design_away
+from verification.estimates import error_scale, plateau
+from verification.gradients import design_away
+
+import seal_mdao as sm
+from seal_mdao.seals.door.result import DoorSealResult
 
 __all__ = [
     "SCHEMES", "Case", "Estimated", "Quotient", "at_step", "away", "case", "error_scale",

@@ -3,6 +3,11 @@
 from pathlib import Path
 
 import numpy as np
+from verification.bodies import Grid, scattered
+from verification.cylinder import inflate_cylinder, inflation_pressure
+from verification.flexure import bend_block
+from verification.patch import GRADIENT, compress_block, patch_test
+from verification.rotation import rotate_body, rotation_matrix
 
 from figures.tables import percent, power, table
 from seal_mdao.plotting.style import (
@@ -15,11 +20,6 @@ from seal_mdao.plotting.style import (
     styled,
     subplots,
 )
-from seal_mdao.verification.bodies import Grid, scattered
-from seal_mdao.verification.cylinder import inflate_cylinder, inflation_pressure
-from seal_mdao.verification.flexure import bend_block
-from seal_mdao.verification.patch import GRADIENT, compress_block, patch_test
-from seal_mdao.verification.rotation import rotate_body, rotation_matrix
 
 RATIOS = (1e3, 1e4, 1e5, 1e6)
 

@@ -1,7 +1,8 @@
 """The tolerances of the tests as the pages write them, beside the figures that were reached."""
 
+from verification.tolerances import TOLERANCES
+
 from figures.tables import power
-from seal_mdao.verification.tolerances import TOLERANCES
 
 
 def text(name: str) -> str:

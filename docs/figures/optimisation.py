@@ -12,9 +12,9 @@ from seal_mdao.plotting import (
     constraint_history,
     cost_history,
     door_comparison,
-    read_optimization,
     save,
 )
+from seal_mdao.recording.recorded_optimization import read_optimization
 
 OPTIMIZER = next(iter(OPTIMIZERS))
 

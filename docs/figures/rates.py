@@ -3,12 +3,12 @@
 from pathlib import Path
 
 import numpy as np
+from verification.approximation import interpolation_convergence
+from verification.cook import CONVERGED, cook_deflection
+from verification.manufactured import Convergence, manufactured_convergence
 
 from figures.tables import percent, power, table
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, styled, subplots
-from seal_mdao.verification.approximation import interpolation_convergence
-from seal_mdao.verification.cook import CONVERGED, cook_deflection
-from seal_mdao.verification.manufactured import Convergence, manufactured_convergence
 
 
 def make(out: Path, reduced: bool) -> dict:

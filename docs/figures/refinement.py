@@ -4,16 +4,16 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.ticker import NullLocator
+from verification.flat_door_reference import BOUNDARY, REACTION
+from verification.frames import Frame, analyze_in_frame
+from verification.seal_refinement import LEVELS, corner_level, flat_level
+from verification.step_refinement import STEPS, refine_steps
 
 from figures.tables import percent, power, table
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
 from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.result import analyze
-from seal_mdao.verification.flat_door_reference import BOUNDARY, REACTION
-from seal_mdao.verification.frames import Frame, analyze_in_frame
-from seal_mdao.verification.seal_refinement import LEVELS, corner_level, flat_level
-from seal_mdao.verification.step_refinement import STEPS, refine_steps
 
 FRAMES = {
     "rotated by 0.7 rad": Frame(angle=0.7),

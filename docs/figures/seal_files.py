@@ -21,7 +21,7 @@ from seal_mdao.plotting import (
     save,
     section_cloud,
 )
-from seal_mdao.plotting.recorded import label
+from seal_mdao.recording.recorded_optimization import label
 
 FILES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.toml"))
 SHARE = 8

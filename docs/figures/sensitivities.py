@@ -4,6 +4,14 @@ import time
 from pathlib import Path
 
 import numpy as np
+from verification.differences import perturbed
+from verification.two_methods import (
+    DOORS,
+    FRICTIONS,
+    PATHS,
+    analyze_case,
+    method_difference,
+)
 
 import seal_mdao as sm
 from figures import straddling
@@ -21,14 +29,6 @@ from figures.differences import (
 from figures.tables import percent, power, table
 from seal_mdao.plotting import save, sensitivity_errors, step_study
 from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.verification.differences import perturbed
-from seal_mdao.verification.two_methods import (
-    DOORS,
-    FRICTIONS,
-    PATHS,
-    analyze_case,
-    method_difference,
-)
 
 TAU = 1e-6
 """Perturbation of the paper's Table 1, mm."""

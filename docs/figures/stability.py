@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import numpy as np
+from verification.patch import squeeze
+from verification.shallow_arch import critical_load, press_arch
 
 from figures.tables import percent, table
 from seal_mdao import plotting
@@ -11,8 +13,6 @@ from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.plotting.style import BLUE, GREY, LIGHT_GREY, VERMILION, save, styled, subplots
 from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.result import analyze
-from seal_mdao.verification.patch import squeeze
-from seal_mdao.verification.shallow_arch import critical_load, press_arch
 
 CORNERS, SHOWN = (0.0, 2.0, 4.0), 2.0
 RISES = (2.0, 3.0)

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import numpy as np
+from verification.differences import contact_states
 
 from figures.differences import Case, at_step, case, measure_names
 from figures.tables import power, table
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, signed, styled, subplots
-from seal_mdao.verification.differences import contact_states
 
 RADII = np.linspace(4.002, 4.006, 13)
 PARAMETER = 25

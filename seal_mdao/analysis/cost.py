@@ -24,7 +24,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from seal_mdao import values
-from seal_mdao.analysis.body import Body
+from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.errors import TooLargeError
 
 ENTRY_SECONDS, PARTICLE_SECONDS, FACTOR_SECONDS = 5e-9, 1.5e-5, 1.3e-8

@@ -13,11 +13,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from seal_mdao.analysis.modes import nearest_mode
 from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import FAR
 from seal_mdao.analysis.result import Status
+from seal_mdao.equilibrium.modes import nearest_mode
 
 # Shift over the size of the negative eigenvalue, and by how much it grows while it is too small.
 ENOUGH, MORE = 2.0, 4.0

@@ -26,8 +26,8 @@ from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import Reuse, quasi_newton
 from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.stability import flagged, is_stable
-from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.analysis.touching import at_rest_where_it_touches
+from seal_mdao.equilibrium.threads import one_blas_thread
 
 # Equilibrium that is near by is found by damped motion within so many iterations.
 NEAR = 40

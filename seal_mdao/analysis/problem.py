@@ -4,8 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from seal_mdao.analysis.body import Discretization
 from seal_mdao.analysis.result import ConvergedStep
+from seal_mdao.equilibrium.discretization import Discretization
 
 
 def _norm(vector) -> float:

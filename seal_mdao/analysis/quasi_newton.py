@@ -16,12 +16,12 @@ the body has turned by a hundredth. Its factor is therefore
 import numpy as np
 from scipy.linalg import block_diag
 
-from seal_mdao.analysis.corrected_factor import CorrectedFactor
-from seal_mdao.analysis.equations import TangentLayout
 from seal_mdao.analysis.newton import NewtonOptions, converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
 from seal_mdao.analysis.touching import unit_loads
+from seal_mdao.equilibrium.corrected_factor import CorrectedFactor
+from seal_mdao.equilibrium.equations import TangentLayout
 from seal_mdao.structure.deformation import particle_gradients
 
 # Most need 6 to 10 iterations; what is not halved within PATIENCE of them will not converge soon.

@@ -15,10 +15,10 @@ import numpy as np
 
 from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.jumps import extent
-from seal_mdao.analysis.modes import nearest_mode
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
+from seal_mdao.equilibrium.modes import nearest_mode
 
 # The push along the critical mode, over the size of the body.
 PUSH = 1e-3

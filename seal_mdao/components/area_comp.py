@@ -1,9 +1,9 @@
 """Area of the section."""
 
-import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.failures import admissible_design
+from seal_mdao.components.options import add_boundary_offsets
 from seal_mdao.seals.seal import Seal
 
 CHECK_STEP = 1e-2
@@ -22,12 +22,7 @@ class AreaComp(om.ExplicitComponent):
 
     def setup(self):
         seal = self.options["seal"]
-        self.add_input(
-            "boundary_offsets",
-            val=np.zeros(seal.n_offsets),
-            units="mm",
-            desc="Spline control values along the rays: outer, then inner boundary.",
-        )
+        add_boundary_offsets(self, seal)
         self.add_output("area", val=100.0, units="mm**2", desc="Area of the section.")
 
     def setup_partials(self):

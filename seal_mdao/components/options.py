@@ -1,4 +1,6 @@
-"""Options that the contact component and the group around it share."""
+"""Options and inputs that several components share."""
+
+import numpy as np
 
 from seal_mdao import values
 from seal_mdao.dsa.sensitivity import METHODS
@@ -77,6 +79,17 @@ def declare_parameters(options) -> None:
         default="auto",
         values=METHODS,
         desc="Method of the partials: auto takes the one with fewer right-hand sides.",
+    )
+
+
+def add_boundary_offsets(component, seal: Seal) -> None:
+    """Add the input ``boundary_offsets``, shape (P,), mm: the design parameters of the shape."""
+    component.add_input(
+        "boundary_offsets",
+        val=np.zeros(seal.n_offsets),
+        units="mm",
+        desc="Design parameters of the shape. Door seal: spline control values along the rays, outer "
+        "boundary first; sections from outlines: along the nominal normals, edge after edge.",
     )
 
 

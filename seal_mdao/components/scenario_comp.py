@@ -6,6 +6,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.options import (
+    add_boundary_offsets,
     check_outputs,
     check_parameters,
     declare_measures,
@@ -76,10 +77,7 @@ class ScenarioComp(RandomDirectionsComp):
         self._task = SealTask(seal, kept, names, self.options["sensitivity"], derivatives=True)
         self._named, self._workers, self._last = tuple(inputs), _workers(self.options), None
         self._check_admissible()
-        self.add_input(
-            "boundary_offsets", val=np.zeros(seal.n_offsets), units="mm",
-            desc="Spline control values along the rays: outer, then inner boundary.",
-        )  # fmt: skip
+        add_boundary_offsets(self, seal)
         for name in inputs:
             value, units, text = seal.scalars[name]
             self.add_input(name, val=value, units=units, desc=text)

@@ -4,6 +4,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.failures import admissible_design
+from seal_mdao.components.options import add_boundary_offsets
 from seal_mdao.seals.seal import Seal
 
 CHECK_STEP = 1e-2
@@ -24,12 +25,7 @@ class SplineGeometryComp(om.ExplicitComponent):
 
     def setup(self):
         seal = self.options["seal"]
-        self.add_input(
-            "boundary_offsets",
-            val=np.zeros(seal.n_offsets),
-            units="mm",
-            desc="Spline control values along the rays: outer, then inner boundary.",
-        )
+        add_boundary_offsets(self, seal)
         self.add_output(
             "particles", val=seal.drawn_particles, units="mm", desc="Undeformed particles X_I."
         )

@@ -15,10 +15,10 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from seal_mdao.analysis.result import PathResult
-from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.dsa.factors import solve_transposed
 from seal_mdao.dsa.probe import ProbeReverse
 from seal_mdao.dsa.shape_rates import add_matrix_seeds
+from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.measures.measure import Seeds
 
 

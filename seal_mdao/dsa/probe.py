@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from seal_mdao.analysis.body import Discretization
 from seal_mdao.dsa.direct import imposed_rates
 from seal_mdao.dsa.shape_rates import point_table_rates
+from seal_mdao.equilibrium.discretization import Discretization
 from seal_mdao.measures.measure import Seeds
 from seal_mdao.rkpm.tables import PointTable, table_seeds
 from seal_mdao.terms.point_rates import (

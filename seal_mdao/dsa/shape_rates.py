@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.analysis.body import Discretization
+from seal_mdao.equilibrium.discretization import Discretization
 from seal_mdao.rkpm.cells import weight_rates
 from seal_mdao.rkpm.essential import rows_on_union, transformation_rates, transformation_seeds
 from seal_mdao.rkpm.integration import cell_table_rates

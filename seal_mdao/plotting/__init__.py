@@ -28,8 +28,6 @@ _LAZY = {
     "distributions": "seal_mdao.plotting.tolerances",
     "correlations": "seal_mdao.plotting.tolerances",
     "designs_compared": "seal_mdao.plotting.tolerances",
-    "RecordedOptimization": "seal_mdao.plotting.recorded",
-    "read_optimization": "seal_mdao.plotting.recorded",
 }
 
 __all__ = list(_LAZY)

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from seal_mdao.plotting.recorded import RecordedOptimization, label, unit_of
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
+from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
 
 PAPER_RATIO = 0.0075
 """Cost over its start that Kim et al. (2000) reached."""

@@ -2,7 +2,12 @@
 
 import numpy as np
 
-from seal_mdao.plotting.recorded import Constraint, RecordedOptimization, label, unit_of
+from seal_mdao.recording.recorded_optimization import (
+    Constraint,
+    RecordedOptimization,
+    label,
+    unit_of,
+)
 
 FEASIBLE = 1e-3
 """Largest relative violation of a limit that counts as satisfied."""

@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from seal_mdao.contact.friction import OPEN
-from seal_mdao.plotting.recorded import RecordedOptimization, label, unit_of
+from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
 from seal_mdao.report import history as words
 from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.gaps import largest_gap

@@ -6,8 +6,8 @@ import numpy as np
 from tqdm import tqdm
 
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.progress import hidden
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.seal_inputs import RecordedSeal
 from seal_mdao.report.page import ShownSeal, render
 from seal_mdao.seals.door.result import DoorSealResult

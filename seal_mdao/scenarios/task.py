@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.dsa.sensitivity import METHODS, sensitivities
+from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.result import FACTOR_MEMORY, analyze_particles

@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 
 from seal_mdao import values
-from seal_mdao.analysis.body import Body
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.default_penalties import completed
+from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.measures.shape import cells_area
 from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.seal import Seal

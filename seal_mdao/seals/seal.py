@@ -3,8 +3,8 @@
 import numpy as np
 
 from seal_mdao import values
-from seal_mdao.analysis.body import Body
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.equilibrium.discretization import Body
 
 SETTINGS_OPTION = "seal_settings"
 """Option of a ``SealGroup`` that holds what ``Seal.settings`` gives, for recorder files."""

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body, discretize
-from seal_mdao.analysis.linear_solver import BandedStorage
+from seal_mdao.equilibrium.discretization import Body, discretize
+from seal_mdao.equilibrium.linear_solver import BandedStorage
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.visibility import hidden_pairs

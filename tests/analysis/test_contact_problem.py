@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import dense
+from verification.differences import contact_states
 
 import seal_mdao as sm
 from seal_mdao.analysis.newton import newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
-from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
-from seal_mdao.verification.differences import contact_states
+from seal_mdao.equilibrium.threads import one_blas_thread
 
 
 @pytest.fixture(scope="module", params=["accumulated", "incremental"])

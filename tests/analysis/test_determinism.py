@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import psutil
 import pytest
+from verification.differences import contact_states
 
 import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp  # noqa: F401
-from seal_mdao.verification.differences import contact_states
 
 RADIUS = {"door_radius": 4.1}
 

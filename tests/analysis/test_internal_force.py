@@ -5,7 +5,7 @@ import pytest
 from bodies import CONSTANTS, dense, energy, internal, square, structure, wave
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import discretize
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.materials.isotropic import invariants
 from seal_mdao.structure.deformation import deform
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from bodies import dense, internal, square, wave
 
-from seal_mdao.analysis.equations import equation_numbers, tangent_layout
-from seal_mdao.analysis.linear_solver import SOLVERS, BandedStorage
-from seal_mdao.analysis.modes import nearest_mode
+from seal_mdao.equilibrium.equations import equation_numbers, tangent_layout
+from seal_mdao.equilibrium.linear_solver import SOLVERS, BandedStorage
+from seal_mdao.equilibrium.modes import nearest_mode
 
 
 @pytest.fixture

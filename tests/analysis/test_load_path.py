@@ -6,21 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import inside, square
+from verification.differences import contact_states
 
 import seal_mdao as sm
 from seal_mdao.analysis import load_path
-from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, SLIP
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import edge_points, fixed_points, single_points
-from seal_mdao.verification.differences import contact_states
 
 
 def heights(seal):

@@ -12,8 +12,8 @@ from bodies import dense, internal, square, wave
 from scipy.sparse import csr_array
 
 import seal_mdao as sm
-from seal_mdao.analysis.linear_solver import storage_for
-from seal_mdao.analysis.pardiso import import_pypardiso
+from seal_mdao.equilibrium.linear_solver import storage_for
+from seal_mdao.equilibrium.pardiso import import_pypardiso
 
 
 def test_missing_pypardiso_is_an_error_of_one_line(monkeypatch):
@@ -183,7 +183,7 @@ import openmdao.api as om
 from scipy.sparse import eye_array
 
 import seal_mdao as sm
-from seal_mdao.analysis.pardiso import import_pypardiso
+from seal_mdao.equilibrium.pardiso import import_pypardiso
 
 driver, when = sys.argv[1:]
 if when == "after PARDISO":

@@ -5,9 +5,9 @@ import pytest
 from bodies import CONSTANTS, inside, pieces, square
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.isotropic import invariants

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import CONSTANTS, dense, energy, internal, square, structure, wave
+from verification.quadratic_integration import discretize_quadratic
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import discretize
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.structure.deformation import particle_gradients
 from seal_mdao.structure.elastic_body import ElasticBody, Region, elastic_body
 from seal_mdao.structure.energy_gradient import energy_gradient
 from seal_mdao.structure.internal_force import add_internal_change
 from seal_mdao.structure.pressure import PressureSpace, through_column
-from seal_mdao.verification.quadratic_integration import discretize_quadratic
 
 RUBBER = sm.MooneyRivlin(*CONSTANTS)
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lines import check, slopes
+from verification.differences import beside
 
 import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, STICK
-from seal_mdao.verification.differences import beside
 
 # little friction; the last point that sticks begins to slide near the end of the path (0.01 mm)
 OFFSETS = 0.01 * np.array([

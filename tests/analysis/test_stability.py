@@ -5,11 +5,11 @@ from functools import cache
 import numpy as np
 import pytest
 from bodies import dense
+from verification.differences import beside
 
 import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.seals.door.door_seal import DOOR
-from seal_mdao.verification.differences import beside
 
 PRIMARY = sm.NewtonOptions(branch="primary")
 

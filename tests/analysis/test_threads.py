@@ -13,7 +13,7 @@ from scipy.linalg import lapack
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import seal_mdao as sm
-from seal_mdao.analysis.threads import OneBlasThread, one_blas_thread
+from seal_mdao.equilibrium.threads import OneBlasThread, one_blas_thread
 from seal_mdao.errors import GeometryError
 
 assert lapack  # SciPy's own BLAS library is loaded before anything is counted

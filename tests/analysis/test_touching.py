@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from verification.differences import contact_states
 
 import seal_mdao as sm
 from seal_mdao.analysis import load_path
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.analysis.touching import TOLERANCE, at_rest_where_it_touches
-from seal_mdao.verification.differences import contact_states
 
 
 @pytest.fixture(scope="module")

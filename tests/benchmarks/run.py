@@ -22,11 +22,11 @@ import scipy.linalg
 from threadpoolctl import threadpool_limits
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import discretize
-from seal_mdao.analysis.linear_solver import BandedStorage
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.dsa.sensitivity import particle_gradient
+from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.equilibrium.linear_solver import BandedStorage
 
 CLOUDS = ((58, 3), (116, 5), (174, 7), (290, 11), (580, 21), (754, 27))
 

@@ -9,6 +9,7 @@ from openmdao.utils.assert_utils import assert_check_partials, assert_check_tota
 
 import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
+from seal_mdao.components.scenario_comp import ScenarioComp
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.seals.result import analyze_particles
 
@@ -93,6 +94,17 @@ def test_partials_of_the_area_are_exact(problem):
     with pytest.warns(om.DerivativesWarning, match="finite difference was used"):
         data = made.check_partials(out_stream=None)
     assert_check_partials(data, atol=1e-9, rtol=1e-10)
+
+
+@pytest.mark.parametrize("system", [sm.AreaComp, sm.SplineGeometryComp, ScenarioComp])
+def test_offsets_are_described_for_every_kind_of_seal(system, problem, short):
+    """Not as those of the door seal's rays alone."""
+    more = {"scenarios": sm.Scenarios((), np.zeros((2, 0)))} if system is ScenarioComp else {}
+    made = problem(system(seal=short, **more))
+    made.final_setup()
+    (found,) = made.model.get_io_metadata("input", ["desc"], includes="*boundary_offsets").values()
+    for words in ("Door seal", "sections from outlines", "normals"):
+        assert words in found["desc"]
 
 
 PARAMETERS = ("c10", "friction", "depth", "tangent_penalty")

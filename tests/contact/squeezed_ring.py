@@ -4,10 +4,10 @@ with itself or of each half with a line on the mid-plane; and its upper half on 
 import numpy as np
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import Body, Edge
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact
+from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape

@@ -9,8 +9,7 @@ import sys
 import matplotlib.image
 import numpy as np
 import pytest
-
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.tolerances import TOLERANCES
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body, Edge
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.spline_profile import spline_profile
 from seal_mdao.loads.dead_load import DeadLoad

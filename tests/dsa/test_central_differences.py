@@ -5,11 +5,11 @@ from functools import partial
 import numpy as np
 import pytest
 from lines import BACKWARD, check, slopes
+from verification.differences import beside, perturbed
+from verification.gradients import design_away
 
 import seal_mdao as sm
 from seal_mdao.seals.door.measures import FURTHER, STANDARD
-from seal_mdao.verification.differences import beside, perturbed
-from seal_mdao.verification.gradients import design_away
 
 FURTHER_NAMES = tuple(measure.name for measure in FURTHER)
 STEP = 7e-6

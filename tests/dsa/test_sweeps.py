@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from verification.differences import perturbed, same_sequence
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import CARRIED, OPEN, STICK, XI, slip_slopes
@@ -15,7 +16,6 @@ from seal_mdao.dsa.sensitivity import Wanted, adjoint_gradient, particle_gradien
 from seal_mdao.measures.measure import stacked
 from seal_mdao.seals.result import analyze_particles
 from seal_mdao.terms.blocks import blocks
-from seal_mdao.verification.differences import perturbed, same_sequence
 
 
 def rates_of(result, names=("door_radius",)):

@@ -5,12 +5,12 @@ import pytest
 from block import block_seal
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import discretize
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
 from seal_mdao.dsa.probe import ProbeReverse, probe_rates
 from seal_mdao.dsa.shape_rates import add_matrix_seeds, discretization_rates
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.measures.measure import Seeds
 from seal_mdao.terms.point_forward import PointSeeds
 

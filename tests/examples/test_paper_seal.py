@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from verification.flat_door_reference import REACTION
 
 import seal_mdao as sm
 from seal_mdao.measures.contact import GapSquareIntegral
 from seal_mdao.seals.outline.section import Line
 from seal_mdao.seals.result import frozen_measures
-from seal_mdao.verification.flat_door_reference import REACTION
 
 FILE = Path(__file__).parents[2] / "examples" / "paper_seal.toml"
 # the particles of both differ in the last digit, of which tangents of condition 2e5 pass on as much

@@ -7,9 +7,9 @@ from ellipse import Ellipse
 from highest_point import HighestPoint
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import Body, Edge
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.measures.contact import Reaction
 from seal_mdao.structure.elastic_body import elastic_body

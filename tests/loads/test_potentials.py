@@ -6,8 +6,8 @@ from air_ring import air_ring
 from lines import CENTRAL
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import discretize
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.loads.dead_load import DeadLoad
 
 

@@ -5,9 +5,9 @@ import pytest
 from quotients import quotients
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import Body, Edge
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape

@@ -12,7 +12,7 @@ import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.plotting import section
 from seal_mdao.plotting.gap import boundary_coordinate
-from seal_mdao.plotting.recorded import Constraint, RecordedOptimization
+from seal_mdao.recording.recorded_optimization import Constraint, RecordedOptimization
 from seal_mdao.seals.profiles import contacts
 
 

@@ -10,7 +10,7 @@ from openmdao.core.driver import Driver
 from penalty_warnings import further_warnings
 
 import seal_mdao as sm
-from seal_mdao.plotting.recorded import read_optimization
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.report.page import title
 from seal_mdao.report.write import write_report
 

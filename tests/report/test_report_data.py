@@ -12,7 +12,7 @@ import pytest
 from penalty_warnings import further_warnings
 
 import seal_mdao as sm
-from seal_mdao.plotting.recorded import read_optimization
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.report import tables
 from seal_mdao.report.page import status
 from seal_mdao.report.shapes import FULL, Pictures

@@ -16,9 +16,9 @@ from valley import record, valley_problem
 
 import seal_mdao as sm
 from seal_mdao import plotting
-from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.recording.evaluations import RestartError, read_cases
 from seal_mdao.recording.plain_reading import TWO_FILES, PlainDatabase, checked_units
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.recorder_file import read_driver_cases
 from seal_mdao.report.write import write_report
 

@@ -9,8 +9,8 @@ from hostile import Bomb, array_of_bombs, bomb, put
 from valley import record, valley_problem
 
 import seal_mdao as sm
-from seal_mdao.plotting.recorded import read_optimization
 from seal_mdao.recording.evaluations import RestartError, read_cases
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.settings import open_model
 from seal_mdao.report.write import write_report
 

@@ -5,8 +5,8 @@ import pytest
 from clouds import rate_rows, rows
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import discretize
 from seal_mdao.dsa.shape_rates import discretization_rates
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.rkpm.cells import add_weight_seeds
 from seal_mdao.rkpm.essential import transformation_seeds
 from seal_mdao.rkpm.integration import (

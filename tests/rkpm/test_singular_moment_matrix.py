@@ -7,7 +7,7 @@ import pytest
 from clouds import irregular_cloud
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import discretize
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.errors import GeometryError, SingularMomentMatrixError
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet
 from seal_mdao.rkpm.tables import build_table

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from clouds import rate_rows, rows
+from verification.bodies import Grid, fixed_components
+from verification.solving import solve, tight
 
 import seal_mdao as sm
-from seal_mdao.analysis.body import Body
+from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.integration import integration_points
@@ -13,8 +15,6 @@ from seal_mdao.rkpm.tables import build_table, raw_rates
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import boundary_particles, edge_points
-from seal_mdao.verification.bodies import Grid, fixed_components
-from seal_mdao.verification.solving import solve, tight
 
 RUBBER = sm.MooneyRivlin(80.0, 20.0, 4000.0)
 BAR = Grid(12, 2)

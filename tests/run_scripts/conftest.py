@@ -1,32 +1,13 @@
-"""The scripts as functions, and a look at what they draw."""
+"""A look at what the scripts draw, and an optimisation that several tests look at."""
 
-import importlib
-import json
-import sys
 from pathlib import Path
 
 import matplotlib.image
 import numpy as np
 import pytest
-from script_runs import CHEAP, SCRIPTS
+from script_runs import CHEAP
 
 from seal_mdao.seals import result as analyses
-
-
-@pytest.fixture(scope="session")
-def run_script():
-    """Run a script in this process; returns its exit code and summary.json (None without)."""
-    sys.path.insert(0, str(SCRIPTS))
-
-    def run(name, out, *arguments):
-        script = importlib.import_module(name)
-        argv = ["--out", str(out), *map(str, arguments)]
-        code = script.run(script.arguments_parser(), script.main, argv)
-        summary = Path(out) / "summary.json"
-        return code, json.loads(summary.read_text()) if summary.exists() else None
-
-    yield run
-    sys.path.remove(str(SCRIPTS))
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,5 @@
 """What goes wrong beside the mechanics: one line, exit status 1 or 2, nothing lost."""
 
-import json
 import shutil
 import signal
 import subprocess
@@ -131,28 +130,3 @@ def test_damaged_recorder_file_is_named(tmp_path, run_script, capsys, content):
     cases.write_bytes(content)
     error = refused(run_script, capsys, "plot_history", tmp_path / "out", cases)
     assert str(cases) in error
-
-
-@pytest.mark.long
-def test_sweep_of_wrong_inputs_has_no_surprise(tmp_path):
-    """Each ends in a clear error, a failed path or a result that was checked, in time and memory.
-
-    From a process of its own: the inputs' processes begin with all that the one before them holds.
-    """
-    command = [sys.executable, SCRIPTS / "sweep_wrong_inputs.py", "--out", tmp_path]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    counts = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))["counts"]
-    assert sum(counts.values()) >= 200
-    assert set(counts) <= {"clear error", "checked result", "failed path"}
-
-
-def test_wrong_inputs_of_the_sweep_are_hundreds(tmp_path, run_script):
-    """And no two have one name."""
-    from _wrong_files import LINES, SOUND
-    from _wrong_inputs import cases
-
-    assert all(line in SOUND for line in LINES)
-    names = [name for name, _ in cases(tmp_path)]
-    assert len(names) >= 200
-    assert len(set(names)) == len(names)

@@ -5,8 +5,7 @@ import csv
 import numpy as np
 import pytest
 from script_runs import CHEAP
-
-from seal_mdao.verification.estimates import fitted, plateau
+from verification.estimates import fitted, plateau
 
 FEW_STEPS = ("--steps", "1e-4", "3e-5", "1e-5", "--repeats", "1")
 N_MEASURES = 18

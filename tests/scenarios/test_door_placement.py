@@ -5,10 +5,10 @@ from functools import partial
 import numpy as np
 import pytest
 from lines import check, slopes
+from verification.differences import perturbed
 
 import seal_mdao as sm
 from seal_mdao.geometry.motion import Stage, staged_motion
-from seal_mdao.verification.differences import perturbed
 
 STEPS = {"door_shift": 1e-5, "door_angle": 1e-4}
 """mm and degrees: both move the contact points by about as much."""

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from verification.layered_cylinder import principal_stress
 
 import seal_mdao as sm
-from seal_mdao.verification.layered_cylinder import principal_stress
 
 SOFT, STIFF = sm.MooneyRivlin(80.0, 20.0, 2e3), sm.MooneyRivlin(320.0, 80.0, 6e3)
 BLOCK = """

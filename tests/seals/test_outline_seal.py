@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from boundaries import paper_ring
+from verification.flat_door_reference import REACTION
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import ContactLaw
@@ -13,7 +14,6 @@ from seal_mdao.measures.shape import CavityArea, SectionArea
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.outline.design import EdgeDesign
 from seal_mdao.seals.outline.seal import EdgeContact, outline_seal, reseed
-from seal_mdao.verification.flat_door_reference import REACTION
 
 pytest.importorskip("netgen")
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from seal_mdao.verification.hertz import press_cylinder
-from seal_mdao.verification.sliding import drag_block, pull_belt
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.hertz import press_cylinder
+from verification.sliding import drag_block, pull_belt
+from verification.tolerances import TOLERANCES
 
 
 @pytest.fixture(scope="module")

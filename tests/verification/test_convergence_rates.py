@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from seal_mdao.verification.approximation import interpolation_convergence
-from seal_mdao.verification.manufactured import manufactured_convergence
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.approximation import interpolation_convergence
+from verification.manufactured import manufactured_convergence
+from verification.tolerances import TOLERANCES
 
 SLOPE = TOLERANCES["slope"]
 

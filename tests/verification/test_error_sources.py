@@ -5,7 +5,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.seals.door.door_seal import ACCURACIES
-from seal_mdao.verification.error_sources import (
+from verification.error_sources import (
     FUNCTIONS,
     at_travels,
     boundary_gaps,
@@ -15,9 +15,9 @@ from seal_mdao.verification.error_sources import (
     largest_opened_gap,
     worst_error,
 )
-from seal_mdao.verification.flexure import bend_block
-from seal_mdao.verification.outline_errors import flat_door_seal, reaction_error
-from seal_mdao.verification.pressed_elements import CORNER, GAP
+from verification.flexure import bend_block
+from verification.outline_errors import flat_door_seal, reaction_error
+from verification.pressed_elements import CORNER, GAP
 
 ENGINEERING, FINE = ACCURACIES["engineering"], ACCURACIES["fine"]
 WIDE = {

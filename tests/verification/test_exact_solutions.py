@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.verification.cook import CONVERGED, MATERIAL, cook_deflection, cook_reference, limit
-from seal_mdao.verification.cylinder import inflate_cylinder
-from seal_mdao.verification.flexure import bend_block
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.cook import CONVERGED, MATERIAL, cook_deflection, cook_reference, limit
+from verification.cylinder import inflate_cylinder
+from verification.flexure import bend_block
+from verification.tolerances import TOLERANCES
 
 
 def test_inflation_follows_the_closed_form_to_stretch_two(figure):

@@ -8,7 +8,7 @@ import pytest
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.read import read_seal_file
-from seal_mdao.verification.file_errors import (
+from verification.file_errors import (
     LINEAR,
     QUADRATIC,
     at_edges,

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from seal_mdao.verification.cylinder import BORE, OUTSIDE, inflation_pressure
-from seal_mdao.verification.layered_cylinder import bore_pressure, free_stretch, principal_stress
-from seal_mdao.verification.material_bodies import (
+from verification.cylinder import BORE, OUTSIDE, inflation_pressure
+from verification.layered_cylinder import bore_pressure, free_stretch, principal_stress
+from verification.material_bodies import (
     BULK,
     LAWS,
     WIDEST,
@@ -13,7 +13,7 @@ from seal_mdao.verification.material_bodies import (
     cylinder_error,
     layered_error,
 )
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.tolerances import TOLERANCES
 
 LEVELS = ((4, 8), (8, 16), (16, 32))
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.verification.o_ring import (
+from verification.o_ring import (
     lindley_force,
     small_force,
     small_squeeze,
     squeeze_ring,
 )
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.tolerances import TOLERANCES
 
 pytest.importorskip("netgen")
 

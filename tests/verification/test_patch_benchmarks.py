@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from seal_mdao.verification.patch import compress_block, patch_test
-from seal_mdao.verification.rotation import rotate_body
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.patch import compress_block, patch_test
+from verification.rotation import rotate_body
+from verification.tolerances import TOLERANCES
 
 
 @pytest.mark.parametrize("traction", [False, True], ids=["displacements", "tractions"])

@@ -5,9 +5,9 @@ import pytest
 
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.seals.door.door_seal import door_seal
-from seal_mdao.verification.frames import Frame, analyze_in_frame
-from seal_mdao.verification.step_refinement import STEPS, refine_steps
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.frames import Frame, analyze_in_frame
+from verification.step_refinement import STEPS, refine_steps
+from verification.tolerances import TOLERANCES
 
 FRAMES = {
     "rotated": Frame(angle=0.7),

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.verification.flat_door_reference import REACTION
-from seal_mdao.verification.pressed_elements import CORNER, FLAT, GAP, PressedElements
+from verification.flat_door_reference import REACTION
+from verification.pressed_elements import CORNER, FLAT, GAP, PressedElements
 
 LIMITS = {"flat": FLAT, "corner": CORNER}
 

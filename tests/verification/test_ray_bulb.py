@@ -3,8 +3,8 @@
 import pytest
 
 from seal_mdao.terms.points import CONTACT_POINTS
-from seal_mdao.verification.file_errors import force_error, forces
-from seal_mdao.verification.ray_bulb import limit, ray_bulb
+from verification.file_errors import force_error, forces
+from verification.ray_bulb import limit, ray_bulb
 
 
 @pytest.mark.long

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from seal_mdao.verification.seal_refinement import LEVELS, corner_level, flat_level
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.seal_refinement import LEVELS, corner_level, flat_level
+from verification.tolerances import TOLERANCES
 
 
 def check_level(figure, level):

@@ -2,8 +2,8 @@
 
 import pytest
 
-from seal_mdao.verification.shallow_arch import critical_load, press_arch, released_energy
-from seal_mdao.verification.tolerances import TOLERANCES
+from verification.shallow_arch import critical_load, press_arch, released_energy
+from verification.tolerances import TOLERANCES
 
 
 def test_closed_form():

@@ -8,8 +8,8 @@ import openmdao.api as om
 import pytest
 
 from seal_mdao.components.seal_group import SealGroup
-from seal_mdao.verification.tolerances import TOLERANCES
-from seal_mdao.verification.two_methods import (
+from verification.tolerances import TOLERANCES
+from verification.two_methods import (
     DOORS,
     FRICTIONS,
     PATHS,

@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from seal_mdao import values
-from seal_mdao.analysis.body import Body, Edge
-from seal_mdao.analysis.linear_solver import SOLVERS
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.friction import FRICTION_HISTORIES, ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.discretization import Body, Edge
+from seal_mdao.equilibrium.linear_solver import SOLVERS
 from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.motion import Motion, increases_to_one, straight_motion
 from seal_mdao.geometry.profile import PROFILE_EXTENT, RigidProfile

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.geometry.motion import step_shares
 from seal_mdao.loads.fluid_pressure import SHARE, FluidPressure
 

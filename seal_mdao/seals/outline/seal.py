@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body, Edge
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.default_penalties import completed
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.shape import Shape
 from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE, TrappedAir

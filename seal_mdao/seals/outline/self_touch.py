@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.body import Body
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.self_contact import SelfContact
+from seal_mdao.equilibrium.discretization import Body
 
 NEIGHBOURS = 3.0
 """Sides of the boundary along which two of its points are neighbours, which do not touch each other."""

@@ -1,0 +1,60 @@
+"""Compressed columns of the tangent, the storage of the sparse solvers."""
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from seal_mdao.equilibrium.storage import Scheme
+
+
+class CompressedColumns:
+    """Compressed columns of a matrix whose pattern is symmetric; see ``equilibrium.storage``.
+
+    Attributes
+    ----------
+    n : int
+    pointers, indices : ndarray of int32
+    """
+
+    reuses_factors = True
+    tells_sign = False
+
+    def __init__(self, n, pointers, indices):
+        self.n, self.pointers, self.indices = n, pointers, indices
+
+    @property
+    def size(self):
+        return self.indices.size
+
+    @property
+    def scheme(self):
+        return Scheme(pointers=self.pointers, indices=self.indices)
+
+    def factorize_roughly(self, values):
+        """As ``factorize``, unless a storage has a faster way."""
+        return self.factorize(values)
+
+    def diagonal(self):
+        """Where the diagonal entries are, shape (n,)."""
+        columns = np.repeat(np.arange(self.n), np.diff(self.pointers))
+        return np.flatnonzero(self.indices == columns)
+
+
+def rounding(diagonal: np.ndarray) -> float:
+    """What rounding makes of an eigenvalue that is zero, where the body is free to move."""
+    return diagonal.size * np.finfo(float).eps * float(np.abs(diagonal).max())
+
+
+def dof_pattern(equations, n, coupling):
+    """Column pointers and sorted rows of the dof pattern of a particle coupling pattern."""
+    coupling = coupling.tocoo()
+    rows, columns = [], []
+    for i in range(2):
+        for k in range(2):
+            r, c = equations[coupling.row, i], equations[coupling.col, k]
+            keep = (r >= 0) & (c >= 0)
+            rows.append(r[keep])
+            columns.append(c[keep])
+    r, c = np.concatenate(rows), np.concatenate(columns)
+    pattern = csc_array((np.ones(r.size, np.int8), (r, c)), shape=(n, n))
+    pattern.sort_indices()
+    return pattern.indptr.astype(np.int32), pattern.indices.astype(np.int32)

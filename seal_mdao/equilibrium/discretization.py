@@ -1,0 +1,320 @@
+"""The body that is analysed (what is decided once) and its discretisation for one design."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import accumulate
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.equilibrium.couplings import Link
+from seal_mdao.equilibrium.equations import TangentLayout, equation_numbers, tangent_layout
+from seal_mdao.equilibrium.threads import one_blas_thread
+from seal_mdao.rkpm.basis import BASIS_SIZE
+from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
+from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
+from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
+from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud, PointSet
+from seal_mdao.rkpm.tables import PointTable, build_table, raw_tables
+from seal_mdao.structure.pressure import PressureSpace, through_column
+from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
+
+
+class Edge(NamedTuple):
+    """A named boundary of the body.
+
+    Attributes
+    ----------
+    particles : ndarray of int
+        In order along the boundary, the body on the left.
+    closed : bool
+        Whether the last one is joined to the first.
+    """
+
+    particles: np.ndarray
+    closed: bool
+
+    @property
+    def sides(self) -> np.ndarray:
+        """Ends of its straight pieces, shape (m, 2)."""
+        following = np.roll(self.particles, -1)
+        pairs = np.column_stack([self.particles, following])
+        return pairs if self.closed else pairs[:-1]
+
+    @property
+    def neighbours(self) -> np.ndarray:
+        """The particles before and after each one, itself at an open end, shape (k, 2)."""
+        pairs = np.column_stack([np.roll(self.particles, 1), np.roll(self.particles, -1)])
+        if not self.closed:
+            pairs[0, 0], pairs[-1, 1] = self.particles[0], self.particles[-1]
+        return pairs
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Everything about the discretised body that no design changes.
+
+    Attributes
+    ----------
+    cells : ndarray of int, shape (n_cells, 4)
+        Background cells by their corner particles, counter-clockwise; a triangle repeats one.
+    support_radius : ndarray, shape (n,)
+        Kernel support of every particle.
+    fixed : ndarray of bool, shape (n, 2)
+        Displacement components that are imposed.
+    edges : dict of str to Edge
+        Named boundaries.
+    drawn : ndarray, shape (n, 2), or None
+        Particles of the drawn body, for which the equations are numbered once. Without them they are
+        numbered for every design.
+    basis_order : int
+        1 linear, 2 quadratic.
+    n_gauss : int, or pair of int
+        Gauss points along both directions of a cell, or along each (``rkpm.cells.cell_map``); a triangle
+        has as many points as a quadrilateral.
+    solver : str
+        "auto", "banded", "superlu" or "pardiso".
+    hidden : ndarray of int, shape (m, 2)
+        Particles, and those that their supports must not reach across a void, as
+        ``rkpm.visibility.hidden_pairs`` of the drawn body finds them.
+    support_axes : ndarray, shape (n, 2, 2), or None
+        Inverse half-widths of product kernels along the two directions of the cells
+        (``rkpm.cells.support_axes``); None for round kernels.
+    column : int
+        Cells in succession through which the pressure is continuous (``structure.pressure``); 1: one
+        value a cell.
+    """
+
+    cells: np.ndarray
+    support_radius: np.ndarray
+    fixed: np.ndarray
+    edges: dict = field(default_factory=dict)
+    drawn: np.ndarray | None = None
+    basis_order: int = 1
+    n_gauss: int | tuple[int, int] = 2
+    solver: str = "auto"
+    hidden: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
+    support_axes: np.ndarray | None = None
+    column: int = 1
+
+    @property
+    def n_particles(self) -> int:
+        return len(self.support_radius)
+
+    @property
+    def constrained(self) -> np.ndarray:
+        """Sorted particles with an imposed component."""
+        return np.flatnonzero(self.fixed.any(axis=1))
+
+    def edge(self, name: str) -> Edge:
+        """The boundary ``name``.
+
+        Raises
+        ------
+        ValueError
+            For a name that no boundary has.
+        """
+        if name not in self.edges:
+            known = ", ".join(self.edges) or "none"
+            raise ValueError(f"the body has no edge {name!r}; its edges are: {known}")
+        return self.edges[name]
+
+    def edge_points(self, name: str) -> MaterialPoints:
+        """The movable particles of an edge, with half the length of the sides at each."""
+        edge = self.edge(name)
+        movable = ~self.fixed[edge.particles].all(axis=1)
+        return boundary_particles(edge.particles[movable], edge.neighbours[movable])
+
+    @cached_property
+    def cell_map(self) -> CellMap:
+        return cell_map(self.cells, self.n_gauss)
+
+    @cached_property
+    def pressure(self) -> PressureSpace:
+        """Functions of the pressure in every column of cells."""
+        return through_column(self.column, self.n_gauss)
+
+    @cached_property
+    def samples(self) -> PointSet:
+        """Points all over the section: particles, middles of the sides of cells, middles of cells."""
+        pairs = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
+        sides = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+        particles = np.repeat(np.arange(self.n_particles)[:, None], 4, axis=1)
+        anchors = np.vstack([particles, np.tile(sides, 2), self.cells])
+        return PointSet(anchors, np.full(anchors.shape, 0.25), 1)
+
+    @cached_property
+    def edge_rule(self) -> EdgeRule:
+        return edge_rule(self.cells, self.constrained, self.pressure.cells)
+
+    @cached_property
+    def equations(self) -> np.ndarray | None:
+        """Equation numbers (n, 2) of the drawn body, which serve all its designs."""
+        if self.drawn is None:
+            return None
+        cloud, transformation, _ = _essential(self, self.drawn)
+        cells = self.cell_table(cloud, transformation)
+        return equation_numbers(self.fixed, [cells.raw], transformation)
+
+    def cell_table(self, cloud: Cloud, transformation: EssentialTransformation) -> CellTable:
+        """Weights and shape functions of one design at the quadrature points.
+
+        Raises
+        ------
+        GeometryError
+            A folded cell, or a point that too few supports cover.
+        """
+        weights = quadrature_weights(self.cell_map, cloud.particles)
+        return build_cell_table(cloud, self.cell_map, self.edge_rule, weights, transformation)
+
+    def cloud(self, particles: np.ndarray) -> Cloud:
+        """Particles of one design with the body's kernels; a copy, for a caller may go on with his."""
+        return Cloud(
+            np.array(particles, float, order="C"),
+            self.support_radius,
+            float(self.support_radius.max()),
+            BASIS_SIZE[self.basis_order],
+            self.hidden,
+            self.support_axes,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Discretization:
+    """A body with the particles of one design: shape functions, weights, equations.
+
+    Attributes
+    ----------
+    body : Body
+    cloud : Cloud
+    transformation : EssentialTransformation
+    constrained_rows : PointTable
+        Raw shape functions at the constrained particles.
+    cells : CellTable
+        Shape functions at the quadrature points.
+    tables : tuple of PointTable or None
+        Shape functions at the points of every term.
+    couples : tuple of bool
+        Which of them couple the equations.
+    layout : TangentLayout
+        Equation numbers and where each entry of the tangent goes.
+    first_column : tuple of int
+        Where the tangent's parts of rank one begin that belong to a term.
+    """
+
+    body: Body
+    cloud: Cloud
+    transformation: EssentialTransformation
+    constrained_rows: PointTable
+    cells: CellTable
+    tables: tuple
+    couples: tuple
+    layout: TangentLayout
+    first_column: tuple = ()
+
+    @cached_property
+    def scatters(self) -> tuple:
+        """Where the entries of every term's points go; None for a term without points."""
+        found = iter(self.layout.scatter[1:])
+        return tuple(
+            None if table is None else next(found) if couples else self.layout.uncoupled
+            for table, couples in zip(self.tables, self.couples, strict=True)
+        )
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Quadrature weights, area unit, shape (n_cells, q)."""
+        return self.cells.weights
+
+    @property
+    def particles(self) -> np.ndarray:
+        return self.cloud.particles
+
+    @one_blas_thread
+    def table_at(self, which: np.ndarray) -> PointTable:
+        """Shape functions at the particles ``which``, or at ``Body.samples`` beyond them; cached, for
+        measures ask for the same ones again."""
+        which = np.asarray(which, int)
+        key = which.tobytes()
+        if key not in self._tables_at:
+            points = single_points(which)
+            if which.max(initial=0) >= self.body.n_particles:
+                every = self.body.samples
+                points = PointSet(every.anchors[which], every.weights[which], 1)
+            self._tables_at[key] = build_table(self.cloud, points, self.transformation)
+        return self._tables_at[key]
+
+    @cached_property
+    def _tables_at(self) -> dict:
+        return {}
+
+    @cached_property
+    def everywhere(self) -> PointTable:
+        """Shape functions at all particles, for displacements and stresses to look at."""
+        return self.table_at(np.arange(self.body.n_particles))
+
+
+@one_blas_thread
+def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
+    """Shape functions, weights and equations of ``body`` with the given particles.
+
+    Parameters
+    ----------
+    terms : sequence of TermDefinition
+        What will act on the body.
+    particles : ndarray, shape (n, 2)
+        Undeformed coordinates.
+
+    Raises
+    ------
+    ValueError
+        Coordinates of a wrong number, or not finite.
+    GeometryError
+        A folded cell, or a point that too few supports cover.
+    """
+    particles = np.asarray(particles, float)
+    if particles.shape != (body.n_particles, 2):
+        raise ValueError(
+            f"particles must have shape ({body.n_particles}, 2), got {particles.shape}"
+        )
+    if not np.isfinite(particles).all():
+        where = int(np.argwhere(~np.isfinite(particles))[0, 0])
+        raise ValueError(f"particle {where} has a coordinate that is not a finite number")
+    cloud, transformation, rows = _essential(body, particles)
+    cells = body.cell_table(cloud, transformation)
+    tables = tuple(_table_of(term.point_set(), cloud, transformation) for term in terms)
+    couples = tuple(term.couples for term in terms)
+    coupling = zip(tables, couples, strict=True)
+    coupled = [cells.raw, *(table.raw for table, own in coupling if own and table is not None)]
+    equations = body.equations
+    if equations is None:
+        equations = equation_numbers(body.fixed, coupled, transformation)
+    layout = tangent_layout(
+        equations, coupled, transformation, body.solver, _links(terms, tables),
+        sum(term.n_columns for term in terms),
+    )  # fmt: skip
+    return Discretization(
+        body, cloud, transformation, rows, cells, tables, couples, layout,
+        tuple(accumulate((term.n_columns for term in terms), initial=0)),
+    )  # fmt: skip
+
+
+def _table_of(points, cloud, transformation) -> PointTable | None:
+    """Shape functions at the points of a term: it takes and gives displacements alone."""
+    if points is None:
+        return None
+    return build_table(cloud, points._replace(sloped=False), transformation)
+
+
+def _links(terms, tables) -> list:
+    """What couples points of a term with each other."""
+    pairs = [term.pairs() for term in terms]
+    linked = zip(tables, pairs, strict=True)
+    return [Link(table.raw, own) for table, own in linked if own is not None]
+
+
+def _essential(body: Body, particles: np.ndarray):
+    """Particles with their kernels, the essential transformation, and the rows it is made of."""
+    cloud = body.cloud(particles)
+    (rows,) = raw_tables(cloud, single_points(body.constrained)._replace(sloped=False))
+    return cloud, essential_transformation(body.constrained, rows.raw), rows
