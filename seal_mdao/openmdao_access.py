@@ -14,11 +14,13 @@ from pathlib import Path
 
 import numpy as np
 import openmdao.api as om
-from openmdao.core.constants import INF_BOUND
 from openmdao.core.driver import Driver, RecordingDebugging
 from openmdao.core.group import Group
 from openmdao.utils.general_utils import default_noraise, make_serializable
 from openmdao.utils.record_util import create_local_meta
+
+INFINITE = 1e30
+"""Bound that stands for none in releases before 3.44."""
 
 
 class RunOnce(om.NonlinearRunOnce):
@@ -196,7 +198,7 @@ def with_unscaled_bounds(setting: dict) -> dict:
     found = {}
     for key in ("lower", "upper", "equals"):
         bound = np.array(setting.get(key), float)
-        if setting.get(key) is not None and np.abs(bound).max() < INF_BOUND:
+        if setting.get(key) is not None and np.abs(bound).max() < INFINITE:
             bound = bound / (1.0 if scaler is None else scaler) - (0.0 if adder is None else adder)
             found[key] = np.round(bound, 12).tolist()  # what scaling to and fro has rounded
     return setting | found
