@@ -1,12 +1,13 @@
 """Adjoint sensitivities through the histories: the transposes of ``direct``, swept backwards.
 
-    K_n^T lambda_n = (dm/dd_n)^T + (dx_n/dd)^T (dh_n/dx)^T h-bar_n,    n = N..1
+    K_n^T lambda_n = sum over terms of B^T L_x^T (h+_bar, o_bar) + what is measured of d,    n = N..1
+    (x_bar, h_bar, w_bar, theta_bar, X_bar) = L^T (-B lambda, h+_bar, o_bar)
+    B_bar = x_bar d^T - s (B lambda)^T
 
-with h-bar_n the seed on the history that step n hands on. Of all measures together no more than a
-few right-hand sides are needed for a step: what is measured there, and what is handed on (see
-``seal_mdao.terms.handed_on``). lambda_n = Lambda_n C_n mixes their solutions. The explicit part of a
-parameter's influence is collected as seeds on B, w, Phi, ... and pulled back to the particles once at
-the end.
+with h+_bar the seed on the history that step n passes on: h_bar of step n + 1. Of all measures together
+no more than a few right-hand sides are needed for a step: what is measured there, and what is passed on,
+B^T G of ``direct``. lambda_n = Lambda_n C_n mixes their solutions. The seeds on B, w, theta and X are
+summed over the steps and pulled back to the particles once at the end.
 """
 
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from seal_mdao.dsa.probe import ProbeReverse
 from seal_mdao.dsa.shape_rates import add_matrix_seeds
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.measures.measure import Seeds
+from seal_mdao.terms.blocks import is_full
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +69,11 @@ class AdjointSweep:
     def __init__(self, path: PathResult, probe, n_measures: int, names=None):
         self.path, self.problem, self.m = path, path.problem, n_measures
         wanted = set(path.problem.names if names is None else names)
-        self.reverses = [term.reverse(n_measures, wanted) for term in self.problem.terms]
+        self.designs = [term.basis.no_seeds(n_measures, wanted) for term in self.problem.terms]
         self.probe = ProbeReverse(path.discretization, probe, n_measures)
         imposed = self.problem.imposed
         self.held = np.zeros((0 if imposed is None else len(imposed.names), n_measures))
+        self.swept, self.size = [], 0
 
     def step(self, step, following, seeds: Seeds | None, history_bar):
         """One backward step.
@@ -82,7 +85,7 @@ class AdjointSweep:
         seeds : Seeds, optional
             Of what is measured at the step.
         history_bar : tuple
-            Seeds on the histories that the step hands on.
+            Seeds on the histories that the step passes on.
 
         Returns
         -------
@@ -90,22 +93,71 @@ class AdjointSweep:
             Seeds on the histories with which the step began.
         """
         which = np.empty(0, int) if seeds is None else np.flatnonzero(seeds.used)
-        plans = [
-            reverse.prepare(step, following, which.size > 0, own)
-            for reverse, own in zip(self.reverses, history_bar, strict=True)
+        taken = {} if seeds is None else seeds.terms
+        terms = [term.linearization(step, following, which.size > 0) for term in self.problem.terms]
+        bars = [
+            linearized.seeds(own, taken.get(term.label))
+            for term, linearized, own in zip(self.problem.terms, terms, history_bar, strict=True)
         ]
-        loads, mix = self._columns(step, seeds, which, plans)
+        loads, mix = self._columns(step, following, seeds, which, terms, bars)
         if len(mix) > self.m:
             loads, mix = loads @ mix, np.eye(self.m)
         adjoints = solve_transposed(self.problem, step, loads)
+        if len(mix):
+            self._collect(step, adjoints, mix)
         held_bar = self._no_held()
-        history = tuple(
-            reverse.collect(plan, step, adjoints, mix, held_bar)
-            for reverse, plan in zip(self.reverses, plans, strict=True)
-        )
+        history = self._pull_back(terms, bars, adjoints, mix, held_bar)
         if held_bar is not None:
             self._collect_held(step, seeds, which, held_bar)
         return history
+
+    def _columns(self, step, following, seeds, which, terms, bars):
+        """Right-hand sides: what is measured, then what every term passes on; and their mix."""
+        passed = [None if following is None else term.passed_on(following) for term in terms]
+        counts = [0 if own is None else own.count for own in passed]
+        ends = list(accumulate(counts, initial=which.size))
+        size = self.path.discretization.layout.n_equations + 1
+        loads, mix = np.zeros((size, ends[-1])), np.zeros((ends[-1], self.m))
+        for term, own, bar, (first, last) in zip(terms, passed, bars, pairwise(ends), strict=True):
+            if first < last:
+                # B^T G and H^T h+_bar
+                loads[:, first:last], mix[first:last] = term.loads_of(own), own.seeds(bar.history)
+        if which.size:
+            mix[np.arange(which.size), which] = 1.0
+            measured = loads[:, : which.size]
+            for term, linearized in zip(self.problem.terms, terms, strict=True):
+                if term.label in seeds.terms:
+                    measured += linearized.measured_loads(seeds.terms[term.label], which)
+            self.probe.add_measured(step, seeds, which, measured)
+        return loads, mix
+
+    def _pull_back(self, terms, bars, adjoints, mix, held_bar) -> tuple:
+        """Add what the parameters do at the step; returns the seeds on the histories before it."""
+        return tuple(
+            term.pull_back(bar, adjoints, mix, design, held_bar)
+            for term, bar, design in zip(terms, bars, self.designs, strict=True)
+        )
+
+    # ---- what is taken in blocks of steps ----
+
+    def _collect(self, step, adjoints, mix) -> None:
+        self.swept.append((step, adjoints, mix))
+        self.size += adjoints.nbytes
+        if is_full(self.size):
+            self._flush()
+
+    def _flush(self) -> None:
+        """Seeds of forces without history at the steps that were collected."""
+        if not self.swept:
+            return
+        steps, adjoints, mixes = zip(*self.swept, strict=True)
+        for term, design in zip(self.problem.terms, self.designs, strict=True):
+            block = term.linearization_of_block(steps)
+            if block is not None:
+                block.pull_back(adjoints, mixes, design)
+        self.swept, self.size = [], 0
+
+    # ---- imposed displacements ----
 
     def _no_held(self) -> np.ndarray | None:
         """Room for seeds on imposed displacements; None where no parameter moves them."""
@@ -120,25 +172,10 @@ class AdjointSweep:
         if which.size:
             every = layout.every_component.equations
             held_bar[:, which] += self.probe.nodal_seeds(step, seeds, which, every, len(held_bar))
-        nodal = held_bar[:-1].reshape(-1, 2, self.m) * (layout.equations < 0)[..., None]
-        self.held += np.einsum("sni,nim->sm", imposed.rates_at(step.fraction), nodal)
+        nodal = held_bar[:-1] * (layout.equations < 0).reshape(-1, 1)
+        self.held += imposed.linearization(step.fraction).T @ nodal
 
-    def _columns(self, step, seeds, which, plans):
-        """Right-hand sides: what is measured, then what every term has handed on; and their mix."""
-        size = self.path.discretization.layout.n_equations + 1
-        ends = list(accumulate((plan.count for plan in plans), initial=which.size))
-        loads, mix = np.zeros((size, ends[-1])), np.zeros((ends[-1], self.m))
-        for reverse, plan, (first, last) in zip(self.reverses, plans, pairwise(ends), strict=True):
-            if first < last:
-                reverse.add_handed(plan, loads[:, first:last], mix[first:last])
-        if which.size:
-            mix[np.arange(which.size), which] = 1.0
-            measured = loads[:, : which.size]
-            for term, reverse, plan in zip(self.problem.terms, self.reverses, plans, strict=True):
-                if term.label in seeds.terms:
-                    reverse.add_measured(plan, seeds.terms[term.label], which, measured)
-            self.probe.add_measured(step, seeds, which, measured)
-        return loads, mix
+    # ---- the path ----
 
     @one_blas_thread
     def run(self, seeds: dict) -> AdjointGradient:
@@ -149,7 +186,7 @@ class AdjointSweep:
         seeds : dict of int to Seeds
             By place in ``path.steps``.
         """
-        history_bar = tuple(reverse.no_history() for reverse in self.reverses)
+        history_bar = tuple(term.no_rates(self.m) for term in self.problem.terms)
         following, places = None, range(max(seeds, default=-1), -1, -1)
         if not self.problem.remembers:
             places = sorted(seeds, reverse=True)
@@ -157,22 +194,29 @@ class AdjointSweep:
             step = self.path.steps[place]
             history_bar = self.step(step, following, seeds.get(place), history_bar)
             following = step
+        self._flush()
         return self._pulled_back(history_bar)
 
     def _pulled_back(self, history_bar) -> AdjointGradient:
-        """All collected seeds to the particles and the parameters."""
+        """All collected seeds, and those on the first history, to the particles and the parameters."""
         disc, names = self.path.discretization, self.problem.names
+        terms = [term.linearization(self.path.start) for term in self.problem.terms]
+        bars = [term.seeds(own) for term, own in zip(terms, history_bar, strict=True)]
+        no_adjoints = np.zeros((disc.layout.n_equations + 1, 0)), np.zeros((0, self.m))
+        self._pull_back(terms, bars, *no_adjoints, None)
         particles_bar = np.zeros((*disc.particles.shape, self.m))
-        scalars, matrix_bar = np.zeros((len(names), self.m)), 0.0
-        for term, reverse, own in zip(self.problem.terms, self.reverses, history_bar, strict=True):
-            parameters, on_matrix = reverse.finish(self.path.start, own, particles_bar)
-            matrix_bar = matrix_bar + on_matrix
-            for name, row in zip(term.names, parameters, strict=True):
-                scalars[names.index(name)] += row
+        scalars, matrix_bar = np.zeros((len(names), self.m)), self.probe.finish(particles_bar)
+        owners = [
+            (term.names, own.parameters)
+            for term, own in zip(self.problem.terms, self.designs, strict=True)
+        ]
+        for term, design in zip(self.problem.terms, self.designs, strict=True):
+            matrix_bar = matrix_bar + term.basis.pull_back(design, particles_bar)
         if len(self.held):
-            for name, row in zip(self.problem.imposed.names, self.held, strict=True):
+            owners.append((self.problem.imposed.names, self.held))
+        for own_names, rows in owners:
+            for name, row in zip(own_names, rows, strict=True):
                 scalars[names.index(name)] += row
-        matrix_bar = matrix_bar + self.probe.finish(particles_bar)
         add_matrix_seeds(disc, matrix_bar, particles_bar)
         gradient = np.ascontiguousarray(np.moveaxis(particles_bar, -1, 0))
         return AdjointGradient(gradient, names, scalars)

@@ -1,10 +1,13 @@
 """Direct differentiation, Eq. (70), through the whole load path.
 
-    K_n d'_n = -(dR_n/dX) V - (dR_n/dh_{n-1}) h'_{n-1},    n = 1..N
+    K_n d'_n = -f'_n,    f'_n = sum over terms of B^T L_s [B' d, h', w', theta', X'] + B'^T s
 
-with h the histories of the terms. K_n is the tangent of the converged step, its factor the one that
-the predictor used. Only the steps at which something is measured are solved for all of d'; of the
-others no more than what they hand on, see ``seal_mdao.terms.handed_on``.
+for n = 1..N, with h' = h'_{n-1} of the histories of the terms; K_n is the tangent of the converged step,
+its factor the one that the predictor used. Only the steps at which something is measured are solved for
+all of d'. Of the others no more is solved for than what they pass on, functions of d with derivatives
+B^T G that the next step uses:
+
+    K_n^T Lambda_n = B^T G,    (B^T G)^T d'_n = -Lambda_n^T f'_n
 """
 
 from dataclasses import dataclass
@@ -27,22 +30,15 @@ class StepRates:
     ----------
     solution : ndarray, shape (n_equations, P)
         d'.
-    outputs : tuple
-        Rates of what measures may take from every term.
+    terms : tuple
+        Rates of what every term gives, (s', h+', o').
     history : tuple
-        Rates of the history that every term hands on.
+        Rates of the history that every term passes on.
     """
 
     solution: np.ndarray
-    outputs: tuple
+    terms: tuple
     history: tuple
-
-
-def imposed_rates(imposed, fraction: float, rates: ParameterRates) -> np.ndarray | None:
-    """Rates of the imposed displacements (n, 2, P); None where no parameter moves them."""
-    if imposed is None or not imposed.names:
-        return None
-    return np.einsum("sni,sp->nip", imposed.rates_at(fraction), rates.of(imposed.names))
 
 
 class DirectSweep:
@@ -57,61 +53,68 @@ class DirectSweep:
     def __init__(self, path: PathResult, rates: ParameterRates):
         self.path, self.problem, self.rates = path, path.problem, rates
         self.shape = discretization_rates(path.discretization, rates.velocity)
-        self.forwards = [term.forward(self.shape, rates) for term in self.problem.terms]
+        self.designs = [term.basis.rates(self.shape, rates) for term in self.problem.terms]
 
     def start(self) -> tuple:
         """Rates of the histories in the undeformed state, which moves with the design."""
-        return tuple(forward.start(self.path.start) for forward in self.forwards)
+        none = tuple(term.no_rates(self.rates.count) for term in self.problem.terms)
+        unused = np.zeros((self.path.discretization.layout.n_equations + 1, self.rates.count))
+        terms = [term.linearization(self.path.start) for term in self.problem.terms]
+        return self._carried(terms, self._at_fixed_displacements(terms, none, None, unused))
+
+    def held(self, step) -> np.ndarray | None:
+        """d' of the imposed displacements, (2 n, P); None where no parameter moves them."""
+        imposed = self.problem.imposed
+        if imposed is None or not imposed.names:
+            return None
+        return imposed.linearization(step.fraction) @ self.rates.of(imposed.names)
 
     def explicit_loads(self, steps) -> np.ndarray:
-        """Fictitious loads of a block of steps without those of the history, (K, n_equations + 1, P)."""
+        """f' of a block of steps that no history is in, (K, n_equations + 1, P)."""
         size = self.path.discretization.layout.n_equations + 1
         loads = np.zeros((len(steps), size, self.rates.count))
-        for forward in self.forwards:
-            forward.add_explicit(steps, loads)
+        for term, design in zip(self.problem.terms, self.designs, strict=True):
+            block = term.linearization_of_block(steps)
+            if block is not None:
+                block.add_rates(design, loads)
         return loads
 
-    def _linearized(self, step, following, history, load) -> list:
-        """Complete the fictitious load of (70); what every term keeps for afterwards."""
-        held = imposed_rates(self.problem.imposed, step.fraction, self.rates)
+    def _at_fixed_displacements(self, terms, history, held, load) -> list:
+        """Rates (s', h+', o') of every term at fixed d; f' is added to ``load``."""
         return [
-            forward.linearize(step, following, rates, held, load)
-            for forward, rates in zip(self.forwards, history, strict=True)
+            term.rates(design, own, held, load)
+            for term, design, own in zip(terms, self.designs, history, strict=True)
         ]
 
-    def _solve(self, step, kept, load) -> np.ndarray:
-        """All of d', which every term takes."""
+    def _solved(self, step, terms, found, load) -> tuple:
+        """d' of Eq. (70), and the rates of every term with it."""
         solution = -converged_factor(self.problem, step).solve(load[:-1])
-        for forward, own in zip(self.forwards, kept, strict=True):
-            forward.follow_solution(own, solution)
-        return solution
+        found = [term.solved(own, solution) for term, own in zip(terms, found, strict=True)]
+        return solution, found
 
-    def _history(self, kept) -> tuple:
-        return tuple(forward.history(own) for forward, own in zip(self.forwards, kept, strict=True))
+    def _carried(self, terms, found) -> tuple:
+        return tuple(term.history_rates(own) for term, own in zip(terms, found, strict=True))
 
     def step(self, step, history, load) -> StepRates:
         """Solve (70) at one converged step; ``load`` is its row of ``explicit_loads``, added to."""
-        kept = self._linearized(step, None, history, load)
-        solution = self._solve(step, kept, load)
-        outputs = tuple(
-            forward.outputs(own) for forward, own in zip(self.forwards, kept, strict=True)
-        )
-        return StepRates(solution, outputs, self._history(kept))
+        terms = [term.linearization(step) for term in self.problem.terms]
+        found = self._at_fixed_displacements(terms, history, self.held(step), load)
+        solution, found = self._solved(step, terms, found, load)
+        return StepRates(solution, tuple(found), self._carried(terms, found))
 
     def pass_by(self, step, following, history, load) -> tuple:
-        """Rates of the histories that one step hands on; right where ``following`` uses them."""
-        kept = self._linearized(step, following, history, load)
-        columns = [
-            forward.handed_on(own, following)
-            for forward, own in zip(self.forwards, kept, strict=True)
-        ]
-        if sum(own.shape[1] for own in columns) > self.rates.count:
-            self._solve(step, kept, load)
-            return self._history(kept)
-        for forward, own, column in zip(self.forwards, kept, columns, strict=True):
-            if column.shape[1]:
-                forward.follow(own, -solve_transposed(self.problem, step, column).T @ load)
-        return self._history(kept)
+        """Rates of the histories that one step passes on; right where ``following`` uses them."""
+        terms = [term.linearization(step, following, False) for term in self.problem.terms]
+        found = self._at_fixed_displacements(terms, history, self.held(step), load)
+        passed = [term.passed_on(following) for term in terms]
+        if sum(own.count for own in passed if own is not None) > self.rates.count:
+            return self._carried(terms, self._solved(step, terms, found, load)[1])
+        for index, (term, own) in enumerate(zip(terms, passed, strict=True)):
+            if own is not None and own.count:
+                # Lambda = K^-T B^T G,  z = G^T B d' = -Lambda^T f'
+                adjoints = solve_transposed(self.problem, step, term.loads_of(own))
+                found[index] = term.passed(found[index], own, -adjoints.T @ load)
+        return self._carried(terms, found)
 
     @one_blas_thread
     def run(self, measured=None) -> dict:

@@ -2,7 +2,7 @@
 
 At a step that is not measured a kink matters by what the step passes to the next one. A touching point
 adds the force f w_n l dg on one side only, which moves what the next step uses by Lambda_n^T f
-(``terms.handed_on``). That is zero where a symmetric section meets a symmetric profile.
+(``dsa.direct``). That is zero where a symmetric section meets a symmetric profile.
 """
 
 import warnings
@@ -14,7 +14,7 @@ from seal_mdao.analysis.result import PathResult
 from seal_mdao.contact.kinks import SLIGHT, Kinks
 from seal_mdao.dsa.factors import solve_transposed
 from seal_mdao.errors import KinkWarning
-from seal_mdao.terms.point_rates import point_adjoint
+from seal_mdao.terms.point_rates import add_field
 
 NAMED = 3
 """Contact states and points that a message names; it counts the others."""
@@ -70,15 +70,16 @@ def _passes_on(path: PathResult, term, kinks: Kinks, step, following) -> np.ndar
     """Find the touching points whose forces move what the next step uses, shape (t,)."""
     layout, columns = path.discretization.layout, []
     for other in path.problem.terms:
-        reverse = other.reverse(1, set())
-        plan = reverse.prepare(step, following, False, reverse.no_history())
-        columns.append(np.zeros((layout.n_equations + 1, plan.count)))
-        if plan.count:
-            reverse.add_handed(plan, columns[-1], np.zeros((plan.count, 1)))
+        linearized = other.linearization(step, following, False)
+        passed = linearized.passed_on(following)
+        if passed is not None and passed.count:
+            columns.append(linearized.loads_of(passed))
+    if not columns:
+        return np.zeros(len(kinks.touching), bool)
     adjoints = solve_transposed(path.problem, step, np.hstack(columns))
     every = np.arange(len(term.where))
     at_points = np.zeros((every.size, 2, adjoints.shape[1]))
-    point_adjoint(term.table.table, every, adjoints, layout.equations, at_points)
+    add_field(term.table.table, every, layout.equations, adjoints, at_points)
     moved = np.abs(np.tensordot(kinks.forces, at_points, 2))
     return (moved > SLIGHT).any(axis=1)
 

@@ -2,19 +2,17 @@
 
 import numpy as np
 
-from seal_mdao.dsa.direct import imposed_rates
 from seal_mdao.dsa.shape_rates import point_table_rates
 from seal_mdao.equilibrium.discretization import Discretization
 from seal_mdao.measures.measure import Seeds
 from seal_mdao.rkpm.tables import PointTable, table_seeds
 from seal_mdao.terms.point_rates import (
-    add_displacement_seeds,
+    add_displacement_rates,
+    add_field,
+    add_field_gradient,
+    add_gradient_rates,
     add_gradient_seeds,
-    add_nodal_gradient_rates,
-    add_nodal_rates,
-    add_solution_rates,
-    displacement_rates,
-    gradient_rates,
+    add_transposed,
 )
 
 
@@ -27,18 +25,20 @@ def probe_rates(discretization: Discretization, probe: PointTable, sweep, step, 
     step : ConvergedStep
     solution : ndarray, shape (n_equations, P)
     """
-    shape, velocity = sweep.shape, sweep.rates.velocity
-    table, equations = probe.table, discretization.layout.equations
+    shape, velocity, layout = sweep.shape, sweep.rates.velocity, discretization.layout
+    table, points = probe.table, np.arange(probe.table.n_groups)
     rates = point_table_rates(discretization, probe, velocity, shape.matrix)
-    moved = np.zeros((table.n_groups, 2, len(velocity)))
-    displacement_rates(table, rates, step.d, moved)
-    add_solution_rates(table, equations, solution, moved)
-    f_rate = np.empty((table.n_groups, 4, len(velocity)))
-    gradient_rates(table, rates, step.d, equations, solution, f_rate)
-    held = imposed_rates(sweep.problem.imposed, step.fraction, sweep.rates)
+    moved = np.zeros((points.size, 2, len(velocity)))
+    f_rate = np.zeros((points.size, 4, len(velocity)))
+    # B' d + B d' and the same with the gradients of shape functions
+    add_displacement_rates(table, points, rates, step.d, moved)
+    add_gradient_rates(table, rates, step.d, f_rate)
+    fields, held = [(layout.equations, solution)], sweep.held(step)
     if held is not None:
-        add_nodal_rates(table, held, moved)
-        add_nodal_gradient_rates(table, held, f_rate)
+        fields.append((layout.every_component.equations, held))
+    for equations, field in fields:
+        add_field(table, points, equations, field, moved)
+        add_field_gradient(table, equations, field, f_rate)
     return moved, f_rate
 
 
@@ -61,7 +61,7 @@ class ProbeReverse:
         if seeds.displacement.any():
             on_u = np.ascontiguousarray(np.moveaxis(seeds.displacement[which], 0, 2))
             every = np.arange(table.n_groups)
-            add_displacement_seeds(table, every, on_u, equations, loads)
+            add_transposed(table, every, equations, on_u, loads)
             group = np.repeat(every, np.diff(table.start))
             self.phi_bar[:, which] += np.einsum("eim,ei->em", on_u[group], step.d[table.neighbours])
 
@@ -72,7 +72,7 @@ class ProbeReverse:
         on_f = np.moveaxis(seeds.gradient[which], 0, 2)
         add_gradient_seeds(table, on_f, step.d, equations, out, unused)
         on_u = np.ascontiguousarray(np.moveaxis(seeds.displacement[which], 0, 2))
-        add_displacement_seeds(table, np.arange(table.n_groups), on_u, equations, out)
+        add_transposed(table, np.arange(table.n_groups), equations, on_u, out)
         return out
 
     def finish(self, particles_bar):

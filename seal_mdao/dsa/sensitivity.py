@@ -215,9 +215,9 @@ def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
         out += np.outer(own, rates.of((name,))[0])
     for place, seeds in stack.seeds.items():
         here = by_place[place]
-        for term, forward, outputs in zip(terms, sweep.forwards, here.outputs, strict=True):
+        for term, found in zip(terms, here.terms, strict=True):
             if term.label in seeds.terms:
-                out += forward.contract(seeds.terms[term.label], outputs)
+                out += seeds.terms[term.label].times(found)
         if stack.at.size:
             moved, f_rate = probe_rates(
                 disc, wanted.probe, sweep, result.path.steps[place], here.solution

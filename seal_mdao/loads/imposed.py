@@ -48,8 +48,8 @@ class ImposedDisplacements:
         """Displacements (n, 2) at a path parameter."""
         return at_fraction(self.values, fraction)
 
-    def rates_at(self, fraction: float) -> np.ndarray:
-        """Their derivatives with respect to the parameters, shape (len(names), n, 2)."""
-        if not self.names:
-            return np.empty((0, *self.values.shape[1:]))
-        return np.stack([at_fraction(rates, fraction) for rates in self.rates])
+    def linearization(self, fraction: float) -> np.ndarray:
+        """Their derivatives with respect to the parameters, particle by particle: a matrix
+        (2 n, len(names)) that the direct method multiplies, and the adjoint method's transpose."""
+        rates = [at_fraction(rates, fraction).ravel() for rates in self.rates[: len(self.names)]]
+        return np.array(rates).reshape(len(self.names), self.values[0].size).T

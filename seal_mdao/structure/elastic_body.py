@@ -14,7 +14,7 @@ from seal_mdao.structure.deformation import (
 )
 from seal_mdao.structure.energy_gradient import EnergySeeds
 from seal_mdao.structure.internal_force import assemble_internal
-from seal_mdao.structure.structural_sweeps import StructuralForward, StructuralReverse
+from seal_mdao.structure.linearized_body import BodyBlock, CellBasis, LinearizedBody
 from seal_mdao.terms.term import Scalar, Term, TermDefinition
 
 _NO_BRANCH = np.empty(0, int)
@@ -312,11 +312,17 @@ class StructuralTerm(Term):
                 by_cell[self.names.index(name)][region.at] = row
         return out
 
-    def forward(self, shape, rates) -> StructuralForward:
-        return StructuralForward(self, shape, rates)
+    # ---- sensitivities ----
 
-    def reverse(self, n_measures, wanted) -> StructuralReverse:
-        return StructuralReverse(self, n_measures, not wanted.isdisjoint(self.names))
+    @cached_property
+    def basis(self) -> CellBasis:
+        return CellBasis(self.names, self.discretization)
+
+    def linearization(self, step, following=None, measured=True) -> LinearizedBody:
+        return LinearizedBody(self, step)
+
+    def linearization_of_block(self, steps) -> BodyBlock:
+        return BodyBlock(self, steps)
 
     def no_seeds(self, n_measures) -> EnergySeeds:
         return EnergySeeds(np.zeros(n_measures))

@@ -37,6 +37,10 @@ class EnergySeeds:
         """Set the ``rows`` of measures to ``other``."""
         self.energy[rows] = other.energy
 
+    def times(self, rates) -> np.ndarray:
+        """The rates of the measures, (M, P), from those of the body."""
+        return np.outer(self.energy, rates.energy())
+
 
 class EnergyGradient(NamedTuple):
     """Derivatives of the strain energy at one step.

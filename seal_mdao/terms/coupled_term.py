@@ -9,15 +9,20 @@ of rank one.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from seal_mdao.compilation import compiled
-from seal_mdao.terms.coupled_forward import CoupledForward
-from seal_mdao.terms.coupled_reverse import CoupledReverse
+from seal_mdao.terms.linearization import (
+    AllPoints,
+    Inputs,
+    Linearization,
+    LocalMap,
+    Outputs,
+    PassedOn,
+)
+from seal_mdao.terms.linearized_points import LinearizedPoints
 from seal_mdao.terms.point_assembly import assemble_points, interpolate
-from seal_mdao.terms.point_forward import PointSeeds
 from seal_mdao.terms.points import MaterialPoints
-from seal_mdao.terms.term import Term
+from seal_mdao.terms.term_at_points import TermAtPoints
 
 
 class CoupledResponse(NamedTuple):
@@ -67,65 +72,21 @@ class CoupledResponse(NamedTuple):
         return self.force.sum(axis=0)
 
 
-class LocalMap(NamedTuple):
-    """Derivatives of what a term gives by what it takes: sparse + left right.
-
-    Rows: force (2k), history handed on, outputs; columns: x (2k), history, measure (k), parameters,
-    X (2k), all point by point.
+class CoupledTerm(TermAtPoints):
+    """Base class. A subclass gives ``respond`` and ``linearize``; ``where`` are points that lie at
+    particles or between them, one a group.
 
     Attributes
     ----------
-    sparse : csr_array
-    left, right : ndarray, shapes (rows, r), (r, columns)
-    """
-
-    sparse: csr_array
-    left: np.ndarray
-    right: np.ndarray
-
-    def forward(self, rates: np.ndarray) -> np.ndarray:
-        """Rates of what is given, from those (columns, P) of what is taken."""
-        return self.sparse @ rates + self.left @ (self.right @ rates)
-
-    def reverse(self, seeds: np.ndarray) -> np.ndarray:
-        """Seeds on what is taken, from those (rows, M) on what is given."""
-        return self.sparse.T @ seeds + self.right.T @ (self.left.T @ seeds)
-
-
-class CoupledTerm(Term):
-    """Base class. A subclass gives ``respond`` and ``linearize``.
-
-    Parameters
-    ----------
-    label : str
-    names : tuple of str
-        Scalar parameters, in the order of their columns in ``linearize``.
-    where : MaterialPoints
-        Points that lie at particles or between them, one a group.
-    discretization : Discretization
-    place : int
-        Which of the discretisation's tables holds the shape functions at the points.
-
-    Attributes
-    ----------
-    history_size : int
-        Variables that a point hands on.
-    output_names : tuple of str
-        The columns of ``CoupledResponse.outputs``.
     output_places : int
-        Its rows.
+        Rows of ``CoupledResponse.outputs``.
     """
 
-    history_size = 0
-    output_names: tuple = ()
     output_places = 1
 
     def __init__(self, label, names, where: MaterialPoints, discretization, place: int):
-        self.label, self.names, self.where, self.place = label, tuple(names), where, place
-        self.discretization, self.table = discretization, discretization.tables[place]
-        self.reference = self.table.coordinates
-        self.length = where.lengths(discretization.particles)
-        self._x, self._slots = np.empty((len(where), 2)), None
+        super().__init__(label, names, where, discretization, place)
+        self._slots = None
 
     # ---- what a subclass gives ----
 
@@ -142,11 +103,6 @@ class CoupledTerm(Term):
         return np.empty(0, int)
 
     # ---- the contract of a term ----
-
-    @property
-    def remembers(self) -> bool:
-        """Whether a step depends on the one before at all."""
-        return self.history_size > 0
 
     @property
     def rows(self) -> tuple:
@@ -191,15 +147,31 @@ class CoupledTerm(Term):
             self._slots = pairs, self.discretization.layout.pair_slots(self.table.raw, pairs)
         return self._slots[1]
 
-    def forward(self, shape, rates) -> CoupledForward:
-        return CoupledForward(self, shape, rates)
+    # ---- sensitivities ----
 
-    def reverse(self, n_measures: int, wanted: set) -> CoupledReverse:
-        return CoupledReverse(self, n_measures)
+    @property
+    def output_count(self) -> int:
+        return self.output_places
 
-    def no_seeds(self, n_measures: int) -> PointSeeds:
-        outputs = np.zeros((n_measures, self.output_places, len(self.output_names)))
-        return PointSeeds(np.zeros((n_measures, len(self.where), 2)), outputs)
+    def linearization(self, step, following=None, measured=True) -> LinearizedPoints:
+        k, h, o = len(self.where), self.history_size, len(self.output_names)
+        rows = AllPoints(Outputs, ((k, 2), (k, h), (self.output_places, o)))
+        columns = AllPoints(Inputs, ((k, 2), (k, h), (k, 1), (1, len(self.names)), (k, 2)))
+        response, before = step.responses[self.place], step.before[self.place]
+        local = self.linearize(response, step.fraction, before)
+        return LinearizedPoints(self, step, Linearization(np.arange(k), local, rows, columns))
+
+    def acting(self, response) -> np.ndarray:
+        return response.loaded
+
+    def passed_on(self, law: Linearization, step, following) -> PassedOn | None:
+        """H: the variables of the history that the next step uses; G = (dh+/dx)^T H."""
+        used = self.uses_history(following.responses[self.place])
+        if not used.size:
+            return None
+        chosen = law.rows.zeros(len(self.where), used.size)
+        chosen.history.reshape(-1, used.size)[used, np.arange(used.size)] = 1.0
+        return PassedOn((law.T @ chosen).x, chosen.history)
 
 
 @compiled

@@ -68,23 +68,3 @@ def _fill_directions(used, slopes, points, directions):
             directions[count + 1, 0], directions[count + 1, 1] = 0.0, 1.0
             count += 2
     return count
-
-
-@compiled
-def add_handed_columns(table, points, directions, equations, out):
-    """Phi^T q of every wanted direction q of a point, added to its column of ``out``
-    (n_equations + 1, s)."""
-    for k, i in enumerate(points):
-        for a in range(table.start[i], table.start[i + 1]):
-            near = table.neighbours[a]
-            for c in range(2):
-                out[equations[near, c], k] += table.phi[a] * directions[k, c]
-
-
-@compiled
-def add_handed_rates(points, directions, rates, out):
-    """Displacements of ``rates`` (s, P) along the wanted directions, added to ``out`` (k, 2..., P)."""
-    for k, i in enumerate(points):
-        for c in range(2):
-            for p in range(rates.shape[1]):
-                out[i, c, p] += directions[k, c] * rates[k, p]

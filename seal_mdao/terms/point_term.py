@@ -10,11 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.terms.handed_on import HandedOn, directions_of
+from seal_mdao.terms.linearization import Inputs, Linearization, Outputs, PassedOn, PointByPoint
+from seal_mdao.terms.linearized_points import LinearizedPoints
 from seal_mdao.terms.point_assembly import assemble_points, interpolate
-from seal_mdao.terms.point_forward import PointForward, PointSeeds
-from seal_mdao.terms.point_reverse import PointReverse
-from seal_mdao.terms.points import MaterialPoints
-from seal_mdao.terms.term import Term
+from seal_mdao.terms.term_at_points import TermAtPoints
 
 
 class PointResponse(NamedTuple):
@@ -63,41 +62,21 @@ def _copied(history):
     return None if history is None else history.copy()
 
 
-class PointTerm(Term):
+class PointTerm(TermAtPoints):
     """Base class of a term at single points. A subclass gives ``respond`` and ``linearize``.
-
-    Parameters
-    ----------
-    label : str
-    names : tuple of str
-        Scalar parameters, in the order of their columns in ``linearize``.
-    where : MaterialPoints
-    discretization : Discretization
-    place : int
-        Which of the discretisation's tables holds the shape functions at the points.
 
     Attributes
     ----------
-    history_size : int
-        Variables that a point hands on.
-    output_names : tuple of str
-        What measures may take besides the force, the columns of ``PointResponse.outputs``.
     uses_reference : bool
         Whether ``linearize`` has columns for the undeformed place too.
     """
 
     couples_points = False
-    history_size = 0
-    output_names: tuple = ()
     uses_reference = False
 
-    def __init__(self, label, names, where: MaterialPoints, discretization, place: int):
-        self.label, self.names, self.where, self.place = label, tuple(names), where, place
-        self.discretization, self.table = discretization, discretization.tables[place]
+    def __init__(self, label, names, where, discretization, place: int):
+        super().__init__(label, names, where, discretization, place)
         self.scatter = discretization.scatters[place]
-        self.reference = self.table.coordinates
-        self.length = where.lengths(discretization.particles)
-        self._x = np.empty((len(where), 2))
 
     # ---- what a subclass gives ----
 
@@ -129,16 +108,18 @@ class PointTerm(Term):
     # ---- the contract of a term ----
 
     @property
-    def remembers(self) -> bool:
-        """Whether a step depends on the one before at all."""
-        return self.history_size > 0
+    def spaces(self) -> tuple:
+        """How a local linearisation's rows and columns are laid out."""
+        h, reference = self.history_size, 2 if self.uses_reference else 0
+        return (
+            PointByPoint(Outputs, (2, h, len(self.output_names))),
+            PointByPoint(Inputs, (2, h, 1, len(self.names), reference)),
+        )
 
     @property
     def local_shape(self) -> tuple:
         """Rows and columns of a local linearisation."""
-        h = self.history_size
-        columns = 2 + h + 1 + len(self.names) + (2 if self.uses_reference else 0)
-        return 2 + h + len(self.output_names), columns
+        return tuple(sum(space.widths) for space in self.spaces)
 
     def add(self, d, raw, fraction, history, force, values):
         return self.assembled(self.respond(self.deformed(raw), fraction, history), force, values)
@@ -166,12 +147,26 @@ class PointTerm(Term):
         )
         return force
 
-    def forward(self, shape, rates) -> PointForward:
-        return PointForward(self, shape, rates)
+    # ---- sensitivities ----
 
-    def reverse(self, n_measures: int, wanted: set) -> PointReverse:
-        return PointReverse(self, n_measures)
+    def linearization(self, step, following=None, measured=True) -> LinearizedPoints:
+        response, points = step.responses[self.place], np.arange(len(self.where))
+        if not measured:
+            matters = response.branch != 0
+            if following is not None:
+                matters[self.uses_history(following.responses[self.place])] = True
+            points = np.flatnonzero(matters)
+        local = self.linearize(response, step.fraction, step.before[self.place], points)
+        return LinearizedPoints(self, step, Linearization(points, local, *self.spaces))
 
-    def no_seeds(self, n_measures: int) -> PointSeeds:
-        k, o = len(self.where), len(self.output_names)
-        return PointSeeds(np.zeros((n_measures, k, 2)), np.zeros((n_measures, k, o)))
+    def acting(self, response) -> np.ndarray:
+        return response.branch
+
+    def passed_on(self, law: Linearization, step, following) -> PassedOn:
+        """G: the directions in which the next step uses displacements of a point, at most two each; of
+        all displacements of a step no more is wanted. H = (dh+/dx) G."""
+        responses = step.responses[self.place], following.responses[self.place]
+        points, directions = self.handed_on(*responses, law.matrix, law.points)
+        places = np.zeros((law.points.size, 2, points.size))
+        places[np.searchsorted(law.points, points), :, np.arange(points.size)] = directions
+        return PassedOn(places, law.of_places(places).history, are_places=True)

@@ -224,67 +224,31 @@ class Term:
 
     # ---- sensitivities ----
 
-    def forward(self, shape, rates) -> "Forward":
-        """Its part of the direct method; ``shape`` are the ``DiscretizationRates``."""
-        raise NotImplementedError
+    basis: "Basis"
 
-    def reverse(self, n_measures: int, wanted: set) -> "Reverse":
-        """Its part of the adjoint method; ``wanted`` are names of scalar parameters."""
-        raise NotImplementedError
-
-    def no_seeds(self, n_measures: int):
-        """Zero seeds of measures on what they may take from the term: an object with ``used`` and
-        ``put``, as ``PointSeeds``."""
-        raise ValueError(f"measures take nothing from the term {self.label!r}")
-
-
-class Forward:
-    """A term's part of the direct method, for P parameters. Defaults: nothing depends on anything."""
-
-    def start(self, step):
-        """Rates of the history of the undeformed state."""
-
-    def add_explicit(self, steps, loads) -> None:
-        """Add to ``loads`` (K, n_equations + 1, P) what does not depend on other steps' rates."""
-
-    def linearize(self, step, following, history_rates, held, load):
-        """Add what the history and imposed displacements do to ``load`` (n_equations + 1, P).
+    def linearization(self, step, following=None, measured=True) -> "LinearizedTerm":
+        """Linearise the term at a converged step.
 
         Parameters
         ----------
-        following : ConvergedStep, or None
-            The next step where nothing is wanted of this one but what that uses.
-        held : ndarray, shape (n, 2, P), or None
-            Rates of the imposed displacements.
-
-        Returns
-        -------
-        object
-            What is to be kept for the methods below.
+        step, following : ConvergedStep
+            ``following`` is the next one, whose history comes from here; None at the end.
+        measured : bool
+            Whether all of the step is wanted, and not only what ``following`` uses.
         """
+        raise NotImplementedError
 
-    def handed_on(self, kept, following) -> np.ndarray:
-        """Columns (n_equations + 1, s) whose products with d' the next step needs; s may be 0."""
-        return _NOTHING
+    def linearization_of_block(self, steps) -> "LinearizedBlock | None":
+        """Linearise a force without history at several converged steps at once; None for a term
+        whose ``linearization`` has all of it."""
 
-    def follow(self, kept, handed: np.ndarray) -> None:
-        """Take the products (s, P) of ``handed_on``."""
+    def no_rates(self, count: int):
+        """Zero rates of, or seeds on, its history, in ``count`` columns."""
 
-    def follow_solution(self, kept, solution: np.ndarray) -> None:
-        """Take all of d' (n_equations, P)."""
-
-    def history(self, kept):
-        """Rates of the history that the step hands on."""
-
-    def outputs(self, kept) -> np.ndarray | None:
-        """Rates of what measures may take from the term; in the form that ``contract`` wants."""
-
-    def contract(self, seeds, outputs) -> np.ndarray | float:
-        """Seeds of M measures times ``outputs``, shape (M, P)."""
-        return 0.0
-
-
-_NOTHING = np.empty((0, 0))
+    def no_seeds(self, n_measures: int):
+        """Zero seeds of measures on what they may take from the term: an object with ``used``, ``put``
+        and ``times``, as ``PointSeeds``."""
+        raise ValueError(f"measures take nothing from the term {self.label!r}")
 
 
 def work_of_forces(before, response) -> tuple[float, float]:
@@ -297,43 +261,102 @@ def work_of_forces(before, response) -> tuple[float, float]:
     return min(works), abs(works[1] - works[0])
 
 
-class Reverse:
-    """A term's part of the adjoint method, for M measures: the transposes of ``Forward``."""
+class Basis(Protocol):
+    """The rows B of a term, and all else that a design moves: X, weights, parameters."""
 
-    def prepare(self, step, following, measured: bool, history_bar):
-        """Linearise a step; returns what is to be kept, with an attribute ``count`` of columns."""
-        return _NO_PLAN
+    def rates(self, shape, rates):
+        """Rates for the ``ParameterRates``; ``shape`` are the ``DiscretizationRates``."""
 
-    def no_history(self):
-        """Zero seeds on the history of the last step."""
+    def no_seeds(self, count: int, wanted: set):
+        """Zero seeds of ``count`` measures in the form of ``rates``, to be added to: an object with
+        ``parameters`` (n, M). ``wanted`` are names of scalar parameters."""
 
-    def add_handed(self, plan, loads, mix) -> None:
-        """Fill ``loads`` (n_equations + 1, count) and ``mix`` (count, M) for what is handed on."""
+    def pull_back(self, seeds, particles_bar):
+        """Transpose of ``rates``: add to the seeds on the particles (n, 2, M); returns those on the
+        essential transformation, shape (c, u, M)."""
 
-    def add_measured(self, plan, seeds, which, loads) -> None:
-        """Add the seeds of the measures ``which`` to ``loads`` (n_equations + 1, len(which))."""
 
-    def collect(self, plan, step, adjoints, mix, held_bar):
-        """Collect what the step's parameters do; returns seeds on the history it began with.
+class LinearizedTerm:
+    """A term at one converged step: products with rates and with seeds, of columns for P parameters or
+    M measures. Defaults: no memory."""
 
-        ``held_bar`` (2 n + 1, M), or None where nothing is imposed, is added to: seeds on the
-        displacements of all particles, in the order of ``TangentLayout.every_component``.
+    # ---- direct ----
+
+    def rates(self, design, history, held, load):
+        """Rates at fixed d of what the term gives, (s', h+', o').
+
+        Parameters
+        ----------
+        design
+            ``Basis.rates``.
+        history
+            h' of what the step before passed on.
+        held : ndarray, shape (2 n, P), or None
+            d' of the imposed displacements.
+        load : ndarray, shape (n_equations + 1, P)
+            f' is added.
+        """
+        raise NotImplementedError
+
+    def solved(self, found, solution: np.ndarray):
+        """The rates ``found`` with those of d' (n_equations, P)."""
+        raise NotImplementedError
+
+    def history_rates(self, found):
+        """h+' for the next step."""
+
+    # ---- what the next step uses of d ----
+
+    def passed_on(self, following):
+        """``PassedOn``, or None where the next step uses nothing."""
+
+    def loads_of(self, passed) -> np.ndarray:
+        """B^T G of what is passed on, (n_equations + 1, c)."""
+        raise NotImplementedError
+
+    def passed(self, found, passed, values: np.ndarray):
+        """The rates ``found`` with those z (c, P) of the functions that are passed on."""
+        raise NotImplementedError
+
+    # ---- adjoint ----
+
+    def seeds(self, history_bar, taken=None):
+        """Seeds (s_bar = 0, h+_bar, o_bar) on what the term gives.
+
+        Parameters
+        ----------
+        history_bar
+            Of the next step, on the history.
+        taken : object, optional
+            Of measures, in the form of ``no_seeds``.
         """
 
-    def finish(self, start, history_bar, particles_bar):
-        """After the first step: the undeformed state, and all seeds pulled back to the particles.
+    def measured_loads(self, taken, which) -> np.ndarray:
+        """What ``taken`` of the measures ``which`` comes to on d, (n_equations + 1, len(which))."""
+        raise NotImplementedError
+
+    def pull_back(self, seeds, adjoints, mix, design, held_bar):
+        """Add what the step does for the adjoints lambda = adjoints mix to the seeds ``design``.
+
+        Parameters
+        ----------
+        adjoints, mix : ndarray, shapes (n_equations + 1, c), (c, M)
+        held_bar : ndarray, shape (2 n + 1, M), or None
+            Added to: seeds on the displacements of all particles.
 
         Returns
         -------
-        parameters : ndarray, shape (len(names), M)
-        matrix : ndarray, shape (c, u, M), or 0.0
-            Seeds on the essential transformation.
+        object
+            Seeds on the history with which the step began.
         """
         raise NotImplementedError
 
 
-class _NoPlan:
-    count = 0
+class LinearizedBlock(Protocol):
+    """A force without history at K converged steps."""
 
+    def add_rates(self, design, loads) -> None:
+        """Add f' at fixed d to ``loads`` (K, n_equations + 1, P)."""
 
-_NO_PLAN = _NoPlan()
+    def pull_back(self, adjoints, mixes, design) -> None:
+        """Add -f' for the adjoints and mixes of the steps to the seeds ``design``."""

@@ -58,11 +58,11 @@ def test_rates_of_every_step_of_the_path(random_design, name):
     for place in places:
         a, b = plus.path.steps[place], minus.path.steps[place]
         here, one, other = found[place], a.responses[door], b.responses[door]
-        outputs = here.outputs[door][..., p]
+        contact = [rates[..., p] for rates in here.terms[door]]
         pairs = [
             ((a.d - b.d)[free], here.solution[equations[free], p]),
-            (one.gap - other.gap, outputs[:, 2]),
-            (one.force - other.force, outputs[:, :2]),
+            (one.force - other.force, contact[0]),
+            (one.gap - other.gap, contact[2][:, 0]),
             (one.history.variables - other.history.variables, here.history[door][..., p]),
         ]
         for difference, expected in pairs:
@@ -104,7 +104,10 @@ def test_steps_passed_by_hand_on_all_that_matters(random_design):
     last = len(random_design.path.steps) - 1
     solved = end_rates(random_design, measured=range(last + 1))
     passed = end_rates(random_design)
-    for a, b in ((passed.solution, solved.solution), (passed.outputs[1], solved.outputs[1])):
+    pairs = zip(
+        (passed.solution, *passed.terms[1]), (solved.solution, *solved.terms[1]), strict=True
+    )
+    for a, b in pairs:
         np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-10 * np.abs(b).max())
 
 
@@ -122,8 +125,9 @@ def test_few_parameters_and_few_measures_are_solved_for_themselves(random_design
     path, last = random_design.path, len(random_design.path.steps) - 1
     none = np.empty((0, *random_design.particles.shape))
     one = DirectSweep(path, parameter_rates(none, ("door_radius",))).run()
-    found, expected = one[last].outputs[1][..., 0], end_rates(random_design).outputs[1][..., 25]
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
+    for found, expected in zip(one[last].terms[1], end_rates(random_design).terms[1], strict=True):
+        a, b = found[..., 0], expected[..., 25]
+        np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-10 * np.abs(b).max())
     wanted = Wanted(random_design, random_design.measures())
     last_gap = random_design.measures(("gap",))[0]
     alone = stacked([replace(last_gap, points=last_gap.points[-1:]).of(random_design)])

@@ -1,4 +1,4 @@
-"""Every term by itself: rates against central differences, the reverse against the forward pass."""
+"""Every term by itself: rates against central differences, and transposes of all products."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,8 @@ from seal_mdao.dsa.probe import ProbeReverse, probe_rates
 from seal_mdao.dsa.shape_rates import add_matrix_seeds, discretization_rates
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.measures.measure import Seeds
-from seal_mdao.terms.point_forward import PointSeeds
+from seal_mdao.structure.energy_gradient import EnergySeeds
+from seal_mdao.terms.linearized_points import PointSeeds
 
 LABELS = "structure", "roll", "pull"
 
@@ -76,9 +77,21 @@ def random_rates(seal, rng, count):
 
 
 def history_rates(term, rng, count):
-    """Rates of what points carry, or None for a term that carries nothing."""
-    size = getattr(term, "history_size", 0)
-    return 0.1 * rng.standard_normal((len(term.where), size, count)) if size else None
+    """Rates of what points carry, or None for the body, which carries nothing."""
+    none = term.no_rates(count)
+    return None if none is None else 0.1 * rng.standard_normal(none.shape)
+
+
+def rates_at(term, step, rates, carried, held):
+    """A step linearised, the rates of what the term gives at fixed d, and those of its force."""
+    disc = term.discretization
+    design = term.basis.rates(discretization_rates(disc, rates.velocity), rates)
+    load = np.zeros((disc.layout.n_equations + 1, rates.count))
+    block, linearized = term.linearization_of_block([step]), term.linearization(step)
+    if block is not None:
+        block.add_rates(design, load[None])
+    held = np.ascontiguousarray(held.reshape(-1, rates.count))
+    return linearized, linearized.rates(design, carried, held, load), load
 
 
 @pytest.mark.parametrize("label", LABELS)
@@ -92,11 +105,8 @@ def test_rates_of_a_term_against_central_differences(pressed, step, rng, label):
     carried = history_rates(term, rng, 1)
     held = 0.1 * rng.standard_normal((*step.d.shape, 1)) * (layout.equations < 0)[..., None]
     solution = 0.1 * rng.standard_normal((layout.n_equations, 1))
-    forward = term.forward(discretization_rates(term.discretization, rates.velocity), rates)
-    loads = np.zeros((1, layout.n_equations + 1, 1))
-    forward.add_explicit([step], loads)
-    kept = forward.linearize(step, None, carried, held, loads[0])
-    forward.follow_solution(kept, solution)
+    linearized, found, load = rates_at(term, step, rates, carried, held)
+    found = linearized.solved(found, solution)
 
     def moved(h, spread):
         """Force in the equations, and the answer, a distance ``h`` along all rates."""
@@ -107,7 +117,7 @@ def test_rates_of_a_term_against_central_differences(pressed, step, rng, label):
         terms = seal.with_parameters(values).terms()
         disc = discretize(seal.body, pressed.particles + h * rates.velocity[0], terms)
         own, history = terms[place].on(disc, place), step.before[place]
-        if history is not None:
+        if carried is not None and carried.size:
             history = history._replace(variables=history.variables + h * carried[..., 0])
         d, force = step.d + h * (held[..., 0] + spread), np.zeros(disc.layout.force_size)
         raw = disc.transformation.coefficients(d)
@@ -119,15 +129,14 @@ def test_rates_of_a_term_against_central_differences(pressed, step, rng, label):
 
     h, free = 1e-6, layout.equations >= 0
     plus, minus = (moved(s * h, 0.0)[0] for s in (1, -1))
-    check_slope((plus - minus)[free] / (2 * h), loads[0, layout.equations[free], 0])
+    check_slope((plus - minus)[free] / (2 * h), load[layout.equations[free], 0])
     plus, minus = (moved(s * h, layout.gather(solution)[..., 0])[1] for s in (1, -1))
     if label != "structure":
-        outputs = forward.outputs(kept)[..., 0]
-        check_slope((plus.force - minus.force) / (2 * h), outputs[:, :2])
-        check_slope((plus.outputs - minus.outputs) / (2 * h), outputs[:, 2:])
-    if carried is not None:
-        found = (plus.history.variables - minus.history.variables) / (2 * h)
-        check_slope(found, forward.history(kept)[..., 0])
+        check_slope((plus.force - minus.force) / (2 * h), found.force[..., 0])
+        check_slope((plus.outputs - minus.outputs) / (2 * h), found.outputs[..., 0])
+    if carried is not None and carried.size:
+        slope = (plus.history.variables - minus.history.variables) / (2 * h)
+        check_slope(slope, linearized.history_rates(found)[..., 0])
 
 
 def check_slope(found, exact):
@@ -141,85 +150,88 @@ def random_seeds(term, rng, count):
 
 
 @pytest.mark.parametrize("label", LABELS)
-def test_reverse_is_the_transpose_of_forward(pressed, step, rng, label):
+def test_products_with_seeds_are_the_transpose_of_those_with_rates(pressed, step, rng, label):
     """Seeds on force, outputs, history and on the load's work with three adjoints mixed into two."""
-    path, term, count, m = pressed.path, pressed.term(label), 4, 2
+    term, count, m = pressed.term(label), 4, 2
     disc, layout = term.discretization, term.discretization.layout
     rates, carried = random_rates(pressed.seal, rng, count), history_rates(term, rng, count)
     held = rng.standard_normal((*step.d.shape, count))
     adjoints, mix = rng.standard_normal((layout.n_equations + 1, 3)), rng.standard_normal((3, m))
     adjoints[-1] = 0.0
-    at_points = label != "structure"
-    seeds = random_seeds(term, rng, m) if at_points else None
-    reverse = term.reverse(m, set(term.names))
-    after, first = reverse.no_history(), reverse.no_history()
-    if carried is not None:
-        after, first = history_rates(term, rng, m), history_rates(term, rng, m)
+    after, which = history_rates(term, rng, m), np.arange(m)
+    taken = EnergySeeds(rng.standard_normal(m)) if carried is None else random_seeds(term, rng, m)
 
-    forward = term.forward(discretization_rates(disc, rates.velocity), rates)
-    loads = np.zeros((1, layout.n_equations + 1, count))
-    began = forward.start(path.start)
-    forward.add_explicit([step], loads)
-    kept = forward.linearize(step, None, carried, held, loads[0])
-    ahead = -(adjoints[:-1] @ mix).T @ loads[0, :-1]
-    size = np.abs(adjoints[:-1] @ mix).T @ np.abs(loads[0, :-1])
-    if at_points:
-        ahead += forward.contract(seeds, forward.outputs(kept))
+    linearized, found, load = rates_at(term, step, rates, carried, held)
+    solution = rng.standard_normal((layout.n_equations, count))
+    at_rest = linearized.solved(found, 0.0 * solution)
+    ahead = -(adjoints[:-1] @ mix).T @ load[:-1] + taken.times(at_rest)
+    size = np.abs(adjoints[:-1] @ mix).T @ np.abs(load[:-1])
     if carried is not None:
-        ahead += np.einsum("khm,khp->mp", after, forward.history(kept))
-        ahead += np.einsum("khm,khp->mp", first, began)
+        ahead += np.einsum("khm,khp->mp", after, linearized.history_rates(found))
 
-    plan = reverse.prepare(step, None, at_points, after)
-    if at_points:
-        measured = np.zeros((layout.n_equations + 1, m))
-        reverse.add_measured(plan, seeds, np.arange(m), measured)
+    design = term.basis.no_seeds(m, set(term.names))
+    bars = linearized.seeds(after, taken)
     held_bar, x_bar = np.zeros((held[..., 0].size + 1, m)), np.zeros((*step.d.shape, m))
-    on_history = reverse.collect(plan, step, adjoints, mix, held_bar)
-    parameters, on_matrix = reverse.finish(path.start, first, x_bar)
+    on_history = linearized.pull_back(bars, adjoints, mix, design, held_bar)
+    block = term.linearization_of_block([step])
+    if block is not None:
+        block.pull_back([adjoints], [mix], design)
+    on_matrix = term.basis.pull_back(design, x_bar)
     add_matrix_seeds(disc, on_matrix + np.zeros((*disc.transformation.matrix.shape, m)), x_bar)
-    back = np.einsum("nim,pni->mp", x_bar, rates.velocity) + parameters.T @ rates.of(term.names)
+    back = np.einsum("nim,pni->mp", x_bar, rates.velocity)
+    back += design.parameters.T @ rates.of(term.names)
     back += held_bar[:-1].T @ held.reshape(-1, count)
     if carried is not None:
         back += np.einsum("khm,khp->mp", on_history, carried)
     scale = size.max() + np.abs(ahead).max()
     np.testing.assert_allclose(back, ahead, rtol=0.0, atol=1e-12 * scale)
-    if at_points:
-        solution = rng.standard_normal((layout.n_equations, count))
-        before = forward.contract(seeds, forward.outputs(kept))
-        forward.follow_solution(kept, solution)
-        change = forward.contract(seeds, forward.outputs(kept)) - before
-        np.testing.assert_allclose(
-            measured[:-1].T @ solution, change, rtol=0.0, atol=1e-12 * np.abs(change).max()
-        )
+    measured = linearized.measured_loads(taken, which)
+    change = taken.times(linearized.solved(found, solution)) - taken.times(at_rest)
+    np.testing.assert_allclose(
+        measured[:-1].T @ solution, change, rtol=0.0, atol=1e-12 * np.abs(ahead).max()
+    )
 
 
-def test_what_is_handed_on_is_all_that_the_next_step_takes(pressed, rng):
-    """Seeds that the next step puts on the history see d' in the columns handed on alone."""
+def test_what_is_passed_on_is_all_that_the_next_step_takes(pressed, rng):
+    """Seeds that the next step puts on the history see d' in the functions passed on alone."""
     path, term, m, count = pressed.path, pressed.term("roll"), 2, 4
     layout, rates = term.discretization.layout, random_rates(pressed.seal, rng, count)
-    forward = term.forward(discretization_rates(term.discretization, rates.velocity), rates)
-    taken = []
+    design = term.basis.rates(discretization_rates(term.discretization, rates.velocity), rates)
+    most = 0
     for step, following in zip(path.steps, path.steps[1:], strict=False):
-        reverse = term.reverse(m, set(term.names))
-        plan = reverse.prepare(following, None, True, reverse.no_history())
         adjoints = rng.standard_normal((layout.n_equations + 1, m))
         adjoints[-1] = 0.0
-        on_history = reverse.collect(plan, following, adjoints, np.eye(m), None)
+        next_one = term.linearization(following)
+        on_history = next_one.pull_back(
+            next_one.seeds(term.no_rates(m)), adjoints, np.eye(m), term.basis.no_seeds(m), None
+        )
         load, solution = np.zeros((layout.n_equations + 1, count)), rng.standard_normal(
             (layout.n_equations, count)
         )  # fmt: skip
-        kept = forward.linearize(step, None, history_rates(term, rng, count), None, load)
-        before = forward.history(kept)
-        forward.follow_solution(kept, solution)
-        change = np.einsum("khm,khp->mp", on_history, forward.history(kept) - before)
-        plan = reverse.prepare(step, following, False, on_history)
-        columns, mix = np.zeros((layout.n_equations + 1, plan.count)), np.zeros((plan.count, m))
-        reverse.add_handed(plan, columns, mix)
-        found = (columns[:-1] @ mix).T @ solution
-        scale = np.abs(columns[:-1] @ mix).T @ np.abs(solution)
-        np.testing.assert_allclose(found, change, rtol=0.0, atol=1e-12 * scale.max(initial=0.0))
-        taken.append(plan.count)
-    assert max(taken) > 0
+        linearized = term.linearization(step, following, False)
+        carried = history_rates(term, rng, count)
+        before = linearized.rates(design, carried, None, load)
+        after = linearized.solved(before, solution)
+        change = np.einsum(
+            "khm,khp->mp", on_history,
+            linearized.history_rates(after) - linearized.history_rates(before),
+        )  # fmt: skip
+        passed = linearized.passed_on(following)
+        # adjoint: B^T G H^T h_bar
+        columns = linearized.loads_of(passed)[:-1]
+        mix = passed.seeds(linearized.seeds(on_history).history)
+        scale = (np.abs(columns @ mix).T @ np.abs(solution)).max(initial=0.0)
+        found = (columns @ mix).T @ solution
+        np.testing.assert_allclose(found, change, rtol=0.0, atol=1e-12 * scale)
+        # direct: H (B^T G)^T d'
+        linearized = term.linearization(step, following, False)
+        before = linearized.rates(design, carried, None, load)
+        after = linearized.passed(before, passed, columns.T @ solution)
+        moved = linearized.history_rates(after) - linearized.history_rates(before)
+        found = np.einsum("khm,khp->mp", on_history, moved)
+        np.testing.assert_allclose(found, change, rtol=0.0, atol=1e-12 * scale)
+        most = max(most, passed.count)
+    assert most > 0
 
 
 def test_reverse_of_the_probe_is_the_transpose_of_its_rates(pressed, step, rng):
@@ -236,8 +248,8 @@ def test_reverse_of_the_probe_is_the_transpose_of_its_rates(pressed, step, rng):
     reverse.add_measured(step, seeds, which, loads)
     every = disc.layout.every_component.equations
     on_base = reverse.nodal_seeds(step, seeds, which, every, every.size + 1)[:-1]
-    on_base = on_base.reshape(-1, 2, m) * (disc.layout.equations < 0)[..., None]
+    on_base *= (disc.layout.equations < 0).reshape(-1, 1)
     add_matrix_seeds(disc, reverse.finish(x_bar), x_bar)
     back = loads[:-1].T @ solution + np.einsum("nim,pni->mp", x_bar, rates.velocity)
-    back[:, 3:] += np.einsum("nim,sni->ms", on_base, sweep.problem.imposed.rates_at(step.fraction))
+    back[:, 3:] += on_base.T @ sweep.problem.imposed.linearization(step.fraction)
     np.testing.assert_allclose(back, ahead, rtol=0.0, atol=1e-11 * np.abs(ahead).max())

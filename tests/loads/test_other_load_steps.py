@@ -30,7 +30,7 @@ def test_imposed_displacements_and_their_rates_are_as_before(rng, names):
     for number, end in enumerate((0.0, *ENDS)):
         np.testing.assert_array_equal(other.values[number], imposed.at(end))
         np.testing.assert_array_equal(
-            other.rates_at(float(number)), imposed.rates_at(end).reshape(len(names), 5, 2)
+            other.linearization(float(number)), imposed.linearization(end).reshape(10, len(names))
         )
 
 

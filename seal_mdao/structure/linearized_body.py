@@ -1,0 +1,227 @@
+"""Linearisation of the internal force: of a block of steps at fixed displacements, and of one step.
+
+With the rows B = grad Phi of the quadrature points of a column of cells, weights w, stresses P with
+the projected pressure, and constants c,
+
+    f = B^T w P(F, w, c),    F = 1 + B d
+
+direct     F' = B' d,    f' = B^T (w P)' + B'^T w P,    a'_V of Eq. (46)         ``rates``
+adjoint    e = -B lambda,    B_bar = w P e^T + w S d^T with S = (dP/dF)^T e      ``seeds``
+
+Both are matrix products of a block of steps in each column of cells. What imposed displacements do, and
+the strain energy, which measures may take, is taken step by step.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.rkpm.cells import add_weight_seeds
+from seal_mdao.rkpm.integration import cell_table_seeds
+from seal_mdao.rkpm.transformed import TableRates
+from seal_mdao.structure.energy_gradient import EnergySeeds, add_gradient_rates, energy_gradient
+from seal_mdao.structure.internal_force import add_internal_change, assemble_internal
+from seal_mdao.structure.rates import add_internal_rates
+from seal_mdao.structure.seeds import add_internal_seeds
+from seal_mdao.terms.term import LinearizedTerm
+
+
+class BodyDesign(NamedTuple):
+    """Rates of what a design moves in the body, or seeds on it, in P columns.
+
+    Attributes
+    ----------
+    grad : TableRates, or ndarray, shape (grad.size, P)
+        Of the rows B: rates B', or seeds.
+    weights : ndarray, shape (P, n_columns, q), seeds (n_columns, q, P)
+        Of the quadrature weights.
+    parameters : ndarray, shape (C, P)
+        Of the material constants.
+    wanted : bool
+        Whether seeds on any of the constants are wanted.
+    """
+
+    grad: TableRates
+    weights: np.ndarray
+    parameters: np.ndarray
+    wanted: bool = True
+
+
+class CellBasis:
+    """Rows B of the quadrature points, and their design derivatives."""
+
+    def __init__(self, names: tuple, discretization):
+        self.names, self.discretization = names, discretization
+
+    def rates(self, shape, rates) -> BodyDesign:
+        weights = self.discretization.cells.column_weights
+        return BodyDesign(
+            shape.cells, shape.weights.reshape(-1, *weights.shape), rates.of(self.names)
+        )
+
+    def no_seeds(self, count: int, wanted=()) -> BodyDesign:
+        cells, n = self.discretization.cells, len(self.names)
+        shapes = (cells.table.grad.size,), cells.column_weights.shape, (n,)
+        zeros = (np.zeros((*shape, count)) for shape in shapes)
+        return BodyDesign(*zeros, not set(wanted).isdisjoint(self.names))
+
+    def pull_back(self, seeds: BodyDesign, particles_bar):
+        disc = self.discretization
+        weight_bar = seeds.weights.reshape(*disc.weights.shape, -1)
+        matrix_bar = cell_table_seeds(
+            disc.cloud, disc.cells, seeds.grad, weight_bar, particles_bar, disc.transformation
+        )
+        add_weight_seeds(disc.body.cell_map, disc.particles, weight_bar, particles_bar)
+        return matrix_bar
+
+
+class BodyBlock:
+    """The internal force at K converged steps; d of the steps is fixed.
+
+    Parameters
+    ----------
+    term : StructuralTerm
+    steps : sequence of ConvergedStep
+    """
+
+    def __init__(self, term, steps):
+        self.term, self.layout = term, term.discretization.layout
+        self.d = np.array([step.d for step in steps])
+        self.deformation = term.deformation_of(self.d)
+        cells = term.discretization.cells
+        self.quadrature = cells.table, cells.column_weights, term.functions
+
+    def add_rates(self, design: BodyDesign, loads) -> None:
+        """f' = B^T (w P)' + B'^T w P, and what the constants do."""
+        term = self.term
+        add_internal_rates(
+            *self.quadrature, design.grad, design.weights, self.deformation,
+            term.energy_derivatives(self.deformation), term.bulk, self.d, self.layout.equations,
+            loads,
+        )  # fmt: skip
+        if design.parameters.any():
+            self._add_constants(design.parameters, loads)
+
+    def _add_constants(self, constant_rates, loads):
+        """The force is linear in W_T, W_J and K; so its rates are forces of their rates."""
+        by_constants = self.term.constant_derivatives(self.deformation)
+        for row, rate in enumerate(constant_rates):
+            if not rate.any():
+                continue
+            bulk = (self.term.bulk_row == row).astype(float)
+            w = np.zeros((5, *self.deformation.square.shape))
+            w[:2] = by_constants[row]
+            for k, load in enumerate(loads):
+                force = np.zeros(len(load))
+                assemble_internal(
+                    *self.quadrature, self.deformation, k, w[:, k], bulk,
+                    self.layout.force_scatter, force, np.empty(0),
+                )  # fmt: skip
+                load += np.outer(force, rate)
+
+    def pull_back(self, adjoints, mixes, design: BodyDesign) -> None:
+        """The transpose: seeds of -lambda . f on B, w and the constants."""
+        term, deformation = self.term, self.deformation
+        constants, bulk_row = (
+            np.empty((0, 2, *deformation.square.shape)),
+            np.full_like(term.bulk_row, -1),
+        )
+        if design.wanted:
+            constants, bulk_row = term.constant_derivatives(deformation), term.bulk_row
+        add_internal_seeds(
+            *self.quadrature, deformation, term.energy_derivatives(deformation), constants,
+            term.bulk, bulk_row, self.d, np.cumsum([0, *map(len, mixes)]), np.hstack(adjoints),
+            np.vstack(mixes), self.layout.equations, design.grad, design.weights,
+            design.parameters[: len(constants)],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class BodyRates:
+    """Rates of the body at a step, of which a measure may take that of the strain energy."""
+
+    body: "LinearizedBody"
+    design: BodyDesign
+    held: np.ndarray | None
+    solution: np.ndarray | None = None
+
+    def energy(self) -> np.ndarray:
+        """E' = E_d d' + E_B B' + E_w w' + E_c c', shape (P,)."""
+        gradient, design, term = self.body.energy, self.design, self.body.term
+        out = np.einsum(
+            "pcq,cq->p", design.weights, gradient.weights.reshape(design.weights.shape[1:])
+        )
+        out += gradient.constants @ design.parameters
+        add_gradient_rates(term.cells.table, design.grad, gradient.grad, out)
+        equations = term.discretization.layout.equations
+        free = equations >= 0
+        out += gradient.nodal[free] @ self.solution[equations[free]]
+        if self.held is not None:
+            out += gradient.nodal.ravel() @ self.held
+        return out
+
+
+class LinearizedBody(LinearizedTerm):
+    """The body at one converged step: imposed displacements, and the strain energy as an output."""
+
+    def __init__(self, term, step):
+        self.term, self.step, self.layout = term, step, term.discretization.layout
+
+    @cached_property
+    def energy(self):
+        """``EnergyGradient`` of the step."""
+        return energy_gradient(self.term, self.step.d)
+
+    def _add_change(self, nodal, equations, out) -> None:
+        """Add K u for displacements u (n, 2, P) of all particles to ``out``."""
+        term = self.term
+        deformation = term.deformation_of(self.step.d[None])
+        add_internal_change(
+            term.cells.table, term.cells.column_weights, term.functions, deformation, 0,
+            term.energy_derivatives(deformation)[:, 0], term.bulk, np.ascontiguousarray(nodal),
+            equations, out,
+        )  # fmt: skip
+
+    # ---- direct ----
+
+    def rates(self, design, history, held, load) -> BodyRates:
+        if held is not None:
+            nodal = held.reshape(*self.layout.equations.shape, -1)
+            self._add_change(nodal, self.layout.equations, load)
+        return BodyRates(self, design, held)
+
+    def solved(self, found: BodyRates, solution) -> BodyRates:
+        return replace(found, solution=solution)
+
+    # ---- adjoint ----
+
+    def seeds(self, history_bar, taken: EnergySeeds | None = None):
+        return None if taken is None else taken.energy
+
+    def measured_loads(self, taken: EnergySeeds, which) -> np.ndarray:
+        loads, free = (
+            np.zeros((self.layout.n_equations + 1, which.size)),
+            self.layout.equations >= 0,
+        )
+        loads[self.layout.equations[free]] = np.outer(self.energy.nodal[free], taken.energy[which])
+        return loads
+
+    def pull_back(self, energy_bar, adjoints, mix, design: BodyDesign, held_bar):
+        if energy_bar is not None:
+            # E_B, E_w, E_c; E_d of the free components is among the loads
+            gradient, used = self.energy, np.flatnonzero(energy_bar)
+            weights = gradient.weights.reshape(*design.weights.shape[:2], 1)
+            design.grad[:, used] += np.outer(gradient.grad, energy_bar[used])
+            design.weights[..., used] += weights * energy_bar[used]
+            design.parameters[:, used] += np.outer(gradient.constants, energy_bar[used])
+            if held_bar is not None:
+                held_bar[:-1] += np.outer(gradient.nodal, energy_bar)
+        if held_bar is not None and len(mix):
+            # K is symmetric
+            change = np.zeros((len(held_bar), len(mix)))
+            self._add_change(
+                self.layout.gather(adjoints[:-1]), self.layout.every_component.equations, change
+            )
+            held_bar -= change @ mix

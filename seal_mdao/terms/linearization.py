@@ -1,0 +1,185 @@
+"""Linearisation of a local law: one matrix, and its products with rates and with seeds.
+
+A law gives the conjugate forces s of a term's points, the history h+ that they pass to the next step,
+and outputs o for measures, from their deformed places x, the history h of the step before, weights w,
+parameters theta and undeformed places X. Its linearisation at a converged step is
+
+    L = d(s, h+, o) / d(x, h, w, theta, X).
+
+The direct method forms ``L @ Inputs``, the adjoint method ``L.T @ Outputs``.
+"""
+
+from itertools import accumulate, pairwise
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import sparray
+
+
+class Inputs(NamedTuple):
+    """Rates of what a law takes at s points, or seeds on it, in P columns.
+
+    Attributes
+    ----------
+    x : ndarray, shape (s, 2, P)
+    history : ndarray, shape (s, h, P)
+    measure : ndarray, shape (s, 1, P)
+    parameters : ndarray, shape (n, P)
+        Rates; seeds are (s or 1, n, P), to be summed.
+    reference : ndarray, shape (s, 2, P)
+        X; seeds are (s, 0, P) where the law does not depend on it.
+    """
+
+    x: np.ndarray
+    history: np.ndarray
+    measure: np.ndarray
+    parameters: np.ndarray
+    reference: np.ndarray
+
+
+class Outputs(NamedTuple):
+    """Rates of what a law gives at s points, or seeds on it, in P columns.
+
+    Attributes
+    ----------
+    force : ndarray, shape (s, 2, P)
+    history : ndarray, shape (s, h, P)
+    outputs : ndarray, shape (s, o, P)
+        Of terms at points that act on each other (places, o, P).
+    """
+
+    force: np.ndarray
+    history: np.ndarray
+    outputs: np.ndarray
+
+
+class PointByPoint(NamedTuple):
+    """``Inputs`` or ``Outputs`` as one array (s, rows, P): the rows of every point by themselves."""
+
+    kind: type
+    widths: tuple
+
+    def joined(self, values) -> np.ndarray:
+        s = len(values[0])
+        return np.concatenate([
+            np.broadcast_to(part[..., :width, :], (s, width, part.shape[-1]))
+            for part, width in zip(values, self.widths, strict=True)
+        ], axis=1)  # fmt: skip
+
+    def split(self, rows: np.ndarray):
+        ends = pairwise(accumulate(self.widths, initial=0))
+        return self.kind(*(rows[:, first:last] for first, last in ends))
+
+    def zeros(self, s: int, count: int):
+        return self.split(np.zeros((s, sum(self.widths), count)))
+
+    def of_places(self, matrix: np.ndarray, x: np.ndarray):
+        """The product of a linearisation's columns for x with ``x`` (s, 2, P)."""
+        return self.split(matrix[:, :, :2] @ x)
+
+
+class AllPoints(NamedTuple):
+    """``Inputs`` or ``Outputs`` as one array (rows, P): all places, all histories, ..."""
+
+    kind: type
+    shapes: tuple
+
+    def joined(self, values) -> np.ndarray:
+        return np.concatenate([part.reshape(-1, part.shape[-1]) for part in values])
+
+    def split(self, rows: np.ndarray):
+        ends = pairwise(accumulate((a * b for a, b in self.shapes), initial=0))
+        parts = zip(self.shapes, ends, strict=True)
+        return self.kind(*(rows[i:j].reshape(*shape, rows.shape[1]) for shape, (i, j) in parts))
+
+    def zeros(self, s: int, count: int):
+        return self.split(np.zeros((sum(a * b for a, b in self.shapes), count)))
+
+    def of_places(self, matrix: "LocalMap", x: np.ndarray):
+        """The product of a linearisation's columns for x with ``x`` (s, 2, P)."""
+        rows = x.reshape(-1, x.shape[2])
+        return self.split(matrix.first_columns(len(rows)) @ rows)
+
+
+class LocalMap(NamedTuple):
+    """Matrix sparse + left right of points that act on each other.
+
+    Rows: force (2k), history passed on, outputs; columns: x (2k), history, measure (k), parameters,
+    X (2k), all point by point.
+
+    Attributes
+    ----------
+    sparse : csr_array
+    left, right : ndarray, shapes (rows, r), (r, columns)
+    """
+
+    sparse: sparray
+    left: np.ndarray
+    right: np.ndarray
+
+    def __matmul__(self, rates: np.ndarray) -> np.ndarray:
+        return self.sparse @ rates + self.left @ (self.right @ rates)
+
+    @property
+    def mT(self) -> "LocalMap":
+        """The transpose, named as that of arrays."""
+        return LocalMap(self.sparse.T, self.right.T, self.left.T)
+
+    def first_columns(self, count: int) -> "LocalMap":
+        return LocalMap(self.sparse[:, :count], self.left, self.right[:, :count])
+
+
+class Linearization(NamedTuple):
+    """L of some points of a term at one converged step.
+
+    Attributes
+    ----------
+    points : ndarray of int, shape (s,)
+        Of the term.
+    matrix : ndarray, shape (s, rows, columns), or LocalMap
+    rows, columns : PointByPoint or AllPoints
+        How what is given and what is taken lie in its rows and columns.
+    """
+
+    points: np.ndarray
+    matrix: object
+    rows: NamedTuple
+    columns: NamedTuple
+
+    def __matmul__(self, values):
+        return self.rows.split(self.matrix @ self.columns.joined(values))
+
+    @property
+    def T(self) -> "Linearization":
+        """The transpose, from seeds on what is given to seeds on what is taken."""
+        return Linearization(self.points, self.matrix.mT, self.columns, self.rows)
+
+    def of_places(self, x: np.ndarray) -> Outputs:
+        """``L @`` rates x' (s, 2, P) of the places alone."""
+        return self.rows.of_places(self.matrix, x)
+
+
+class PassedOn(NamedTuple):
+    """c functions of a step's displacements, all that the next step uses of them.
+
+    Attributes
+    ----------
+    places : ndarray, shape (s, 2, c)
+        Their derivatives with the places x of the step's points, G.
+    history : ndarray, shape (s, h, c)
+        Derivatives of the history passed on with these functions, H.
+    are_places : bool
+        Whether the functions are themselves displacements of single points along unit vectors.
+    """
+
+    places: np.ndarray
+    history: np.ndarray
+    are_places: bool = False
+
+    @property
+    def count(self) -> int:
+        return self.places.shape[2]
+
+    def seeds(self, history_bar: np.ndarray) -> np.ndarray:
+        """H^T h+_bar, shape (c, M)."""
+        return np.tensordot(self.history, history_bar, ((0, 1), (0, 1)))

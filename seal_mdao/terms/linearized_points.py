@@ -1,0 +1,173 @@
+"""Linearisation of a term at points at one converged step: B, the law's L, and their products.
+
+With the rows B = Phi of the points, the force of a term, the history h+ that it passes to the next step
+and its outputs o are
+
+    f = B^T s,    (s, h+, o) = law(x, h, w, theta, X),    x = X + B d.
+
+direct     x' = X' + B' d + B d'
+           (s', h+', o') = L (x', h', w', theta', X')             Eqs. (57), (63), (66) of contact
+           f' = B^T s' + B'^T s
+
+adjoint    s_bar = -B lambda
+           (x_bar, h_bar, w_bar, theta_bar, X_bar) = L^T (s_bar, h+_bar, o_bar)
+           B_bar = x_bar d^T - s (B lambda)^T,    d_bar = B^T x_bar
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.terms.linearization import Inputs, Linearization, Outputs, PassedOn
+from seal_mdao.terms.point_rates import (
+    add_displacement_rates,
+    add_field,
+    add_force_rates,
+    add_shape_seeds,
+    add_transposed,
+)
+from seal_mdao.terms.point_rows import PointDesign
+from seal_mdao.terms.term import LinearizedTerm
+
+
+@dataclass(frozen=True, eq=False)
+class PointSeeds:
+    """What M measures take from a term at points.
+
+    Attributes
+    ----------
+    force : ndarray, shape (M, k, 2)
+    outputs : ndarray, shape (M, k, o)
+    """
+
+    force: np.ndarray
+    outputs: np.ndarray
+
+    @property
+    def used(self) -> np.ndarray:
+        """Which measures take something, shape (M,)."""
+        return self.force.any(axis=(1, 2)) | self.outputs.any(axis=(1, 2))
+
+    def put(self, rows, other: "PointSeeds") -> None:
+        """Set the ``rows`` of measures to ``other``."""
+        self.force[rows], self.outputs[rows] = other.force, other.outputs
+
+    def times(self, rates: Outputs) -> np.ndarray:
+        """The rates of the measures, (M, P)."""
+        return np.tensordot(self.force, rates.force, 2) + np.tensordot(
+            self.outputs, rates.outputs, 2
+        )
+
+
+class LinearizedPoints(LinearizedTerm):
+    """A term at points at one converged step.
+
+    Parameters
+    ----------
+    term : TermAtPoints
+    step : ConvergedStep
+    law : Linearization
+        At the points that matter at the step.
+    """
+
+    def __init__(self, term, step, law: Linearization):
+        self.term, self.step, self.law, self.points = term, step, law, law.points
+        self.response, self.table = step.responses[term.place], term.table.table
+        layout = term.discretization.layout
+        self.equations, self.every = layout.equations, layout.every_component.equations
+        self.size = layout.n_equations + 1
+
+    # ---- products with rates ----
+
+    def rates(self, design: PointDesign, history, held, load) -> Outputs:
+        points, x = self.points, design.x[self.points]
+        # x' = X' + B' d, and B d' of imposed displacements
+        add_displacement_rates(self.table, points, design.phi, self.step.d, x)
+        if held is not None:
+            add_field(self.table, points, self.every, held, x)
+        self.given = Inputs(
+            x, history[points], design.measure[points], design.parameters, design.x[points]
+        )
+        found = self.law @ self.given
+        # f' = B^T s' + B'^T s
+        add_force_rates(
+            self.table, points, design.phi, self.response.force,
+            np.ascontiguousarray(found.force), self.term.acting(self.response),
+            self.equations, load,
+        )  # fmt: skip
+        return found
+
+    def solved(self, found: Outputs, solution: np.ndarray) -> Outputs:
+        # x' first: what moves with the body cancels in it, and not in products with large penalties
+        add_field(self.table, self.points, self.equations, solution, self.given.x)
+        return self.law @ self.given
+
+    def passed(self, found: Outputs, passed: PassedOn, values: np.ndarray) -> Outputs:
+        if passed.are_places:
+            # as in ``solved``: h+' = L_h (x' + G z, ...)
+            self.given.x[:] += passed.places @ values
+            return self.law @ self.given
+        return found._replace(history=found.history + passed.history @ values)
+
+    def history_rates(self, found: Outputs) -> np.ndarray:
+        out = np.zeros((len(self.term.where), *found.history.shape[1:]))
+        out[self.points] = found.history
+        return out
+
+    # ---- what the next step uses ----
+
+    def passed_on(self, following) -> PassedOn:
+        return self.term.passed_on(self.law, self.step, following)
+
+    def loads_of(self, passed: PassedOn) -> np.ndarray:
+        return self._spread(passed.places)
+
+    def _spread(self, x_bar) -> np.ndarray:
+        """B^T x_bar, shape (n_equations + 1, M)."""
+        out = np.zeros((self.size, x_bar.shape[2]))
+        add_transposed(self.table, self.points, self.equations, np.ascontiguousarray(x_bar), out)
+        return out
+
+    # ---- products with seeds ----
+
+    def seeds(self, history_bar, taken: PointSeeds | None = None) -> Outputs:
+        seeds = self.law.rows.zeros(self.points.size, history_bar.shape[2])
+        seeds.history[:] = history_bar[self.points]
+        if taken is not None:
+            _fill(seeds, taken, slice(None))
+        return seeds
+
+    def measured_loads(self, taken: PointSeeds, which) -> np.ndarray:
+        seeds = self.law.rows.zeros(self.points.size, which.size)
+        _fill(seeds, taken, which)
+        return self._spread((self.law.T @ seeds).x)
+
+    def pull_back(self, seeds: Outputs, adjoints, mix, design: PointDesign, held_bar):
+        points, table = self.points, self.table
+        # s_bar = -B lambda
+        at_points = np.zeros((points.size, 2, len(mix)))
+        add_field(table, points, self.equations, adjoints, at_points)
+        seeds.force[:] -= at_points @ mix
+        taken = self.law.T @ seeds
+        design.x[points] += taken.x
+        if taken.reference.shape[1]:
+            design.x[points] += taken.reference
+        design.measure[points] += taken.measure
+        design.parameters[:] += taken.parameters.sum(axis=0)
+        # B_bar = x_bar d^T - s (B lambda)^T
+        x_bar = np.ascontiguousarray(taken.x)
+        add_shape_seeds(
+            table, points, x_bar, self.response.force, self.step.d, adjoints, mix, self.equations,
+            design.phi,
+        )  # fmt: skip
+        if held_bar is not None:
+            add_transposed(table, points, self.every, x_bar, held_bar)
+        history_bar = np.zeros((len(self.term.where), *taken.history.shape[1:]))
+        history_bar[points] = taken.history
+        return history_bar
+
+
+def _fill(seeds: Outputs, taken: PointSeeds, which) -> None:
+    """Set the seeds on forces and outputs to those of the measures ``which``."""
+    seeds.force[:] = np.moveaxis(taken.force[which], 0, 2)
+    seeds.outputs[:] = np.moveaxis(taken.outputs[which], 0, 2)
