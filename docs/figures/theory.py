@@ -131,7 +131,7 @@ def slide(law, path, steps: int):
     xi = np.interp(fractions, np.arange(len(corners)), corners)
     carried, tau_history = 0.0, [0.0]
     for way in np.diff(xi):
-        _, tau = traction(law, -1.0, elastic_slip(-1.0, way, STICK, 1.0, carried))
+        _, tau = traction(law, 0, -1.0, elastic_slip(-1.0, way, STICK, 1.0, carried))
         carried = tau / law.tangent_penalty if law.accumulated else 0.0
         tau_history.append(tau)
     return xi, np.array(tau_history)
@@ -142,7 +142,7 @@ def friction_law():
     figure, (left, right) = subplots(1, 2, width=9.6, height=3.4)
     law = ContactLaw(1.0, 1.0, 0.25, True)
     g = np.linspace(-1, 1, 201)
-    left.plot(g, [traction(law, -1.0, v)[1] for v in g], color=BLUE, label="regularised")
+    left.plot(g, [traction(law, 0, -1.0, v)[1] for v in g], color=BLUE, label="regularised")
     left.step([-1, 0, 1], [-0.25, -0.25, 0.25], color=GREY, linestyle="--", label="Coulomb")
     left.annotate("slope $\\omega_t$", (0.12, 0.12), xytext=(0.3, 0.05))
     left.annotate("$\\mu\\,\\omega_n|g_n|$", (0.6, 0.25), xytext=(0.45, 0.275))

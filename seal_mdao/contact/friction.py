@@ -20,36 +20,45 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao import values
-from seal_mdao.compilation import compiled, inlined, internal
-from seal_mdao.contact.kinematics import closest_point, contact_frame, rates, way_along, whole_turns
-from seal_mdao.geometry.curve import curve_velocity
-from seal_mdao.geometry.pose import in_frame, turned
+from seal_mdao.compilation import inlined, internal
+from seal_mdao.contact.friction_law import FrictionLaw
+from seal_mdao.terms.term import Scalar
 
 FRICTION_HISTORIES = ("accumulated", "incremental")
 
-# Share of two terms below which their sum is rounding.
-ROUNDING = 1e-13
+# Contact states; a point of UNKNOWN state was near no other boundary and touches without slip.
+UNKNOWN, OPEN, STICK, SLIP = -1, 0, 1, 2
 
-# Contact states.
-OPEN, STICK, SLIP = 0, 1, 2
-
-# Inputs and outputs of the local linearisation of one contact point; SHAPE is the first of the
-# profile's shape parameters.
+# Inputs and outputs of the local linearisation of one contact point. FRICTION is the first constant of
+# the friction law; SHAPE, the first of the profile's shape parameters, follows the one of Coulomb's law.
 X, Y, XI_0, SIZE_0, SLIP_0, LENGTH, NORMAL_PENALTY, TANGENT_PENALTY, FRICTION, SHAPE = range(10)
 FORCE_X, FORCE_Y, XI, SIZE, CARRIED, GAP = range(6)
 
 
 class ContactLaw(NamedTuple):
-    """Penalties (stress per length), friction coefficient, history rule.
+    """Penalties, friction law, history rule.
 
     A penalty that is None follows from the body when the contact becomes part of a seal
     (``contact.default_penalties``).
+
+    Attributes
+    ----------
+    normal_penalty, tangent_penalty : float or None
+        Stress per length.
+    friction : float or FrictionLaw
+        Coulomb's friction coefficient, or another law.
+    accumulated : bool
+        Whether the elastic slip of a step passes to the next one.
+    limits : ndarray, shape (k, 2, 2 + m), or None
+        Of another law than Coulomb's at the points of a kernel (``at``), ``FrictionLaw.at`` of the
+        pressures there.
     """
 
     normal_penalty: float | None = None
     tangent_penalty: float | None = None
-    friction: float = 0.0
+    friction: float | FrictionLaw = 0.0
     accumulated: bool = True
+    limits: np.ndarray | None = None
 
     @property
     def open_penalties(self) -> tuple:
@@ -57,6 +66,50 @@ class ContactLaw(NamedTuple):
         return tuple(
             name for name in ("normal_penalty", "tangent_penalty") if getattr(self, name) is None
         )
+
+    @property
+    def frictionless(self) -> bool:
+        """Whether there is no friction at all: Coulomb's law with a coefficient of zero."""
+        return not isinstance(self.friction, FrictionLaw) and self.friction == 0.0
+
+    @property
+    def constants(self) -> dict:
+        """Constants of the friction law by name, in the order of their columns from FRICTION on."""
+        if isinstance(self.friction, FrictionLaw):
+            return self.friction.by_name
+        return {"friction": self.friction}
+
+    @property
+    def scalars(self) -> dict:
+        """Penalties and constants of the friction law, ``Scalar`` by name."""
+        found = {
+            "normal_penalty": Scalar(self.normal_penalty, "kPa/mm", "Normal penalty w_n."),
+            "tangent_penalty": Scalar(self.tangent_penalty, "kPa/mm", "Tangential penalty w_t."),
+        }
+        if not isinstance(self.friction, FrictionLaw):
+            return found | {
+                "friction": Scalar(self.friction, None, "Coulomb friction coefficient.")
+            }
+        text = f"Constant of the friction law {self.friction.name}: "
+        return found | {
+            name: Scalar(value, None, f"{text}{name}.") for name, value in self.constants.items()
+        }
+
+    def with_parameters(self, changed: dict) -> "ContactLaw":
+        """The law with some of its ``scalars`` changed; other names are left alone."""
+        own = {name: changed[name] for name in self.scalars if name in changed}
+        constants = {name: own.pop(name) for name in self.constants if name in own}
+        if isinstance(self.friction, FrictionLaw):
+            return self._replace(friction=self.friction.with_constants(constants), **own)
+        return self._replace(**own, **constants)
+
+    def at(self, gap: np.ndarray) -> "ContactLaw":
+        """The law as kernels take it at points with normal gaps (k,)."""
+        if not isinstance(self.friction, FrictionLaw):
+            return self
+        # p = -w_n g_n
+        limits = self.friction.at(np.maximum(-self.normal_penalty * gap, 0.0))
+        return self._replace(friction=0.0, limits=limits)
 
     def check(self, label: str) -> None:
         """Validate the law of the contact ``label``.
@@ -69,7 +122,8 @@ class ContactLaw(NamedTuple):
         for name in ("normal_penalty", "tangent_penalty"):
             if name not in self.open_penalties:
                 values.real(f"{name} of {label!r}", getattr(self, name), above=0.0)
-        values.real(f"friction of {label!r}", self.friction, 0.0)
+        if not isinstance(self.friction, FrictionLaw):
+            values.real(f"friction of {label!r}", self.friction, 0.0)
 
     def require_penalties(self, label: str) -> None:
         """Raise ValueError for a penalty that is None; ``label`` is the contact's."""
@@ -84,7 +138,8 @@ class ContactLaw(NamedTuple):
         return 0.5 * self.normal_penalty * float(length @ np.minimum(gap, 0.0) ** 2)
 
     def most_friction_work(self, slip, gaps, length) -> float:
-        """Bound from above the work of friction in an increment: mu p |slip| with the larger pressure.
+        """Bound from above the work of friction in an increment: its limit, mu p with Coulomb's law, at
+        the larger pressure times |slip|.
 
         Parameters
         ----------
@@ -98,7 +153,11 @@ class ContactLaw(NamedTuple):
         low, high = low[at], high[at]
         fraction = np.where(high > 0.0, low / np.where(high > 0.0, low - high, 1.0), 1.0)
         pressure = -self.normal_penalty * low
-        return self.friction * float(np.sum(pressure * np.abs(slip[at]) * fraction * length[at]))
+        if isinstance(self.friction, FrictionLaw):
+            limit, factor = self.friction.highest(pressure), 1.0
+        else:
+            limit, factor = pressure, self.friction
+        return factor * float(np.sum(limit * np.abs(slip[at]) * fraction * length[at]))
 
 
 class ContactHistory(NamedTuple):
@@ -137,6 +196,8 @@ def elastic_slip(g_n, way, state_0, size_0, carried):
 
     A point that was open slides only over the share g_n / (g_n - g_n0) of the step after it touched.
     """
+    if state_0 == UNKNOWN:
+        return 0.0
     slid = size_0 * way
     if state_0 == OPEN:
         return slid * g_n / (g_n - carried)
@@ -144,32 +205,10 @@ def elastic_slip(g_n, way, state_0, size_0, carried):
 
 
 @inlined
-def traction(law, g_n, g_t):
-    """Contact state and tangential traction per area, Eqs. (28), (29).
-
-    Parameters
-    ----------
-    g_n, g_t : float
-        Normal gap, and elastic slip as if the point stuck.
-
-    Returns
-    -------
-    state : int
-    tau : float
-        w_t g_t in stick, +-mu w_n |g_n| in slip; stress.
-    """
-    if g_n >= 0.0:
-        return OPEN, 0.0
-    limit = -law.friction * law.normal_penalty * g_n
-    tau = law.tangent_penalty * g_t
-    if abs(tau) < limit:
-        return STICK, tau
-    return SLIP, math.copysign(limit, g_t)
-
-
-@inlined
 def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
-    """Derivative of ``elastic_slip`` with respect to the input ``column``."""
+    """Derivative of ``elastic_slip`` with respect to the input ``column``, Eq. (60)."""
+    if state_0 == UNKNOWN:
+        return 0.0
     slid, slid_r = size_0 * way, size_0 * way_r
     if column == SIZE_0:
         slid_r = way
@@ -181,263 +220,77 @@ def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
     return slid_r * g_n / whole + slid * share_r
 
 
-@compiled
-def slip_slopes(profile, points, history, xi, gap, local, out):
-    """Derivatives ``out[:, 0]`` (s, 2) of the elastic slip of ``points`` (s,) with their displacements
-    at the step before.
+@internal
+def law_constants(limits):
+    """How many constants the friction law has: one of Coulomb's."""
+    if limits is None:
+        return 1
+    return limits.shape[2] - 2
 
-    What a point that goes on sticking on |t| = |t0| hands on, s0 - |t0| xi0, does not change with its
-    displacement; what is left of it is rounding, and zero here.
 
-    Parameters
-    ----------
-    history : ContactHistory
-        Handed on by the step before, of all points.
-    xi, gap : ndarray, shape (n,)
-        Natural coordinates and normal gaps of all points at the step.
-    local : ndarray, shape (s, 6, ...)
-        Of ``contact_linearization`` at the step before.
-    """
-    for k, i in enumerate(points):
-        state_0, before = history.state[i], history.variables[i]
-        xi_0, size_0, carried = before[0], before[1], before[2]
-        way = way_along(profile, xi[i], xi_0)
-        by_xi = elastic_slip_rate(XI_0, gap[i], 0.0, way, -1.0, state_0, size_0, carried)
-        by_carried = elastic_slip_rate(SLIP_0, gap[i], 0.0, way, 0.0, state_0, size_0, carried)
-        scale = 0.0
-        for c in range(2):
-            a, b = by_xi * local[k, XI, X + c], by_carried * local[k, CARRIED, X + c]
-            out[k, 0, c], scale = a + b, max(scale, abs(a) + abs(b))
-        if max(abs(out[k, 0, 0]), abs(out[k, 0, 1])) <= ROUNDING * scale:
-            out[k, 0, 0] = out[k, 0, 1] = 0.0
+@internal
+def friction_limit(limits, law, i, g_n, g_t):
+    """The largest traction of point ``i`` against slip along g_t: mu w_n |g_n| of Eq. (28), or what
+    another law has in ``law.limits``, given apart for numba to leave out the one or the other."""
+    if limits is None:
+        return -law.friction * law.normal_penalty * g_n
+    return limits[i, 1 if math.copysign(1.0, g_t) > 0.0 else 0, 0]
+
+
+@internal
+def _friction_limit_rate(limits, law, i, column, g_n, gap_r, tau):
+    """Derivative of ``friction_limit``, which is |tau|."""
+    if limits is None:
+        if column == NORMAL_PENALTY:
+            return abs(tau) / law.normal_penalty
+        if column == FRICTION:
+            return -law.normal_penalty * g_n
+        return -law.friction * law.normal_penalty * gap_r
+    own = limits[i, 1 if math.copysign(1.0, tau) > 0.0 else 0]
+    if FRICTION <= column < FRICTION + own.size - 2:
+        return own[2 + column - FRICTION]  # d limit / d constant
+    # d limit / dp p', p = -w_n g_n
+    return own[1] * (-g_n if column == NORMAL_PENALTY else -law.normal_penalty * gap_r)
 
 
 @inlined
-def traction_rate(column, law, state, tau, g_n, gap_r, slip_r):
-    """Derivatives of tau and of the elastic slip that is carried on."""
+def traction(law, i, g_n, g_t):
+    """Contact state and tangential traction per area, Eqs. (28), (29).
+
+    Parameters
+    ----------
+    law : ContactLaw
+        ``at`` the gaps of the points, of which this is the ``i``-th.
+    g_n, g_t : float
+        Normal gap, and elastic slip as if the point stuck.
+
+    Returns
+    -------
+    state : int
+    tau : float
+        w_t g_t in stick, +-mu w_n |g_n| in slip; stress.
+    """
+    if g_n >= 0.0:
+        return OPEN, 0.0
+    limit = friction_limit(law.limits, law, i, g_n, g_t)
+    tau = law.tangent_penalty * g_t
+    if abs(tau) < limit:
+        return STICK, tau
+    return SLIP, math.copysign(limit, g_t)
+
+
+@inlined
+def traction_rate(law, i, column, state, tau, g_n, gap_r, slip_r):
+    """Derivatives of tau and of the elastic slip tau / w_t that is carried on, with respect to the input
+    ``column``."""
     if state == STICK:
         tau_r = law.tangent_penalty * slip_r
         if column == TANGENT_PENALTY:
             tau_r = tau / law.tangent_penalty
         return tau_r, slip_r
-    way = math.copysign(1.0, tau)
-    tau_r = -way * law.friction * law.normal_penalty * gap_r
-    if column == NORMAL_PENALTY:
-        tau_r = tau / law.normal_penalty
-    elif column == FRICTION:
-        tau_r = -way * law.normal_penalty * g_n
+    limit_r = _friction_limit_rate(law.limits, law, i, column, g_n, gap_r, tau)
+    tau_r = math.copysign(1.0, tau) * limit_r
     slip_r = tau_r / law.tangent_penalty
     if column == TANGENT_PENALTY:
         slip_r = -tau / law.tangent_penalty**2
     return tau_r, slip_r
-
-
-@internal
-def _fill_column(column, way_r, moved, frame, now, then, law, length, out):
-    """One column of ``linearize_contact_point``.
-
-    Parameters
-    ----------
-    way_r : float
-        Rate of xi - xi0, without that of xi.
-    moved : tuple of pairs
-        w, V_c,xi, V_c,xixi of ``rates``.
-    frame, now, then : tuple
-        What ``contact_frame`` gives; g_n, state, tau, nu; what came before: state, |t0|, xi - xi0,
-        and the gap or slip carried.
-    """
-    e_t, e_n, size, alpha, beta, gamma, c = frame
-    g_n, state, tau, nu = now
-    state_0, size_0, way, carried = then
-    w, v1, v2 = moved
-    xi_r, gap_r, turn, size_r, c_r = rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2)
-    out[XI, column], out[SIZE, column], out[GAP, column] = xi_r, size_r, gap_r
-    if state == OPEN:
-        out[FORCE_X, column] = out[FORCE_Y, column] = 0.0
-        out[CARRIED, column] = gap_r
-        return
-    slip_r = elastic_slip_rate(column, g_n, gap_r, way, xi_r + way_r, state_0, size_0, carried)
-    tau_r, slip_r = traction_rate(column, law, state, tau, g_n, gap_r, slip_r)
-    pressure, shear = law.normal_penalty * g_n, tau * nu
-    pressure_r = law.normal_penalty * gap_r
-    if column == NORMAL_PENALTY:
-        pressure_r = g_n
-    size_0_r = 1.0 if column == SIZE_0 else 0.0
-    nu_r = nu * (size_r / size + size_0_r / size_0 - c_r / c)
-    shear_r = tau_r * nu + tau * nu_r
-    on_n = length * (pressure_r + turn * shear)
-    on_t = length * (shear_r - turn * pressure)
-    if column == LENGTH:
-        on_n, on_t = pressure, shear
-    out[FORCE_X, column] = on_n * e_n[0] + on_t * e_t[0]
-    out[FORCE_Y, column] = on_n * e_n[1] + on_t * e_t[1]
-    out[CARRIED, column] = slip_r if law.accumulated else 0.0
-
-
-@internal
-def _fill_columns(first, end, frame, now, then, law, length, out):
-    """Columns ``first`` to ``end`` of ``linearize_contact_point``, none of them of the shape."""
-    zero = (0.0, 0.0)
-    for column in range(first, end):
-        w = (1.0 if column == X else 0.0, 1.0 if column == Y else 0.0)
-        way_r = -1.0 if column == XI_0 else 0.0
-        _fill_column(column, way_r, (w, zero, zero), frame, now, then, law, length, out)
-
-
-@inlined
-def linearize_contact_point(
-    profile, law, pose, piece, xi, g_n, state, tau, state_0, carried, length, columns, out
-):
-    """Derivatives of force and history of one point with respect to all its inputs.
-
-    The force is T = length [w_n g_n e_n + tau nu e_t], Eq. (29); with dx alone its columns are the
-    tangents (35), (36), (41), with the rest they are the fictitious loads (57), (63), (66).
-
-    Parameters
-    ----------
-    state, state_0 : int
-        Contact state now and at the previous converged step.
-    carried : ndarray, shape (3,)
-        The variables of ``ContactHistory``.
-    columns : int
-        SHAPE and the number of shape parameters.
-    out : ndarray, shape (6, columns)
-        Rows FORCE_X ... GAP, columns X ... FRICTION, SHAPE ...; x and force in the fixed frame. What
-        rates of the pose do besides is told in ``geometry.pose``.
-    """
-    e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
-    frame = turned(pose, e_t), turned(pose, e_n), size, alpha, beta, gamma, c
-    way = way_along(profile, xi, carried[0])
-    now = g_n, state, tau, size * carried[1] / c if state != OPEN else 0.0
-    then = state_0, carried[1], way, carried[2]
-    if state == OPEN:
-        # history, length and law matter in contact only
-        out[:, XI_0:SHAPE] = 0.0
-    _fill_columns(X, SHAPE if state != OPEN else XI_0, frame, now, then, law, length, out)
-    for column in range(SHAPE, columns):
-        v, v1, v2 = curve_velocity(profile, column - SHAPE, piece, xi)
-        moved = turned(pose, (-v[0], -v[1])), turned(pose, v1), turned(pose, v2)
-        turns = whole_turns(profile, xi, carried[0])
-        way_r = -turns * profile.period_rate[column - SHAPE]
-        _fill_column(column, way_r, moved, frame, now, then, law, length, out)
-
-
-@inlined
-def _without_reversal(law, state, tau, g_t, direction, i):
-    """Let a point stick that would slip the other way round than one Newton iteration before."""
-    way = 0
-    if state == SLIP:
-        way = 1 if tau > 0.0 else -1
-    reversed_slip = way * direction[i] < 0
-    direction[i] = 0 if reversed_slip else way
-    if reversed_slip:
-        return STICK, law.tangent_penalty * g_t, 1
-    return state, tau, 0
-
-
-@compiled
-def contact_points(
-    profile, law, pose, x, length, history, direction, force, tangent, state, kept, gap
-):
-    """Forces of all contact points on a rigid profile and their tangents.
-
-    Parameters
-    ----------
-    pose : Pose
-        Translation and rotation of the profile.
-    x : ndarray, shape (n, 2)
-        Deformed contact points.
-    length : ndarray, shape (n,)
-        Tributary lengths.
-    history : ContactHistory
-    direction : ndarray of int, shape (n,)
-        Slip direction in the previous Newton iteration, 0 for none; updated. A point that would
-        slip the other way round has passed the stick branch in between: it is taken to stick in
-        this iteration, whatever its limit, else Newton can jump to and fro for ever.
-    force, tangent : ndarray, shapes (n, 2), (n, 2, 2)
-        Written: the contact form (29) of each point, and d force / d x.
-    state, kept, gap : ndarray, shapes (n,), (n, 3), (n,)
-        Written: contact state, the variables to carry, the normal gap.
-
-    Returns
-    -------
-    int
-        Points made to stick; forces are those of Eq. (29) only when it is zero.
-    """
-    local = np.empty((6, 2))
-    made_to_stick = 0
-    for i in range(x.shape[0]):
-        x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
-        piece, xi, g_n = closest_point(profile, x_1, x_2)
-        e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
-        e_t, e_n = turned(pose, e_t), turned(pose, e_n)
-        gap[i], kept[i, 0], kept[i, 1] = g_n, xi, size
-        if g_n >= 0.0:
-            state[i], direction[i], kept[i, 2] = OPEN, 0, g_n
-            for a in range(2):
-                force[i, a] = tangent[i, a, 0] = tangent[i, a, 1] = 0.0
-            continue
-        state_0, carried = history.state[i], history.variables[i]
-        way = way_along(profile, xi, carried[0])
-        g_t = elastic_slip(g_n, way, state_0, carried[1], carried[2])
-        state[i], tau = traction(law, g_n, g_t)
-        state[i], tau, made = _without_reversal(law, state[i], tau, g_t, direction, i)
-        made_to_stick += made
-        kept[i, 2] = tau / law.tangent_penalty if law.accumulated else 0.0
-        shear = tau * size * carried[1] / c
-        for a in range(2):
-            force[i, a] = length[i] * (law.normal_penalty * g_n * e_n[a] + shear * e_t[a])
-        frame = e_t, e_n, size, alpha, beta, gamma, c
-        now = g_n, state[i], tau, size * carried[1] / c
-        then = state_0, carried[1], way, carried[2]
-        _fill_columns(X, Y + 1, frame, now, then, law, length[i], local)
-        for row in range(2):
-            for column in range(2):
-                tangent[i, row, column] = local[row, column]
-    return made_to_stick
-
-
-@inlined
-def _add_motion(pose, motion_rates, x, force, first, out):
-    """Columns of one point from ``first`` on for the motion's parameters: the profile moves under it,
-    see ``geometry.pose``."""
-    for m in range(motion_rates.shape[0]):
-        v_x, v_y, turn = motion_rates[m, 0], motion_rates[m, 1], motion_rates[m, 2]
-        v_x -= turn * (x[1] - pose.position[1] - pose.pivot[1])
-        v_y += turn * (x[0] - pose.position[0] - pose.pivot[0])
-        for row in range(out.shape[0]):
-            out[row, first + m] = -out[row, X] * v_x - out[row, Y] * v_y
-        out[FORCE_X, first + m] -= turn * force[1]
-        out[FORCE_Y, first + m] += turn * force[0]
-
-
-@compiled
-def contact_linearization(
-    profile, curve, law, pose, motion_rates, x, length, force, history, points, out
-):
-    """Full local derivatives of the ``points`` (s,) at a converged step, ``out`` (s, 6, SHAPE + S + m)
-    written; see the input names above.
-
-    Parameters
-    ----------
-    curve : RigidProfile
-        The profile without its rates, for which the closest point is compiled already.
-    motion_rates : ndarray, shape (m, 3)
-        Rates of x, y and angle of the pose, whose columns come last.
-    force : ndarray, shape (n, 2)
-        Of all points at the step.
-    """
-    columns = SHAPE + profile.period_rate.size
-    for k, i in enumerate(points):
-        x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
-        piece, xi, g_n = closest_point(curve, x_1, x_2)
-        state_0, carried = history.state[i], history.variables[i]
-        state, tau = OPEN, 0.0
-        if g_n < 0.0:
-            way = way_along(profile, xi, carried[0])
-            state, tau = traction(law, g_n, elastic_slip(g_n, way, state_0, carried[1], carried[2]))
-        linearize_contact_point(
-            profile, law, pose, piece, xi, g_n, state, tau, state_0, carried, length[i], columns,
-            out[k],
-        )  # fmt: skip
-        _add_motion(pose, motion_rates, x[i], force[i], columns, out[k])

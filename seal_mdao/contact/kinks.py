@@ -4,12 +4,13 @@ The force of a point has a kink where it begins to touch, g_n = 0, and where it 
 w_t |g_t| = mu w_n |g_n|. The derivatives of one side and of the other differ there.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.compilation import compiled
-from seal_mdao.contact.friction import elastic_slip
+from seal_mdao.compilation import compiled, internal
+from seal_mdao.contact.friction import elastic_slip, friction_limit
 
 OPERATIONS = 40
 """Roundings between displacements and a gap: a sum over some 25 neighbours, the pose of the profile, the
@@ -50,6 +51,14 @@ def rounding_of(size: float) -> float:
     return 0.5 * OPERATIONS * np.finfo(float).eps * size
 
 
+@internal
+def _limit_by_gap(limits, law, i, slip):
+    """|d limit / d g_n|: mu w_n, or w_n |d limit / dp| of another law."""
+    if limits is None:
+        return law.friction * law.normal_penalty
+    return abs(limits[i, 1 if math.copysign(1.0, slip) > 0.0 else 0, 1]) * law.normal_penalty
+
+
 @compiled
 def find_kinks(period, law, gap, xi, state_0, variables_0, rounding, found):
     """Find the points whose gap or slip margin is zero within rounding; returns how many there are.
@@ -62,24 +71,28 @@ def find_kinks(period, law, gap, xi, state_0, variables_0, rounding, found):
         Of the step.
     state_0, variables_0 : ndarray, shapes (k,), (k, 3)
         Of the ``ContactHistory`` with which it began.
+    law : ContactLaw
+        ``at`` the gaps.
     rounding : float
         Of a gap; a slip is a difference of two coordinates.
     found : ndarray of int, shape (k,)
         Written: SMOOTH, TOUCHING or LIMIT.
     """
-    by_gap, count = law.friction * law.normal_penalty, 0
+    count = 0
     for i in range(gap.size):
         found[i] = SMOOTH
         if abs(gap[i]) <= rounding:
             found[i] = TOUCHING
-        elif gap[i] < 0.0 and by_gap > 0.0:
+        elif gap[i] < 0.0:
             way = xi[i] - variables_0[i, 0]
             if period > 0.0:
                 way -= period * np.floor(way / period + 0.5)
             slip = elastic_slip(gap[i], way, state_0[i], variables_0[i, 1], variables_0[i, 2])
-            # mu w_n |g_n| - w_t |g_t|
-            margin = -by_gap * gap[i] - law.tangent_penalty * abs(slip)
-            if abs(margin) <= (by_gap + 2.0 * law.tangent_penalty) * rounding:
+            # limit - w_t |g_t|, with Coulomb's law mu w_n |g_n| - w_t |g_t|
+            limit = friction_limit(law.limits, law, i, gap[i], slip)
+            margin = limit - law.tangent_penalty * abs(slip)
+            by_gap = _limit_by_gap(law.limits, law, i, slip)
+            if limit > 0.0 and abs(margin) <= (by_gap + 2.0 * law.tangent_penalty) * rounding:
                 found[i] = LIMIT
         count += found[i] != SMOOTH
     return count

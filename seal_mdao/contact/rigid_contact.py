@@ -13,12 +13,10 @@ from seal_mdao.contact.friction import (
     XI,
     ContactHistory,
     ContactLaw,
-    contact_linearization,
-    contact_points,
     no_history,
-    slip_slopes,
     uses_history,
 )
+from seal_mdao.contact.friction_law import FrictionLaw
 from seal_mdao.contact.kinematics import linearized_places, normal_gaps, way_along
 from seal_mdao.contact.kinks import (
     LIMIT,
@@ -29,6 +27,7 @@ from seal_mdao.contact.kinks import (
     no_kinks,
     rounding_of,
 )
+from seal_mdao.contact.rigid_points import contact_linearization, contact_points, slip_slopes
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
@@ -38,12 +37,6 @@ from seal_mdao.terms.handed_on import HandedOn, directions_of
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import Scalar, TermDefinition
-
-LAW_SCALARS = {
-    "normal_penalty": ("kPa/mm", "Normal penalty w_n."),
-    "tangent_penalty": ("kPa/mm", "Tangential penalty w_t."),
-    "friction": (None, "Coulomb friction coefficient."),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +58,8 @@ class RigidContact(TermDefinition):
     Raises
     ------
     ValueError
-        For a penalty that is not positive, a negative friction coefficient, or one that is no number.
+        For a penalty that is not positive, a negative friction coefficient, or one that is no number;
+        for a constant of the friction law with the name of a shape parameter.
     """
 
     label: str
@@ -77,14 +71,16 @@ class RigidContact(TermDefinition):
 
     def __post_init__(self):
         self.law.check(self.label)
+        for name in set(self.law.scalars) & set(self.shape.names):
+            raise ValueError(
+                f"{name!r} of {self.label!r} is a constant of its friction law and a shape parameter; "
+                "give one of them another name"
+            )
 
     @property
     def scalars(self) -> dict:
-        """Penalties and friction, shape, motion."""
-        law = {
-            self.prefix + name: Scalar(getattr(self.law, name), *rest)
-            for name, rest in LAW_SCALARS.items()
-        }
+        """Penalties and constants of the friction law, shape, motion."""
+        law = {self.prefix + name: scalar for name, scalar in self.law.scalars.items()}
         shape = {
             self.prefix + name: Scalar(float(getattr(self.shape, name)), "mm", f"Profile: {name}.")
             for name in self.shape.names
@@ -95,11 +91,10 @@ class RigidContact(TermDefinition):
     def with_parameters(self, values: dict) -> "RigidContact":
         """The contact with some of its parameters changed."""
         own = {name.removeprefix(self.prefix): value for name, value in values.items()}
-        law = {name: own[name] for name in LAW_SCALARS if name in own}
         shape = {name: own[name] for name in self.shape.names if name in own}
         motion = {name: values[name] for name in self.motion.names if name in values}
         return replace(
-            self, law=self.law._replace(**law),
+            self, law=self.law.with_parameters(own),
             shape=replace(self.shape, **shape) if shape else self.shape,
             motion=self.motion.moved(motion),
         )  # fmt: skip
@@ -162,11 +157,11 @@ class ContactTerm(PointTerm):
     @property
     def remembers(self) -> bool:
         """Without friction nothing depends on the history."""
-        return self.law.friction != 0.0
+        return not self.law.frictionless
 
     @property
     def conservative(self) -> bool:
-        return self.law.friction == 0.0
+        return self.law.frictionless
 
     def potential(self, d, response) -> float:
         return self.law.potential(response.gap, self.length)
@@ -185,13 +180,19 @@ class ContactTerm(PointTerm):
 
     def respond(self, x, fraction, history) -> ContactResponse:
         made_to_stick = contact_points(
-            self.curve, self.law, self.pose(fraction), x, self.length, history,
+            self.curve, self._law_at(x, fraction), self.pose(fraction), x, self.length, history,
             self._direction, self._force, self._tangent, self._state, self._kept, self._gap[:, 0],
         )  # fmt: skip
         return ContactResponse(
             x, self._force, self._tangent, self._state, ContactHistory(self._state, self._kept),
             self._gap, made_to_stick,
         )  # fmt: skip
+
+    def _law_at(self, x, fraction) -> ContactLaw:
+        """The law at points x (k, 2); Coulomb's needs no gaps."""
+        if not isinstance(self.law.friction, FrictionLaw):
+            return self.law
+        return self.law.at(self.gaps(x, fraction))
 
     # ---- mixed iterations ----
 
@@ -218,8 +219,8 @@ class ContactTerm(PointTerm):
     def linearize(self, response, fraction, history, points):
         out = np.empty((points.size, *self.local_shape))
         contact_linearization(
-            self.profile, self.curve, self.law, self.pose(fraction), self.motion_rates(fraction),
-            response.x, self.length, response.force, history, points, out,
+            self.profile, self.curve, self.law.at(response.gap), self.pose(fraction),
+            self.motion_rates(fraction), response.x, self.length, response.force, history, points, out,
         )  # fmt: skip
         return out
 
@@ -227,7 +228,7 @@ class ContactTerm(PointTerm):
         rounding = rounding_of(self._size + float(np.abs(self.pose(fraction).position).max()))
         found = np.empty(len(self.where), np.int64)
         if not find_kinks(
-            self.curve.period, self.law, response.gap, response.history.variables[:, 0],
+            self.curve.period, self.law.at(response.gap), response.gap, response.history.variables[:, 0],
             history.state, history.variables, rounding, found,
         ):  # fmt: skip
             return no_kinks(found.size)
@@ -327,7 +328,7 @@ class ContactTerm(PointTerm):
         k = len(self.where)
         force = np.empty((k, 2))
         contact_points(
-            self.curve, self.law, self.pose(fraction), response.x, self.length,
+            self.curve, self.law.at(response.gap), self.pose(fraction), response.x, self.length,
             response.history, np.zeros(k, np.int64), force, np.empty((k, 2, 2)),
             np.empty(k, np.int64), np.empty((k, 3)), np.empty(k),
         )  # fmt: skip

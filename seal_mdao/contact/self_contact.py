@@ -20,24 +20,20 @@ from seal_mdao.contact.boundary_curve import (
     project,
     rings,
 )
-from seal_mdao.contact.friction import OPEN, SLIP, STICK, ContactHistory, ContactLaw
+from seal_mdao.contact.friction import OPEN, SLIP, STICK, UNKNOWN, ContactHistory, ContactLaw
 from seal_mdao.contact.kinks import LIMIT, TOUCHING, Kinks, find_kinks, no_kinks, rounding_of
-from seal_mdao.contact.rigid_contact import LAW_SCALARS
 from seal_mdao.contact.self_friction import (
-    LENGTH,
-    UNKNOWN,
-    XI_0,
+    NORMAL_PENALTY,
     Before,
     Touch,
     forces,
     linearized,
-    slip_of,
     touch,
 )
 from seal_mdao.errors import GeometryError
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
-from seal_mdao.terms.term import Scalar, TermDefinition
+from seal_mdao.terms.term import TermDefinition
 
 SHARED = 0.5
 """Share of the penalties that either side has."""
@@ -93,16 +89,13 @@ class SelfContact(TermDefinition):
 
     @property
     def scalars(self) -> dict:
-        """Penalties and friction."""
-        return {
-            f"{self.label}_{name}": Scalar(getattr(self.law, name), *rest)
-            for name, rest in LAW_SCALARS.items()
-        }
+        """Penalties and constants of the friction law."""
+        return {f"{self.label}_{name}": scalar for name, scalar in self.law.scalars.items()}
 
     def with_parameters(self, values: dict) -> "SelfContact":
         """The contact with another law."""
         own = {name.removeprefix(f"{self.label}_"): value for name, value in values.items()}
-        return replace(self, law=self.law._replace(**own))
+        return replace(self, law=self.law.with_parameters(own))
 
     def point_set(self):
         """The particles of all loops."""
@@ -158,6 +151,7 @@ class SelfContactTerm(CoupledTerm):
         super().__init__(
             definition.label, definition.scalars, definition.where, discretization, place
         )
+        self.complete_law = definition.law
         self.law = definition.law._replace(
             normal_penalty=SHARED * definition.law.normal_penalty,
             tangent_penalty=SHARED * definition.law.tangent_penalty,
@@ -172,12 +166,12 @@ class SelfContactTerm(CoupledTerm):
     @property
     def remembers(self) -> bool:
         """Without friction nothing depends on the history."""
-        return self.law.friction != 0.0
+        return not self.law.frictionless
 
     @property
     def conservative(self) -> bool:
         """Without friction its forces have a potential."""
-        return self.law.friction == 0.0
+        return self.law.frictionless
 
     def potential(self, d, response) -> float:
         points, gap = self.gaps(response.x)
@@ -236,16 +230,26 @@ class SelfContactTerm(CoupledTerm):
             carried,
         )  # fmt: skip
 
+    def _law_at(self, gap) -> ContactLaw:
+        """The law of either side at gaps (m,): half of the limits at the complete pressure."""
+        limits = self.complete_law.at(gap).limits
+        if limits is None:
+            return self.law
+        # d limit/dp stays: half of the limit by half of the pressure
+        limits[:, :, 0] *= SHARED
+        limits[:, :, 2:] *= SHARED
+        return self.law._replace(friction=0.0, limits=limits)
+
     # ---- what a coupled term gives ----
 
     def respond(self, x, fraction, history) -> CoupledResponse:
         points, nodes, now = self._followed(x)
-        before = self._before(points, now, history)
-        found, made_to_stick = self._without_reversal(points, now, before)
+        before, law = self._before(points, now, history), self._law_at(now.gap)
+        found, made_to_stick = self._without_reversal(points, touch(law, now, before))
         closed = found.state != OPEN
-        local = linearized(self.law, now, before, found, self.length[points])
+        local = linearized(law, now, before, found, self.length[points])
         force = np.zeros_like(x)
-        q = forces(self.law, now, before.size, found.tau, self.length[points])[closed]
+        q = forces(law, now, before.size, found.tau, self.length[points])[closed]
         np.add.at(force, nodes[closed], q.reshape(-1, NODES, 2))
         loaded, branch = np.zeros(len(x), int), np.zeros(len(x), int)
         loaded[nodes[closed]], branch[points] = 1, found.state
@@ -255,16 +259,15 @@ class SelfContactTerm(CoupledTerm):
             self._handed_on(points, now, found), np.empty((1, 0)), made_to_stick,
         )  # fmt: skip
 
-    def _without_reversal(self, points, now, before):
+    def _without_reversal(self, points, found: Touch):
         """Let points stick that would slip the other way round than one Newton iteration before."""
-        found = touch(self.law, now, before)
         way = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
         turned = way * self._direction[points] < 0
         self._direction[:] = 0
         self._direction[points] = np.where(turned, 0, way)
-        stuck = self.law.tangent_penalty * slip_of(now, before)[0]
         state = np.where(turned, STICK, found.state)
-        return Touch(state, np.where(turned, stuck, found.tau), found.share), int(turned.sum())
+        tau = np.where(turned, self.law.tangent_penalty * found.slip, found.tau)
+        return Touch(state, tau, found.slip), int(turned.sum())
 
     def _handed_on(self, points, now, found) -> ContactHistory:
         history = self.no_history()
@@ -275,13 +278,10 @@ class SelfContactTerm(CoupledTerm):
 
     def linearize(self, response, fraction, history) -> LocalMap:
         points, nodes, now = self._followed(response.x)
-        before = self._before(points, now, history)
-        found = touch(self.law, now, before)
-        local = linearized(self.law, now, before, found, self.length[points])
-        lost = before.state == UNKNOWN
-        # |t| stands for |t0| there, and without slip it does not matter
-        local[lost, :, XI_0:LENGTH] = 0.0
-        local[:, :, LENGTH + 1 : LENGTH + 3] *= SHARED
+        before, law = self._before(points, now, history), self._law_at(now.gap)
+        found = touch(law, now, before)
+        local = linearized(law, now, before, found, self.length[points])
+        local[:, :, NORMAL_PENALTY : NORMAL_PENALTY + 2] *= SHARED
         return self._scattered(points, nodes, local)
 
     def _scattered(self, points, nodes, local) -> LocalMap:
@@ -313,13 +313,9 @@ class SelfContactTerm(CoupledTerm):
         points, _, at = self._followed(response.x)
         before = self._before(points, at, history)
         found = np.empty(points.size, np.int64)
-        # without slip where a point was near no other boundary
-        lost = before.state == UNKNOWN
-        variables = np.column_stack(
-            [at.xi - before.way, before.size, np.where(lost, 0.0, before.carried)]
-        )
-        states = np.where(lost, STICK, before.state)
-        find_kinks(0.0, self.law, at.gap, at.xi, states, variables, rounding, found)
+        variables = np.column_stack([at.xi - before.way, before.size, before.carried])
+        law = self._law_at(at.gap)
+        find_kinks(0.0, law, at.gap, at.xi, before.state, variables, rounding, found)
         touching = points[found == TOUCHING]
         # walls that touch are taken to slide on each other
         forces, slips = np.zeros((touching.size, k, 2)), np.ones(touching.size, bool)

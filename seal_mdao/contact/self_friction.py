@@ -3,23 +3,33 @@
     q = length (w_n g dg/du + tau |t0| dxi/du)
 
 for the places u of a point and of the six particles of its segment: forces and moments balance, for gap
-and slip do not know of rigid motions. The rules are those of ``contact.friction`` (accumulated history).
+and slip do not know of rigid motions. Traction and slip are those of ``contact.friction`` (accumulated
+history).
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.compilation import compiled
+from seal_mdao.contact import friction
 from seal_mdao.contact.boundary_curve import N_PLACES, Kinematics
-from seal_mdao.contact.friction import OPEN, SLIP, STICK, ContactLaw
-
-UNKNOWN = -1
-"""State of a point that was near no other boundary: it touches without slip."""
-
-XI_0, SIZE_0, CARRIED_0, LENGTH, NORMAL_PENALTY, TANGENT_PENALTY, FRICTION = range(
-    N_PLACES, N_PLACES + 7
+from seal_mdao.contact.friction import (
+    OPEN,
+    ContactLaw,
+    elastic_slip,
+    elastic_slip_rate,
+    traction,
+    traction_rate,
 )
-N_INPUTS = N_PLACES + 7
+
+FIRST = N_PLACES - friction.XI_0
+"""The inputs behind the places, in the order of ``contact.friction``, come so many columns later."""
+
+SIZE_0, LENGTH, NORMAL_PENALTY, CONSTANTS = (
+    FIRST + column
+    for column in (friction.SIZE_0, friction.LENGTH, friction.NORMAL_PENALTY, friction.FRICTION)
+)
 XI, SIZE, CARRIED = range(N_PLACES, N_PLACES + 3)
 N_OUTPUTS = N_PLACES + 3
 
@@ -50,33 +60,32 @@ class Touch(NamedTuple):
     state : ndarray of int, shape (m,)
     tau : ndarray, shape (m,)
         Tangential traction.
-    share : ndarray, shape (m,)
-        Share of the step after the point touched.
+    slip : ndarray, shape (m,)
+        Elastic slip as if the points stuck; 0 where they are open.
     """
 
     state: np.ndarray
     tau: np.ndarray
-    share: np.ndarray
-
-
-def slip_of(now: Kinematics, before: Before):
-    """Elastic slip as if the points stuck, and the share of the step that they slid."""
-    opened, unknown = before.state == OPEN, before.state == UNKNOWN
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(opened, now.gap / (now.gap - before.carried), 1.0)
-    share = np.where(unknown | ~np.isfinite(share), 0.0, share)
-    carried = np.where(opened | unknown, 0.0, before.carried)
-    return before.size * before.way * share + carried, share
+    slip: np.ndarray
 
 
 def touch(law: ContactLaw, now: Kinematics, before: Before) -> Touch:
-    """Open, stick or slip, and the tangential traction, Eqs. (28), (29)."""
-    slip, share = slip_of(now, before)
-    limit, tau = -law.friction * law.normal_penalty * now.gap, law.tangent_penalty * slip
-    closed, sticks = now.gap < 0.0, np.abs(tau) < limit
-    tau = np.where(sticks, tau, np.copysign(limit, slip))
-    state = np.where(closed, np.where(sticks, STICK, SLIP), OPEN)
-    return Touch(state, np.where(closed, tau, 0.0), share)
+    """Open, stick or slip, and the tangential traction, Eqs. (28), (29); ``law`` is that at the gaps."""
+    m = len(now.gap)
+    found = Touch(np.full(m, OPEN), np.zeros(m), np.zeros(m))
+    _touch_points(law, now.gap, before, found)
+    return found
+
+
+@compiled
+def _touch_points(law, gap, before, found):
+    """Write the states and tractions of all points."""
+    for i in range(gap.size):
+        if gap[i] < 0.0:
+            found.slip[i] = elastic_slip(
+                gap[i], before.way[i], before.state[i], before.size[i], before.carried[i]
+            )
+            found.state[i], found.tau[i] = traction(law, i, gap[i], found.slip[i])
 
 
 def forces(law: ContactLaw, now: Kinematics, size_0, tau, length) -> np.ndarray:
@@ -88,15 +97,18 @@ def forces(law: ContactLaw, now: Kinematics, size_0, tau, length) -> np.ndarray:
 def linearized(
     law: ContactLaw, now: Kinematics, before: Before, found: Touch, length
 ) -> np.ndarray:
-    """Derivatives of q, xi, |t| and what is carried, shape (m, 17, 21); inputs XI_0 ... behind u."""
-    m, out = len(now.gap), np.zeros((len(now.gap), N_OUTPUTS, N_INPUTS))
+    """Derivatives of q, xi, |t| and what is carried, shape (m, 17, 20 + constants of the law); inputs
+    XI_0 ... behind u."""
+    m, n_inputs = len(now.gap), CONSTANTS + friction.law_constants(law.limits)
+    out = np.zeros((m, N_OUTPUTS, n_inputs))
     out[:, XI, :N_PLACES], out[:, SIZE, :N_PLACES] = now.xi_1, now.size_1
     closed = found.state != OPEN
     out[~closed, CARRIED, :N_PLACES] = now.gap_1[~closed]
-    gap_rate = np.zeros((m, N_INPUTS))
+    gap_rate, tau_rate, carried_rate = np.zeros((3, m, n_inputs))
     gap_rate[:, :N_PLACES] = now.gap_1
-    tau_rate, carried_rate = _traction_rates(law, now, before, found, gap_rate)
+    _traction_rates(law, now.gap, gap_rate, now.xi_1, before, found, tau_rate, carried_rate)
     w_n, size_0 = law.normal_penalty, before.size
+    # dq = length (w_n (dg/du dg + g d2g/du2 du) + |t0| (dxi/du dtau + tau d2xi/du2 du) + ...)
     force = w_n * (now.gap_1[:, :, None] * gap_rate[:, None, :])
     force += size_0[:, None, None] * now.xi_1[:, :, None] * tau_rate[:, None, :]
     force[:, :, :N_PLACES] += (
@@ -111,26 +123,22 @@ def linearized(
     return out
 
 
-def _traction_rates(law, now, before, found, gap_rate):
-    """Derivatives (m, 21) of tau and of the elastic slip that is carried on."""
-    m, sticks, way = len(now.gap), found.state == STICK, before.way
-    opened, share = before.state == OPEN, found.share
-    slip_rate = np.zeros((m, N_INPUTS))
-    slip_rate[:, :N_PLACES] = (before.size * share)[:, None] * now.xi_1
-    slip_rate[:, XI_0], slip_rate[:, SIZE_0] = -before.size * share, way * share
-    slip_rate[:, CARRIED_0] = before.state > OPEN
-    whole = np.where(opened & (share > 0.0), (now.gap - before.carried) ** 2, np.inf)
-    slid = before.size * way / whole
-    slip_rate -= (slid * before.carried * opened)[:, None] * gap_rate
-    slip_rate[:, CARRIED_0] += slid * now.gap * opened
-    slip_rate[before.state == UNKNOWN] = 0.0
-    stuck_rate = law.tangent_penalty * slip_rate
-    stuck_rate[:, TANGENT_PENALTY] += found.tau / law.tangent_penalty
-    sign = np.sign(found.tau)
-    slid_rate = -(sign * law.friction * law.normal_penalty)[:, None] * gap_rate
-    slid_rate[:, NORMAL_PENALTY] -= sign * law.friction * now.gap
-    slid_rate[:, FRICTION] -= sign * law.normal_penalty * now.gap
-    tau_rate = np.where(sticks[:, None], stuck_rate, slid_rate)
-    carried_rate = slid_rate / law.tangent_penalty
-    carried_rate[:, TANGENT_PENALTY] -= found.tau / law.tangent_penalty**2
-    return tau_rate, np.where(sticks[:, None], slip_rate, carried_rate)
+@compiled
+def _traction_rates(law, gap, gap_rate, xi_1, before, found, tau_rate, carried_rate):
+    """Write the derivatives (m, n) of tau and of the elastic slip that closed points carry on."""
+    for i in range(gap.size):
+        if found.state[i] == OPEN:
+            continue
+        state_0, way, size_0 = before.state[i], before.way[i], before.size[i]
+        for k in range(gap_rate.shape[1]):
+            column, way_r = k - FIRST, 0.0
+            if k < N_PLACES:
+                column, way_r = friction.X, xi_1[i, k]
+            elif column == friction.XI_0:
+                way_r = -1.0
+            slip_r = elastic_slip_rate(
+                column, gap[i], gap_rate[i, k], way, way_r, state_0, size_0, before.carried[i]
+            )
+            tau_rate[i, k], carried_rate[i, k] = traction_rate(
+                law, i, column, found.state[i], found.tau[i], gap[i], gap_rate[i, k], slip_r
+            )

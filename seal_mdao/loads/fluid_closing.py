@@ -11,10 +11,10 @@ from seal_mdao.contact.friction import (
     NORMAL_PENALTY,
     SHAPE,
     ContactHistory,
-    contact_linearization,
 )
 from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.contact.rigid_points import contact_linearization
 
 
 class ClosingRates(NamedTuple):
@@ -34,7 +34,7 @@ class ClosingRates(NamedTuple):
 
 def closing_names(contact: RigidContact) -> tuple:
     """Parameters of a contact that decide where its profile is and how it presses."""
-    law = {f"{contact.prefix}{name}" for name in ("tangent_penalty", "friction")}
+    law = {f"{contact.prefix}{name}" for name in ("tangent_penalty", *contact.law.constants)}
     return tuple(name for name in contact.scalars if name not in law)
 
 
@@ -50,7 +50,9 @@ class Closing:
     """
 
     def __init__(self, contact: RigidContact, particles: np.ndarray, names: tuple):
-        self.profile, self.law = contact.shape.profile(), contact.law
+        self.profile = contact.shape.profile()
+        # friction does not press
+        self.law = contact.law._replace(friction=0.0)
         self.curve = self.profile.curve
         self.touches = np.flatnonzero(np.isin(particles, contact.where.at_particles))
         self.pose, self.motion_rates = cache(contact.motion.pose), cache(contact.motion.rates_at)

@@ -2,12 +2,9 @@
 
 import numpy as np
 
-from seal_mdao.contact.friction import (
-    SHAPE,
-    ContactHistory,
-    contact_linearization,
-    contact_points,
-)
+from seal_mdao.contact.friction import FRICTION, ContactHistory
+from seal_mdao.contact.kinematics import normal_gaps
+from seal_mdao.contact.rigid_points import contact_linearization, contact_points
 from seal_mdao.geometry.curve import ARC, curve_point, curve_velocity
 from seal_mdao.geometry.pose import Pose
 from seal_mdao.geometry.profile import (
@@ -65,6 +62,13 @@ def at_gap(profile, piece, share, gap):
     return curve(profile, piece, xi)[0] + gap * normal(profile, piece, xi), xi
 
 
+def _at(law, profile, pose, x):
+    """The law at the gap of one point."""
+    gap = np.empty(1)
+    normal_gaps(profile.curve, pose, np.array([x], float), gap)
+    return law.at(gap)
+
+
 def press(profile, law, x, history, direction=0, length=1.0, pose=AT_REST):
     """``contact_points`` for one point: force, tangent, state, kept, gap, made to stick, direction."""
     state, variables = history
@@ -72,19 +76,20 @@ def press(profile, law, x, history, direction=0, length=1.0, pose=AT_REST):
     way, force, tangent = np.array([direction]), np.empty((1, 2)), np.empty((1, 2, 2))
     after, kept, gap = np.empty(1, np.int64), np.empty((1, 3)), np.empty(1)
     made = contact_points(
-        profile, law, pose, np.array([x], float), np.array([float(length)]), before, way,
-        force, tangent, after, kept, gap,
+        profile, _at(law, profile, pose, x), pose, np.array([x], float),
+        np.array([float(length)]), before, way, force, tangent, after, kept, gap,
     )  # fmt: skip
     return force[0], tangent[0], int(after[0]), kept[0], float(gap[0]), made, int(way[0])
 
 
 def linearized(profile, law, x, history, length=1.0, pose=AT_REST):
-    """``contact_linearization`` for one point, (6, SHAPE + S)."""
+    """``contact_linearization`` for one point, (6, FRICTION + constants of the law + S)."""
     state, variables = history
     before = ContactHistory(np.array([state]), np.array([variables], float))
-    out = np.full((1, 6, SHAPE + profile.n_shapes), np.nan)
+    columns = FRICTION + len(law.constants) + profile.n_shapes
+    out = np.full((1, 6, columns), np.nan)
     contact_linearization(
-        profile, profile.curve, law, pose, np.empty((0, 3)), np.array([x], float),
+        profile, profile.curve, _at(law, profile, pose, x), pose, np.empty((0, 3)), np.array([x], float),
         np.array([float(length)]), np.zeros((1, 2)), before, np.array([0]), out,
     )  # fmt: skip
     return out[0]

@@ -8,7 +8,8 @@ import pytest
 from verification.differences import perturbed, same_sequence
 
 import seal_mdao as sm
-from seal_mdao.contact.friction import CARRIED, OPEN, STICK, XI, slip_slopes
+from seal_mdao.contact.friction import CARRIED, OPEN, STICK, XI
+from seal_mdao.contact.rigid_points import slip_slopes
 from seal_mdao.dsa.adjoint import AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.parameters import parameter_rates

@@ -10,8 +10,9 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from seal_mdao.contact.friction import ContactHistory, contact_points, no_history
+from seal_mdao.contact.friction import ContactHistory, no_history
 from seal_mdao.contact.kinematics import normal_gaps
+from seal_mdao.contact.rigid_points import contact_points
 from seal_mdao.measures.selection import touching_stretch
 from seal_mdao.seals.door.door_seal import DoorSeal
 from seal_mdao.seals.wall_grid import ray_directions

@@ -1,0 +1,221 @@
+"""Friction laws besides Coulomb's, each one function of the contact pressure and its constants.
+
+    def pressure_dependent(pressure, friction, reference):
+        return friction * pressure / (1.0 + pressure / reference)
+
+A law gives the largest tangential traction, which takes the place of mu w_n |g_n| in Eqs. (28), (29):
+one number, or a pair for slip along +e_t and along -e_t. Penalty, stick and slip, the history and all
+derivatives are those of ``contact.friction``: numba compiles the function for complex numbers, and a
+complex step of 1e-30 in an input gives that derivative exact to rounding.
+"""
+
+import inspect
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numba
+import numpy as np
+
+from seal_mdao import values
+
+STEP = 1e-30
+"""Of complex steps."""
+
+SAMPLES = np.array([0.7, 13.0, 170.0])
+"""Pressures at which every law is tried, kPa."""
+
+QUOTIENT_STEP, AGREEMENT = 1e-5, 1e-6
+"""Relative step of difference quotients, and how far the complex step may differ from them."""
+
+RESERVED = ("law", "normal_penalty", "tangent_penalty")
+"""Names that no constant can have."""
+
+
+@dataclass(frozen=True)
+class FrictionLaw:
+    """A friction law with the values of its constants; ``friction_law`` makes one by their names.
+
+    Attributes
+    ----------
+    limits : callable
+        ``limits(pressure, *constants)``: the largest tangential traction at a contact pressure (kPa), or
+        two, for slip towards growing and towards falling natural coordinate of the profile. It must be
+        analytic where it is used: comparisons take ``pressure.real``, and ``abs``, ``min``, ``max``
+        are not.
+    constants : tuple of float
+        In the order of its arguments.
+
+    Raises
+    ------
+    ValueError
+        For a function that numba cannot compile for complex numbers, whose complex step is not its
+        derivative, or that gives no limit of at least zero; for constants that are no numbers.
+    """
+
+    limits: Callable
+    constants: tuple
+
+    def __post_init__(self):
+        for name, value in self.by_name.items():
+            values.real(f"{name} of the friction law {self.name!r}", value)
+        self._check()
+
+    @property
+    def name(self) -> str:
+        """That of the function."""
+        return getattr(self.limits, "__name__", repr(self.limits))
+
+    @property
+    def by_name(self) -> dict:
+        """Constants by name."""
+        return dict(zip(constant_names(self.limits), self.constants, strict=True))
+
+    def with_constants(self, changed: dict) -> "FrictionLaw":
+        """The law with some constants changed."""
+        return replace(self, constants=tuple((self.by_name | changed).values()))
+
+    def at(self, pressure: np.ndarray) -> np.ndarray:
+        """Evaluate limits and their derivatives at pressures (k,).
+
+        Returns
+        -------
+        ndarray, shape (k, 2, 2 + m)
+            For slip along -e_t and along +e_t: the limit, d limit / d pressure, and d limit / d constant
+            of the m constants. Zero without pressure; NaN where the limit is negative.
+        """
+        count = len(self.constants)
+        out = np.zeros((pressure.size, 2, 2 + count))
+        for column in range(1 + count):
+            stepped = np.zeros(1 + count)
+            stepped[column] = STEP
+            found = self._evaluated(pressure, stepped)
+            out[:, :, 1 + column] = found.imag / STEP
+        out[:, :, 0] = np.where(found.real < 0.0, np.nan, found.real)
+        return out
+
+    def highest(self, pressure: np.ndarray) -> np.ndarray:
+        """The larger limit of both directions at pressures (k,), shape (k,)."""
+        return self._evaluated(pressure, np.zeros(1 + len(self.constants))).real.max(axis=1)
+
+    def _evaluated(self, pressure, stepped) -> np.ndarray:
+        """Limits (k, 2) with imaginary steps (1 + m,) in the pressure and in the constants."""
+        out = np.empty((pressure.size, 2), complex)
+        constants = tuple(np.add(self.constants, 1j * stepped[1:]).tolist())
+        _compiled(self.limits)(pressure + 1j * stepped[0], constants, out)
+        return out
+
+    def _check(self) -> None:
+        """Compare complex steps with difference quotients at some pressures."""
+        try:
+            found = self.at(SAMPLES)
+        except numba.core.errors.NumbaError as error:
+            # numba's first sentence
+            reason = re.split(r" There are | During: ", " ".join(str(error).split()))[0]
+            raise ValueError(
+                f"friction law {self.name!r} cannot be compiled for complex numbers: {reason}"
+            ) from None
+        if not np.isfinite(found).all():
+            raise ValueError(
+                f"friction law {self.name!r} must give limits of at least 0 kPa, got "
+                f"{self._evaluated(SAMPLES, np.zeros(found.shape[2] - 1)).real.tolist()} at the "
+                f"pressures {SAMPLES.tolist()}"
+            )
+        names = ("pressure", *self.by_name)
+        for column, name in enumerate(names):
+            quotient = self._quotient(column)
+            off = np.abs(found[:, :, 1 + column] - quotient)
+            if (off > AGREEMENT * (np.abs(quotient) + np.abs(found[:, :, 0]).max())).any():
+                raise ValueError(
+                    f"the complex step of friction law {self.name!r} is not its derivative by {name}: "
+                    "replace abs, min, max and the like by comparisons of real parts"
+                )
+
+    def _quotient(self, column: int) -> np.ndarray:
+        """Central difference quotients (k, 2) of the limits by the pressure or a constant."""
+        sides, place = [], np.array(self.constants, float)
+        steps = np.full(SAMPLES.size, QUOTIENT_STEP) * SAMPLES
+        if column:
+            steps[:] = QUOTIENT_STEP * (abs(place[column - 1]) or 1.0)
+        for sign in (1.0, -1.0):
+            pressure, constants = SAMPLES + 0j, place.copy()
+            if column:
+                constants[column - 1] += sign * steps[0]
+            else:
+                pressure += sign * steps
+            out = np.empty((SAMPLES.size, 2), complex)
+            _compiled(self.limits)(pressure, tuple((constants + 0j).tolist()), out)
+            sides.append(out.real)
+        return (sides[0] - sides[1]) / (2.0 * steps[:, None])
+
+
+def friction_law(limits: Callable, **constants: float) -> FrictionLaw:
+    """Give a friction law its constants by name; those with a default may be left out.
+
+    Raises
+    ------
+    ValueError
+        For an unknown or a missing constant, and as of ``FrictionLaw``.
+    """
+    names, defaults = constant_names(limits), constant_defaults(limits)
+    name = getattr(limits, "__name__", repr(limits))
+    for given in constants:
+        if given not in names:
+            raise ValueError(
+                f"friction law {name!r} has no constant {given!r}; it has {', '.join(names) or 'none'}"
+            )
+    for wanted in names:
+        if wanted not in constants | defaults:
+            raise ValueError(f"the constant {wanted!r} of friction law {name!r} is missing")
+    return FrictionLaw(limits, tuple((defaults | constants)[n] for n in names))
+
+
+@cache
+def constant_names(limits: Callable) -> tuple:
+    """Names of the constants of a law: the arguments of its function behind the pressure.
+
+    Raises
+    ------
+    ValueError
+        For a function without arguments, with such as ``*args``, or with a reserved name.
+    """
+    parameters = list(inspect.signature(limits).parameters.values())
+    name = getattr(limits, "__name__", repr(limits))
+    if not parameters or any(p.kind is not p.POSITIONAL_OR_KEYWORD for p in parameters):
+        raise ValueError(
+            f"friction law {name!r} must be a function of the pressure and of named constants"
+        )
+    names = tuple(p.name for p in parameters[1:])
+    for taken in set(names) & set(RESERVED):
+        raise ValueError(f"friction law {name!r}: no constant can be called {taken!r}")
+    return names
+
+
+def constant_defaults(limits: Callable) -> dict:
+    """Defaults of those constants that have one."""
+    parameters = list(inspect.signature(limits).parameters.values())[1:]
+    return {p.name: p.default for p in parameters if p.default is not p.empty}
+
+
+@cache
+def _compiled(limits: Callable):
+    """The law at points, compiled for complex numbers when it is made."""
+    law = numba.njit(error_model="numpy")(limits)
+    types = (numba.complex128,) * (1 + len(constant_names(limits)))
+    law.compile(types)
+
+    def one_limit(pressure, constants, out):
+        for i in range(pressure.size):
+            out[i] = law(pressure[i], *constants) if pressure[i].real > 0.0 else 0.0
+
+    def two_limits(pressure, constants, out):
+        out[:] = 0.0
+        for i in range(pressure.size):
+            if pressure[i].real > 0.0:
+                out[i, 1], out[i, 0] = law(pressure[i], *constants)
+
+    pair = isinstance(law.overloads[types].signature.return_type, numba.types.BaseTuple)
+    points = two_limits if pair else one_limit
+    points.__module__ = limits.__module__  # for ``compilation``: it is no kernel of this package
+    return numba.njit(error_model="numpy")(points)

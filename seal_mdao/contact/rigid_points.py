@@ -1,0 +1,286 @@
+"""Contact of points with one rigid profile: forces, tangents (35), (36), (41) and fictitious loads (57),
+(63), (66).
+
+The law is that of ``contact.friction``, the kinematics those of ``contact.kinematics``.
+"""
+
+import numpy as np
+
+from seal_mdao.compilation import compiled, inlined, internal
+from seal_mdao.contact.friction import (
+    CARRIED,
+    FORCE_X,
+    FORCE_Y,
+    FRICTION,
+    GAP,
+    LENGTH,
+    NORMAL_PENALTY,
+    OPEN,
+    SIZE,
+    SIZE_0,
+    SLIP,
+    SLIP_0,
+    STICK,
+    XI,
+    XI_0,
+    X,
+    Y,
+    elastic_slip,
+    elastic_slip_rate,
+    law_constants,
+    traction,
+    traction_rate,
+)
+from seal_mdao.contact.kinematics import closest_point, contact_frame, rates, way_along, whole_turns
+from seal_mdao.geometry.curve import curve_velocity
+from seal_mdao.geometry.pose import in_frame, turned
+
+# Share of two terms below which their sum is rounding.
+ROUNDING = 1e-13
+
+
+@compiled
+def slip_slopes(profile, points, history, xi, gap, local, out):
+    """Derivatives ``out[:, 0]`` (s, 2) of the elastic slip of ``points`` (s,) with their displacements
+    at the step before.
+
+    What a point that goes on sticking on |t| = |t0| hands on, s0 - |t0| xi0, does not change with its
+    displacement; what is left of it is rounding, and zero here.
+
+    Parameters
+    ----------
+    history : ContactHistory
+        Handed on by the step before, of all points.
+    xi, gap : ndarray, shape (n,)
+        Natural coordinates and normal gaps of all points at the step.
+    local : ndarray, shape (s, 6, ...)
+        Of ``contact_linearization`` at the step before.
+    """
+    for k, i in enumerate(points):
+        state_0, before = history.state[i], history.variables[i]
+        xi_0, size_0, carried = before[0], before[1], before[2]
+        way = way_along(profile, xi[i], xi_0)
+        by_xi = elastic_slip_rate(XI_0, gap[i], 0.0, way, -1.0, state_0, size_0, carried)
+        by_carried = elastic_slip_rate(SLIP_0, gap[i], 0.0, way, 0.0, state_0, size_0, carried)
+        scale = 0.0
+        for c in range(2):
+            a, b = by_xi * local[k, XI, X + c], by_carried * local[k, CARRIED, X + c]
+            out[k, 0, c], scale = a + b, max(scale, abs(a) + abs(b))
+        if max(abs(out[k, 0, 0]), abs(out[k, 0, 1])) <= ROUNDING * scale:
+            out[k, 0, 0] = out[k, 0, 1] = 0.0
+
+
+@internal
+def _fill_column(column, way_r, moved, frame, now, then, law, i, length, out):
+    """One column of ``linearize_contact_point``.
+
+    Parameters
+    ----------
+    way_r : float
+        Rate of xi - xi0, without that of xi.
+    moved : tuple of pairs
+        w, V_c,xi, V_c,xixi of ``rates``.
+    frame, now, then : tuple
+        What ``contact_frame`` gives; g_n, state, tau, nu; what came before: state, |t0|, xi - xi0,
+        and the gap or slip carried.
+    """
+    e_t, e_n, size, alpha, beta, gamma, c = frame
+    g_n, state, tau, nu = now
+    state_0, size_0, way, carried = then
+    w, v1, v2 = moved
+    xi_r, gap_r, turn, size_r, c_r = rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2)
+    out[XI, column], out[SIZE, column], out[GAP, column] = xi_r, size_r, gap_r
+    if state == OPEN:
+        out[FORCE_X, column] = out[FORCE_Y, column] = 0.0
+        out[CARRIED, column] = gap_r
+        return
+    slip_r = elastic_slip_rate(column, g_n, gap_r, way, xi_r + way_r, state_0, size_0, carried)
+    tau_r, slip_r = traction_rate(law, i, column, state, tau, g_n, gap_r, slip_r)
+    pressure, shear = law.normal_penalty * g_n, tau * nu
+    pressure_r = law.normal_penalty * gap_r
+    if column == NORMAL_PENALTY:
+        pressure_r = g_n
+    size_0_r = 1.0 if column == SIZE_0 else 0.0
+    nu_r = nu * (size_r / size + size_0_r / size_0 - c_r / c)
+    shear_r = tau_r * nu + tau * nu_r
+    on_n = length * (pressure_r + turn * shear)
+    on_t = length * (shear_r - turn * pressure)
+    if column == LENGTH:
+        on_n, on_t = pressure, shear
+    out[FORCE_X, column] = on_n * e_n[0] + on_t * e_t[0]
+    out[FORCE_Y, column] = on_n * e_n[1] + on_t * e_t[1]
+    out[CARRIED, column] = slip_r if law.accumulated else 0.0
+
+
+@internal
+def _fill_columns(first, end, frame, now, then, law, i, length, out):
+    """Columns ``first`` to ``end`` of ``linearize_contact_point``, none of them of the shape."""
+    zero = (0.0, 0.0)
+    for column in range(first, end):
+        w = (1.0 if column == X else 0.0, 1.0 if column == Y else 0.0)
+        way_r = -1.0 if column == XI_0 else 0.0
+        _fill_column(column, way_r, (w, zero, zero), frame, now, then, law, i, length, out)
+
+
+@inlined
+def linearize_contact_point(
+    profile, law, i, pose, piece, xi, g_n, state, tau, state_0, carried, length, columns, out
+):
+    """Derivatives of force and history of one point with respect to all its inputs.
+
+    The force is T = length [w_n g_n e_n + tau nu e_t], Eq. (29); with dx alone its columns are the
+    tangents (35), (36), (41), with the rest they are the fictitious loads (57), (63), (66).
+
+    Parameters
+    ----------
+    state, state_0 : int
+        Contact state now and at the previous converged step.
+    carried : ndarray, shape (3,)
+        The variables of ``ContactHistory``.
+    columns : pair of int
+        The first column of the shape parameters, and the end of them.
+    out : ndarray, shape (6, columns)
+        Rows FORCE_X ... GAP, columns X ... FRICTION ..., shape parameters; x and
+        force in the fixed frame. What rates of the pose do besides is told in ``geometry.pose``.
+    """
+    first, end = columns
+    e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
+    frame = turned(pose, e_t), turned(pose, e_n), size, alpha, beta, gamma, c
+    way = way_along(profile, xi, carried[0])
+    now = g_n, state, tau, size * carried[1] / c if state != OPEN else 0.0
+    then = state_0, carried[1], way, carried[2]
+    if state == OPEN:
+        # history, length and law matter in contact only
+        out[:, XI_0:first] = 0.0
+    _fill_columns(X, first if state != OPEN else XI_0, frame, now, then, law, i, length, out)
+    for column in range(first, end):
+        v, v1, v2 = curve_velocity(profile, column - first, piece, xi)
+        moved = turned(pose, (-v[0], -v[1])), turned(pose, v1), turned(pose, v2)
+        turns = whole_turns(profile, xi, carried[0])
+        way_r = -turns * profile.period_rate[column - first]
+        _fill_column(column, way_r, moved, frame, now, then, law, i, length, out)
+
+
+@inlined
+def _without_reversal(law, state, tau, g_t, direction, i):
+    """Let a point stick that would slip the other way round than one Newton iteration before."""
+    way = 0
+    if state == SLIP:
+        way = 1 if tau > 0.0 else -1
+    reversed_slip = way * direction[i] < 0
+    direction[i] = 0 if reversed_slip else way
+    if reversed_slip:
+        return STICK, law.tangent_penalty * g_t, 1
+    return state, tau, 0
+
+
+@compiled
+def contact_points(
+    profile, law, pose, x, length, history, direction, force, tangent, state, kept, gap
+):
+    """Forces of all contact points on a rigid profile and their tangents.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        ``at`` the gaps of the points.
+    pose : Pose
+        Translation and rotation of the profile.
+    x : ndarray, shape (n, 2)
+        Deformed contact points.
+    length : ndarray, shape (n,)
+        Tributary lengths.
+    history : ContactHistory
+    direction : ndarray of int, shape (n,)
+        Slip direction in the previous Newton iteration, 0 for none; updated. A point that would
+        slip the other way round has passed the stick branch in between: it is taken to stick in
+        this iteration, whatever its limit, else Newton can jump to and fro for ever.
+    force, tangent : ndarray, shapes (n, 2), (n, 2, 2)
+        Written: the contact form (29) of each point, and d force / d x.
+    state, kept, gap : ndarray, shapes (n,), (n, 3), (n,)
+        Written: contact state, the variables to carry, the normal gap.
+
+    Returns
+    -------
+    int
+        Points made to stick; forces are those of Eq. (29) only when it is zero.
+    """
+    local = np.empty((6, 2))
+    made_to_stick = 0
+    for i in range(x.shape[0]):
+        x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
+        piece, xi, g_n = closest_point(profile, x_1, x_2)
+        e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
+        e_t, e_n = turned(pose, e_t), turned(pose, e_n)
+        gap[i], kept[i, 0], kept[i, 1] = g_n, xi, size
+        if g_n >= 0.0:
+            state[i], direction[i], kept[i, 2] = OPEN, 0, g_n
+            for a in range(2):
+                force[i, a] = tangent[i, a, 0] = tangent[i, a, 1] = 0.0
+            continue
+        state_0, carried = history.state[i], history.variables[i]
+        way = way_along(profile, xi, carried[0])
+        g_t = elastic_slip(g_n, way, state_0, carried[1], carried[2])
+        state[i], tau = traction(law, i, g_n, g_t)
+        state[i], tau, made = _without_reversal(law, state[i], tau, g_t, direction, i)
+        made_to_stick += made
+        kept[i, 2] = tau / law.tangent_penalty if law.accumulated else 0.0
+        shear = tau * size * carried[1] / c
+        for a in range(2):
+            force[i, a] = length[i] * (law.normal_penalty * g_n * e_n[a] + shear * e_t[a])
+        frame = e_t, e_n, size, alpha, beta, gamma, c
+        now = g_n, state[i], tau, size * carried[1] / c
+        then = state_0, carried[1], way, carried[2]
+        _fill_columns(X, Y + 1, frame, now, then, law, i, length[i], local)
+        for row in range(2):
+            for column in range(2):
+                tangent[i, row, column] = local[row, column]
+    return made_to_stick
+
+
+@inlined
+def _add_motion(pose, motion_rates, x, force, first, out):
+    """Columns of one point from ``first`` on for the motion's parameters: the profile moves under it,
+    see ``geometry.pose``."""
+    for m in range(motion_rates.shape[0]):
+        v_x, v_y, turn = motion_rates[m, 0], motion_rates[m, 1], motion_rates[m, 2]
+        v_x -= turn * (x[1] - pose.position[1] - pose.pivot[1])
+        v_y += turn * (x[0] - pose.position[0] - pose.pivot[0])
+        for row in range(out.shape[0]):
+            out[row, first + m] = -out[row, X] * v_x - out[row, Y] * v_y
+        out[FORCE_X, first + m] -= turn * force[1]
+        out[FORCE_Y, first + m] += turn * force[0]
+
+
+@compiled
+def contact_linearization(
+    profile, curve, law, pose, motion_rates, x, length, force, history, points, out
+):
+    """Full local derivatives of the ``points`` (s,) at a converged step, ``out`` (s, 6, columns)
+    written; the inputs are those of ``contact.friction``.
+
+    Parameters
+    ----------
+    curve : RigidProfile
+        The profile without its rates, for which the closest point is compiled already.
+    motion_rates : ndarray, shape (m, 3)
+        Rates of x, y and angle of the pose, whose columns come last.
+    force : ndarray, shape (n, 2)
+        Of all points at the step.
+    """
+    first = FRICTION + law_constants(law.limits)
+    columns = first, first + profile.period_rate.size
+    for k, i in enumerate(points):
+        x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
+        piece, xi, g_n = closest_point(curve, x_1, x_2)
+        state_0, carried = history.state[i], history.variables[i]
+        state, tau = OPEN, 0.0
+        if g_n < 0.0:
+            way = way_along(profile, xi, carried[0])
+            g_t = elastic_slip(g_n, way, state_0, carried[1], carried[2])
+            state, tau = traction(law, i, g_n, g_t)
+        linearize_contact_point(
+            profile, law, i, pose, piece, xi, g_n, state, tau, state_0, carried, length[i], columns,
+            out[k],
+        )  # fmt: skip
+        _add_motion(pose, motion_rates, x[i], force[i], columns[1], out[k])
