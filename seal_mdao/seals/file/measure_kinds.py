@@ -26,18 +26,10 @@ from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.work import FrictionWork, ProfileWork
 from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
-from seal_mdao.seals.file.measure_table import (
-    PLACES,
-    AtPlaces,
-    MeasureTable,
-    OfProfile,
-    Places,
-    kind,
-)
+from seal_mdao.seals.file.measure_table import AtPlaces, MeasureTable, OfProfile, Places, kind
 from seal_mdao.seals.file.table import key, known
 
 _AXES = {"x": 0, "y": 1}
-OF_DESIGN, OF_NOMINAL = "design", "nominal"
 Patches = many(Places, "a list of such lists, one for every patch")
 Travels = Annotated[
     number(least=0.0) | many(number(least=0.0), "a list of travels"),
@@ -128,7 +120,7 @@ class ContactPressureTable(OfProfile):
     """True contact pressure of each patch, a mean of high order below the peak."""
 
     order: Order | None = key("of the mean", None)
-    places: Patches | None = key(f"of contact points, a list for every patch; {PLACES}", None)
+    places: Patches | None = key("of contact points, for every patch, beside a cloud", None)
     single = False
 
 
@@ -144,9 +136,9 @@ class GapTable(AtPlaces):
     single = False
 
 
-def _gap_square_sum(profile, points, places=None):
-    """Where the nominal seal stands open as in Eq. (71), or wherever the design does."""
-    nominal = points == OF_NOMINAL
+def _gap_square_sum(profile, points=None, places=None):
+    """At the points that stand open in the nominal seal, Eq. (71), or wherever the design does."""
+    nominal = points == "nominal"
     return GapSquareSum(Gap(profile, places)) if nominal else OpenGapSquareSum(profile, places)
 
 
@@ -154,8 +146,9 @@ def _gap_square_sum(profile, points, places=None):
 class GapSquareSumTable(AtPlaces):
     """Sum of the squared gaps between the first and the last contact."""
 
-    points: one_of(OF_DESIGN, OF_NOMINAL) = key(
-        "whose points: of every design, or of the nominal seal as in Eq. (71)", OF_DESIGN
+    points: one_of("design", "nominal") | None = key(
+        "between whose contacts: those of every design, as unless given, or of the nominal seal",
+        None,
     )
 
 
@@ -271,7 +264,7 @@ class VonMisesTable(MeasureTable):
     count: whole(1, 1000) | None = key(
         "number of the largest maxima along the boundary of the nominal seal", None
     )
-    places: Places | None = key(f"of particles; {PLACES}", None)
+    places: Places | None = key("of particles, beside a cloud", None)
 
     @model_validator(mode="after")
     def _one_choice(self):

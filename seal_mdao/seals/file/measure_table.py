@@ -3,16 +3,17 @@
 from collections.abc import Callable
 from dataclasses import fields, replace
 from inspect import get_annotations
+from typing import Annotated
 
 import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.measures.measure import Measure
-from seal_mdao.seals.file.forms import Name, Text, many, one_of, whole
+from seal_mdao.seals.file.forms import Form, Name, Text, many, one_of, whole
 from seal_mdao.seals.file.table import Table, key, known, table
 
 Places = many(whole(0, 10**6), "a list of numbers of particles, from 0 on")
-PLACES = "beside a cloud: where it is measured, instead of where the nominal seal has it"
+TypeName = Annotated[str, Form("the name of a type")]
 
 
 @table(kw_only=True)
@@ -23,7 +24,7 @@ class MeasureTable(Table):
     give one number.
     """
 
-    type: str = key("type of the measure")
+    type: TypeName = key("type of the measure")
     name: Name | None = key("name of the measure; its type unless given", None)
 
     single = True
@@ -102,4 +103,4 @@ class OfProfile(MeasureTable):
 class AtPlaces(OfProfile):
     """A measure at contact points of a profile."""
 
-    places: Places | None = key(f"of contact points; {PLACES}", None)
+    places: Places | None = key("of contact points, beside a cloud", None)

@@ -41,7 +41,7 @@ def implied_measure(where: str, key: str, name: str, declared, profiles):
 
 
 def _needs_nothing(kind: type[MeasureTable]) -> bool:
-    return not any(own.is_required() for name, own in kind.entries().items() if name != "type")
+    return all(own.default is None for name, own in kind.entries().items() if name != "type")
 
 
 def check_measures(file) -> None:

@@ -115,7 +115,7 @@ def form_of(hint) -> str:
         return form_of(next(own for own in get_args(hint) if own is not type(None)))
     if isinstance(hint, type) and issubclass(hint, Table):
         return f"a table {{ {', '.join(hint.entries())} }}"
-    return "a list of tables"
+    return {tuple: "a list of tables", dict: "tables with names"}[get_origin(hint)]
 
 
 class _Rows:
