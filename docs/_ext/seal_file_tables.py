@@ -1,13 +1,11 @@
 """Reference tables of the seal file, made from the classes of its tables."""
 
-from dataclasses import fields
 from pathlib import Path
 
 from code_reference import markdown_table
 
-from seal_mdao.materials.by_name import LAWS
 from seal_mdao.seals.file.fluids import CavityTable, FluidTable
-from seal_mdao.seals.file.laws import FIT_TABLES, FitTable, LawTable
+from seal_mdao.seals.file.laws import FIT_TABLES, LAW_TABLES, LawTable
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
 from seal_mdao.seals.file.measure_table import KINDS, MeasureTable
 from seal_mdao.seals.file.moving import DesignTable, SelfContactTable
@@ -35,12 +33,11 @@ TABLES = {
 """Class of every table of keys on the page, by the name of its fragment."""
 
 
-def keys_table(kind: type[Table], without=()) -> str:
+def keys_table(kind: type[Table]) -> str:
     """Keys of a table: form and bounds with units, default, meaning."""
     rows = [
         [f"`{name}`", kind.allowed(name), _default(own), own.description]
         for name, own in kind.entries().items()
-        if name not in without
     ]
     return markdown_table(["key", "value", "unless given", "meaning"], rows)
 
@@ -59,18 +56,6 @@ def _toml(value) -> str:
     return f"{value:.9g}"
 
 
-def laws_table() -> str:
-    """Names and constants of all laws, and what else a fit of theirs takes."""
-    rows = []
-    for name, law in LAWS.items():
-        fit = [
-            own for own in FIT_TABLES[f"{name}: data"].entries() if own not in FitTable.entries()
-        ]
-        constants = ", ".join(f"`{own.name}`" for own in fields(law))
-        rows.append([f"`{name}`", constants, ", ".join(f"`{own}`" for own in fit)])
-    return markdown_table(["law", "constants, all of them", "beside `data`"], rows)
-
-
 def measures_table() -> str:
     """Types of measures, their further keys and their meaning."""
     rows = []
@@ -80,16 +65,15 @@ def measures_table() -> str:
     return markdown_table(["type", "further keys", "meaning"], rows)
 
 
-def measure_keys_table() -> str:
-    """Further keys of all types of measures, with the types that have them."""
+def further_keys(kinds: dict[str, type[Table]], base: type[Table]) -> str:
+    """Keys of several tables that their base does not have, with the names of the tables."""
     found = {}
-    for name, kind in KINDS.items():
+    for name, kind in kinds.items():
         for key, own in kind.entries().items():
-            if key not in MeasureTable.entries():
+            if key not in base.entries():
                 row = kind.allowed(key), _default(own), own.description
-                found.setdefault((key, *row), []).append(f"`{name}`")
-    ordered = sorted(found.items(), key=lambda item: -len(item[1]))
-    rows = [[f"`{key}`", *rest, ", ".join(of)] for (key, *rest), of in ordered]
+                found.setdefault((key, *row), []).append(f"`{name.partition(':')[0]}`")
+    rows = [[f"`{key}`", *rest, ", ".join(of)] for (key, *rest), of in found.items()]
     return markdown_table(["key", "value", "unless given", "meaning", "of"], rows)
 
 
@@ -97,10 +81,10 @@ def fragments() -> dict[str, str]:
     """All fragments by their names."""
     found = {name: keys_table(kind) for name, kind in TABLES.items()}
     found |= {
-        "fit": keys_table(FitTable, LawTable.entries()),
-        "laws": laws_table(),
+        "constants": further_keys(LAW_TABLES, LawTable),
+        "fit": further_keys(FIT_TABLES, LawTable),
         "measures": measures_table(),
-        "measure_keys": measure_keys_table(),
+        "measure_keys": further_keys(KINDS, MeasureTable),
     }
     return {f"seal_file_{name}": text for name, text in found.items()}
 

@@ -107,7 +107,6 @@ Name = Annotated[
     Form("a name of letters, digits and _ that begins with no digit"),
 ]
 Names = many(Text, 'a list of names, such as ["base"]')
-Numbers = many(Number, "a list of numbers")
 Point = point()
 Points = Annotated[
     many(Point, "a list of at least two points [[x, y], [x, y], ...] (mm)", 2, MOST_POINTS),

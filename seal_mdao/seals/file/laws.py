@@ -3,7 +3,9 @@
 The laws are those of ``materials.by_name.LAWS``; their constants are the keys of their tables.
 """
 
+import re
 from dataclasses import fields
+from inspect import getdoc
 from pathlib import Path
 from typing import Annotated, get_origin
 
@@ -19,10 +21,12 @@ from seal_mdao.calibration.stability import check_stability, require_stable
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.seals.file.forms import Form, Number, Numbers, Text, many, number, one_of, whole
+from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
 from seal_mdao.seals.file.table import LINE, Table, chosen_by, key, table, table_of
 from seal_mdao.values import shown
 
+MODULI = {"c10", "c01", "c20", "c30", "mu", "shear_modulus", "bulk_modulus"}
+"""Constants in kPa."""
 STABLE = (0.7, 1.5)
 """Stretches between which every material has to be stable unless its table says others."""
 
@@ -98,11 +102,23 @@ FURTHER = ("law", "stable", "data")
 
 def _constants_table(name: str) -> type[Table]:
     """The table of a law with its constants."""
-    keys = {"law": (one_of(name), key("name of the law"))}
-    for constant in fields(LAWS[name]):
-        form = Numbers if get_origin(constant.type) is tuple else number()
-        keys[constant.name] = form, key(f"constant of {LAWS[name].__name__}")
+    keys, texts = {"law": (one_of(name), key("name of the law"))}, _meanings(LAWS[name])
+    for own in fields(LAWS[name]):
+        unit = "kPa" if own.name in MODULI else ""
+        several = get_origin(own.type) is tuple
+        allowed = f"a list of numbers{f' ({unit})' * bool(unit)}"
+        form = many(Number, allowed) if several else number(unit)
+        keys[own.name] = form, key(texts.get(own.name) or f"constant of {LAWS[name].__name__}")
     return table_of(LawTable, f"{LAWS[name].__name__}Table", keys)
+
+
+def _meanings(law: type) -> dict[str, str]:
+    """What the docstring of a law says of its constants (numpy's Attributes)."""
+    attributes = getdoc(law).partition("Attributes\n----------\n")[2]
+    found = {}
+    for names, text in re.findall(r"^([\w, ]+) : .*\n((?: +.*\n?)*)", attributes, re.MULTILINE):
+        found |= dict.fromkeys(names.split(", "), " ".join(text.replace("``", "`").split()))
+    return found
 
 
 def _fit_table(name: str) -> type[Table]:
