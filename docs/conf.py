@@ -20,9 +20,11 @@ sys.path[:0] = [str(HERE / "_ext"), str(HERE), str(HERE.parent / "tests")]
 
 import api_pages  # noqa: E402
 import equation_index  # noqa: E402
+import seal_file_tables  # noqa: E402
 from figures import limits  # noqa: E402
 
 import seal_mdao  # noqa: E402
+from seal_mdao.seals.file import json_schema  # noqa: E402
 
 # ---- what is made before the pages are read ----
 
@@ -37,6 +39,8 @@ fragments = GENERATED / "fragments"
 run_script(str(HERE / "_ext" / "code_reference.py"), str(fragments))
 index = equation_index.table(equation_index.read())
 (fragments / "equation_index.md").write_text(index, encoding="utf-8")
+seal_file_tables.write_all(fragments)
+json_schema.main([str(GENERATED / "seal_file.schema.json")])
 api_pages.write_all(GENERATED / "api")
 jobs = str(min(2, os.cpu_count() or 1))
 run_script(str(HERE / "make_figures.py"), "--missing", "--jobs", jobs)

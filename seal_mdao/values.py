@@ -146,6 +146,32 @@ def numbers(name: str, values) -> np.ndarray:
     return np.asarray(array, float)
 
 
+def array(name: str, given, shape: tuple[int, ...]) -> np.ndarray:
+    """Finite real numbers as a new array of floats of a shape.
+
+    Raises
+    ------
+    ValueError
+        For another shape, numbers that are not finite, and what ``numbers`` refuses.
+    """
+    found = np.array(numbers(name, given))
+    require(found.shape == shape, f"{name} must have shape {shape}, got {found.shape}")
+    require(np.isfinite(found).all(), f"{name} must be finite numbers")
+    return found
+
+
+def require(condition, message: str) -> None:
+    """Refuse what does not fulfil a condition.
+
+    Raises
+    ------
+    ValueError
+        With the message.
+    """
+    if not condition:
+        raise ValueError(message)
+
+
 def shown(value) -> str:
     """A value in an error message, in one line of some length."""
     try:

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from seal_mdao.geometry.pose import Pose
+from seal_mdao.values import array, require
 
 ROUNDING = 1e-12
 """Relative difference up to which a travel counts as that of the whole path."""
@@ -59,7 +60,7 @@ class Motion:
     def __post_init__(self):
         steps = np.array(self.steps)
         count, names = steps.size, tuple(self.names)
-        _require(
+        require(
             steps.ndim == 1
             and count > 0
             and np.issubdtype(steps.dtype, np.integer)
@@ -74,13 +75,14 @@ class Motion:
             "room": (self.room, (2,)),
             "rates": (rates, (len(names), count + 1, 3)),
         }
-        for name, (values, shape) in shapes.items():
-            object.__setattr__(self, name, _checked(name, values, shape, count, names))
-        _require(
+        of = f"of a motion with {count} stage(s) and {len(names)} parameter(s)"
+        for name, (given, shape) in shapes.items():
+            object.__setattr__(self, name, array(f"{name} {of}", given, shape))
+        require(
             self.room @ (self.positions[1] - self.positions[0]) <= 0.0,
             f"room of a motion must lie behind its first waypoint, got {self.room}",
         )
-        _require(len(set(names)) == len(names), f"names of a motion's parameters repeat: {names}")
+        require(len(set(names)) == len(names), f"names of a motion's parameters repeat: {names}")
         object.__setattr__(self, "steps", steps.astype(np.int64))
         object.__setattr__(self, "names", names)
         if self.shares is not None:
@@ -88,7 +90,7 @@ class Motion:
 
     def _checked_shares(self) -> np.ndarray:
         shares = np.array(self.shares, float)
-        _require(
+        require(
             shares.shape == (self.n_steps,)
             and all(map(increases_to_one, np.split(shares, self._stage_ends[:-1]))),
             f"shares of a motion must increase to 1 in every stage of {self.steps.tolist()} steps, got "
@@ -105,7 +107,7 @@ class Motion:
             For a parameter that it does not have.
         """
         unknown = [name for name in values if name not in self.names]
-        _require(not unknown, f"a motion with parameters {self.names} has no {unknown[:1]}")
+        require(not unknown, f"a motion with parameters {self.names} has no {unknown[:1]}")
         change = sum(
             (float(value) * self.rates[self.names.index(name)] for name, value in values.items()),
             np.zeros((len(self.angles), 3)),
@@ -151,7 +153,7 @@ class Motion:
             For ends that do not increase or that leave out the end of a stage.
         """
         ends, stage_ends = np.asarray(ends, float), self._stage_ends
-        _require(
+        require(
             ends.ndim == 1
             and ends.size > 0
             and ends[0] > 0.0
@@ -261,7 +263,7 @@ class Motion:
             For a travel that is negative or longer than the path.
         """
         lengths, ends = self._lengths, np.cumsum(self._lengths)
-        _require(
+        require(
             0.0 <= travel <= ends[-1] * (1.0 + ROUNDING),
             f"a motion of {ends[-1]:.6g} along its path has no place after {travel:.6g}",
         )
@@ -302,7 +304,7 @@ class Motion:
 
     def _step(self, fraction: float) -> int:
         """The nominal step under way; the last one at the end."""
-        _require(
+        require(
             0.0 <= fraction <= self.n_steps,
             f"a motion of {self.n_steps} steps has no place after {fraction} of them",
         )
@@ -359,7 +361,7 @@ def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0
     >>> motion.n_steps, motion.names
     (30, ('depth',))
     """
-    _require(len(stages) > 0, "a motion needs at least one stage")
+    require(len(stages) > 0, "a motion needs at least one stage")
     names = tuple(dict.fromkeys(name for stage in stages for name in stage.rates))
     units = np.array([1.0, 1.0, np.pi / 180.0])
     travel = np.array([[*stage.translate, stage.rotate] for stage in stages], float) * units
@@ -389,19 +391,3 @@ def straight_motion(start, end, steps: int, rates: Mapping[str, tuple] | None = 
     ends = [(still, (*map(float, rate), 0.0)) for rate in rates.values()]
     waypoints = np.array(ends).reshape(len(rates), 2, 3)
     return Motion([start, end], np.zeros(2), [steps], rates=waypoints, names=tuple(rates))
-
-
-def _checked(name, values, shape, stages, names) -> np.ndarray:
-    values = np.array(values, float)
-    _require(
-        values.shape == shape,
-        f"{name} of a motion with {stages} stage(s) and {len(names)} parameter(s) must have shape "
-        f"{shape}, got {values.shape}",
-    )
-    _require(np.isfinite(values).all(), f"{name} of a motion must be finite numbers")
-    return values
-
-
-def _require(condition, message) -> None:
-    if not condition:
-        raise ValueError(message)

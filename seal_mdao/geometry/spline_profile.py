@@ -5,6 +5,7 @@ from scipy.interpolate import CubicSpline
 
 from seal_mdao.geometry.curve import CUBIC
 from seal_mdao.geometry.profile import RigidProfile, rigid_profile
+from seal_mdao.values import require
 
 
 def cubic_profile(knots, coefficients, rates=None, closed: bool = False) -> RigidProfile:
@@ -30,9 +31,9 @@ def cubic_profile(knots, coefficients, rates=None, closed: bool = False) -> Rigi
     """
     knots, coefficients = np.asarray(knots, float), np.asarray(coefficients, float)
     n = len(knots) - 1
-    _require(n > 0 and np.all(np.diff(knots) > 0.0), "the knots of a profile must increase")
+    require(n > 0 and np.all(np.diff(knots) > 0.0), "the knots of a profile must increase")
     rates = np.zeros((0, n, 4, 2)) if rates is None else np.asarray(rates, float)
-    _require(
+    require(
         coefficients.shape == (n, 4, 2) and rates.shape[1:] == (n, 4, 2),
         f"{n + 1} knots need coefficients of shape ({n}, 4, 2) and rates (S, {n}, 4, 2), got "
         f"{coefficients.shape} and {rates.shape}",
@@ -81,13 +82,13 @@ def spline_profile(points, rates=None, closed: bool = False, parameter=None) -> 
     points = _checked_points(points, closed)
     n = len(points)
     rates = np.zeros((0, n, 2)) if rates is None else np.asarray(rates, float)
-    _require(
+    require(
         rates.shape[1:] == (n, 2) and np.isfinite(rates).all(),
         f"rates of {n} points must be finite numbers of shape (S, {n}, 2), got {rates.shape}",
     )
     count = n + closed
     knots = np.arange(float(count)) if parameter is None else np.asarray(parameter, float)
-    _require(
+    require(
         knots.shape == (count,) and np.all(np.diff(knots) > 0.0),
         f"parameter must be {count} increasing numbers, got {knots}",
     )
@@ -114,17 +115,12 @@ def chord_length(points, closed: bool = False) -> np.ndarray:
 def _checked_points(points, closed) -> np.ndarray:
     points = np.asarray(points, float)
     least = 3 if closed else 2
-    _require(
+    require(
         points.ndim == 2 and points.shape[1] == 2 and len(points) >= least,
         f"a profile needs points of shape (n, 2), n at least {least}; got shape {points.shape}",
     )
-    _require(np.isfinite(points).all(), "the points of a profile must be finite numbers")
+    require(np.isfinite(points).all(), "the points of a profile must be finite numbers")
     step = np.diff(np.concatenate([points, points[:1]]) if closed else points, axis=0)
     same = np.flatnonzero(~step.any(axis=1))
-    _require(same.size == 0, f"point {same[:1].sum()} of the profile and the next one coincide")
+    require(same.size == 0, f"point {same[:1].sum()} of the profile and the next one coincide")
     return points
-
-
-def _require(condition, message) -> None:
-    if not condition:
-        raise ValueError(message)

@@ -292,14 +292,16 @@ def checked(material, positive=(), nonnegative=(), real=()) -> None:
     ValueError
         With the name of the constant.
     """
-    for name in (*positive, *nonnegative, *real):
-        where = f"{name} of {type(material).__name__}"
-        value = values.real(where, getattr(material, name), -MOST_CONSTANT, MOST_CONSTANT)
-        if name in positive and value <= 0.0:
-            raise ValueError(f"{where} must be positive, got {value}")
-        if name in nonnegative and value < 0.0:
-            raise ValueError(f"{where} must not be negative, got {value}")
-        object.__setattr__(material, name, value)
+    bounds = [
+        (positive, {"above": 0.0}),
+        (nonnegative, {"low": 0.0}),
+        (real, {"low": -MOST_CONSTANT}),
+    ]
+    for names, least in bounds:
+        for name in names:
+            where = f"{name} of {type(material).__name__}"
+            value = values.real(where, getattr(material, name), high=MOST_CONSTANT, **least)
+            object.__setattr__(material, name, value)
 
 
 def check_bulk(material) -> None:

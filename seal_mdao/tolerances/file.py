@@ -1,25 +1,60 @@
 """Reading tolerances from TOML."""
 
 import tomllib
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, asdict, fields
 from pathlib import Path
+
+from pydantic import TypeAdapter
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.scenarios.variation import KINDS, VALUE, Variation
-from seal_mdao.seals.file.checks import NAMES, Key, known, number, one_of, shown, table
+from seal_mdao.seals.file.forms import Names, number, one_of
+from seal_mdao.seals.file.table import Table, checked, chosen_by, key, known, table, table_of
 from seal_mdao.tolerances.boundary import BoundaryTolerance
 from seal_mdao.tolerances.distributions import DISTRIBUTIONS
 from seal_mdao.tolerances.tolerances import Tolerance, Tolerances
+from seal_mdao.values import shown
 
 OF_THE_DOOR = Path(__file__).with_name("door_seal.toml")
 """Tolerances of the door seal that are taken when none are given."""
-VARY_KEYS = {
-    "distribution": Key(one_of(*DISTRIBUTIONS)),
-    "kind": Key(one_of(*KINDS), VALUE),
-    "parameters": Key(NAMES, ()),
-}
-BOUNDARY_KEYS = {"std": Key(number(above=0.0)), "length": Key(number(above=0.0))}
+
+
+@table(kw_only=True)
+class VaryTable(Table):
+    """How a parameter scatters."""
+
+    distribution: one_of(*DISTRIBUTIONS) = key("of what varies")
+    kind: one_of(*KINDS) = key("what it does to the parameters", VALUE)
+    parameters: Names = key("that vary together; that of the name of the table unless given", ())
+
+
+@table
+class BoundaryTable(Table):
+    """How far an extruded boundary is from the nominal one."""
+
+    std: number("mm", above=0.0) = key("root mean square of its error")
+    length: number("mm", above=0.0) = key("of correlation along the boundary")
+
+
+def _vary_table(name: str) -> type[Table]:
+    """The table of a distribution with its numbers."""
+    keys = {"distribution": (one_of(name), key("of what varies"))}
+    for own in fields(DISTRIBUTIONS[name]):
+        default = () if own.default is MISSING else (own.default,)
+        keys[own.name] = number(), key(f"of the {name} distribution", *default)
+    return table_of(VaryTable, f"{DISTRIBUTIONS[name].__name__}Table", keys)
+
+
+AnyVary = chosen_by("distribution", {name: _vary_table(name) for name in DISTRIBUTIONS})
+
+
+@table
+class Written(Table):
+    """The tables of a file of tolerances."""
+
+    vary: dict[str, AnyVary] = key("parameters that scatter", {})
+    boundary: BoundaryTable | None = key("what an extruded boundary does", None)
 
 
 def read_tolerances(path) -> Tolerances:
@@ -44,36 +79,25 @@ def read_tolerances(path) -> Tolerances:
 def _read(given: dict) -> Tolerances:
     for name in given:
         known("the file", "table", name, ("vary", "boundary"), "table of tolerances")
-    vary, boundary = given.get("vary", {}), given.get("boundary")
+    vary = given.get("vary", {})
     if not isinstance(vary, dict):
         raise SealFileError("vary must be tables, each written [vary.name]")
-    if not vary and boundary is None:
+    if not given.get("vary") and "boundary" not in given:
         raise SealFileError("nothing varies; write [vary.name] for a parameter, or [boundary]")
-    scattered = tuple(_tolerance(name, own) for name, own in vary.items())
-    if boundary is None:
+    for name in vary:
+        if not name.strip() or not name.isprintable():
+            raise SealFileError(f"[vary]: {shown(name)} is no name; use printable characters")
+    written = checked(TypeAdapter(Written), given)
+    scattered = tuple(_tolerance(name, own) for name, own in written.vary.items())
+    if written.boundary is None:
         return Tolerances(scattered)
-    return Tolerances(scattered, BoundaryTolerance(**table("[boundary]", boundary, BOUNDARY_KEYS)))
+    return Tolerances(scattered, BoundaryTolerance(**asdict(written.boundary)))
 
 
-def _tolerance(name: str, given) -> Tolerance:
-    if not name.strip() or not name.isprintable():
-        raise SealFileError(f"[vary]: {shown(name)} is no name; use printable characters")
-    where = f"[vary.{name}]"
-    kind = given.get("distribution") if isinstance(given, dict) else None
-    own = DISTRIBUTIONS.get(kind) if isinstance(kind, str) else None
-    keys = VARY_KEYS | ({} if own is None else _number_keys(own))
-    if own is None and isinstance(given, dict):  # that is what is wrong, whatever else there is
-        given = {key: value for key, value in given.items() if key in keys}
-    found = table(where, given, keys)
-    variation = Variation(name, found["kind"], found["parameters"])
+def _tolerance(name: str, own: VaryTable) -> Tolerance:
+    law = DISTRIBUTIONS[own.distribution]
+    variation = Variation(name, own.kind, own.parameters)
     try:
-        return Tolerance(variation, own(**{f.name: found[f.name] for f in fields(own)}))
+        return Tolerance(variation, law(**{f.name: getattr(own, f.name) for f in fields(law)}))
     except ValueError as error:
-        raise SealFileError(f"{where}: {error}") from None
-
-
-def _number_keys(distribution) -> dict:
-    return {
-        own.name: Key(number()) if own.default is MISSING else Key(number(), own.default)
-        for own in fields(distribution)
-    }
+        raise SealFileError(f"[vary.{name}]: {error}") from None

@@ -160,7 +160,7 @@ def test_unstable_constants_are_refused_with_the_stretch():
         ("hyperfoam", {"nu": 0.5}, "nu must lie between"),
         ("hyperfoam", {}, "needs the column lateral_stretch"),
         ("yeoh", {"weighting": "squares"}, "weighting must be one of relative, absolute"),
-        ("yeoh", {"bulk_modulus": -1.0}, "bulk_modulus of Yeoh must be positive"),
+        ("yeoh", {"bulk_modulus": -1.0}, "bulk_modulus of Yeoh must be a number above 0"),
         ("yeoh", {"margin": float("nan")}, "margin must not be negative"),
         ("yeoh", {"seed": -1}, "seed must not be negative"),
     ],

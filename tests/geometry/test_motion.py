@@ -107,7 +107,7 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
         ({"steps": [2, 0]}, "positive whole numbers"),
         ({"steps": [2.0, 3.5]}, "positive whole numbers"),
         ({"positions": np.zeros((2, 2))}, r"positions .* must have shape \(3, 2\), got \(2, 2\)"),
-        ({"angles": [0.0, np.inf, 0.0]}, "angles of a motion must be finite"),
+        ({"angles": [0.0, np.inf, 0.0]}, "angles of a motion .* must be finite"),
         ({"pivot": (0.0, 0.0, 1.0)}, r"pivot .* must have shape \(2,\)"),
         (
             {"shares": (0.5, 1.0, 0.5, 1.0)},

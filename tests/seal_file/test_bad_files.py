@@ -1,11 +1,14 @@
 """Seal files that are refused: one line that names table, key, value, and what is allowed."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
+from json_check import fits
 
 import seal_mdao as sm
+from seal_mdao.seals.file.json_schema import json_schema
 
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 ARC = "arc = { start = [4.0, 0.0], through = [0.0, 14.0], end = [-4.0, 0.0] }"
@@ -391,19 +394,35 @@ BAD = {
     "maximize": ("minimize =", "maximize =", "unknown key 'maximize' (did you mean 'minimize'?)"),
 }  # fmt: skip
 
+SCHEMA = json_schema()
+OF_A_FORM = re.compile(
+    r"unknown (key|table)|but it must be|is missing; it must be|\] is missing$|is empty|must be one "
+    r"table|must be a list of tables|of them, but at most|points, but at most|a material needs a name"
+)
+"""Words of the lines for what a schema can see."""
+FINER = {
+    "odd name", "odd measure name", "stable no range", "shares back", "shares to less",
+    "no direction of a force", "uneven steps", "constant infinite",
+}  # fmt: skip
+"""Forms that a schema does not describe to the end."""
+
 
 @pytest.mark.parametrize("name", BAD)
 def test_what_a_file_cannot_say_is_refused_in_one_line(tmp_path, name, refusing_script, capsys):
     old, new, words = BAD[name]
     assert old in BULB
     path = tmp_path / "seal.toml"
-    path.write_text(BULB.replace(old, new, 1))
+    text = BULB.replace(old, new, 1)
+    path.write_text(text)
     with pytest.raises(sm.SealFileError, match=re.escape(words)) as caught:
         sm.read_seal_file(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
     assert caught.value.__cause__ is None
     assert refusing_script(path, capsys).endswith(str(caught.value))
+    if "not valid TOML" not in words:  # editors see what is wrong in the form, and nothing else
+        of_a_form = OF_A_FORM.search(str(caught.value)) is not None and name not in FINER
+        assert fits(tomllib.loads(text), SCHEMA, SCHEMA) != of_a_form
 
 
 def test_files_that_are_none(tmp_path):

@@ -1,4 +1,4 @@
-"""The page of the seal file names every key, type and law, and its messages are those that come."""
+"""The page of the seal file has the tables of all keys, and its messages are those that come."""
 
 import re
 from pathlib import Path
@@ -7,27 +7,64 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.materials.by_name import LAWS
-from seal_mdao.materials.hyperfoam import Hyperfoam
-from seal_mdao.seals.file import laws, measures, optimization, profiles, read, sections, shapes
+from seal_mdao.seals.file.laws import FIT_TABLES, LAW_TABLES
+from seal_mdao.seals.file.measure_table import KINDS
+from seal_mdao.seals.file.read import TABLES
+from seal_mdao.seals.file.table import Table
 
-PAGE = (Path(__file__).parents[2] / "docs" / "seal_file.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "seal_file.md").read_text(encoding="utf-8")
 BULB = Path(__file__).parent / "bulb.toml"
 
 
-def test_every_key_type_and_law_is_on_the_page():
-    tables = [
-        laws.LAW_KEYS, laws.FIT_KEYS, laws.TERM_KEYS, laws.FOAM_KEYS,
-        sections.SECTION_KEYS, sections.HOLE_KEYS, shapes.KEYS, shapes.ARC_KEYS, shapes.CIRCLE_KEYS,
-        read.FIXED_KEYS, read.SYMMETRY_KEYS, read.CAVITY_KEYS, read.SELF_CONTACT_KEYS, read.FLUID_KEYS,
-        sections.REGION_KEYS, sections.RAY_KEYS, read.DESIGN_KEYS,
-        profiles.PROFILE_KEYS, profiles.STAGE_KEYS,
-        optimization.OPTIMIZE_KEYS, optimization.CONSTRAINT_KEYS,
-        *(kind.keys for kind in measures.KINDS.values()),
-    ]  # fmt: skip
-    names = {name for keys in tables for name in keys}
-    names |= {*LAWS, *measures.KINDS, *Hyperfoam.__dataclass_fields__, *read.TABLES}
-    words = set(re.findall(r"\w+", PAGE))
-    assert not names - words
+@pytest.fixture
+def fragments(monkeypatch):
+    """Tables of the page by their names."""
+    monkeypatch.syspath_prepend(DOCS / "_ext")
+    import seal_file_tables
+
+    return seal_file_tables.fragments()
+
+
+def every_table(kind=Table):
+    """All classes of tables of a seal file."""
+    for own in kind.__subclasses__():
+        if own.__module__.startswith("seal_mdao.seals.file"):
+            yield own
+            yield from every_table(own)
+
+
+def test_every_key_type_and_law_is_in_a_table_of_the_page(fragments):
+    shown = "".join(text for name, text in fragments.items() if f"fragments/{name}.md" in PAGE)
+    literals = set(re.findall(r"`(\w+)`", shown))
+    names = {name for kind in every_table() for name in kind.entries()}
+    assert len(names) > 60
+    assert not (names | {*LAWS, *KINDS}) - literals
+    assert {*TABLES} <= set(re.findall(r"^## .*?\[(\w+)", PAGE, re.MULTILINE))
+
+
+def test_every_table_that_is_made_is_on_the_page(fragments):
+    assert set(re.findall(r"fragments/(\w+)\.md", PAGE)) == set(fragments)
+
+
+def test_tables_have_bounds_units_and_defaults(fragments):
+    rows = {
+        "seal_file_cavity": ["a number above 0 (kPa)", "`101.325`"],
+        "seal_file_fixed": ["**required**", '`["x", "y"]`'],
+        "seal_file_profile": ["a number of at least -3600 and at most 3600 (degrees)", "`0`"],
+        "seal_file_steps": ["a number above 0 and at most 1", "`0.005`"],
+        "seal_file_measure_keys": ["`order`", "a whole number from 2 to 1000", "`stress_norm`"],
+    }
+    for name, cells in rows.items():
+        assert not [cell for cell in cells if cell not in fragments[name]]
+
+
+def test_every_key_says_what_it_means():
+    kinds = [*every_table(), *LAW_TABLES.values(), *FIT_TABLES.values()]
+    for kind in kinds:
+        for name, own in kind.entries().items():
+            assert len(own.description.split()) > 1, (kind, name)
+            assert kind.allowed(name)
 
 
 @pytest.mark.parametrize(("old", "new"), [

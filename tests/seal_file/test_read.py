@@ -17,8 +17,10 @@ from seal_mdao.materials.by_name import LAWS
 from seal_mdao.measures.contact import GapSquareSum, OpenGapSquareSum
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.stress import LargestVonMises, VonMises
-from seal_mdao.seals.file.laws import read_law
-from seal_mdao.seals.file.measures import KINDS, is_single, measure_of
+from seal_mdao.seals.file.laws import LAW_TABLES
+from seal_mdao.seals.file.measure_table import KINDS
+from seal_mdao.seals.file.measures import measure_of
+from seal_mdao.seals.file.optimization import Constraint
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.outline.section import Arc, Circle, Line
 
@@ -53,7 +55,7 @@ def test_the_tables_of_a_file_become_decisions():
     assert (design.edges, design.parameters, design.bound) == (("seal", "cavity"), 12, 0.5)
     assert [m.name for m in file.measures] == ["contact_width", "section_area", "reaction"]
     assert file.optimize.minimize == "section_area"
-    assert file.optimize.constraints[0] == type(file.optimize.constraints[0])("reaction", 40, 60)
+    assert file.optimize.constraints[0] == Constraint("reaction", 40, 60)
     with pytest.raises(dataclasses.FrozenInstanceError):
         file.section.spacing = 1.0
 
@@ -100,7 +102,7 @@ def test_laws_by_the_names_of_their_constants(name):
     if few:
         ones = {"mu": [60.0, 1.0][:few], "alpha": [3.0, -2.0][:few], "nu": [0.3]}
         constants |= {key: ones[key] for key in constants if key in ones}
-    law = read_law("[material.x]", {"law": name, **constants}, Path())
+    law = LAW_TABLES[name](law=name, **constants).made("[material.x]", Path())
     assert isinstance(law, LAWS[name])
     for key, value in constants.items():
         assert getattr(law, key) == (tuple(value) if few and key in ones else value)
@@ -240,7 +242,7 @@ def test_every_type_becomes_a_measure_with_its_name(tmp_path, name):
     assert measure.name == "mine"
     assert getattr(measure, "profile", "door") == "door"
     assert getattr(measure, "point", 1) == 1
-    assert not is_single(file.measures[0]) or measure.size(None) == 1
+    assert not file.measures[0].single or measure.size(None) == 1
 
 
 def test_the_reaction_is_taken_along_the_first_travel(tmp_path):
@@ -265,7 +267,7 @@ def test_reactions_at_any_travel_in_any_direction(tmp_path, keys, size, fields):
                               f'type = "reaction"\nname = "mine"\n{keys}'))  # fmt: skip
     measure = measure_of(file.measures[0], np.zeros((1, 2)))
     assert measure.size(None) == size
-    assert is_single(file.measures[0]) == (size == 1)
+    assert file.measures[0].single == (size == 1)
     assert {name: getattr(measure, name) for name in fields} == fields
 
 
@@ -280,7 +282,7 @@ def test_stress_is_that_of_the_complete_section_unless_points_are_chosen(
                               f'type = "von_mises"\n{keys}'))  # fmt: skip
     measure = measure_of(file.measures[0], np.array([(0.0, 0.0), (5.0, 5.0), (0.0, 14.0)]))
     assert type(measure) is kind
-    assert is_single(file.measures[0]) == single
+    assert file.measures[0].single == single
     assert not measure.takes_places or keys.startswith("count")
     if "at" in keys:
         assert measure.points == (2, 0)

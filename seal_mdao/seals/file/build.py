@@ -11,12 +11,11 @@ from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.seals.choice import choose
-from seal_mdao.seals.file.cross_checks import ROUNDING
 from seal_mdao.seals.file.edges import stretch_order
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
 from seal_mdao.seals.file.read import read_seal_file
-from seal_mdao.seals.file.start import gap_at_start, nearest_at_start
+from seal_mdao.seals.file.start import ROUNDING, gap_at_start, nearest_at_start
 from seal_mdao.seals.file.tables import (
     SELF_CONTACT,
     FluidTable,

@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.tables import FixedTable, ProfileTable, SealFile, SectionTable
+from seal_mdao.seals.file.edges import check_edges, contour_of
+from seal_mdao.seals.file.profiles import ProfileTable
+from seal_mdao.seals.file.section import SectionTable
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.wall_grid import SCHEMES
 
 
-def with_contact_points(profiles, section: SectionTable, fixed: FixedTable, fluids) -> tuple:
+def with_contact_points(profiles, section: SectionTable, fixed, fluids) -> tuple:
     """The profiles with contact points, where the file leaves them open.
 
     On rays those of their scheme, unless something needs a particle where a profile touches: a fluid, a
@@ -16,7 +18,7 @@ def with_contact_points(profiles, section: SectionTable, fixed: FixedTable, flui
     corners of the section.
     """
     chosen = "particles"
-    if isinstance(section.spacing, Rays) and fixed.edges and not fluids:
+    if isinstance(section.spacing, Rays) and fixed is not None and not fluids:
         chosen = SCHEMES[section.spacing.accuracy].contact_points
     return tuple(
         replace(profile, contact_points="particles" if _turns(profile) else chosen)
@@ -26,7 +28,31 @@ def with_contact_points(profiles, section: SectionTable, fixed: FixedTable, flui
     )
 
 
-def check_contact_points(where: str, profile: ProfileTable, file: SealFile) -> None:
+def check_contact(where: str, profile: ProfileTable, file) -> None:
+    """Refuse edges that there are not, that are held, or that are not one stretch of the boundary.
+
+    Parameters
+    ----------
+    where : str
+        The profile's place in the file.
+
+    Raises
+    ------
+    SealFileError
+    """
+    check_edges(where, "contact", profile.contact, file.section.outline)
+    for name in profile.contact:
+        if name in file.held:
+            raise SealFileError(f"{where}: contact = {name!r}, but [fixed] holds this edge")
+    contour = contour_of(profile.contact, file.section.outline)
+    if contour is None:
+        raise SealFileError(
+            f"{where}: contact = {', '.join(profile.contact)} is not one stretch of the boundary; give "
+            "the others a profile of their own with the same motion"
+        )
+
+
+def check_contact_points(where: str, profile: ProfileTable, file) -> None:
     """Refuse contact between the particles where something needs one at the contact.
 
     Parameters
@@ -46,7 +72,7 @@ def check_contact_points(where: str, profile: ProfileTable, file: SealFile) -> N
             "contact_points out"
         )
     for number, measure in enumerate(file.measures, 1):
-        of = measure.arguments.get("profile")
+        of = getattr(measure, "profile", None)
         if measure.type == "profile_work" and of == profile.name and _turns(profile):
             raise SealFileError(
                 f'{where}: contact_points = "edges", but the profile_work ([[measure]] {number}) of a '

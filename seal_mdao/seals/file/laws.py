@@ -1,8 +1,16 @@
-"""``[material.x]``: laws by name, their constants given or fitted to tests, and stable."""
+"""``[material.x]``: laws by name, their constants given or fitted to tests, and stable.
 
+The laws are those of ``materials.by_name.LAWS``; their constants are the keys of their tables.
+"""
+
+import re
 from dataclasses import fields
+from inspect import getdoc
 from pathlib import Path
-from typing import get_origin
+from typing import Annotated, get_origin
+
+from pydantic import AfterValidator, BeforeValidator
+from pydantic_core import PydanticCustomError
 
 from seal_mdao.calibration.data import read_tests
 from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
@@ -13,84 +21,142 @@ from seal_mdao.calibration.stability import check_stability, require_stable
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.seals.file.checks import NUMBERS, TEXT, Check, Key, number, one_of, table, whole
+from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
+from seal_mdao.seals.file.table import LINE, Table, chosen_by, key, table, table_of
+from seal_mdao.values import shown
 
+MODULI = {"c10", "c01", "c20", "c30", "mu", "shear_modulus", "bulk_modulus"}
+"""Constants in kPa."""
 STABLE = (0.7, 1.5)
 """Stretches between which every material has to be stable unless its table says others."""
 
 
-def _range(value):
-    least, largest = NUMBERS.convert(value)
+def _range(given):
+    least, largest = given
     if not 0.0 < least <= 1.0 <= largest:
         raise ValueError
-    return least, largest
+    return given
 
 
-LAW_KEYS = {
-    "law": Key(one_of(*LAWS)),
-    "data": Key(TEXT),
-    "stable": Key(Check("the least and largest stretch, such as [0.7, 1.5]", _range), STABLE),
-}
-FIT_KEYS = {
-    "bulk_modulus": Key(number(above=0.0), 80_000.0),
-    "weighting": Key(one_of(*WEIGHTINGS), "relative"),
-}
-TERM_KEYS = {"terms": Key(whole(1, MAX_TERMS), 1)}
-FOAM_KEYS = {"weighting": FIT_KEYS["weighting"], **TERM_KEYS, "nu": Key(number(), None)}
+Range = Annotated[
+    many(Number, "two numbers", 2, 2),
+    AfterValidator(_range),
+    Form("the least and largest stretch, such as [0.7, 1.5]"),
+]
 
 
-def read_law(where: str, given, folder: Path) -> Isotropic:
-    """The law of a table.
+@table(kw_only=True)
+class LawTable(Table):
+    """A rubber by the name of its law."""
 
-    Parameters
-    ----------
-    where : str
-        Its name for messages.
-    given : object
-        What the file has there.
-    folder : Path
-        That of the file, which ``data`` is relative to.
+    law: one_of(*LAWS) = key("name of the law")
+    stable: Range = key(
+        "least and largest stretch between which more strain has to take more stress in every test",
+        STABLE,
+    )
 
-    Raises
-    ------
-    SealFileError
-        For an unknown law, constants that are missing, unknown, or give no stable material; tests
-        that cannot be read or fitted.
-    """
-    name = given.get("law") if isinstance(given, dict) else None
-    law = LAWS.get(name) if isinstance(name, str) else None
-    if law is None:
-        # the name of the law is what is wrong, whatever else there is
-        given = given if not isinstance(given, dict) else {k: given[k] for k in given if k == "law"}
-        table(where, given, {"law": LAW_KEYS["law"]})
-    own = _fit_keys(name) if "data" in given else _constant_keys(name)
-    values = table(where, given, own)
-    try:
-        law = _law(name, values, own, folder)
-        between = dict.fromkeys(MODES, values["stable"])
-        require_stable(check_stability(law, between, margin=0.0), name)
-    except ValueError as error:
-        raise SealFileError(f"{where}: {error}") from None
-    return law
+    def made(self, where: str, folder: Path) -> Isotropic:
+        """The law, which has to be stable.
 
+        Parameters
+        ----------
+        where : str
+            Name of the table for messages.
+        folder : Path
+            That of the file, which ``data`` is relative to.
 
-def _constant_keys(name) -> dict:
-    keys = {constant.name: Key(_form(constant)) for constant in fields(LAWS[name])}
-    return keys | {key: LAW_KEYS[key] for key in ("law", "stable")}
+        Raises
+        ------
+        SealFileError
+            For constants that give no stable material; tests that cannot be read or fitted.
+        """
+        own = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in FURTHER}
+        try:
+            law = self._law(own, folder)
+            between = dict.fromkeys(MODES, self.stable)
+            require_stable(check_stability(law, between, margin=0.0), self.law)
+        except ValueError as error:
+            raise SealFileError(f"{where}: {error}") from None
+        return law
+
+    def _law(self, own, folder) -> Isotropic:
+        return LAWS[self.law](**own)
 
 
-def _form(constant):
-    return NUMBERS if get_origin(constant.type) is tuple else number()
+@table(kw_only=True)
+class FitTable(LawTable):
+    """A rubber whose constants are fitted to tests."""
+
+    data: Text = key("file of tests, relative to this one, to which the constants are fitted")
+    weighting: one_of(*WEIGHTINGS) = key(
+        "what the fit makes small: relative or absolute differences", "relative"
+    )
+
+    def _law(self, own, folder) -> Isotropic:
+        return fit(self.law, read_tests(folder / self.data), **own).law
 
 
-def _fit_keys(name) -> dict:
+FURTHER = ("law", "stable", "data")
+"""Keys of these tables that are no arguments of the law or its fit."""
+
+
+def _constants_table(name: str) -> type[Table]:
+    """The table of a law with its constants."""
+    keys, texts = {"law": (one_of(name), key("name of the law"))}, _meanings(LAWS[name])
+    for own in fields(LAWS[name]):
+        unit = "kPa" if own.name in MODULI else ""
+        several = get_origin(own.type) is tuple
+        allowed = f"a list of numbers{f' ({unit})' * bool(unit)}"
+        form = many(Number, allowed) if several else number(unit)
+        keys[own.name] = form, key(texts.get(own.name) or f"constant of {LAWS[name].__name__}")
+    return table_of(LawTable, f"{LAWS[name].__name__}Table", keys)
+
+
+def _meanings(law: type) -> dict[str, str]:
+    """What the docstring of a law says of its constants (numpy's Attributes)."""
+    attributes = getdoc(law).partition("Attributes\n----------\n")[2]
+    found = {}
+    for names, text in re.findall(r"^([\w, ]+) : .*\n((?: +.*\n?)*)", attributes, re.MULTILINE):
+        found |= dict.fromkeys(names.split(", "), " ".join(text.replace("``", "`").split()))
+    return found
+
+
+def _fit_table(name: str) -> type[Table]:
+    """The table of a law whose constants are fitted."""
+    keys = {"law": (one_of(name), key("name of the law"))}
+    if name != "hyperfoam":
+        text = "of the law, which tests of this kind do not tell"
+        keys["bulk_modulus"] = number("kPa", above=0.0), key(text, 80_000.0)
+    if name in OF_TERMS:
+        keys["terms"] = whole(1, MAX_TERMS), key("number of terms of the law", 1)
     if name == "hyperfoam":
-        return LAW_KEYS | FOAM_KEYS
-    return LAW_KEYS | FIT_KEYS | (TERM_KEYS if name in OF_TERMS else {})
+        text = "Poisson's ratio, where the lateral stretch was not measured"
+        keys["nu"] = number() | None, key(text, None)
+    return table_of(FitTable, f"{LAWS[name].__name__}Fit", keys)
 
 
-def _law(name, values, keys, folder) -> Isotropic:
-    own = {key: values[key] for key in keys if key not in LAW_KEYS}
-    if "data" not in keys:
-        return LAWS[name](**own)
-    return fit(name, read_tests(folder / values["data"]), **own).law
+LAW_TABLES = {name: _constants_table(name) for name in LAWS}
+FIT_TABLES = {f"{name}: data": _fit_table(name) for name in LAWS}
+AnyLaw = chosen_by(
+    "law",
+    LAW_TABLES | FIT_TABLES,
+    lambda given: given["law"] + (": data" if "data" in given else ""),
+)
+
+
+def _named(given):
+    """Refuse what are no materials with names."""
+    if not isinstance(given, dict) or not given:
+        line = f"[material.NAME] must be a table for every material, got {shown(given)}"
+        raise PydanticCustomError(LINE, "{line}", {"line": line})
+    for name, value in given.items():
+        if not isinstance(value, dict):
+            line = (
+                f"[material]: {name} = {shown(value)}, but a material needs a name: write "
+                "[material.rubber]"
+            )
+            raise PydanticCustomError(LINE, "{line}", {"line": line})
+    return given
+
+
+Materials = Annotated[dict[str, AnyLaw], BeforeValidator(_named)]

@@ -1,71 +1,95 @@
 """Load steps of a seal file: given for every stage, or left to be chosen (``[steps]``)."""
 
 from dataclasses import replace
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.motion import increases_to_one
-from seal_mdao.seals.choice import STEP_TOLERANCE
-from seal_mdao.seals.file.checks import Check, Key, number, table, whole
+from seal_mdao.seals.choice import PENALTY_TOLERANCE, STEP_TOLERANCE
+from seal_mdao.seals.file.forms import Form, many, number, whole
+from seal_mdao.seals.file.table import Table, key, table
 
 MOST_STEPS = 100_000
 CHOSEN = "auto"
+_Count = whole(1, MOST_STEPS)
 
 
-def _steps(value):
-    """None to be chosen, how many equal ones, or the shares of the stage at their ends."""
-    if value == CHOSEN:
-        return None
-    if not isinstance(value, list):
-        return whole(1, MOST_STEPS).convert(value)
-    shares = tuple(map(number(above=0.0, most=1.0).convert, value))
-    if not shares or not increases_to_one(shares):
+def _increasing(shares: tuple) -> tuple:
+    if not increases_to_one(shares):
         raise ValueError
     return shares
 
 
-STEPS = Check(
-    f'{whole(1, MOST_STEPS).allowed}, a list of shares of the stage that increase to 1.0, or "{CHOSEN}"',
-    _steps,
-)
-KEYS = {"tolerance": Key(number(above=0.0, most=1.0), STEP_TOLERANCE)}
+Steps = Annotated[
+    Literal[CHOSEN]
+    | _Count
+    | Annotated[many(number(above=0.0, most=1.0), "a list"), AfterValidator(_increasing)],
+    AfterValidator(lambda given: None if given == CHOSEN else given),
+    Form(
+        f"a whole number from 1 to {MOST_STEPS}, a list of shares of the stage that increase to 1.0, "
+        f'or "{CHOSEN}"'
+    ),
+]
+"""How many equal ones, or the shares of the stage at their ends; None to be chosen."""
 
 
-def read_steps(given, profiles: tuple) -> tuple[tuple, float | None]:
+@table
+class StepsTable(Table):
+    """How exactly load steps are chosen that the stages leave open."""
+
+    tolerance: number(above=0.0, most=1.0) = key(
+        "relative change that is allowed: of a measure, of the largest force on the profile",
+        STEP_TOLERANCE,
+    )
+
+
+@table
+class PenaltiesTable(Table):
+    """How exactly penalties are chosen that the contacts leave open."""
+
+    tolerance: number(above=0.0, most=1.0) = key(
+        "relative error that is allowed: of a measure, of a force, of penetration and elastic slip",
+        PENALTY_TOLERANCE,
+    )
+
+
+def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float | None]:
     """Profiles whose stages have load steps, and the tolerance within which these are to be chosen.
 
     Parameters
     ----------
-    given : object
-        What the file has as ``[steps]``; None for nothing.
     profiles : tuple of ProfileTable
         Stages whose steps are to be chosen have None; they get one.
+    steps : StepsTable or None
+        None for a file without.
 
     Raises
     ------
     SealFileError
         When only some of the stages have steps, or all of them and there is a tolerance.
     """
-    values = table("[steps]", {} if given is None else given, KEYS)
     named = [
         (f"[[profile]] {i} ({profile.name!r}): [[profile.stage]] {k}", stage.steps)
         for i, profile in enumerate(profiles, 1)
         for k, stage in enumerate(profile.stages, 1)
     ]
-    without = [where for where, steps in named if steps is None]
+    without = [where for where, own in named if own is None]
     if not without:
-        if given is not None:
+        if steps is not None:
             raise SealFileError(
                 "[steps]: tolerance is for load steps that are chosen, but all stages have steps; leave "
                 "out either"
             )
         return profiles, None
-    for where, steps in named:
-        if steps is not None:
+    for where, own in named:
+        if own is not None:
             raise SealFileError(
                 f"{where} has steps, but {without[0]} has none; give them to all stages, or to none, to "
                 "have them chosen"
             )
-    return one_step_each(profiles), values["tolerance"]
+    return one_step_each(profiles), (StepsTable() if steps is None else steps).tolerance
 
 
 def one_step_each(profiles) -> tuple:
@@ -74,3 +98,29 @@ def one_step_each(profiles) -> tuple:
         replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))
         for profile in profiles
     )
+
+
+def check_steps(file) -> None:
+    """Refuse profiles that all stand still, or whose stages do not go on side by side.
+
+    Raises
+    ------
+    SealFileError
+    """
+    moving = [profile for profile in file.profiles if profile.stages]
+    if not moving:
+        raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
+    for profile in moving[1:]:
+        if profile.n_steps == moving[0].n_steps:
+            continue
+        if file.step_tolerance is not None:
+            raise SealFileError(
+                f"[[profile]]: {moving[0].name!r} has {moving[0].n_steps} of [[profile.stage]] and "
+                f"{profile.name!r} {profile.n_steps}; stages without steps go on side by side, so give "
+                "all profiles as many (one without any key stands still)"
+            )
+        raise SealFileError(
+            f"[[profile]]: the stages of {moving[0].name!r} have {moving[0].n_steps} steps in all "
+            f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage that "
+            "only has steps stands still)"
+        )

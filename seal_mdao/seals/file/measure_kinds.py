@@ -1,10 +1,14 @@
-"""Types of measures of a seal file: the keys of each, and the ``Measure`` that it becomes."""
+"""Types of measures of a seal file: the keys of each."""
 
-from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import replace
+from functools import partial
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import AfterValidator, model_validator
 
+from seal_mdao.errors import SealFileError
+from seal_mdao.geometry.motion import ROUNDING
 from seal_mdao.measures.cavity import CavityPressure
 from seal_mdao.measures.contact import (
     TRAVEL,
@@ -21,167 +25,281 @@ from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.work import FrictionWork, ProfileWork
-from seal_mdao.seals.file.checks import POINT, TEXT, Check, Key, many, number, one_of, whole
+from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
+from seal_mdao.seals.file.measure_table import AtPlaces, MeasureTable, OfProfile, Places, kind
+from seal_mdao.seals.file.table import key, known
 
-_PROFILE = {"profile": Key(TEXT, None)}
-_ORDER = {"order": Key(whole(2, 1000), None)}
 _AXES = {"x": 0, "y": 1}
-_NUMBERS = many(whole(0, 10**6), "a list of numbers of particles, from 0 on")
-_PLACES = {"places": Key(_NUMBERS, None)}
-_PATCHES = {"places": Key(many(_NUMBERS, "a list of such lists, one for every patch"), None)}
-_OF_DESIGN, _OF_NOMINAL = "design", "nominal"
-_POINTS = {"points": Key(one_of(_OF_DESIGN, _OF_NOMINAL), None)}
-_TRAVEL = number(least=0.0)
-_TRAVELS = Check(
-    "a travel along the path, a number of at least 0 in mm, or a list of them",
-    lambda value: (
-        many(_TRAVEL, "").convert(value) if isinstance(value, list) else _TRAVEL.convert(value)
-    ),
-)
+Patches = many(Places, "a list of such lists, one for every patch")
+Travels = Annotated[
+    number(least=0.0) | many(number(least=0.0), "a list of travels"),
+    Form("a travel along the path, a number of at least 0, or a list of them (mm)"),
+]
+Order = whole(2, 1000)
+Sites = many(Point, "a list of points [[x, y], ...] (mm)")
 
 
-def _direction(value):
-    if value == TRAVEL:
-        return value
-    found = POINT.convert(value)
-    if not any(found):
+def _some_direction(given):
+    if given == (0.0, 0.0):
         raise ValueError
-    return found
+    return given
 
 
-_DIRECTION = Check(f'a direction [x, y] that is not [0, 0], or "{TRAVEL}"', _direction)
+Direction = Annotated[
+    Literal[TRAVEL] | Annotated[Point, AfterValidator(_some_direction)],
+    Form(f'a direction [x, y] that is not [0, 0], or "{TRAVEL}"'),
+]
 
 
-class Kind(NamedTuple):
-    """A type of measure.
-
-    Attributes
-    ----------
-    make : callable
-        Gives the measure from its arguments and the particles (n, 2).
-    keys : dict of str to Key
-        Of its table, beside ``type`` and ``name``.
-    one : callable
-        Whether it is a single number, from its arguments.
-    """
-
-    make: Callable
-    keys: dict
-    one: Callable = lambda arguments: True
+@kind("section_area", SectionArea)
+class SectionAreaTable(MeasureTable):
+    """Area of the undeformed section."""
 
 
-def _given(arguments, *names):
-    return {name: arguments[name] for name in names if arguments[name] is not None}
+@kind("cavity_area", CavityArea)
+class CavityAreaTable(MeasureTable):
+    """Area of a hole of the deformed section."""
+
+    edge: Text = key("edge all round the hole")
+
+    def check(self, where, file):
+        outline = file.section.outline
+        known(where, "edge", self.edge, outline.edge_names, "edge")
+        holes = [hole.edge_names[0] for hole in outline.holes if len(hole.edge_names) == 1]
+        if self.edge not in holes:
+            raise SealFileError(
+                f"{where}: edge = {self.edge!r} does not go all round a hole; there "
+                f"{'are' if len(holes) != 1 else 'is'} {', '.join(holes) or 'none'}"
+            )
 
 
-def _several(arguments) -> bool:
-    return False
+@kind("cavity_pressure", lambda cavity: CavityPressure(cavity))
+class CavityPressureTable(MeasureTable):
+    """Pressure of the air in a hole over that outside."""
+
+    cavity: Text = key("name of a [[cavity]]", "air")
+
+    def check(self, where, file):
+        known(where, "cavity", self.cavity, [own.name for own in file.cavities], "[[cavity]]")
 
 
-def _of_profile(measure, **more):
-    return lambda a, particles: measure(a["profile"], **more)
+@kind("blow_off_pressure", BlowOffPressure)
+class BlowOffPressureTable(MeasureTable):
+    """Pressure at which a fluid comes through to the dry side."""
+
+    fluid: Text = key("name of a [[fluid]]", "fluid")
+
+    def check(self, where, file):
+        known(where, "fluid", self.fluid, [own.name for own in file.fluids], "[[fluid]]")
 
 
-def _peak_pressure(nominal):
-    return Kind(
-        lambda a, particles: PeakPressure(a["profile"], nominal=nominal, **_given(a, "order")),
-        _PROFILE | _ORDER,
+@kind("contact_width", ContactWidth)
+class ContactWidthTable(OfProfile):
+    """Length of the deformed boundary in contact."""
+
+
+@kind("nominal_contact_width", partial(ContactWidth, nominal=True))
+class NominalContactWidthTable(OfProfile):
+    """Length of the undeformed boundary in contact."""
+
+
+@kind("peak_pressure", PeakPressure)
+class PeakPressureTable(OfProfile):
+    """True contact pressure, a mean of high order below the peak."""
+
+    order: Order | None = key("of the mean", None)
+
+
+@kind("nominal_peak_pressure", partial(PeakPressure, nominal=True))
+class NominalPeakPressureTable(PeakPressureTable):
+    """Nominal contact pressure, a mean of high order below the peak."""
+
+
+@kind("contact_pressure", lambda profile, places=None, **a: ContactPressure(profile, places, **a))
+class ContactPressureTable(OfProfile):
+    """True contact pressure of each patch, a mean of high order below the peak."""
+
+    order: Order | None = key("of the mean", None)
+    places: Patches | None = key("of contact points, for every patch, beside a cloud", None)
+    single = False
+
+
+@kind("nominal_contact_pressure", partial(ContactPressureTable.makes, nominal=True))
+class NominalContactPressureTable(ContactPressureTable):
+    """Nominal contact pressure of each patch, a mean of high order below the peak."""
+
+
+@kind("gap", lambda profile, places=None: Gap(profile, places))
+class GapTable(AtPlaces):
+    """Normal gaps where the nominal seal is not in contact, one by one."""
+
+    single = False
+
+
+def _gap_square_sum(profile, points=None, places=None):
+    """At the points that stand open in the nominal seal, Eq. (71), or wherever the design does."""
+    nominal = points == "nominal"
+    return GapSquareSum(Gap(profile, places)) if nominal else OpenGapSquareSum(profile, places)
+
+
+@kind("gap_square_sum", _gap_square_sum)
+class GapSquareSumTable(AtPlaces):
+    """Sum of the squared gaps between the first and the last contact."""
+
+    points: one_of("design", "nominal") | None = key(
+        "between whose contacts: those of every design, as unless given, or of the nominal seal",
+        None,
     )
 
 
-def _contact_pressure(nominal):
-    def make(a, particles):
-        return ContactPressure(a["profile"], a["places"], nominal=nominal, **_given(a, "order"))
+@kind("gap_square_integral", lambda profile, places=None: GapSquareIntegral(profile, places))
+class GapSquareIntegralTable(AtPlaces):
+    """Integral of the squared gaps between the first and the last contact."""
 
-    return Kind(make, _PROFILE | _ORDER | _PATCHES, _several)
+
+@kind("largest_gap", lambda profile, places=None, **order: LargestGap(profile, places, **order))
+class LargestGapTable(AtPlaces):
+    """Largest gap between the first and the last contact, an upper bound."""
+
+    order: Order | None = key("of the p-norm", None)
+
+
+def _reaction(profile, component=None, travel=None, **own):
+    axes = (0, 1) if component is None else (_AXES[component],)
+    travels = (travel,) if isinstance(travel, float) else travel
+    return Reaction(profile, travels, axes, **own)
+
+
+@kind("reaction", _reaction)
+class ReactionTable(OfProfile):
+    """Force of the seal on a profile."""
+
+    component: one_of(*_AXES) | None = key(
+        "axis of the force; that along which the first travel goes, unless component or direction is "
+        "given",
+        None,
+    )
+    direction: Direction | None = key(
+        "of the force, of any length; or against the travel of the profile at that place, positive "
+        "where the seal resists",
+        None,
+    )
+    travel: Travels | None = key(
+        "how far the profile has come along its path, or a list with a value for each; for one that "
+        "stands still, the path of the first one that travels; the end unless given",
+        None,
+    )
+    length: number("mm", above=0.0) | None = key(
+        "length of the seal whose force it is, in N; N/m unless given", None
+    )
+
+    @model_validator(mode="after")
+    def _one_direction(self):
+        if self.component is not None and self.direction is not None:
+            raise ValueError("component beside direction; use one of them")
+        return self
+
+    @property
+    def single(self):  # unless there is a list of travels
+        return not isinstance(self.travel, tuple)
+
+    def settled(self, where, profiles):
+        done = super().settled(where, profiles)
+        own = next(p for p in profiles if p.name == done.profile)
+        if done.component is None and done.direction is None:
+            done = replace(done, component=_main_axis(own))
+        if done.direction == TRAVEL and not own.travel > 0.0:
+            raise SealFileError(
+                f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not travel; give "
+                "the direction as [x, y]"
+            )
+        moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
+        if done.travel is not None and np.max(done.travel) > moving.travel * (1.0 + ROUNDING):
+            raise SealFileError(
+                f"{where}: travel = {np.max(done.travel):g}, but the path of the profile "
+                f"{moving.name!r} is only {moving.travel:.6g} mm long"
+            )
+        return done
+
+
+def _main_axis(profile) -> str:
+    """Along which axis the first stage of a profile that is a translation moves most; y for none."""
+    for stage in profile.stages:
+        if any(stage.translate):
+            return "x" if abs(stage.translate[0]) > abs(stage.translate[1]) else "y"
+    return "y"
+
+
+@kind("profile_work", ProfileWork)
+class ProfileWorkTable(OfProfile):
+    """Work of a profile on the seal along the path."""
+
+
+@kind("friction_work", FrictionWork)
+class FrictionWorkTable(MeasureTable):
+    """Work of all profiles that is not stored in the body."""
+
+
+@kind("strain_energy", StrainEnergy)
+class StrainEnergyTable(MeasureTable):
+    """Elastic energy of the body."""
+
+
+@kind("stress_norm", StressNorm)
+class StressNormTable(MeasureTable):
+    """p-norm of the von Mises stress of the particles, an upper bound."""
+
+    order: Order | None = key("of the p-norm", None)
+
+
+@kind("von_mises", VonMises)
+class VonMisesTable(MeasureTable):
+    """Largest von Mises stress of the section, a smooth upper bound; or that at chosen particles."""
+
+    excess: number(above=0.0, most=1.0) | None = key(
+        "largest relative amount by which the bound is above the largest stress; 0.05 unless given",
+        None,
+    )
+    at: Sites | None = key("points: the stress of the nearest particles", None)
+    count: whole(1, 1000) | None = key(
+        "number of the largest maxima along the boundary of the nominal seal", None
+    )
+    places: Places | None = key("of particles, beside a cloud", None)
+
+    @model_validator(mode="after")
+    def _one_choice(self):
+        if self.at is not None and self.count is not None:
+            raise ValueError("at beside count; use one of them")
+        if self.excess is not None and not self.single:
+            raise ValueError(
+                "excess belongs to the maximum of the complete section; leave it out beside at, count "
+                "or places"
+            )
+        return self
+
+    @property
+    def single(self):  # of the complete section
+        return all(own is None for own in (self.at, self.count, self.places))
+
+    def measure(self, particles):
+        if self.single:
+            return LargestVonMises() if self.excess is None else LargestVonMises(self.excess)
+        places = self.places
+        if places is None and self.at is not None:
+            places = tuple(_nearest(point, particles) for point in self.at)
+        return VonMises(places) if self.count is None else VonMises(places, self.count)
+
+
+@kind("displacement", Displacement)
+class DisplacementTable(MeasureTable):
+    """Displacement of a particle: horizontal, vertical."""
+
+    at: Point = key("a point; the displacement is that of the nearest particle")
+    single = False
+
+    def measure(self, particles):
+        return self.makes(_nearest(self.at, particles))
 
 
 def _nearest(point, particles) -> int:
     return int(np.hypot(*(particles - point).T).argmin())
-
-
-def _gap_square_sum(a, particles):
-    """Where the nominal seal stands open as in Eq. (71), or wherever the design does."""
-    if a["points"] != _OF_NOMINAL:
-        return OpenGapSquareSum(a["profile"], a["places"])
-    return GapSquareSum(Gap(a["profile"], a["places"]))
-
-
-def _reaction(a, particles):
-    travel, axis = a["travel"], a["component"]
-    return Reaction(
-        a["profile"], (travel,) if isinstance(travel, float) else travel,
-        (0, 1) if axis is None else (_AXES[axis],), a["direction"], a["length"],
-    )  # fmt: skip
-
-
-def _von_mises(a, particles):
-    """Of the complete section, or at chosen particles."""
-    if not stress_points(a):
-        return LargestVonMises(**_given(a, "excess"))
-    places = a["places"]
-    if places is None and a["at"] is not None:
-        places = tuple(_nearest(point, particles) for point in a["at"])
-    return VonMises(places, **_given(a, "count"))
-
-
-def stress_points(a) -> bool:
-    """Whether the arguments of ``von_mises`` choose particles."""
-    return any(a[key] is not None for key in ("places", "at", "count"))
-
-
-KINDS = {
-    "section_area": Kind(lambda a, particles: SectionArea(), {}),
-    "cavity_area": Kind(lambda a, particles: CavityArea(a["edge"]), {"edge": Key(TEXT)}),
-    "cavity_pressure": Kind(
-        lambda a, particles: CavityPressure(a["cavity"]), {"cavity": Key(TEXT, "air")}
-    ),
-    "blow_off_pressure": Kind(
-        lambda a, particles: BlowOffPressure(a["fluid"]), {"fluid": Key(TEXT, "fluid")}
-    ),
-    "contact_width": Kind(_of_profile(ContactWidth), _PROFILE),
-    "nominal_contact_width": Kind(_of_profile(ContactWidth, nominal=True), _PROFILE),
-    "peak_pressure": _peak_pressure(False),
-    "nominal_peak_pressure": _peak_pressure(True),
-    "contact_pressure": _contact_pressure(False),
-    "nominal_contact_pressure": _contact_pressure(True),
-    "reaction": Kind(
-        _reaction,
-        _PROFILE
-        | {
-            "component": Key(one_of(*_AXES), None),
-            "direction": Key(_DIRECTION, None),
-            "travel": Key(_TRAVELS, None),
-            "length": Key(number(above=0.0), None),
-        },
-        lambda a: not isinstance(a["travel"], tuple),
-    ),
-    "gap": Kind(lambda a, particles: Gap(a["profile"], a["places"]), _PROFILE | _PLACES, _several),
-    "gap_square_sum": Kind(_gap_square_sum, _PROFILE | _PLACES | _POINTS),
-    "gap_square_integral": Kind(
-        lambda a, particles: GapSquareIntegral(a["profile"], a["places"]), _PROFILE | _PLACES
-    ),
-    "largest_gap": Kind(
-        lambda a, particles: LargestGap(a["profile"], a["places"], **_given(a, "order")),
-        _PROFILE | _ORDER | _PLACES,
-    ),
-    "profile_work": Kind(_of_profile(ProfileWork), _PROFILE),
-    "friction_work": Kind(lambda a, particles: FrictionWork(), {}),
-    "strain_energy": Kind(lambda a, particles: StrainEnergy(), {}),
-    "stress_norm": Kind(lambda a, particles: StressNorm(**_given(a, "order")), _ORDER),
-    "von_mises": Kind(
-        _von_mises,
-        {
-            "excess": Key(number(above=0.0, most=1.0), None),
-            "count": Key(whole(1, 1000), None),
-            "at": Key(many(POINT, "a list of points [[x, y], ...]"), None),
-        }
-        | _PLACES,
-        lambda a: not stress_points(a),
-    ),
-    "displacement": Kind(
-        lambda a, particles: Displacement(_nearest(a["at"], particles)),
-        {"at": Key(POINT)},
-        _several,
-    ),
-}

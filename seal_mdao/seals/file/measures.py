@@ -1,101 +1,21 @@
-"""``[[measure]]``: reading a table, and the ``Measure`` that it becomes."""
+"""``[[measure]]``: what measures name in other tables, and the places that they have taken."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.geometry.motion import ROUNDING
-from seal_mdao.measures.contact import TRAVEL, BetweenContacts, Gap
+from seal_mdao.measures.contact import BetweenContacts, Gap
 from seal_mdao.measures.contact_pressure import ContactPressure
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.stress import VonMises
-from seal_mdao.seals.file.checks import NAME, TEXT, Key, known, one_of, suggestion, table
-from seal_mdao.seals.file.measure_kinds import KINDS, stress_points
-from seal_mdao.seals.file.tables import MeasureTable, ProfileTable
+from seal_mdao.seals.file import measure_kinds  # noqa: F401
+from seal_mdao.seals.file.measure_table import KINDS, MeasureTable
+from seal_mdao.seals.file.table import chosen_by, suggestion
+from seal_mdao.seals.outline.cloud_file import GivenCloud
 
-
-def read_measure(where: str, given: dict, profiles: tuple[ProfileTable, ...]) -> MeasureTable:
-    """A measure with its arguments; the profile may be left out where there is one only.
-
-    Raises
-    ------
-    SealFileError
-        For an unknown type, key or profile.
-    """
-    kind = given.get("type")
-    if not isinstance(kind, str) or kind not in KINDS:
-        head = {name: given[name] for name in ("type",) if name in given}
-        table(where, head, {"type": Key(one_of(*KINDS))})
-    keys = KINDS[kind].keys
-    values = table(where, given, {"type": Key(TEXT), "name": Key(NAME, kind), **keys})
-    values.pop("type")
-    name = values.pop("name")
-    if "profile" in keys:
-        values["profile"] = _profile(where, values["profile"], profiles)
-    if kind == "reaction":
-        _check_reaction(where, values, profiles)
-    if kind == "von_mises":
-        _check_stress(where, values)
-    return MeasureTable(kind, name, values)
-
-
-def _check_stress(where, values) -> None:
-    """Refuse more than one choice of where the stress is measured."""
-    if values["at"] is not None and values["count"] is not None:
-        raise SealFileError(f"{where}: at beside count; use one of them")
-    if values["excess"] is not None and stress_points(values):
-        raise SealFileError(
-            f"{where}: excess belongs to the maximum of the complete section; leave it out beside "
-            "at, count or places"
-        )
-
-
-def _check_reaction(where, values, profiles) -> None:
-    """Refuse a travel that is not on the path; choose the component unless there is a direction."""
-    own = next(p for p in profiles if p.name == values["profile"])
-    if values["component"] is not None and values["direction"] is not None:
-        raise SealFileError(f"{where}: component beside direction; use one of them")
-    if values["component"] is None and values["direction"] is None:
-        values["component"] = _main_axis(own)
-    moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
-    if values["direction"] == TRAVEL and not own.travel > 0.0:
-        raise SealFileError(
-            f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not travel; give the "
-            "direction as [x, y]"
-        )
-    if values["travel"] is None:
-        return
-    farthest = np.max(values["travel"])
-    if farthest > moving.travel * (1.0 + ROUNDING):
-        raise SealFileError(
-            f"{where}: travel = {farthest:g}, but the path of the profile {moving.name!r} is only "
-            f"{moving.travel:.6g} mm long"
-        )
-
-
-def is_single(measure: MeasureTable) -> bool:
-    """Whether a measure is a single number."""
-    return KINDS[measure.type].one(measure.arguments)
-
-
-def _profile(where, name, profiles) -> str:
-    names = [profile.name for profile in profiles]
-    if name is None and len(names) > 1:
-        raise SealFileError(
-            f"{where}: the key 'profile' is missing; it must be one of {', '.join(names)}"
-        )
-    name = names[0] if name is None else name
-    known(where, "profile", name, names, "profile")
-    return name
-
-
-def _main_axis(profile) -> str:
-    """Along which axis the first stage of a profile that is a translation moves most; y for none."""
-    for stage in profile.stages:
-        if any(stage.translate):
-            return "x" if abs(stage.translate[0]) > abs(stage.translate[1]) else "y"
-    return "y"
+AnyMeasure = chosen_by("type", KINDS)
+"""A table of any type."""
 
 
 def implied_measure(where: str, key: str, name: str, declared, profiles):
@@ -109,8 +29,8 @@ def implied_measure(where: str, key: str, name: str, declared, profiles):
     for measure in declared:
         if measure.name == name:
             return measure, False
-    if name in KINDS and all(k.default is None for k in KINDS[name].keys.values()):
-        return read_measure(where, {"type": name}, profiles), True
+    if name in KINDS and _needs_nothing(KINDS[name]):
+        return KINDS[name](type=name).settled(where, profiles), True
     names = [measure.name for measure in declared]
     close = suggestion(name, [*names, *KINDS])
     raise SealFileError(
@@ -120,10 +40,36 @@ def implied_measure(where: str, key: str, name: str, declared, profiles):
     )
 
 
+def _needs_nothing(kind: type[MeasureTable]) -> bool:
+    return all(own.default is None for name, own in kind.entries().items() if name != "type")
+
+
+def check_measures(file) -> None:
+    """Refuse names that are taken, places without a cloud, and what other tables do not have.
+
+    Raises
+    ------
+    SealFileError
+    """
+    names = [measure.name for measure in file.measures]
+    for number, measure in enumerate(file.measures, 1):
+        where = f"[[measure]] {number}"
+        if measure.name in names[: number - 1]:
+            raise SealFileError(
+                f"{where}: name = {measure.name!r}, but an earlier measure has it; give every measure "
+                "a name of its own"
+            )
+        cloud = isinstance(file.section.spacing, GivenCloud)
+        if getattr(measure, "places", None) is not None and not cloud:
+            raise SealFileError(
+                f"{where}: places are numbers of particles, which are known beside [section] cloud alone"
+            )
+        measure.check(where, file)
+
+
 def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:
     """The measure of a table, for a section with ``particles`` (n, 2)."""
-    made = KINDS[entry.type].make(entry.arguments, particles)
-    return replace(made, name=entry.name)
+    return replace(entry.measure(particles), name=entry.name)
 
 
 def places_of(measure: Measure):

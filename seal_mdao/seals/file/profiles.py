@@ -1,92 +1,100 @@
 """``[[profile]]``: rigid bodies, as the file says and as the contact needs them."""
 
-import numpy as np
+from functools import cached_property
+from typing import Annotated
 
-from seal_mdao.errors import GeometryError, SealFileError
+import numpy as np
+from pydantic import WrapValidator, model_validator
+
 from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
 from seal_mdao.geometry.profile import RigidProfile, rigid_profile
-from seal_mdao.seals.file.checks import (
-    LIST,
-    NAME,
-    NAMES,
-    Key,
-    number,
-    one_of,
-    point,
-    table,
-    tables,
-)
-from seal_mdao.seals.file.load_steps import STEPS
-from seal_mdao.seals.file.shapes import KEYS, segments_of
-from seal_mdao.seals.file.tables import ProfileTable
+from seal_mdao.seals.file.forms import Friction, Name, Names, Penalty, number, one_of, point
+from seal_mdao.seals.file.load_steps import Steps
+from seal_mdao.seals.file.segments import KINDS, PieceTable, SegmentTable
+from seal_mdao.seals.file.table import Table, key, rows, table
 from seal_mdao.seals.outline.chain import checked_chain
 from seal_mdao.seals.outline.crossings import check_simple
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Line, Spline
 from seal_mdao.terms.points import CONTACT_POINTS
 
-MOST_FRICTION, MOST_PENALTY, MOST_TURN = 10.0, 1e12, 3600.0
-"""Coefficient, kPa/mm, degrees."""
-PLACE = point(1e5)
-"""mm."""
-PENALTY = number(above=0.0, most=MOST_PENALTY)
-
-PROFILE_KEYS = {
-    "name": Key(NAME),
-    "friction": Key(number(least=0.0, most=MOST_FRICTION)),
-    "contact": Key(NAMES),
-    **KEYS,
-    "segment": Key(LIST, None),
-    "start": Key(PLACE, (0.0, 0.0)),
-    "angle": Key(number(least=-MOST_TURN, most=MOST_TURN), 0.0),
-    "pivot": Key(PLACE, (0.0, 0.0)),
-    "normal_penalty": Key(PENALTY, None),
-    "tangent_penalty": Key(PENALTY, None),
-    "contact_points": Key(one_of(*CONTACT_POINTS), None),
-    "stage": Key(LIST, None),
-}
-STAGE_KEYS = {
-    "translate": Key(PLACE, (0.0, 0.0)),
-    "rotate": Key(number(least=-MOST_TURN, most=MOST_TURN), 0.0),
-    "steps": Key(STEPS, None),
-}
+MOST_TURN = 3600.0
+"""Degrees."""
+Place = point(1e5)
+Angle = number("degrees", least=-MOST_TURN, most=MOST_TURN)
 
 
-def read_profile(position: int, given: dict) -> ProfileTable:
-    """The ``position``-th profile of a file; what it leaves open is None.
+@table
+class StageTable(Table):
+    """A stage of the motion, relative to where the stage before has ended."""
 
-    Raises
-    ------
-    SealFileError
-    """
-    name = given.get("name")
-    where = f"[[profile]] {position}" + (f" ({name!r})" if isinstance(name, str) else "")
-    values = table(where, given, PROFILE_KEYS)
-    segments = _segments(where, values)
-    closed = bool(np.hypot(*(segments[-1].end - segments[0].start)) <= JOIN)
-    try:
-        segments = checked_chain(segments, JOIN, closed)
-        check_simple(_corners(segments), closed)
-    except GeometryError as error:
-        raise SealFileError(f"{where}: {error}") from None
-    return ProfileTable(
-        values["name"], segments, closed, values["contact"], values["friction"],
-        values["normal_penalty"], values["tangent_penalty"], values["start"], values["angle"],
-        values["pivot"], _stages(where, values["stage"]), values["contact_points"],
-    )  # fmt: skip
+    translate: Place = key("travel of this stage", (0.0, 0.0))
+    rotate: Angle = key("turn about the pivot, counter-clockwise", 0.0)
+    steps: Steps | None = key("load steps; chosen where no stage has any", None)
 
 
-def _segments(where, values) -> list:
-    alone = [kind for kind in KEYS if values[kind] is not None]
-    if values["segment"] is None:
-        return segments_of(where, values, values["name"])
-    if alone:
-        raise SealFileError(f"{where}: {alone[0]} beside [[profile.segment]]; use one of them")
-    found = []
-    for i, given in enumerate(tables("profile.segment", values["segment"]), 1):
-        place = f"{where}: [[profile.segment]] {i}"
-        found += segments_of(place, table(place, given, KEYS), values["name"])
-    return found
+def _stage(given, read) -> Stage:
+    if isinstance(given, Stage):
+        return given
+    made = read(given)
+    return Stage(made.steps, made.translate, made.rotate)
+
+
+@table(kw_only=True)
+class ProfileTable(SegmentTable):
+    """A rigid body; it lies on the left of its curve when the curve is walked, in its own frame."""
+
+    name: Name = key("put before the names of its parameters: door_friction")
+    friction: Friction = key("Coulomb coefficient")
+    contact: Names = key("edges that may touch it, neighbours on the boundary")
+    segment: rows(PieceTable) | None = key("pieces of its curve, where it is a chain of them", None)
+    start: Place = key("where its origin is at the start", (0.0, 0.0))
+    angle: Angle = key("how it is turned at the start about the pivot", 0.0)
+    pivot: Place = key("centre of rotation, in the coordinates of its curve", (0.0, 0.0))
+    normal_penalty: Penalty | None = key("normal penalty; chosen unless given", None)
+    tangent_penalty: Penalty | None = key("tangential penalty; chosen unless given", None)
+    contact_points: one_of(*CONTACT_POINTS) | None = key(
+        "where the edges may be touched: at the particles, or in the middle of every straight side "
+        "between two of them; chosen unless given",
+        None,
+    )
+    stages: rows(Annotated[StageTable, WrapValidator(_stage)]) = key(
+        "stages of its motion; without any it stands still", (), alias="stage"
+    )
+
+    @model_validator(mode="after")
+    def _one_curve(self):
+        check_simple(_corners(self.segments), self.closed)
+        return self
+
+    @cached_property
+    def segments(self) -> tuple:
+        """The chain of its curve."""
+        alone = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if self.segment is not None and alone:
+            raise ValueError(f"{alone[0]} beside [[profile.segment]]; use one of them")
+        pieces = (self,) if self.segment is None else self.segment
+        chain = [segment for piece in pieces for segment in piece.pieces(self.name)]
+        return checked_chain(chain, JOIN, _joined(chain))
+
+    @property
+    def closed(self) -> bool:
+        """Whether the curve ends where it begins."""
+        return _joined(self.segments)
+
+    @property
+    def n_steps(self) -> int:
+        """Load steps of all stages."""
+        return sum(stage.n_steps for stage in self.stages)
+
+    @property
+    def travel(self) -> float:
+        """Length of its path, mm; rotation is no travel."""
+        return float(sum(np.hypot(*stage.translate) for stage in self.stages))
+
+
+def _joined(chain) -> bool:
+    return bool(np.hypot(*(chain[-1].end - chain[0].start)) <= JOIN)
 
 
 def _corners(segments) -> np.ndarray:
@@ -94,16 +102,6 @@ def _corners(segments) -> np.ndarray:
     size = max(np.abs(segment.points([0.0, 0.5, 1.0])).max() for segment in segments)
     parts = [segment.points(segment.chords(SAGITTA * size)[:-1]) for segment in segments]
     return np.concatenate([*parts, segments[-1].points([1.0])])
-
-
-def _stages(where, given) -> tuple:
-    if given is None:
-        return ()
-    stages = []
-    for i, one in enumerate(tables("profile.stage", given), 1):
-        values = table(f"{where}: [[profile.stage]] {i}", one, STAGE_KEYS)
-        stages.append(Stage(values["steps"], values["translate"], values["rotate"]))
-    return tuple(stages)
 
 
 def motion_of(profile: ProfileTable, n_steps: int) -> Motion:

@@ -3,85 +3,28 @@
 import tomllib
 from pathlib import Path
 
+from pydantic import TypeAdapter
+
 from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
-from seal_mdao.loads.fluid_pressure import ENDS, SHARE
-from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE
-from seal_mdao.seals.choice import PENALTY_TOLERANCE
-from seal_mdao.seals.file.checks import (
-    NAME,
-    NAMES,
-    Check,
-    Key,
-    many,
-    number,
-    one_of,
-    shown,
-    suggestion,
-    table,
-    tables,
-    whole,
+from seal_mdao.seals.file.contact_points import (
+    check_contact,
+    check_contact_points,
+    with_contact_points,
 )
-from seal_mdao.seals.file.contact_points import with_contact_points
-from seal_mdao.seals.file.cross_checks import check
-from seal_mdao.seals.file.laws import read_law
-from seal_mdao.seals.file.load_steps import MOST_STEPS, read_steps
-from seal_mdao.seals.file.measures import read_measure
-from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import MOST_FRICTION, PENALTY, read_profile
-from seal_mdao.seals.file.sections import read_section
-from seal_mdao.seals.file.tables import (
-    CavityTable,
-    DesignTable,
-    FixedTable,
-    FluidTable,
-    SealFile,
-    SelfContactTable,
-    SymmetryTable,
-)
+from seal_mdao.seals.file.fluids import check_cavities, check_fluids, check_names
+from seal_mdao.seals.file.load_steps import check_steps, with_steps
+from seal_mdao.seals.file.measures import check_measures
+from seal_mdao.seals.file.moving import check_designs, check_self_contact
+from seal_mdao.seals.file.optimization import with_implied
+from seal_mdao.seals.file.section import check_section
+from seal_mdao.seals.file.start import check_start
+from seal_mdao.seals.file.supports import check_bodies_held, check_supports
+from seal_mdao.seals.file.table import checked, suggestion
+from seal_mdao.seals.file.tables import SealFile, Written
 
-TABLES = (
-    "material", "section", "profile", "fixed", "symmetry", "cavity", "self_contact", "fluid", "design",
-    "measure", "optimize", "steps", "penalties",
-)  # fmt: skip
-NEEDED = TABLES[:3]
-MOST_PARAMETERS = 1000
-MOST_PRESSURE = 1e9
-"""kPa."""
-
-DIRECTIONS = Check('a list of "x", "y" or both', many(one_of("x", "y"), "").convert)
-FIXED_KEYS = {"edges": Key(NAMES), "directions": Key(DIRECTIONS, ("x", "y"))}
-SYMMETRY_KEYS = {"edges": Key(NAMES), "normal": Key(one_of("x", "y"))}
-CAVITY_KEYS = {
-    "hole": Key(whole(1, 1000)),
-    "name": Key(NAME, "air"),
-    "pressure": Key(number(above=0.0), ATMOSPHERE),
-    "gamma": Key(number(above=0.0), ADIABATIC),
-}
-SELF_CONTACT_KEYS = {
-    "edges": Key(NAMES),
-    "friction": Key(number(least=0.0, most=MOST_FRICTION)),
-    "normal_penalty": Key(PENALTY, None),
-    "tangent_penalty": Key(PENALTY, None),
-}
-PENALTIES_KEYS = {"tolerance": Key(number(above=0.0, most=1.0), PENALTY_TOLERANCE)}
-STRETCH = Check(
-    'the name of an edge, or a list of neighbours, such as ["left", "top"]',
-    lambda value: NAMES.convert([value] if isinstance(value, str) else value),
-)
-FLUID_KEYS = {
-    "edge": Key(STRETCH),
-    "from": Key(one_of(*ENDS)),
-    "pressure": Key(number(above=0.0, most=MOST_PRESSURE)),
-    "steps": Key(whole(1, MOST_STEPS), None),
-    "name": Key(NAME, "fluid"),
-    "share": Key(number(above=0.0, most=1.0), SHARE),
-}
-DESIGN_KEYS = {
-    "edges": Key(NAMES),
-    "parameters": Key(whole(1, MOST_PARAMETERS)),
-    "bound": Key(number(above=0.0)),
-}
+TABLES = tuple(Written.model_fields)
+NEEDED = tuple(name for name, own in Written.model_fields.items() if own.is_required())
 
 
 def read_seal_file(path) -> SealFile:
@@ -136,76 +79,30 @@ def _read(given, path) -> SealFile:
     missing = [name for name in NEEDED if name not in given]
     if missing:
         raise SealFileError(f"{_written(missing[:1])} is missing")
-    profiles = tuple(
-        read_profile(i, one) for i, one in enumerate(tables("profile", given["profile"]), 1)
-    )
-    _check_profile_names(profiles)
-    profiles, step_tolerance = read_steps(given.get("steps"), profiles)
-    measures = tuple(
-        read_measure(f"[[measure]] {i}", one, profiles)
-        for i, one in enumerate(_optional(given, "measure"), 1)
-    )
-    optimize = None
-    if "optimize" in given:
-        optimize, measures = read_optimize(given["optimize"], measures, profiles)
-    materials = _materials(given["material"], path.parent)
-    section = read_section(given["section"], path.parent)
-    fixed = FixedTable()
-    if "fixed" in given:
-        fixed = FixedTable(**table("[fixed]", given["fixed"], FIXED_KEYS))
-    fluids = tuple(_fluid(i, one) for i, one in enumerate(_optional(given, "fluid"), 1))
-    file = SealFile(
-        path,
-        materials,
-        section,
-        fixed,
-        tuple(
-            SymmetryTable(**table(f"[[symmetry]] {i}", one, SYMMETRY_KEYS))
-            for i, one in enumerate(_optional(given, "symmetry"), 1)
-        ),
-        with_contact_points(profiles, section, fixed, fluids),
-        tuple(
-            DesignTable(**table(f"[[design]] {i}", one, DESIGN_KEYS))
-            for i, one in enumerate(_optional(given, "design"), 1)
-        ),
-        measures,
-        optimize,
-        tuple(
-            CavityTable(**table(f"[[cavity]] {i}", one, CAVITY_KEYS))
-            for i, one in enumerate(_optional(given, "cavity"), 1)
-        ),
-        SelfContactTable(**table("[self_contact]", given["self_contact"], SELF_CONTACT_KEYS))
-        if "self_contact" in given
-        else None,
-        fluids,
-        step_tolerance,
-        table("[penalties]", given.get("penalties", {}), PENALTIES_KEYS)["tolerance"],
-    )
+    file = _decided(checked(TypeAdapter(Written), given), path)
     check(file)
     return file
 
 
-def _fluid(position, given) -> FluidTable:
-    values = table(f"[[fluid]] {position}", given, FLUID_KEYS)
-    return FluidTable(values.pop("edge"), values.pop("from"), **values)
-
-
-def _optional(given, name) -> list:
-    return tables(name, given[name]) if name in given else []
-
-
-def _materials(given, folder) -> dict:
-    if not isinstance(given, dict) or not given:
-        raise SealFileError(
-            f"[material.NAME] must be a table for every material, got {shown(given)}"
-        )
-    for name, value in given.items():
-        if not isinstance(value, dict):
-            raise SealFileError(
-                f"[material]: {name} = {shown(value)}, but a material needs a name: write "
-                "[material.rubber]"
-            )
-    return {name: read_law(f"[material.{name}]", value, folder) for name, value in given.items()}
+def _decided(written: Written, path: Path) -> SealFile:
+    """What a file decides, with what it leaves to its other tables and files."""
+    _check_profile_names(written.profile)
+    profiles, step_tolerance = with_steps(written.profile, written.steps)
+    measures = tuple(
+        own.settled(f"[[measure]] {i}", profiles) for i, own in enumerate(written.measure, 1)
+    )
+    if written.optimize is not None:
+        measures = with_implied(written.optimize, measures, profiles)
+    materials = {
+        name: own.made(f"[material.{name}]", path.parent) for name, own in written.material.items()
+    }
+    section = written.section.read(path.parent)
+    return SealFile(
+        path, materials, section, written.fixed, written.symmetry,
+        with_contact_points(profiles, section, written.fixed, written.fluid), written.design,
+        measures, written.optimize, written.cavity, written.self_contact, written.fluid,
+        step_tolerance, written.penalties.tolerance,
+    )  # fmt: skip
 
 
 def _check_profile_names(profiles) -> None:
@@ -217,3 +114,29 @@ def _check_profile_names(profiles) -> None:
             raise SealFileError(
                 f"[[profile]] {i + 1}: name = 'structure', but that is the name of the body itself"
             )
+
+
+def check(file: SealFile) -> None:
+    """Refuse a file whose tables contradict each other.
+
+    Raises
+    ------
+    SealFileError
+        With the first contradiction.
+    """
+    check_section(file)
+    check_supports(file)
+    check_designs(file)
+    check_cavities(file)
+    check_self_contact(file)
+    check_measures(file)
+    check_steps(file)
+    check_fluids(file)
+    check_names(file)
+    gaps = []
+    for number, profile in enumerate(file.profiles, 1):
+        where = f"[[profile]] {number} ({profile.name!r})"
+        check_contact(where, profile, file)
+        check_contact_points(where, profile, file)
+        gaps.append(check_start(where, profile, file.section.outline))
+    check_bodies_held(file, gaps)

@@ -1,230 +1,48 @@
-"""What a seal file decides: one frozen object for every table."""
+"""What a seal file has, and what it decides."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
+from pydantic import BaseModel, ConfigDict
 
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.choice import PENALTY_TOLERANCE
-from seal_mdao.seals.outline.cloud import LAYERS
-from seal_mdao.seals.outline.cloud_file import GivenCloud
-from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.outline.section import Outline
+from seal_mdao.seals.file.fluids import CavityTable, FluidTable
+from seal_mdao.seals.file.laws import Materials
+from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
+from seal_mdao.seals.file.measure_table import MeasureTable
+from seal_mdao.seals.file.measures import AnyMeasure
+from seal_mdao.seals.file.moving import DesignTable, SelfContactTable
+from seal_mdao.seals.file.optimization import OptimizeTable
+from seal_mdao.seals.file.profiles import ProfileTable
+from seal_mdao.seals.file.section import SectionTable, WrittenSection
+from seal_mdao.seals.file.supports import FixedTable, SymmetryTable
+from seal_mdao.seals.file.table import key, rows
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 
 SELF_CONTACT = "self_contact"
 """Label of the contact of a section with itself."""
 
 
-@dataclass(frozen=True)
-class RegionTable:
-    """``[[section.region]]``: a part of the section of another material.
+class Written(BaseModel):
+    """The tables of a seal file, as it is written."""
 
-    Attributes
-    ----------
-    material : str
-    at : pair of float
-        A point of the part, mm.
-    line : tuple of pair of float or None
-        Corners of the line that divides it from the rest, mm; None for a body of its own.
-    """
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
-    material: str
-    at: tuple
-    line: tuple | None
-
-
-@dataclass(frozen=True)
-class SectionTable:
-    """``[section]``: the outline and how it is filled.
-
-    Attributes
-    ----------
-    outline : Outline
-    material : str
-        Of what is in no region.
-    spacing : float, Rays or GivenCloud
-        Largest distance of particles, mm; or the rays that they lie on; or they themselves.
-    drawing, cloud : Path or None
-        What the outline and the particles were read from.
-    layers : int
-        Of particles across a wall at least, where a spacing fills the section.
-    regions : tuple of RegionTable
-    """
-
-    outline: Outline
-    material: str
-    spacing: float | Rays | GivenCloud
-    drawing: Path | None = None
-    cloud: Path | None = None
-    regions: tuple[RegionTable, ...] = ()
-    layers: int = LAYERS
-
-    @property
-    def cuts(self) -> list:
-        """Lines (k, 2) that divide the section."""
-        return [np.array(region.line) for region in self.regions if region.line is not None]
-
-
-@dataclass(frozen=True)
-class FixedTable:
-    """``[fixed]``: edges that are held, and in which directions."""
-
-    edges: tuple = ()
-    directions: tuple = ("x", "y")
-
-
-@dataclass(frozen=True)
-class SymmetryTable:
-    """``[[symmetry]]``: edges in a plane beyond which the section goes on as its mirror image."""
-
-    edges: tuple
-    normal: str
-
-
-@dataclass(frozen=True)
-class ProfileTable:
-    """``[[profile]]``: a rigid body and its motion.
-
-    Attributes
-    ----------
-    name : str
-    segments : tuple of Segment
-        A chain, the rigid body on the left when walked, in the profile's own frame.
-    closed : bool
-    contact : tuple of str
-        Edges of the section that may touch it.
-    friction : float
-    normal_penalty, tangent_penalty : float or None
-        kPa/mm; None to be chosen.
-    start : pair of float
-        Where its origin is at the start, mm.
-    angle : float
-        How it is turned at the start about the pivot, degrees.
-    pivot : pair of float
-        Centre of rotation in the profile's own frame, mm.
-    stages : tuple of Stage
-        Empty for one that stands still.
-    contact_points : {"particles", "edges"} or None
-        Where the edges may be touched, as of ``EdgeContact``; None until the whole file is known.
-    """
-
-    name: str
-    segments: tuple
-    closed: bool
-    contact: tuple
-    friction: float
-    normal_penalty: float | None
-    tangent_penalty: float | None
-    start: tuple
-    angle: float
-    pivot: tuple
-    stages: tuple[Stage, ...]
-    contact_points: str | None
-
-    @property
-    def n_steps(self) -> int:
-        """Load steps of all stages."""
-        return sum(stage.n_steps for stage in self.stages)
-
-    @property
-    def travel(self) -> float:
-        """Length of its path, mm; rotation is no travel."""
-        return float(sum(np.hypot(*stage.translate) for stage in self.stages))
-
-
-@dataclass(frozen=True)
-class CavityTable:
-    """``[[cavity]]``: a hole that does not let its air out.
-
-    Attributes
-    ----------
-    hole : int
-        From 1.
-    name : str
-    pressure : float
-        Absolute pressure outside, kPa.
-    gamma : float
-    """
-
-    hole: int
-    name: str
-    pressure: float
-    gamma: float
-
-
-@dataclass(frozen=True)
-class SelfContactTable:
-    """``[self_contact]``: edges that may touch each other or themselves; penalties in kPa/mm, None to
-    be chosen."""
-
-    edges: tuple
-    friction: float
-    normal_penalty: float | None
-    tangent_penalty: float | None
-
-
-@dataclass(frozen=True)
-class FluidTable:
-    """``[[fluid]]``: a fluid at one end of an edge, or of a stretch of them.
-
-    Attributes
-    ----------
-    edges : tuple of str
-    end : str
-        "start" or "end" of them as they are walked, from which it comes.
-    pressure : float
-        kPa.
-    steps : int or None
-        The last load steps, over which it grows; None for those of the last stage.
-    name : str
-    share : float
-        Of the pressure, by which the seal has to press with more where it is dry.
-    """
-
-    edges: tuple
-    end: str
-    pressure: float
-    steps: int | None
-    name: str
-    share: float
-
-
-@dataclass(frozen=True)
-class DesignTable:
-    """``[[design]]``: edges that may move, parameters of each, and their bound, mm."""
-
-    edges: tuple
-    parameters: int
-    bound: float
-
-
-@dataclass(frozen=True)
-class MeasureTable:
-    """``[[measure]]``: its type, its name, and what the type asks for."""
-
-    type: str
-    name: str
-    arguments: dict
-
-
-@dataclass(frozen=True)
-class Constraint:
-    """``[[optimize.constraint]]``: a measure by name, and its bounds."""
-
-    measure: str
-    lower: float | None
-    upper: float | None
-
-
-@dataclass(frozen=True)
-class OptimizeTable:
-    """``[optimize]``: the measure that is made small, and what has to hold."""
-
-    minimize: str
-    constraints: tuple[Constraint, ...]
+    material: Materials = key("rubbers by their names")
+    section: WrittenSection = key("the section")
+    profile: rows(ProfileTable) = key("rigid bodies that move against it")
+    fixed: FixedTable | None = key("edges that are held", None)
+    symmetry: rows(SymmetryTable) = key("planes of symmetry", ())
+    cavity: rows(CavityTable) = key("holes that keep their air", ())
+    self_contact: SelfContactTable | None = key("edges that may touch each other", None)
+    fluid: rows(FluidTable) = key("fluids that press on one side", ())
+    design: rows(DesignTable) = key("edges that may move", ())
+    measure: rows(AnyMeasure) = key("what is asked", ())
+    optimize: OptimizeTable | None = key("what is made small, and what has to hold", None)
+    steps: StepsTable | None = key("how exactly load steps are chosen", None)
+    penalties: PenaltiesTable = key("how exactly penalties are chosen", PenaltiesTable())
 
 
 @dataclass(frozen=True)
@@ -236,7 +54,7 @@ class SealFile:
     path : Path
     materials : dict of str to Isotropic
     section : SectionTable
-    fixed : FixedTable
+    fixed : FixedTable or None
     symmetries : tuple of SymmetryTable
     profiles : tuple of ProfileTable
     designs : tuple of DesignTable
@@ -256,7 +74,7 @@ class SealFile:
     path: Path
     materials: dict[str, Isotropic]
     section: SectionTable
-    fixed: FixedTable
+    fixed: FixedTable | None
     symmetries: tuple[SymmetryTable, ...]
     profiles: tuple[ProfileTable, ...]
     designs: tuple[DesignTable, ...] = ()
@@ -297,13 +115,19 @@ class SealFile:
         return next(profile.stages[-1] for profile in self.profiles if profile.stages)
 
     @property
+    def fixed_edges(self) -> tuple:
+        """Edges that ``[fixed]`` holds."""
+        return () if self.fixed is None else self.fixed.edges
+
+    @property
     def held(self) -> tuple:
         """Edges that are held in both directions."""
-        return self.fixed.edges if len(set(self.fixed.directions)) == 2 else ()
+        both = self.fixed is not None and len(set(self.fixed.directions)) == 2
+        return self.fixed_edges if both else ()
 
     @property
     def planes(self) -> tuple:
         """Edges that are held in one direction, and its number: 0 for x, 1 for y."""
-        own = () if self.held else [(name, self.fixed.directions[0]) for name in self.fixed.edges]
+        own = () if self.held else [(name, self.fixed.directions[0]) for name in self.fixed_edges]
         mirrored = [(name, plane.normal) for plane in self.symmetries for name in plane.edges]
         return tuple((name, "xy".index(axis)) for name, axis in (*own, *mirrored))

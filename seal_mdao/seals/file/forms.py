@@ -1,0 +1,116 @@
+"""Forms of the values in a seal file: pydantic types, each with the words that say what is allowed."""
+
+from typing import Annotated, Literal
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    Strict,
+    StringConstraints,
+    ValidationError,
+    WithJsonSchema,
+)
+from pydantic_core import PydanticCustomError, core_schema
+
+from seal_mdao.errors import GeometryError
+
+FORM = "form"
+"""Type of the error of a value that has another form than its key allows."""
+MOST_POINTS = 20_000
+"""Of a line or spline."""
+
+
+class Form:
+    """What a value must be, in words: of the one error for whatever is wrong in it.
+
+    Attributes
+    ----------
+    allowed : str
+    """
+
+    def __init__(self, allowed: str):
+        self.allowed = allowed
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        def checked(value, inner):
+            try:
+                return inner(value)
+            except ValidationError:
+                raise PydanticCustomError(FORM, "{allowed}", {"allowed": self.allowed}) from None
+
+        return core_schema.no_info_wrap_validator_function(checked, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        return handler(schema) | {"title": self.allowed}
+
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+
+
+def number(unit: str = "", above=None, least=None, most=None):
+    """A finite number, above or not below a bound, and at most another one."""
+    words = [] if above is None else [f"above {above:g}"]
+    words += [] if least is None else [f"of at least {least:g}"]
+    words += [] if most is None else [f"at most {most:g}"]
+    allowed = " ".join(["a number", " and ".join(words), f"({unit})" * bool(unit)])
+    return Annotated[Number, Field(gt=above, ge=least, le=most), Form(" ".join(allowed.split()))]
+
+
+def whole(least: int, most: int):
+    """A whole number between two bounds; booleans are none."""
+    allowed = Form(f"a whole number from {least} to {most}")
+    return Annotated[int, Strict(), Field(ge=least, le=most), allowed]
+
+
+def one_of(*names: str):
+    """One of some texts."""
+    return Annotated[Literal[names], Form(f"one of {', '.join(names)}")]
+
+
+def many(one, allowed: str, least: int = 1, most: int | None = None):
+    """A list of values of one form."""
+    return Annotated[tuple[one, ...], Field(min_length=least, max_length=most), Form(allowed)]
+
+
+def point(most: float | None = None, unit: str = "mm"):
+    """A point, with coordinates up to ``most`` in size."""
+    bounds = {} if most is None else {"minimum": -most, "maximum": most}
+    own = Annotated[Number, Field(ge=bounds.get("minimum"), le=most)]
+    size = "" if most is None else f", at most {most:g} in size"
+    form = {"type": "array", "items": {"type": "number"} | bounds, "minItems": 2, "maxItems": 2}
+    allowed = Form(f"a point [x, y] of two numbers{size} ({unit})")
+    return Annotated[tuple[own, own], WithJsonSchema(form), allowed]
+
+
+def _not_too_many(value):
+    if isinstance(value, list) and len(value) > MOST_POINTS:
+        raise GeometryError(f"{len(value)} points, but at most {MOST_POINTS} are read")
+    return value
+
+
+Text = Annotated[
+    str, Strict(), StringConstraints(pattern=r"\S"), Form("a text that is not empty")
+]  # fmt: skip
+
+
+def _identifier(value: str) -> str:
+    if not value.isidentifier():
+        raise ValueError
+    return value
+
+
+Name = Annotated[
+    str,
+    Strict(),
+    AfterValidator(_identifier),
+    Form("a name of letters, digits and _ that begins with no digit"),
+]
+Names = many(Text, 'a list of names, such as ["base"]')
+Point = point()
+Points = Annotated[
+    many(Point, "a list of at least two points [[x, y], [x, y], ...] (mm)", 2, MOST_POINTS),
+    BeforeValidator(_not_too_many),
+]
+Friction = number(least=0.0, most=10.0)
+Penalty = number("kPa/mm", above=0.0, most=1e12)

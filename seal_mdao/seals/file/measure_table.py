@@ -1,0 +1,106 @@
+"""The contract of ``[[measure]]``: a table by its type, and the ``Measure`` that it becomes."""
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+from inspect import get_annotations
+from typing import Annotated
+
+import numpy as np
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.measures.measure import Measure
+from seal_mdao.seals.file.forms import Form, Name, Text, many, one_of, whole
+from seal_mdao.seals.file.table import Table, key, known, table
+
+Places = many(whole(0, 10**6), "a list of numbers of particles, from 0 on")
+TypeName = Annotated[str, Form("the name of a type")]
+
+
+@table(kw_only=True)
+class MeasureTable(Table):
+    """A measure by its type.
+
+    A class for a type (``@kind``) has further keys as annotations, and ``single`` where it does not
+    give one number.
+    """
+
+    type: TypeName = key("type of the measure")
+    name: Name | None = key("name of the measure; its type unless given", None)
+
+    single = True
+    """Whether it is a single number."""
+
+    @property
+    def arguments(self) -> dict:
+        """Its keys beside ``type`` and ``name``."""
+        every = {own.name: getattr(self, own.name) for own in fields(self)}
+        return {name: own for name, own in every.items() if name not in ("type", "name")}
+
+    def measure(self, particles: np.ndarray) -> Measure:
+        """The measure, for a section with ``particles`` (n, 2)."""
+        return self.makes(**{name: v for name, v in self.arguments.items() if v is not None})
+
+    def settled(self, where: str, profiles: tuple) -> "MeasureTable":
+        """The table with what it leaves to the profiles of the file, and its name.
+
+        Raises
+        ------
+        SealFileError
+        """
+        return replace(self, name=self.type if self.name is None else self.name)
+
+    def check(self, where: str, file) -> None:
+        """Refuse what does not fit the other tables of the file.
+
+        Raises
+        ------
+        SealFileError
+        """
+
+
+KINDS = {}
+"""Class of the table of every type of measure, by its name in seal files."""
+
+
+def kind(name: str, makes: Callable[..., Measure]):
+    """Make a class the table of a type of measure.
+
+    Parameters
+    ----------
+    name : str
+        Of the type in seal files.
+    makes : callable
+        Gives the measure from the keys of the table that are given.
+    """
+
+    def made(own: type) -> type:
+        own.__annotations__ = {"type": one_of(name)} | get_annotations(own)
+        own.type, own.makes = key("type of the measure"), staticmethod(makes)
+        KINDS[name] = table(kw_only=True)(own)
+        return KINDS[name]
+
+    return made
+
+
+@table(kw_only=True)
+class OfProfile(MeasureTable):
+    """A measure at a profile."""
+
+    profile: Text | None = key("name of a profile; may be left out where there is one only", None)
+
+    def settled(self, where, profiles):
+        names = [profile.name for profile in profiles]
+        if self.profile is None and len(names) > 1:
+            raise SealFileError(
+                f"{where}: the key 'profile' is missing; it must be one of {', '.join(names)}"
+            )
+        name = names[0] if self.profile is None else self.profile
+        known(where, "profile", name, names, "profile")
+        return replace(super().settled(where, profiles), profile=name)
+
+
+@table(kw_only=True)
+class AtPlaces(OfProfile):
+    """A measure at contact points of a profile."""
+
+    places: Places | None = key("of contact points, beside a cloud", None)

@@ -1,0 +1,288 @@
+"""``[section]``: the outline from its segments or from a drawing, what fills it, its materials."""
+
+from collections import defaultdict
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator, model_validator
+
+from seal_mdao.errors import GeometryError, SealFileError
+from seal_mdao.seals.file.forms import Point, Points, Text, number, one_of, whole
+from seal_mdao.seals.file.segments import PieceTable
+from seal_mdao.seals.file.table import Table, key, known, rows, table
+from seal_mdao.seals.outline.chain import ROUNDING
+from seal_mdao.seals.outline.cloud import LAYERS
+from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud
+from seal_mdao.seals.outline.dxf import read_dxf
+from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
+from seal_mdao.seals.outline.rays import Rays
+from seal_mdao.seals.outline.section import JOIN, Contour, Outline
+from seal_mdao.seals.outline.segments import pair
+from seal_mdao.seals.wall_grid import SCHEMES
+
+LEAST_LAYERS = {name: own.basis_order + 1 for name, own in SCHEMES.items()}
+"""Of particles across a wall, by the name of the accuracy."""
+MOST_LAYERS = 50
+"""That a spacing may have across a wall."""
+MOST_PARTICLES = 200_000
+"""That a section may need; more is a slip of the spacing."""
+FILLINGS = ("spacing", "rays", "cloud")
+
+Edge = Annotated[Text, AfterValidator(layer_name)]
+"""Drawings of designs have edges as layers."""
+
+
+@table(kw_only=True)
+class OuterTable(PieceTable):
+    """A segment of the outside: head to tail, counter-clockwise, closed."""
+
+    edge: Edge = key("name of the edge that it is part of")
+    body: whole(1, 1000) = key("number of its body, where there are several", 1)
+
+
+@table(kw_only=True)
+class HoleTable(PieceTable):
+    """A segment of a hole, either way round."""
+
+    edge: Edge = key("name of the edge that it is part of")
+    hole: whole(1, 1000) = key("number of its hole, where there are several", 1)
+
+
+@table
+class RaysTable(Table):
+    """Particles on rays from a centre, for a wall round one hole."""
+
+    rays: whole(8, 100_000) = key("number of rays; the first one goes straight down")
+    layers: whole(2, 1000) = key("particles across the wall; 4 are a good start")
+    centre: Point = key("where the rays come from", (0.0, 0.0))
+    accuracy: one_of(*LEAST_LAYERS) = key(
+        "kernels, basis, pressure and contact of that accuracy", Rays.accuracy
+    )
+
+    @model_validator(mode="after")
+    def _enough_layers(self):
+        least = LEAST_LAYERS[self.accuracy]
+        if self.layers < least:
+            raise ValueError(
+                f"layers = {self.layers} with the accuracy {self.accuracy!r}, which needs at least "
+                f"{least}; 4 are a good start"
+            )
+        return self
+
+
+@table
+class RegionTable(Table):
+    """A part of the section of another material."""
+
+    material: Text = key("name of a material, neither that of [section] nor of another region")
+    at: Point = key("any point of the part")
+    line: Points | None = key(
+        "the line that divides it from the rest, from one end of a segment of the boundary to another; "
+        "left out for a complete body",
+        None,
+    )
+
+
+@table
+class WrittenSection(Table):
+    """The outline of the section and how it is filled with particles."""
+
+    material: Text = key("name of a material")
+    spacing: number("mm", above=0.0) | None = key(
+        "largest distance of particles; walls get smaller ones", None
+    )
+    layers: whole(3, MOST_LAYERS) | None = key(
+        f"beside spacing: least number of particles across a wall, {LAYERS} unless given", None
+    )
+    rays: RaysTable | None = key("in place of spacing, for a wall round one hole", None)
+    cloud: Text | None = key("in place of spacing: file of a mesh, relative to this one", None)
+    outer: rows(OuterTable) | None = key("segments of the outside", None)
+    hole: rows(HoleTable) | None = key("segments of holes", None)
+    dxf: Text | None = key("a drawing, relative to this file; in place of outer and hole", None)
+    units: one_of(*MODEL_UNITS) | None = key("of a drawing whose header has none", None)
+    region: rows(RegionTable) | None = key("parts of another material", None)
+
+    @model_validator(mode="after")
+    def _one_outline(self):
+        drawn = self.dxf is not None
+        if drawn == (self.outer is not None):
+            has = "both" if drawn else "neither"
+            raise ValueError(f"needs either [[section.outer]] or dxf; it has {has}")
+        if drawn and self.hole is not None:
+            raise ValueError("[[section.hole]] beside dxf; the drawing has the holes")
+        if not drawn and self.units is not None:
+            raise ValueError("units belongs to dxf; all numbers of this file are in mm")
+        return self
+
+    @model_validator(mode="after")
+    def _one_filling(self):
+        given = [name for name in FILLINGS if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(
+                "needs one of spacing (the largest distance of particles in mm), rays and cloud; it has "
+                + (" and ".join(given) or "none of them")
+            )
+        if self.rays is not None and self.region is not None:
+            raise ValueError("[[section.region]] beside rays; use spacing")
+        if self.layers is not None and self.spacing is None:
+            raise ValueError("layers belongs to spacing; rays and a cloud have their own")
+        return self
+
+    def read(self, folder: Path) -> "SectionTable":
+        """The section of a file in ``folder``, which its drawing and its cloud are relative to.
+
+        Raises
+        ------
+        SealFileError
+        """
+        if self.dxf is None:
+            outline = self._segments()
+        else:
+            outline = _other_file("dxf", read_dxf, folder / self.dxf, self.units)
+        regions = tuple(_to_joints(region, outline) for region in self.region or ())
+        filling = self.spacing
+        if self.rays is not None:
+            filling = Rays(**asdict(self.rays))
+        elif self.cloud is not None:
+            filling = _other_file("cloud", read_cloud, folder / self.cloud, outline)
+        beside = (None if name is None else folder / name for name in (self.dxf, self.cloud))
+        layers = LAYERS if self.layers is None else self.layers
+        return SectionTable(outline, self.material, filling, *beside, regions, layers)
+
+    def _segments(self) -> Outline:
+        bodies, holes = defaultdict(list), defaultdict(list)
+        for row in self.outer:
+            bodies[row.body] += row.pieces(row.edge)
+        for row in self.hole or ():
+            holes[row.hole] += row.pieces(row.edge)
+        outer = [
+            _contour("[[section.outer]]" + (f" of body {n}" if len(bodies) > 1 else ""), own)
+            for n, own in sorted(bodies.items())
+        ]
+        inner = [_contour(f"[[section.hole]] of hole {n}", own) for n, own in sorted(holes.items())]
+        try:
+            return Outline(outer[0], tuple(inner), tuple(outer[1:]))
+        except GeometryError as error:
+            raise SealFileError(f"[section]: {error}") from None
+
+
+@dataclass(frozen=True)
+class SectionTable:
+    """``[section]``: the outline and how it is filled.
+
+    Attributes
+    ----------
+    outline : Outline
+    material : str
+        Of what is in no region.
+    spacing : float, Rays or GivenCloud
+        Largest distance of particles, mm; or the rays that they lie on; or they themselves.
+    drawing, cloud : Path or None
+        What the outline and the particles were read from.
+    regions : tuple of RegionTable
+    layers : int
+        Of particles across a wall at least, where a spacing fills the section.
+    """
+
+    outline: Outline
+    material: str
+    spacing: float | Rays | GivenCloud
+    drawing: Path | None = None
+    cloud: Path | None = None
+    regions: tuple[RegionTable, ...] = ()
+    layers: int = LAYERS
+
+    @property
+    def cuts(self) -> list:
+        """Lines (k, 2) that divide the section."""
+        return [np.array(region.line) for region in self.regions if region.line is not None]
+
+
+def _other_file(key_, read, *arguments):
+    """What another file gives, that a key of the section names."""
+    try:
+        return read(*arguments)
+    except (GeometryError, ImportError) as error:
+        raise SealFileError(f"[section]: {key_}: {error}") from None
+
+
+def _contour(where, segments) -> Contour:
+    try:
+        return Contour(tuple(segments))
+    except GeometryError as error:
+        raise SealFileError(f"{where}: {error}") from None
+
+
+def _to_joints(region: RegionTable, outline: Outline) -> RegionTable:
+    """The region with the ends of its line at the joints of the boundary that they are drawn at."""
+    if region.line is None:
+        return region
+    joints = np.array([segment.start for c in outline.contours for segment in c.segments])
+
+    def moved(point):
+        away = np.hypot(*(joints - point).T)
+        near = ROUNDING < away.min() <= JOIN
+        return tuple(joints[away.argmin()].tolist()) if near else point
+
+    first, *inner, last = region.line
+    return replace(region, line=(moved(first), *inner, moved(last)))
+
+
+def check_section(file) -> None:
+    """Refuse materials that there are not, and a spacing that gives no particles or too many.
+
+    Raises
+    ------
+    SealFileError
+    """
+    section, outline = file.section, file.section.outline
+    known("[section]", "material", section.material, tuple(file.materials), "material")
+    if isinstance(section.spacing, float):
+        _check_spacing(section.spacing, outline)
+    seen = {section.material: "[section]"}
+    for number_, region in enumerate(section.regions, 1):
+        where = f"[[section.region]] {number_}"
+        known(where, "material", region.material, tuple(file.materials), "material")
+        if region.material in seen:
+            raise SealFileError(
+                f"{where}: material = {region.material!r}, which {seen[region.material]} has already; "
+                "give every part a material of its own name"
+            )
+        seen[region.material] = where
+        _check_region(where, region, outline)
+
+
+def _check_spacing(spacing, outline) -> None:
+    small = float(np.ptp(outline.box, axis=0).min())
+    if spacing >= 0.5 * small:
+        raise SealFileError(
+            f"[section]: spacing = {spacing:g}, but the section is only {small:.4g} mm wide; it must be "
+            "less than half of that"
+        )
+    least = np.sqrt(outline.area / MOST_PARTICLES)
+    if spacing < least:
+        raise SealFileError(
+            f"[section]: spacing = {spacing:g}, which needs more than {MOST_PARTICLES} particles; it "
+            f"must be at least {least:.3g}"
+        )
+
+
+def _check_region(where, region, outline) -> None:
+    if region.line is None:
+        if not outline.others:
+            raise SealFileError(
+                f"{where}: line is missing, but the section is one body; draw the line that divides the "
+                "part from the rest"
+            )
+        return
+    ends = np.array([s.points([0.0])[0] for c in outline.contours for s in c.segments])
+    for point in (region.line[0], region.line[-1]):
+        if np.hypot(*(ends - point).T).min() > JOIN:
+            raise SealFileError(
+                f"{where}: line ends at {pair(point)}, where no segments of the boundary meet; let a "
+                "segment of the boundary end there"
+            )
+    if len(region.line) == 2 and np.hypot(*np.subtract(*region.line)) <= JOIN:
+        raise SealFileError(f"{where}: line begins and ends at {pair(region.line[0])}")

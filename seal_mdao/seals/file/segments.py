@@ -1,0 +1,81 @@
+"""Segments as a seal file writes them: line, arc, spline, circle."""
+
+from itertools import pairwise
+
+from pydantic import model_validator
+
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.file.forms import Point, Points, number
+from seal_mdao.seals.file.table import Table, key, table
+from seal_mdao.seals.outline.section import Arc, Circle, Line, Spline
+
+
+@table
+class ArcTable(Table):
+    """An arc through three points."""
+
+    start: Point = key("its first point")
+    through: Point = key("a point between")
+    end: Point = key("its last point")
+
+
+@table
+class CircleTable(Table):
+    """A circle, a contour of its own."""
+
+    centre: Point = key("its centre")
+    radius: number("mm", above=0.0) = key("its radius")
+
+
+@table
+class SegmentTable(Table):
+    """One segment, or several lines."""
+
+    line: Points | None = key("a line, or a polyline", None)
+    arc: ArcTable | None = key("an arc", None)
+    spline: Points | None = key(
+        "a cubic spline, smooth at the joint too where the last point is the first one", None
+    )
+    circle: CircleTable | None = key("a circle, a contour of its own", None)
+
+    def pieces(self, edge: str) -> list:
+        """The segments, as parts of an edge; a line of several points gives several.
+
+        Raises
+        ------
+        ValueError
+            For none or several of the keys, or points that give no such segment.
+        """
+        given = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(given) != 1:
+            raise ValueError(
+                f"needs exactly one of {', '.join(KINDS)}; it has "
+                + (" and ".join(given) or "none of them")
+            )
+        try:
+            return self._made(edge)
+        except GeometryError as error:
+            raise ValueError(f"{given[0]}: {error}") from None
+
+    def _made(self, edge) -> list:
+        if self.line is not None:
+            return [Line(a, b, edge) for a, b in pairwise(self.line)]
+        if self.spline is not None:
+            return [Spline(self.spline, edge)]
+        if self.arc is not None:
+            return [Arc.through(self.arc.start, self.arc.through, self.arc.end, edge)]
+        return [Circle(self.circle.centre, self.circle.radius, edge)]
+
+
+@table
+class PieceTable(SegmentTable):
+    """One segment of a chain."""
+
+    @model_validator(mode="after")
+    def _one_segment(self):
+        self.pieces("")
+        return self
+
+
+KINDS = tuple(SegmentTable.entries())
+"""Of segments."""

@@ -1,0 +1,259 @@
+"""Tables of a seal file: pydantic dataclasses that know their keys, and one line for what is wrong.
+
+A table is a class with ``@table``. Its annotations are the forms of its keys (``forms``), ``key`` gives
+the description and what holds unless the key is given, validators are its cross checks. From it come the
+error messages, the JSON schema for editors and the reference tables of the documentation.
+"""
+
+from difflib import get_close_matches
+from functools import partial, reduce
+from operator import or_
+from types import UnionType
+from typing import Annotated, Union, get_args, get_origin, get_type_hints
+
+from pydantic import (
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    TypeAdapter,
+    ValidationError,
+    model_validator,
+)
+from pydantic.dataclasses import dataclass
+from pydantic_core import ArgsKwargs, PydanticCustomError, PydanticUndefined, core_schema
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.forms import FORM, Form
+from seal_mdao.values import shown
+
+MOST_ROWS = 10_000
+"""Tables of one list."""
+ROWS = "rows"
+"""Type of the error of what is no list of tables."""
+LINE = "line"
+"""Type of an error that is a complete line."""
+LABELS = {"profile": "({0!r})", "section.outer": "(edge {0!r})", "section.hole": "(edge {0!r})"}
+"""How rows are called beside their number, by the texts of their ``NAMING`` keys."""
+NAMING = {"profile": "name", "section.outer": "edge", "section.hole": "edge"}
+NAMED = ("material", "vary")
+"""Tables that hold tables with names of their own."""
+_TAG = "\0"
+"""Before the name of a class that one of the keys of a table chooses."""
+
+_CONFIG = ConfigDict(extra="forbid", populate_by_name=True)
+table = partial(dataclass, frozen=True, config=_CONFIG)
+"""Decorator of the classes of tables."""
+
+
+def key(text: str, default=PydanticUndefined, alias: str | None = None):
+    """A key of a table: what it means, what it is unless given, and its name in the file."""
+    return Field(default, description=text, alias=alias)
+
+
+@table
+class Table:
+    """A table of a seal file."""
+
+    @classmethod
+    def entries(cls) -> dict:
+        """Its keys by their names in the file, those first that must be given: pydantic's fields."""
+        fields = cls.__pydantic_fields__.items()
+        own = sorted(fields, key=lambda field: not field[1].is_required())
+        return {field.alias or name: field for name, field in own}
+
+    @classmethod
+    def allowed(cls, name: str) -> str:
+        """What the value of a key must be."""
+        hints = get_type_hints(cls, include_extras=True)
+        own = {field.alias or n: n for n, field in cls.__pydantic_fields__.items()}
+        return form_of(hints[own[name]])
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, given):
+        """Refuse what is no table, a key that is unknown, or one that is missing."""
+        if isinstance(given, ArgsKwargs | cls):
+            return given
+        if not isinstance(given, dict):
+            raise PydanticCustomError("table", "no table")
+        keys = cls.entries()
+        for name in given:
+            if name not in keys:
+                close = suggestion(name, keys)
+                raise ValueError(f"unknown key {name!r}{close}; known are {', '.join(keys)}")
+        for name, own in keys.items():
+            if name not in given and own.is_required():
+                raise ValueError(f"the key {name!r} is missing; it must be {cls.allowed(name)}")
+        return given
+
+
+def table_of(base: type[Table], name: str, keys: dict) -> type[Table]:
+    """A class of tables with further keys.
+
+    Parameters
+    ----------
+    base : type
+        That it derives from.
+    name : str
+        Of the class.
+    keys : dict of str to tuple
+        Annotation, and what ``key`` gives.
+    """
+    hints = {own: hint for own, (hint, _) in keys.items()}
+    body = {own: field for own, (_, field) in keys.items()}
+    body |= {"__annotations__": hints, "__module__": base.__module__, "__doc__": base.__doc__}
+    return table(kw_only=True)(type(name, (base,), body))
+
+
+def form_of(hint) -> str:
+    """What values of an annotation must be, in words."""
+    if get_origin(hint) is Annotated:
+        forms = [own for own in hint.__metadata__ if isinstance(own, Form)]
+        return forms[-1].allowed if forms else form_of(get_args(hint)[0])
+    if get_origin(hint) in (Union, UnionType):
+        return form_of(next(own for own in get_args(hint) if own is not type(None)))
+    if isinstance(hint, type) and issubclass(hint, Table):
+        return f"a table {{ {', '.join(hint.entries())} }}"
+    return {tuple: "a list of tables", dict: "tables with names"}[get_origin(hint)]
+
+
+class _Rows:
+    """What a list of tables must be."""
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        return core_schema.no_info_before_validator_function(self._checked, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        return handler(schema) | {"minItems": 1, "maxItems": MOST_ROWS}
+
+    @staticmethod
+    def _checked(given):
+        if isinstance(given, tuple):  # of a table that has been read
+            return given
+        no_list = not isinstance(given, list) or not given
+        if no_list or not all(isinstance(own, dict) for own in given) or len(given) > MOST_ROWS:
+            raise PydanticCustomError(ROWS, "no list of tables")
+        return given
+
+
+def rows(one):
+    """A list of tables."""
+    return Annotated[tuple[one, ...], _Rows()]
+
+
+def chosen_by(name: str, classes: dict, tag=None):
+    """A table whose class is found by the text of one of its keys.
+
+    Parameters
+    ----------
+    name : str
+        The key.
+    classes : dict of str to type
+        By tag; those whose tags are ``name: ...`` are for the same text of the key.
+    tag : callable, optional
+        Gives the tag of a table; the text of the key unless given.
+    """
+    texts = tuple(dict.fromkeys(own.partition(":")[0] for own in classes))
+
+    def find(given):
+        if not isinstance(given, dict):
+            return _TAG + getattr(given, name, "")
+        if not isinstance(given.get(name), str) or given[name] not in texts:
+            return None
+        return _TAG + (given[name] if tag is None else tag(given))
+
+    every = (Annotated[own, Tag(_TAG + own_tag)] for own_tag, own in classes.items())
+    context = {"key": name, "allowed": f"one of {', '.join(texts)}"}
+    return Annotated[reduce(or_, every), Discriminator(find, "choice", "{allowed}", context)]
+
+
+def checked(adapter: TypeAdapter, given: dict):
+    """What a pydantic type makes of the content of a file.
+
+    Raises
+    ------
+    SealFileError
+        One line with the table, the key, the value, and what is allowed.
+    """
+    try:
+        return adapter.validate_python(given)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+    raise SealFileError(_line(first, given)) from None
+
+
+def _line(error: dict, given: dict) -> str:
+    """The line for one of pydantic's errors."""
+    loc = tuple(own for own in error["loc"] if not str(own).startswith(_TAG))
+    value, context = error["input"], error.get("ctx", {})
+    names = [own for own in loc if isinstance(own, str)]
+    if error["type"] == "table":
+        written = f", written [{names[0]}]" if isinstance(value, list) and len(names) == 1 else ""
+        return f"{place(loc, given)} must be one table{written}, got {shown(value)}"
+    if error["type"] == "choice":
+        loc, value = (*loc, context["key"]), value.get(context["key"], PydanticUndefined)
+    before = place(loc[:-1], given)
+    where, name = f"{before}: " if before else "", loc[-1] if loc else ""
+    if value is PydanticUndefined:
+        return f"{where}the key {name!r} is missing; it must be {context['allowed']}"
+    if error["type"] == ROWS:
+        return where + _no_rows(".".join(names), value)
+    if error["type"] in (FORM, "choice"):
+        return f"{where}{name} = {shown(value)}, but it must be {context['allowed']}"
+    if error["type"] == LINE:
+        return context["line"]
+    if isinstance(value, dict):  # of a table by itself
+        where, name = "", place(loc, given)
+    return f"{where}{name}: {context['error']}"
+
+
+def _no_rows(name: str, value) -> str:
+    if isinstance(value, list) and len(value) > MOST_ROWS:
+        return f"[[{name}]]: {len(value)} of them, but at most {MOST_ROWS} are read"
+    return f"{name} must be a list of tables, each written [[{name}]], got {shown(value)}"
+
+
+def place(loc: tuple, given) -> str:
+    """The table at a place of pydantic: ``[[profile]] 1 ('door'): [[profile.stage]] 2``."""
+    words, names = [], []
+    for step in loc:
+        if isinstance(given, dict | list):
+            given = given.get(step) if isinstance(given, dict) else given[step]
+        if isinstance(step, int):
+            words[-1] = row_name(".".join(names), step + 1, given)
+            if len(words) > 1 and not words[-2].startswith("[["):  # [section] of [[section.outer]]
+                del words[-2]
+        else:
+            names.append(step)
+            words.append(step if words else f"[{step}]")
+            if names[0] in NAMED and len(names) == 2:
+                words = [f"[{'.'.join(names)}]"]
+    return ": ".join(words)
+
+
+def row_name(name: str, number: int, given) -> str:
+    """A row of a list of tables: ``[[profile]] 1 ('door')``."""
+    own = given.get(NAMING.get(name)) if isinstance(given, dict) else None
+    label = f" {LABELS[name].format(own)}" if isinstance(own, str) else ""
+    return f"[[{name}]] {number}{label}"
+
+
+def known(where: str, key: str, name: str, names, what: str) -> None:
+    """Refuse a name that is not among ``names``.
+
+    Raises
+    ------
+    SealFileError
+    """
+    if name not in names:
+        raise SealFileError(
+            f"{where}: {key} = {name!r}, but there is no such {what}{suggestion(name, names)}; "
+            f"there {'are' if len(names) != 1 else 'is'} {', '.join(names) or 'none'}"
+        )
+
+
+def suggestion(name, names) -> str:
+    """ ", did you mean ...?" where a known name is close."""
+    close = get_close_matches(str(name), list(names), 1, 0.6)
+    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -1,0 +1,63 @@
+"""The JSON schema for editors (``test_bad_files`` has what does not fit it)."""
+
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from json_check import fits
+from test_bad_files import BAD, BULB, SCHEMA
+
+from seal_mdao.seals.file.json_schema import main
+
+ROOT = Path(__file__).parents[2]
+FILES = [*sorted((ROOT / "examples").glob("*.toml")), Path(__file__).with_name("bulb.toml")]
+
+
+def given_in(name):
+    """The content of one of the files that are refused; None for what is no TOML."""
+    old, new, _ = BAD[name]
+    try:
+        return tomllib.loads(BULB.replace(old, new, 1))
+    except ValueError:
+        return None
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_examples_fit_the_schema(path):
+    assert fits(tomllib.loads(path.read_text(encoding="utf-8")), SCHEMA, SCHEMA)
+
+
+def test_another_checker_of_schemas_says_the_same():
+    jsonschema = pytest.importorskip("jsonschema")
+    jsonschema.Draft7Validator.check_schema(SCHEMA)
+    checker = jsonschema.Draft7Validator(SCHEMA)
+    assert all(checker.is_valid(tomllib.loads(path.read_text("utf-8"))) for path in FILES)
+    found = {name: given_in(name) for name in BAD}
+    json_has = {
+        name: own for name, own in found.items() if own is not None and "nan" not in str(own)
+    }
+    for name, own in json_has.items():
+        assert checker.is_valid(own) == fits(own, SCHEMA, SCHEMA), name
+
+
+def test_every_key_has_its_meaning_and_its_form():
+    """What an editor shows: text and, where it is no table, the form with its units."""
+    spacing = SCHEMA["$defs"]["WrittenSection"]["properties"]["spacing"]
+    assert spacing["description"] == "largest distance of particles; walls get smaller ones"
+    assert spacing["title"] == "a number above 0 (mm)"
+    for own in SCHEMA["$defs"].values():
+        assert all("description" in key for key in own["properties"].values())
+
+
+def test_the_command_writes_it(tmp_path, capsys):
+    path = tmp_path / "seal_file.schema.json"
+    done = subprocess.run(
+        [sys.executable, "-m", "seal_mdao.seals.file.json_schema", path], check=False, timeout=300
+    )
+    assert done.returncode == 0
+    assert json.loads(path.read_text(encoding="utf-8")) == SCHEMA
+    assert main([]) == 2
+    assert "seal_file.schema.json" in capsys.readouterr().err
