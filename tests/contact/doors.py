@@ -11,6 +11,8 @@ from seal_mdao.contact.friction import (
 from seal_mdao.geometry.curve import ARC, curve_point, curve_velocity
 from seal_mdao.geometry.pose import Pose
 from seal_mdao.geometry.profile import (
+    PieceRates,
+    Pieces,
     circle_profile,
     corner_profile,
     flat_profile,
@@ -25,8 +27,8 @@ def hollow(radius):
     """A rigid bore with the body inside: an arc walked clockwise, radius negative."""
     way = 2 * np.pi
     return rigid_profile(
-        [ARC], [(0.5, 0.2)], [2.0], [-radius], [0.0], [way * radius], radius_rate=[[-1.0]],
-        period=way * radius, period_rate=[way],
+        Pieces([ARC], [(0.5, 0.2)], [2.0], [-radius], [0.0], [way * radius]),
+        PieceRates(radius=[[-1.0]], period=[way]), way * radius,
     )  # fmt: skip
 
 
