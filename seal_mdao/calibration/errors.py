@@ -60,6 +60,7 @@ def _errors(stretch, measured, computed, size) -> FitErrors:
     worst = int(np.argmax(np.abs(difference)))
     # r2 = 1 - sum (P - P_i)^2 / sum (P_i - mean P)^2
     spread = np.sum((measured - measured.mean()) ** 2)
+    # relative errors, where the reference is not zero
     positive = size > 0.0
     relative = difference[positive] / size[positive]
     return FitErrors(

@@ -119,6 +119,7 @@ def _ogden(tests, terms, nu, bulk):
         signs, alpha = _exponents(rng, terms)
         pairs = list(enumerate(signs, 1))
         # mu alpha > 0: every term, hence the law, is stable at every stretch
+        # the signs of mu and alpha are those of the start; bounds keep them
         moduli = [_signed_box(f"mu_{i}", s, 0.0, np.inf, True) for i, s in pairs]
         powers = [_signed_box(f"alpha_{i}", s, *EXPONENTS, False) for i, s in pairs]
         return [*moduli, *powers], {f"alpha_{i}": a for i, a in enumerate(alpha, 1)}
@@ -146,6 +147,7 @@ def _hyperfoam(tests, terms, nu, bulk):
         return unknowns, values
 
     ones = (1.0,) * terms
+    # a template: its values are replaced by those of the starts
     ratios = (0.2 if nu is None else nu,) * terms
     return Family("hyperfoam", Hyperfoam(ones, (2.0,) * terms, ratios), draw, False)
 
@@ -209,5 +211,6 @@ def largest_distortion(tests: MaterialTests) -> float:
     for name, data in tests.modes.items():
         mode = MODES[name]
         state = mode.stretches(data.stretch, data.stretch**mode.incompressible_rate)
+        # I1 - 3 = sum lambda_i^2 - 3
         found = max(found, float(np.max(np.sum(state**2, axis=0) - 3.0)))
     return found

@@ -141,6 +141,7 @@ def fit(
     ranges = {name: data.range for name, data in tests.modes.items()}
     chosen, stability = _first_stable(ends, ranges, margin, allow_unstable, law, tests.source)
     deviations, correlation = _uncertainty(differences, chosen)
+    # a minimum that many starts reach is likely the global one
     agreeing = sum(end.cost <= chosen.cost * (1.0 + SAME) + 1e-20 for end in ends)
     return Fit(
         law, chosen.law, tests, weighting, errors_of(chosen.law, tests), stability, margin,
@@ -163,6 +164,7 @@ def _first_stable(ends, ranges, margin, allow_unstable, law, source):
         stability = check_stability(end.law, ranges, margin)
         if allow_unstable or all(found.stable for found in stability.values()):
             return end, stability
+        # the message is about the best minimum
         refused = refused or stability
     require_stable(refused, f"{source}: {law} with the constants that fit best")
 
@@ -188,6 +190,7 @@ def _ends(kind: Family, differences: Residuals, rng, progress) -> list[_End]:
         ends.append(_descend(kind.template, unknowns, values, differences, scale))
         if progress is not None:
             progress(i, len(chosen))
+    # starts that failed are dropped
     ends = [end for end in ends if end is not None and np.isfinite(end.cost)]
     if not ends:
         raise MaterialDataError(_no_end(kind, chosen))
@@ -217,6 +220,7 @@ def _best_moduli(template, unknowns, values, differences, scale):
     if not (np.isfinite(value).all() and np.isfinite(slope).all()):
         return None
     found = lsq_linear(slope, slope @ some - value, (lower, upper), method="bvls")
+    # strictly inside the bounds, where least_squares has to begin
     inside = np.clip(found.x, lower + INSIDE * scale, upper - INSIDE * scale)
     return found.cost, {**values, **dict(zip(names, inside.tolist(), strict=True))}
 
@@ -224,6 +228,7 @@ def _best_moduli(template, unknowns, values, differences, scale):
 def _descend(template, unknowns, values, differences, scale):
     """Minimise the sum of squares over all unknowns from one start; moduli over the largest stress."""
     names = tuple(unknown.name for unknown in unknowns)
+    # all unknowns of order one
     units = np.array([scale if unknown.modulus else 1.0 for unknown in unknowns])
     lower = np.array([unknown.lower for unknown in unknowns]) / units
     upper = np.array([unknown.upper for unknown in unknowns]) / units
@@ -289,6 +294,7 @@ def _uncertainty(differences, end: _End):
     _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
     determined = singular > 1e-10 * singular[0]
     inverse = (directions[determined].T / singular[determined] ** 2) @ directions[determined]
+    # sigma_i = s sqrt(C_ii); the columns are unscaled on return
     deviation = np.sqrt(np.diag(inverse) * (value @ value) / free)
     # a constant with a component in the null space is not determined by the data
     undetermined = np.any(np.abs(directions[~determined]) > 1e-6, axis=0)

@@ -71,6 +71,7 @@ def lateral_stretch(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
         # J = 1: ln x = r ln lambda
         return np.exp(mode.incompressible_rate * log)
     free = np.array(mode.free, float)
+    # start from the linear solution ln x = -(free . A pulled) / (free . A free) ln lambda
     across, change = _small_strain_rate(law, mode) * log, np.inf
     with np.errstate(all="ignore"):
         for _ in range(NEWTON_STEPS):
@@ -133,6 +134,7 @@ def response(law: Isotropic, mode: Mode, stretch) -> ModeResponse:
     stretch = np.asarray(stretch, float)
     lateral = lateral_stretch(law, mode, stretch)
     state, along = mode.stretches(stretch, lateral), _along(mode)
+    # P = along . tau / lambda,  along = (pulled + r free) / n
     stress = along @ law.principal_stress(state) / stretch
     rates = law.principal_constants(state)
     by_constant = np.einsum("i,ki...->k...", along, rates)

@@ -53,6 +53,7 @@ def residual_table(found: Fit) -> list[Reading]:
         name: nominal_stress(found.law, MODES[name], data.stretch)
         for name, data in found.tests.modes.items()
     }
+    # as in the fit, but without the factor sqrt(m) of the modes
     scales = weighted_by(found.tests, found.weighting)
     weighted = {
         name: (computed[name] - data.stress) / scales[name]

@@ -103,8 +103,10 @@ def weighted_by(tests: MaterialTests, weighting: str) -> dict[str, np.ndarray]:
 
 
 def _scale(values, largest, weighting):
+    # absolute: the largest stress of all modes
     if weighting == "absolute":
         return np.full(values.shape, largest)
+    # relative: |P_i|, at least the floor
     return np.maximum(share_of(values), 1e-6 * largest)
 
 

@@ -104,6 +104,7 @@ def widened(lower: float, upper: float, margin: float = MARGIN) -> tuple[float, 
 
 def check_mode(law: Isotropic, mode: Mode, lower: float, upper: float) -> ModeStability:
     """Check the stability of a law in one mode; ``lower`` and ``upper`` as in ``ModeStability``."""
+    # beyond the required range too: the report states where an instability begins
     scanned = min(lower, WIDEST[0]), max(upper, WIDEST[1])
     below, above = (_begin(law, mode, end) for end in scanned)
     return ModeStability(mode.name, lower, upper, below, above, scanned)
