@@ -121,9 +121,9 @@ def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
     size = neighbours.size * points.group_size
     phi, grad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
     inverses = np.empty((len(coordinates), cloud.n_basis, cloud.n_basis))
-    bad = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad, inverses)
-    if bad >= 0:
-        x, y = coordinates[bad]
+    singular = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad, inverses)
+    if singular >= 0:
+        x, y = coordinates[singular]
         raise SingularMomentMatrixError(
             f"the moment matrix is singular at ({x:.4g}, {y:.4g}): too few particle supports cover "
             "this point; use a larger support"

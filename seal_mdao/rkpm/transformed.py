@@ -87,11 +87,11 @@ def _products(raw: ShapeTable, new: ShapeTable, transformation: EssentialTransfo
     is_free = ~np.isin(listed, constrained)
     free, constrained_rows = np.flatnonzero(is_free), np.flatnonzero(~is_free)
     old = np.concatenate([free, np.repeat(constrained_rows, union.size)])
-    wanted = [listed[free], np.tile(union, constrained_rows.size)]
+    columns = [listed[free], np.tile(union, constrained_rows.size)]
     factor = transformation.matrix[np.searchsorted(constrained, listed[constrained_rows])].ravel()
     factor = np.concatenate([np.ones(free.size), factor])
     # index of (group, u) in the new lists, sorted by group and particle
-    at = np.searchsorted(key, group[old] * far + np.concatenate(wanted))
+    at = np.searchsorted(key, group[old] * far + np.concatenate(columns))
     # fixed order of the sum over C, that of the raw neighbours
     order = np.argsort(old, kind="stable")
     old, at, factor, group = old[order], at[order], factor[order], group[old[order]]
