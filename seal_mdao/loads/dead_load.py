@@ -111,5 +111,6 @@ class DeadLoadTerm(PointTerm):
         return out
 
     def changes(self, step, response, target):
+        # dR = R(s_target) - R(s), independent of u
         change = self._force(target) - response.force
         return [self.point_loads(change, response.branch)]
