@@ -1,4 +1,4 @@
-"""Data of material tests and their CSV file.
+"""Data of material tests, and their CSV file.
 
     # comments begin with a hash
     mode,stretch,stress_kPa
@@ -9,7 +9,7 @@
 ``mode`` is uniaxial, planar or equibiaxial; ``stretch`` is length over undeformed length, below 1 in
 compression; ``stress_kPa`` is the nominal stress, force over undeformed area, negative in
 compression. A fourth column ``lateral_stretch`` holds the stretch of the free directions, for
-compressible laws. Columns may stand in any order.
+compressible laws. The order of the columns is free.
 """
 
 import csv
@@ -24,20 +24,20 @@ from seal_mdao.input_files import read_text
 COLUMNS = ("mode", "stretch", "stress_kPa")
 LATERAL = "lateral_stretch"
 STRETCH_RANGE = (0.01, 100.0)
-"""Stretches that a file may hold; others are mistakes of units."""
+"""Range of stretches in a file; others indicate wrong units."""
 LARGEST_STRESS = 1e9
-"""kPa."""
+"""Largest admissible stress, kPa."""
 NEAR_ONE = 0.02
-"""Distance from a stretch of 1 within which a reading may have any sign."""
+"""Distance from a stretch of 1 within which the sign of a stress is not checked."""
 
 
 class MaterialDataError(ValueError):
-    """A file of test data that cannot be used: what is wrong, in which file, line and column."""
+    """Error in a file of test data, with file, line and column."""
 
 
 @dataclass(frozen=True, eq=False)
 class ModeData:
-    """Readings of one mode, in the order of the stretch.
+    """Readings of one mode, sorted by stretch.
 
     Attributes
     ----------
@@ -52,11 +52,11 @@ class ModeData:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Least and largest stretch, the undeformed state included."""
+        """Smallest and largest stretch, the undeformed state included."""
         return min(1.0, *self.stretch), max(1.0, *self.stretch)
 
     def between(self, lower: float, upper: float) -> "ModeData":
-        """Only the readings with a stretch from ``lower`` to ``upper``."""
+        """Select the readings with a stretch from ``lower`` to ``upper``."""
         keep = (self.stretch >= lower) & (self.stretch <= upper)
         lateral = None if self.lateral is None else self.lateral[keep]
         return ModeData(self.stretch[keep], self.stress[keep], lateral)
@@ -64,13 +64,13 @@ class ModeData:
 
 @dataclass(frozen=True, eq=False)
 class MaterialTests:
-    """Readings by mode, and where they come from.
+    """Readings of material tests by mode, and their source.
 
     Attributes
     ----------
     modes : dict of str to ModeData
-        In the order of ``MODES``; only modes that were tested. Readings at a stretch of 1 are left
-        out: there is no stress there by definition.
+        In the order of ``MODES``; only modes that were tested. Readings at a stretch of 1 are dropped:
+        their stress is zero by definition.
     source : str
         Name of the file, for messages.
     """
@@ -85,16 +85,16 @@ class MaterialTests:
 
     @property
     def has_lateral(self) -> bool:
-        """Whether free stretches were measured in every mode."""
+        """Whether lateral stretches were measured in every mode."""
         return all(data.lateral is not None for data in self.modes.values())
 
     def between(self, lower: float, upper: float) -> "MaterialTests":
-        """Only the readings with a stretch from ``lower`` to ``upper``.
+        """Select the readings with a stretch from ``lower`` to ``upper``.
 
         Raises
         ------
         MaterialDataError
-            When none is left.
+            If no reading remains.
         """
         cut = {name: data.between(lower, upper) for name, data in self.modes.items()}
         cut = {name: data for name, data in cut.items() if data.stretch.size}
@@ -106,7 +106,7 @@ class MaterialTests:
 
 
 def material_tests(readings: dict, source: str = "data") -> MaterialTests:
-    """Data from arrays: ``{"uniaxial": (stretch, stress), "planar": (stretch, stress, lateral)}``.
+    """Build tests of arrays: ``{"uniaxial": (stretch, stress), "planar": (stretch, stress, lateral)}``.
 
     Raises
     ------
@@ -141,6 +141,7 @@ def read_tests(path) -> MaterialTests:
         raise MaterialDataError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise MaterialDataError(f"{path}: is not a text file in UTF-8") from None
+    # numbered lines, without empty ones and comments
     kept = [
         (number, line)
         for number, line in enumerate(lines, 1)
@@ -158,13 +159,15 @@ def read_tests(path) -> MaterialTests:
 def _cells(line: str) -> list[str]:
     try:
         return [cell.strip() for cell in next(csv.reader([line]))]
-    except csv.Error:  # a cell longer than csv allows is that of no number
+    except csv.Error:  # a cell beyond csv's limit of length cannot be a number
         return [""]
 
 
 def _header(path, number: int, line: str) -> list[str]:
-    """Names of the columns. Words of the line are shown only where it is that of test data: a seal
-    file may name any file of the machine."""
+    """Parse and validate the names of the columns.
+
+    The message quotes the line only if it has the columns of test data, because a seal file may name
+    any file of the machine."""
     columns, allowed = _cells(line), (*COLUMNS, LATERAL)
     where = f"{path}, line {number}"
     missing = [column for column in COLUMNS if column not in columns]
@@ -186,7 +189,7 @@ def _header(path, number: int, line: str) -> list[str]:
 
 
 def _row(path, number: int, line: str, columns: list[str]) -> tuple:
-    """Mode and numbers of one line, checked."""
+    """Parse and validate one line: its mode and numbers."""
     cells = _cells(line)
     where = f"{path}, line {number}"
     if len(cells) != len(columns):
@@ -200,22 +203,22 @@ def _row(path, number: int, line: str, columns: list[str]) -> tuple:
         if column == "mode":
             continue
         try:
-            numbers.append(
-                float(by_name[column].replace("_", "?"))
-            )  # 1_0 is a number to Python alone
+            # Python alone reads 1_0 as a number: refuse it
+            numbers.append(float(by_name[column].replace("_", "?")))
         except ValueError:
             raise MaterialDataError(
                 f"{where}, column {column}: {by_name[column][:40]!r} is not a number"
             ) from None
     order = [column for column in columns if column != "mode"]
     named = dict(zip(order, numbers, strict=True))
+    # stretch, stress, lateral stretch, whatever the order of the columns
     values = [named[column] for column in (*COLUMNS[1:], LATERAL) if column in named]
     _check(where, by_name["mode"], *values)
     return (by_name["mode"], *values)
 
 
 def _check(where: str, mode: str, stretch: float, stress: float, lateral: float = 1.0) -> None:
-    """Refuse what cannot be a reading."""
+    """Validate one reading."""
     if mode not in MODES:
         raise MaterialDataError(
             f"{where}, column mode: unknown mode {mode[:40]!r}; allowed are {', '.join(MODES)}"
@@ -238,6 +241,7 @@ def _check(where: str, mode: str, stretch: float, stress: float, lateral: float 
         raise MaterialDataError(
             f"{where}, column stress_kPa: {stress:g} is not a number within {LARGEST_STRESS:g} kPa"
         )
+    # tension has lambda > 1 and P > 0, compression lambda < 1 and P < 0
     if (stretch - 1.0) * stress < 0.0 and abs(stretch - 1.0) > NEAR_ONE:
         raise MaterialDataError(
             f"{where}, column stretch: {stretch:g} has a stress of {stress:g} kPa with the wrong "
@@ -248,6 +252,7 @@ def _check(where: str, mode: str, stretch: float, stress: float, lateral: float 
 def _collected(rows, source: str) -> MaterialTests:
     modes = {}
     for name in MODES:
+        # sorted by stretch; at lambda = 1 there is no information
         own = np.array(sorted(row[1:] for row in rows if row[0] == name and row[1] != 1.0))
         if own.size:
             modes[name] = ModeData(*own.T)

@@ -1,4 +1,4 @@
-"""How far a law is from data."""
+"""Errors of a fitted law: differences between computed and measured stress."""
 
 from dataclasses import asdict, dataclass
 
@@ -12,7 +12,7 @@ from seal_mdao.materials.isotropic import Isotropic
 
 @dataclass(frozen=True)
 class FitErrors:
-    """Differences of nominal stress between a law and readings.
+    """Errors of the nominal stress of a law.
 
     Attributes
     ----------
@@ -20,12 +20,12 @@ class FitErrors:
     rms_kPa, max_kPa : float
         Root of the mean square, and the largest.
     max_at_stretch : float
-        Where the largest one is.
+        Stretch of the largest error.
     rms_relative : float
-        Root of the mean square of differences over readings, which count as at least 2 % of the
-        largest one of their mode; NaN where all readings are zero.
+        Root mean square of differences relative to the readings, with a floor of 2 % of the largest
+        reading of the mode; NaN if all readings are zero.
     r2 : float
-        1 - sum of squares over that about the mean; NaN when all readings are the same.
+        Coefficient of determination; NaN if all readings are the same.
     """
 
     readings: int
@@ -40,7 +40,7 @@ class FitErrors:
 
 
 def errors_of(law: Isotropic, tests: MaterialTests) -> dict[str, FitErrors]:
-    """Errors of every mode, and of all readings together under ``"all"``."""
+    """Compute the errors of every mode, and of all readings together under ``"all"``."""
     found = {
         name: (
             data.stretch,
@@ -56,16 +56,18 @@ def errors_of(law: Isotropic, tests: MaterialTests) -> dict[str, FitErrors]:
 
 
 def _errors(stretch, measured, computed, size) -> FitErrors:
-    away = computed - measured
-    worst = int(np.argmax(np.abs(away)))
+    difference = computed - measured
+    worst = int(np.argmax(np.abs(difference)))
+    # r2 = 1 - sum (P - P_i)^2 / sum (P_i - mean P)^2
     spread = np.sum((measured - measured.mean()) ** 2)
-    there = size > 0.0
-    share = away[there] / size[there]
+    # relative errors, where the reference is not zero
+    positive = size > 0.0
+    relative = difference[positive] / size[positive]
     return FitErrors(
-        readings=int(away.size),
-        rms_kPa=float(np.sqrt(np.mean(away**2))),
-        max_kPa=float(abs(away[worst])),
+        readings=int(difference.size),
+        rms_kPa=float(np.sqrt(np.mean(difference**2))),
+        max_kPa=float(abs(difference[worst])),
         max_at_stretch=float(stretch[worst]),
-        rms_relative=float(np.sqrt(np.mean(share**2))) if share.size else float("nan"),
-        r2=float(1.0 - np.sum(away**2) / spread) if spread > 0.0 else float("nan"),
+        rms_relative=float(np.sqrt(np.mean(relative**2))) if relative.size else float("nan"),
+        r2=float(1.0 - np.sum(difference**2) / spread) if spread > 0.0 else float("nan"),
     )

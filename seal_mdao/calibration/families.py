@@ -1,7 +1,7 @@
-"""The laws that can be fitted: which constants are found, within which bounds, from which starts.
+"""The laws that can be fitted: unknown constants, their bounds, and random starting points.
 
 The stress is linear in all moduli; only exponents, limits and Poisson's ratios make a fit nonlinear.
-A start therefore draws those alone, and the moduli that suit them best follow from a linear problem.
+A starting point therefore samples those alone, and the best moduli follow from a linear problem.
 """
 
 from collections.abc import Callable
@@ -21,17 +21,17 @@ from seal_mdao.materials.ogden import Ogden
 from seal_mdao.materials.yeoh import Yeoh
 
 EXPONENTS = (0.1, 25.0)
-"""Least and largest size of exponents alpha."""
+"""Range of |alpha|."""
 POISSON = (0.0, 0.49)
-"""Of a foam; with b >= 0 every term of its energy is convex."""
+"""Range of Poisson's ratio of a foam; with b >= 0 every term of its energy is convex."""
 LARGEST_LIMIT = 1e5
-"""Of Gent's x; there the law is the neo-Hookean one."""
+"""Largest limit Jm of Gent's law, at which it is practically neo-Hookean."""
 MAX_TERMS = 3
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """A constant that is found.
+    """A constant to be fitted.
 
     Attributes
     ----------
@@ -57,11 +57,11 @@ class Family:
     law : str
         Name in seal files and on the command line.
     template : Isotropic
-        Gives the constants that are not unknown.
+        Holds the constants that are not fitted.
     draw : callable
-        ``draw(rng)`` gives the unknowns of one start, and values for those that are no moduli.
+        ``draw(rng)`` returns the unknowns of one start, and values of those that are not moduli.
     convex : bool
-        Every start gives the same: all unknowns are moduli.
+        Whether all unknowns are moduli, so that every start leads to the same solution.
     """
 
     law: str
@@ -90,6 +90,7 @@ def _yeoh(tests, terms, nu, bulk):
 
 
 def _gent(tests, terms, nu, bulk):
+    # Jm > max(I1 - 3) of the data: the law must be defined at all readings
     least = 1.0001 * largest_distortion(tests)
     unknowns = [
         Unknown("shear_modulus", 0.0, np.inf),
@@ -108,7 +109,7 @@ def _signed_box(name: str, sign: float, lower: float, upper: float, modulus: boo
 
 
 def _exponents(rng, terms: int):
-    """Signs and exponents of one start, spread over 0.5 to 10."""
+    """Sample signs and exponents of one start: |alpha| log-uniform between 0.5 and 10."""
     signs = rng.choice([1.0, -1.0], terms, p=[0.6, 0.4])
     return signs, signs * 0.5 * 20.0 ** rng.uniform(0.0, 1.0, terms)
 
@@ -117,7 +118,8 @@ def _ogden(tests, terms, nu, bulk):
     def draw(rng):
         signs, alpha = _exponents(rng, terms)
         pairs = list(enumerate(signs, 1))
-        # mu alpha > 0: then every term, and so the law, is stable at every stretch
+        # mu alpha > 0: every term, hence the law, is stable at every stretch
+        # the signs of mu and alpha are those of the start; bounds keep them
         moduli = [_signed_box(f"mu_{i}", s, 0.0, np.inf, True) for i, s in pairs]
         powers = [_signed_box(f"alpha_{i}", s, *EXPONENTS, False) for i, s in pairs]
         return [*moduli, *powers], {f"alpha_{i}": a for i, a in enumerate(alpha, 1)}
@@ -145,6 +147,7 @@ def _hyperfoam(tests, terms, nu, bulk):
         return unknowns, values
 
     ones = (1.0,) * terms
+    # a template: its values are replaced by those of the starts
     ratios = (0.2 if nu is None else nu,) * terms
     return Family("hyperfoam", Hyperfoam(ones, (2.0,) * terms, ratios), draw, False)
 
@@ -162,27 +165,31 @@ OF_TERMS = ("ogden", "hyperfoam")
 
 
 def family(
-    law: str, tests: MaterialTests, terms: int = 1, nu: float | None = None, bulk: float = 80_000.0
+    law: str,
+    tests: MaterialTests,
+    terms: int = 1,
+    nu: float | None = None,
+    bulk_modulus: float = 80_000.0,
 ) -> Family:
-    """The family of a law for some data.
+    """Build the family of a law for some data: its unknowns, bounds and starting points.
 
     Parameters
     ----------
     law : str
         One of ``materials.by_name.LAWS``.
     tests : MaterialTests
-        Gent's limit lies beyond them; a foam needs their free stretches unless ``nu`` is given.
+        Gent's limit lies above them; a foam needs their lateral stretches unless ``nu`` is given.
     terms : int
-        Of ``ogden`` and ``hyperfoam``, 1 to 3; 1 for the others.
+        Number of terms of ``ogden`` and ``hyperfoam``, 1 to 3; 1 for the others.
     nu : float, optional
-        Poisson's ratio of all terms of a foam, if it is not to be found.
-    bulk : float
-        Bulk modulus of nearly incompressible laws, which these tests do not tell, kPa.
+        Poisson's ratio of all terms of a foam, if it is not fitted.
+    bulk_modulus : float
+        Of nearly incompressible laws, which these tests do not determine, kPa.
 
     Raises
     ------
     ValueError
-        With what is allowed.
+        For an unknown law, or options that the law does not have.
     """
     if law not in LAWS:
         raise ValueError(f"unknown law {law!r}; known are {', '.join(LAWS)}")
@@ -195,14 +202,15 @@ def family(
         raise ValueError(f"{law} is nearly incompressible; only hyperfoam takes Poisson's ratio nu")
     if nu is not None and not POISSON[0] <= nu <= POISSON[1]:
         raise ValueError(f"nu must lie between {POISSON[0]} and {POISSON[1]}, got {nu}")
-    return _FAMILY_OF[LAWS[law]](tests, terms, nu, bulk)
+    return _FAMILY_OF[LAWS[law]](tests, terms, nu, bulk_modulus)
 
 
 def largest_distortion(tests: MaterialTests) -> float:
-    """Largest I1 - 3 of the data at J = 1."""
+    """Compute the largest I1 - 3 of the data at J = 1."""
     found = 0.0
     for name, data in tests.modes.items():
         mode = MODES[name]
         state = mode.stretches(data.stretch, data.stretch**mode.incompressible_rate)
+        # I1 - 3 = sum lambda_i^2 - 3
         found = max(found, float(np.max(np.sum(state**2, axis=0) - 3.0)))
     return found

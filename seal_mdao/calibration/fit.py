@@ -18,23 +18,23 @@ from seal_mdao.calibration.stability import (
 from seal_mdao.materials.isotropic import Isotropic
 
 DRAWS, STARTS = 200, 12
-"""Draws of the constants that are no moduli, and how many of the best are followed to the end."""
+"""Samples of the constants that are not moduli, and number of the best used as starting points."""
 SAME = 1e-3
-"""Relative difference of the sum of squares within which two starts have reached the same."""
+"""Relative difference of the sum of squares within which two starts reached the same minimum."""
 INSIDE = 1e-6
-"""Distance of a first modulus from its bound, as a share of the largest stress."""
+"""Distance of an initial modulus from its bound, as a fraction of the largest stress."""
 EVALUATIONS = 400
-"""Most evaluations of one start."""
+"""Limit of evaluations per start."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A law fitted to tests.
+    """Law fitted to material tests.
 
     Attributes
     ----------
     name : str
-        Of the law, as seal files have it.
+        Name of the law in seal files.
     law : Isotropic
     tests : MaterialTests
     weighting : str
@@ -42,18 +42,18 @@ class Fit:
         By mode, and under ``"all"``.
     stability : dict of str to ModeStability
     margin : float
-        Of the ranges over which stability was asked for.
+        Margin of the ranges over which stability is required.
     cost : float
         Sum of the squared weighted differences.
     starts, agreeing : int
-        Starts followed to the end, and how many of them reached this cost.
+        Number of starts, and how many of them reached this cost.
     standard_errors : dict of str to float
-        Of the constants that were found, from the Gauss-Newton Hessian and the scatter of the fit;
-        infinite for one that the data do not tell.
+        Of the fitted constants, from the Gauss-Newton Hessian and the scatter of the fit; infinite for
+        a constant that the data do not determine.
     unknowns : tuple of str
-        Constants that were found.
+        Fitted constants.
     correlation : ndarray, shape (k, k)
-        Between the errors of these.
+        Correlation of their errors.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _End:
-    """Where one start has led to."""
+    """Result of one start."""
 
     law: Isotropic
     cost: float
@@ -89,50 +89,51 @@ def fit(
     law: str,
     tests: MaterialTests,
     *,
-    terms: int = 1,
-    nu: float | None = None,
-    bulk_modulus: float = 80_000.0,
     weighting: str = "relative",
     margin: float = MARGIN,
     seed: int = 0,
     allow_unstable: bool = False,
     progress: Callable | None = None,
+    **options,
 ) -> Fit:
     """Fit a law by nonlinear least squares from many starts; the same call gives the same bits.
 
-    Of the ends of all starts the best one that is stable is taken.
+    The result is the best stable minimum of all starts.
 
     Parameters
     ----------
-    law, terms, nu, bulk_modulus
-        As ``families.family`` has them.
+    law : str
+        One of ``materials.by_name.LAWS``.
     tests : MaterialTests
     weighting : {"relative", "absolute"}
         See ``residuals``.
     margin : float
-        By which the tested ranges are widened for the check of stability, a share of ln(lambda).
+        Widening of the tested ranges for the check of stability, a fraction of ln(lambda).
     seed : int
-        Of the draws.
+        Of the random starting points.
     allow_unstable : bool
-        Take the best end, stable or not.
+        Accept the best minimum, stable or not.
     progress : callable, optional
         ``progress(done, of)`` after every start.
+    **options
+        ``terms``, ``nu`` and ``bulk_modulus`` of ``families.family``.
 
     Raises
     ------
     MaterialDataError
-        When there are fewer readings than constants.
+        If there are fewer readings than constants.
     UnstableMaterialError
-        When no end is stable, with file, mode and stretch.
+        If no minimum is stable, with file, mode and stretch.
     ValueError
-        For arguments that are not admissible.
+        For inadmissible arguments.
     """
     if not (np.isfinite(margin) and margin >= 0.0):
         raise ValueError(f"margin must not be negative, got {margin}")
     if seed < 0:
         raise ValueError(f"seed must not be negative, got {seed}")
-    kind = family(law, tests, terms, nu, bulk_modulus)
-    lateral = law == "hyperfoam" and nu is None
+    kind = family(law, tests, **options)
+    # Poisson's ratios are fitted to the lateral stretches unless given
+    lateral = law == "hyperfoam" and options.get("nu") is None
     differences = residuals(tests, weighting, lateral)
     rng = np.random.default_rng(seed)
     _require_readings(tests, len(kind.draw(np.random.default_rng(seed))[0]), law, lateral)
@@ -140,6 +141,7 @@ def fit(
     ranges = {name: data.range for name, data in tests.modes.items()}
     chosen, stability = _first_stable(ends, ranges, margin, allow_unstable, law, tests.source)
     deviations, correlation = _uncertainty(differences, chosen)
+    # a minimum that many starts reach is likely the global one
     agreeing = sum(end.cost <= chosen.cost * (1.0 + SAME) + 1e-20 for end in ends)
     return Fit(
         law, chosen.law, tests, weighting, errors_of(chosen.law, tests), stability, margin,
@@ -156,12 +158,13 @@ def _require_readings(tests, count, law, lateral):
 
 
 def _first_stable(ends, ranges, margin, allow_unstable, law, source):
-    """The best end that is stable, or the best one where that is allowed; else an error."""
+    """Return the best stable minimum, or the best one where that is allowed; else raise an error."""
     refused = None
     for end in ends:
         stability = check_stability(end.law, ranges, margin)
         if allow_unstable or all(found.stable for found in stability.values()):
             return end, stability
+        # the message is about the best minimum
         refused = refused or stability
     require_stable(refused, f"{source}: {law} with the constants that fit best")
 
@@ -170,7 +173,8 @@ def _first_stable(ends, ranges, margin, allow_unstable, law, source):
 
 
 def _ends(kind: Family, differences: Residuals, rng, progress) -> list[_End]:
-    """Ends of the starts, the best first."""
+    """Minimise from all starts; return the results, the best first."""
+    # sample the nonlinear constants, solve for the moduli, and descend from the best samples
     draws = 1 if kind.convex else DRAWS
     scale = max(np.abs(part.data.stress).max() for part in differences.parts)
     started = []
@@ -181,46 +185,50 @@ def _ends(kind: Family, differences: Residuals, rng, progress) -> list[_End]:
             started.append((*found, unknowns))
     started.sort(key=lambda start: start[0])
     ends = []
-    followed = started[:STARTS]
-    for i, (_, values, unknowns) in enumerate(followed, 1):
+    chosen = started[:STARTS]
+    for i, (_, values, unknowns) in enumerate(chosen, 1):
         ends.append(_descend(kind.template, unknowns, values, differences, scale))
         if progress is not None:
-            progress(i, len(followed))
+            progress(i, len(chosen))
+    # starts that failed are dropped
     ends = [end for end in ends if end is not None and np.isfinite(end.cost)]
     if not ends:
-        raise MaterialDataError(_no_end(kind, followed))
+        raise MaterialDataError(_no_end(kind, chosen))
     return sorted(ends, key=lambda end: end.cost)
 
 
 def _no_end(kind: Family, started) -> str:
-    """Why no start has led to a law: the constants that suit the data are refused, or give no stress."""
+    """Explain why no start led to a law: the best constants are invalid, or give no stress."""
     try:
         for _, values, _ in started:
             kind.template.with_(**values)
     except ValueError as error:
-        return f"{kind.law} with the constants that suit the data: {error}"
-    return f"{kind.law} has no value at these stretches, from any start"
+        return f"{kind.law} with the constants that fit the data: {error}"
+    return f"{kind.law} is not defined at these stretches, from any start"
 
 
 def _best_moduli(template, unknowns, values, differences, scale):
-    """Cost and constants with the moduli that suit the others best, within their bounds."""
+    """Solve for the best moduli within their bounds, other constants given; return cost, constants."""
     moduli = [unknown for unknown in unknowns if unknown.modulus]
     names = [unknown.name for unknown in moduli]
     lower, upper = (np.array([getattr(u, end) for u in moduli]) for end in ("lower", "upper"))
-    # the stress is linear in the moduli: its slopes at any of them are those at all
+    # P = A m is linear in the moduli m, so the slope A is the same for all: min |A m - data|,
+    # data = A m_0 - r(m_0) in weighted form
     some = np.where(upper > 0.0, 1.0, -1.0)
     law = template.with_(**values, **dict(zip(names, some.tolist(), strict=True)))
     value, slope = differences(law, names)
     if not (np.isfinite(value).all() and np.isfinite(slope).all()):
         return None
     found = lsq_linear(slope, slope @ some - value, (lower, upper), method="bvls")
+    # strictly inside the bounds, where least_squares has to begin
     inside = np.clip(found.x, lower + INSIDE * scale, upper - INSIDE * scale)
     return found.cost, {**values, **dict(zip(names, inside.tolist(), strict=True))}
 
 
 def _descend(template, unknowns, values, differences, scale):
-    """Least squares over all unknowns from one start; moduli in units of the largest stress."""
+    """Minimise the sum of squares over all unknowns from one start; moduli over the largest stress."""
     names = tuple(unknown.name for unknown in unknowns)
+    # all unknowns of order one
     units = np.array([scale if unknown.modulus else 1.0 for unknown in unknowns])
     lower = np.array([unknown.lower for unknown in unknowns]) / units
     upper = np.array([unknown.upper for unknown in unknowns]) / units
@@ -229,7 +237,8 @@ def _descend(template, unknowns, values, differences, scale):
     def law_of(x):
         return template.with_(**dict(zip(names, (x * units).tolist(), strict=True)))
 
-    last = {}  # least squares asks for differences and derivatives at the same point
+    # least_squares requests residuals and Jacobian separately at the same point
+    last = {}
 
     def both(x):
         key = x.tobytes()
@@ -249,15 +258,16 @@ def _descend(template, unknowns, values, differences, scale):
             value, start, slope, bounds=(lower, upper), x_scale="jac", max_nfev=EVALUATIONS,
             xtol=1e-12, ftol=1e-12, gtol=1e-12,
         )  # fmt: skip
-    except (ValueError, np.linalg.LinAlgError):  # no finite value, or no law, where it was led to
+    except (ValueError, np.linalg.LinAlgError):  # residuals not finite, or invalid constants
         return None
     return _End(_sorted_terms(law_of(found.x)), 2.0 * float(found.cost), names)
 
 
 def _sorted_terms(law):
-    """Terms of a sum with the largest contribution to the shear modulus first."""
+    """Sort the terms of a law by their contribution to the shear modulus, the largest first."""
     if not hasattr(law, "terms"):
         return law
+    # mu alpha^2 k: Ogden mu alpha, hyperfoam 2 mu
     size = [-abs(m.mu * m.alpha * m.alpha * m.scale) for m in law.terms]
     order, changed = np.argsort(size, kind="stable"), {}
     for field in ("mu", "alpha", "nu"):
@@ -271,21 +281,25 @@ def _sorted_terms(law):
 
 
 def _uncertainty(differences, end: _End):
-    """Standard errors of the constants and the correlation between them."""
+    """Compute standard errors of the constants and their correlation."""
     names = end.unknowns
+    # covariance C = s^2 (A^T A)^-1,  s^2 = |r|^2 / (m - k),  A = dr/d(constants)
     value, slope = differences(end.law, names)
     free = max(value.size - len(names), 1)
     length = np.linalg.norm(slope, axis=0)
     size = 1.0 / np.where(length > 0.0, length, 1.0)
-    scaled = slope * size  # columns of length one: what is told does not depend on units
+    # columns of length one, so that the rank does not depend on units
+    scaled = slope * size
+    # (A^T A)^-1 = V S^-2 V^T over the singular values above rounding
     _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
-    told = singular > 1e-10 * singular[0]
-    inverse = (directions[told].T / singular[told] ** 2) @ directions[told]
+    determined = singular > 1e-10 * singular[0]
+    inverse = (directions[determined].T / singular[determined] ** 2) @ directions[determined]
+    # sigma_i = s sqrt(C_ii); the columns are unscaled on return
     deviation = np.sqrt(np.diag(inverse) * (value @ value) / free)
-    # a constant that takes part in a direction that changes nothing is not told
-    lost = np.any(np.abs(directions[~told]) > 1e-6, axis=0)
+    # a constant with a component in the null space is not determined by the data
+    undetermined = np.any(np.abs(directions[~determined]) > 1e-6, axis=0)
     root = np.sqrt(np.maximum(np.diag(inverse), 1e-300))
-    deviation = np.where(lost, np.inf, deviation)
-    return dict(zip(names, (deviation * size).tolist(), strict=True)), inverse / np.outer(
-        root, root
-    )
+    deviation = np.where(undetermined, np.inf, deviation)
+    # correlation C_ij / sqrt(C_ii C_jj)
+    correlation = inverse / np.outer(root, root)
+    return dict(zip(names, (deviation * size).tolist(), strict=True)), correlation

@@ -1,4 +1,4 @@
-"""Uniaxial, planar and equibiaxial tests of a material law: nominal stress against stretch.
+"""Uniaxial, planar and equibiaxial tests of a material law: nominal stress as a function of stretch.
 
 The logarithms of the principal stretches are e = pulled ln(lambda) + free ln(x), with lambda the
 stretch that is imposed and x that of the free directions:
@@ -7,11 +7,11 @@ stretch that is imposed and x that of the free directions:
     planar        (lambda, 1, x)      a wide strip between clamps, "pure shear"
     equibiaxial   (lambda, lambda, x)
 
-A compressible law finds x from tau . free = 0, with the Kirchhoff stresses tau. A nearly
-incompressible rubber is taken in the limit of incompressibility: x from J = 1, and a pressure, which
-does no work, makes the free directions free. In both cases n P lambda = tau . (pulled + r free)
-with n pulled directions and r = d ln x / d ln lambda at J = 1, for what r multiplies is zero or cancels
-the pressure. (R. W. Ogden, Non-linear Elastic Deformations, 7.2.)
+For a compressible law x follows from tau . free = 0, with the Kirchhoff stresses tau. A nearly
+incompressible rubber is taken as incompressible: x from J = 1, and a pressure, which does no work,
+makes the free directions free of stress. In both cases n P lambda = tau . (pulled + r free) with n
+pulled directions and r = d ln x / d ln lambda at J = 1, since the factor of r is zero or cancels the
+pressure. (R. W. Ogden, Non-linear Elastic Deformations, 7.2.)
 """
 
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ import numpy as np
 from seal_mdao.materials.isotropic import Isotropic
 
 NEWTON_STEPS = 60
-"""Most iterations for the free stretch; a few do from the start that is taken."""
+"""Limit of Newton iterations for the free stretch; a few suffice from the starting point used."""
 LONGEST_STEP = 0.5
-"""Of ln x in one iteration."""
+"""Largest change of ln x in one iteration."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Mode:
     ----------
     name : str
     pulled, free : tuple of int
-        1 for each of the three directions that has the imposed or the free stretch.
+        1 for each of the three directions with the imposed or the free stretch.
     """
 
     name: str
@@ -47,7 +47,8 @@ class Mode:
         return -sum(self.pulled) / sum(self.free)
 
     def stretches(self, stretch, lateral) -> np.ndarray:
-        """The three principal stretches, shape (3, m)."""
+        """Compute the three principal stretches, shape (3, m)."""
+        # ln lambda_i = pulled_i ln(lambda) + free_i ln(x)
         log, across = np.log(stretch), np.log(lateral)
         return np.exp(np.multiply.outer(self.pulled, log) + np.multiply.outer(self.free, across))
 
@@ -59,38 +60,43 @@ MODES = {mode.name: mode for mode in (UNIAXIAL, PLANAR, EQUIBIAXIAL)}
 
 
 def is_compressible(law: Isotropic) -> bool:
-    """Whether a law says how its volume changes; else J = 1 is taken."""
+    """Return whether a law is compressible; otherwise J = 1 is assumed."""
     return law.bulk_modulus == 0.0
 
 
 def lateral_stretch(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
-    """Stretch x of the free directions, shape of ``stretch``; NaN where none is found."""
+    """Solve for the stretch x of the free directions, shape of ``stretch``; NaN without convergence."""
     log = np.log(np.asarray(stretch, float))
     if not is_compressible(law):
+        # J = 1: ln x = r ln lambda
         return np.exp(mode.incompressible_rate * log)
     free = np.array(mode.free, float)
-    across, rest = _small_strain_rate(law, mode) * log, np.inf
+    # start from the linear solution ln x = -(free . A pulled) / (free . A free) ln lambda
+    across, change = _small_strain_rate(law, mode) * log, np.inf
     with np.errstate(all="ignore"):
         for _ in range(NEWTON_STEPS):
             state = mode.stretches(np.exp(log), np.exp(across))
+            # Newton for f = free . tau = 0 in ln x,  df/d ln x = free . (d tau/d ln lambda) free
             force = free @ law.principal_stress(state)
             slope = np.einsum("i,ij...,j->...", free, law.principal_tangent(state), free)
             step = np.clip(-force / slope, -LONGEST_STEP, LONGEST_STEP)
-            across, rest = across + step, np.abs(step)
-            if not np.any(rest > 1e-9):  # then the next one would be below rounding
+            across, change = across + step, np.abs(step)
+            # converged quadratically: the next change would be below rounding
+            if not np.any(change > 1e-9):
                 break
-    return np.where(rest <= 1e-9, np.exp(across), np.nan)
+    return np.where(change <= 1e-9, np.exp(across), np.nan)
 
 
 def _small_strain_rate(law, mode) -> float:
-    """d ln x / d ln lambda in the undeformed state: exact for a foam whose nu are all the same."""
+    """Compute d ln x / d ln lambda of the undeformed state, exact for a foam with equal nu."""
+    # free . A (pulled + free d ln x/d ln lambda) = 0
     tangent = law.principal_tangent(np.ones(3))
     free, pulled = np.array(mode.free), np.array(mode.pulled)
     return float(-(free @ tangent @ pulled) / (free @ tangent @ free))
 
 
 def nominal_stress(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
-    """Force per undeformed area in a pulled direction, in the unit of the constants.
+    """Compute the nominal stress in a pulled direction, in the unit of the constants.
 
     Parameters
     ----------
@@ -101,12 +107,13 @@ def nominal_stress(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
     """
     stretch = np.asarray(stretch, float)
     state = mode.stretches(stretch, lateral_stretch(law, mode, stretch))
+    # P = tau . (pulled + r free) / (n lambda)
     return _along(mode) @ law.principal_stress(state) / stretch
 
 
 @dataclass(frozen=True, eq=False)
 class ModeResponse:
-    """What a law says to one test.
+    """Response of a law in one mode.
 
     Attributes
     ----------
@@ -123,16 +130,18 @@ class ModeResponse:
 
 
 def response(law: Isotropic, mode: Mode, stretch) -> ModeResponse:
-    """Stress, free stretch and their exact derivatives in the constants of the law."""
+    """Compute stress, free stretch and their exact derivatives in the constants of the law."""
     stretch = np.asarray(stretch, float)
     lateral = lateral_stretch(law, mode, stretch)
     state, along = mode.stretches(stretch, lateral), _along(mode)
+    # P = along . tau / lambda,  along = (pulled + r free) / n
     stress = along @ law.principal_stress(state) / stretch
     rates = law.principal_constants(state)
     by_constant = np.einsum("i,ki...->k...", along, rates)
     if not is_compressible(law):
         return ModeResponse(stress, lateral, by_constant / stretch, np.zeros_like(by_constant))
-    # tau . free = 0 at every value of the constants
+    # free . tau = 0 for all constants c:  d ln x/dc = -(free . d tau/dc) / (free . A free)
+    # d(n P lambda)/dc = along . (d tau/dc + A free d ln x/dc),  dx/dc = x d ln x/dc
     free, tangent = np.array(mode.free, float), law.principal_tangent(state)
     pull = np.einsum("i,ij...->j...", free, tangent)
     moved = -np.einsum("i,ki...->k...", free, rates) / np.einsum("i,i...->...", free, pull)
@@ -141,6 +150,6 @@ def response(law: Isotropic, mode: Mode, stretch) -> ModeResponse:
 
 
 def _along(mode: Mode) -> np.ndarray:
-    """(pulled + r free) / n."""
+    """Compute (pulled + r free) / n."""
     free = mode.incompressible_rate * np.array(mode.free)
     return (np.array(mode.pulled) + free) / sum(mode.pulled)

@@ -1,4 +1,4 @@
-"""Readings one by one: how far a fitted law is from each, and which do not go with the others."""
+"""Table of residuals of a fit, reading by reading, with detection of outliers."""
 
 import csv
 from dataclasses import asdict, dataclass, fields
@@ -13,12 +13,12 @@ from seal_mdao.calibration.residuals import weighted_by
 LIMIT = 3.5
 """Modified z-score (Iglewicz and Hoaglin, 1993) above which a reading is an outlier."""
 LEAST_SPREAD = 1e-3
-"""Of weighted differences: those of data without scatter are rounding."""
+"""Smallest spread of weighted differences; below it there is only rounding."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """One reading beside the law.
+    """One reading with the response of the law.
 
     Attributes
     ----------
@@ -27,12 +27,12 @@ class Reading:
     measured_kPa, computed_kPa : float
         Nominal stress.
     difference_kPa : float
-        Computed less measured.
+        Computed minus measured.
     weighted : float
-        The difference as the fit weights it: over the reading, or over the largest one.
+        The difference weighted as in the fit: relative to the reading, or to the largest one.
     score : float
-        Distance of ``weighted`` from the median of all readings, over 1.4826 times the median of these
-        distances: the number of standard deviations of normal errors, which no outlier changes.
+        Modified z-score: distance of ``weighted`` from the median of all readings, over 1.4826 times the
+        median of these distances. It is a number of standard deviations that is robust to outliers.
     outlier : bool
         Whether the score is above 3.5.
     """
@@ -48,23 +48,24 @@ class Reading:
 
 
 def residual_table(found: Fit) -> list[Reading]:
-    """All readings of a fit with their differences and scores, mode by mode."""
+    """Tabulate all readings of a fit with their differences and scores, mode by mode."""
     computed = {
         name: nominal_stress(found.law, MODES[name], data.stretch)
         for name, data in found.tests.modes.items()
     }
+    # as in the fit, but without the factor sqrt(m) of the modes
     scales = weighted_by(found.tests, found.weighting)
     weighted = {
         name: (computed[name] - data.stress) / scales[name]
         for name, data in found.tests.modes.items()
     }
     every = np.concatenate(list(weighted.values()))
-    middle = np.median(every)
-    # 1.4826 MAD is the standard deviation of normal errors
-    spread = max(1.4826 * np.median(np.abs(every - middle)), LEAST_SPREAD)
+    median = np.median(every)
+    # z = |r - median r| / (1.4826 MAD), with 1.4826 MAD = standard deviation of normal errors
+    spread = max(1.4826 * np.median(np.abs(every - median)), LEAST_SPREAD)
     rows = []
     for name, data in found.tests.modes.items():
-        scores = np.abs(weighted[name] - middle) / spread
+        scores = np.abs(weighted[name] - median) / spread
         columns = (
             data.stretch, data.stress, computed[name], computed[name] - data.stress,
             weighted[name], scores,

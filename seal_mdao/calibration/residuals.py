@@ -1,12 +1,12 @@
-"""What a fit makes small: differences of law and data, weighted.
+"""Residuals of a fit: weighted differences of law and data.
 
-- relative: (P - data) / max(|data|, floor), the same share of every reading. Seals work at moderate
-  stretches, where stresses are small beside those at the end of a tensile test.
+- relative: (P - data) / max(|data|, floor), the same relative error of every reading. Seals work at
+  moderate stretches, where stresses are small compared with those at the end of a tensile test.
 - absolute: (P - data) / largest |data| of all, the same error in kPa everywhere.
 
-The floor, a share of the mode's largest stress, keeps readings near zero, which are nothing but noise,
-from ruling the fit. Differences are divided by the square root of the number of readings in their mode:
-a tensile test of a thousand readings counts as much as a biaxial one of ten.
+The floor, a fraction of the largest stress of the mode, limits the weight of readings near zero, which
+are noise. Differences are divided by the square root of the number of readings in their mode: a tensile
+test of a thousand readings has the same weight as a biaxial one of ten.
 """
 
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ from seal_mdao.calibration.modes import MODES, response
 
 WEIGHTINGS = ("relative", "absolute")
 FLOOR = 0.02
-"""Of the relative weighting, as a share of the largest stress of a mode."""
+"""Floor of the relative weighting, as a fraction of the largest stress of a mode."""
 LATERAL_FLOOR = 0.01
-"""Least lateral strain to which differences of lateral stretch are related."""
+"""Smallest lateral strain to which differences of lateral stretch are related."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Readings of one mode with what their differences are divided by.
+    """Readings of one mode with the scales of their residuals.
 
     Attributes
     ----------
@@ -41,8 +41,9 @@ class Part:
     lateral_scale: np.ndarray | None
 
     def evaluate(self, law, names):
-        """Weighted differences and their derivatives in the constants ``names``."""
+        """Evaluate weighted differences and their derivatives in the constants ``names``."""
         found = response(law, self.mode, self.data.stretch)
+        # r_i = (P(lambda_i) - P_i) / s_i, and likewise for the lateral stretch
         rows = [law.names.index(name) for name in names]
         values = [(found.stress - self.data.stress) / self.stress_scale]
         slopes = [found.stress_rates[rows] / self.stress_scale]
@@ -64,25 +65,26 @@ class Residuals:
     parts: tuple
 
     def __call__(self, law, names) -> tuple[np.ndarray, np.ndarray]:
-        """Differences (m,) and derivatives (m, k) in the constants ``names``."""
+        """Evaluate differences (m,) and derivatives (m, k) in the constants ``names``."""
         found = [part.evaluate(law, names) for part in self.parts]
         return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
 
 
 def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool = False):
-    """The ``Residuals`` of some data.
+    """Build the ``Residuals`` of some data.
 
     Parameters
     ----------
     tests : MaterialTests
     weighting : {"relative", "absolute"}
     lateral : bool
-        Whether measured free stretches are fitted as well.
+        Whether measured lateral stretches are fitted as well.
     """
     if weighting not in WEIGHTINGS:
         raise ValueError(f"weighting must be one of {', '.join(WEIGHTINGS)}, got {weighting!r}")
     scales, parts = weighted_by(tests, weighting), []
     for name, data in tests.modes.items():
+        # s_i sqrt(m): every mode has the weight of one reading
         root = np.sqrt(data.stretch.size)
         scale = scales[name] * root
         across = None
@@ -95,18 +97,20 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
 
 
 def weighted_by(tests: MaterialTests, weighting: str) -> dict[str, np.ndarray]:
-    """What differences of stress are divided by, kPa, for every reading of every mode."""
-    whole = max(np.abs(data.stress).max() for data in tests.modes.values())
-    return {name: _scale(data.stress, whole, weighting) for name, data in tests.modes.items()}
+    """Compute the scale of the stress residuals, kPa, for every reading of every mode."""
+    largest = max(np.abs(data.stress).max() for data in tests.modes.values())
+    return {name: _scale(data.stress, largest, weighting) for name, data in tests.modes.items()}
 
 
-def _scale(values, whole, weighting):
+def _scale(values, largest, weighting):
+    # absolute: the largest stress of all modes
     if weighting == "absolute":
-        return np.full(values.shape, whole)
-    return np.maximum(share_of(values), 1e-6 * whole)
+        return np.full(values.shape, largest)
+    # relative: |P_i|, at least the floor
+    return np.maximum(share_of(values), 1e-6 * largest)
 
 
 def share_of(readings: np.ndarray) -> np.ndarray:
-    """What a difference is a share of: the reading itself, but at least the floor."""
+    """Compute the reference of relative differences: |reading|, at least the floor."""
     size = np.abs(readings)
     return np.maximum(size, FLOOR * size.max())

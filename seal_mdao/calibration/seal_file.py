@@ -1,4 +1,4 @@
-"""A fitted law as the table of a seal file (TOML)."""
+"""Write a fitted law as a table of a seal file (TOML)."""
 
 import re
 from dataclasses import fields
@@ -6,17 +6,17 @@ from dataclasses import fields
 from seal_mdao.materials.isotropic import Isotropic
 
 DIGITS = 8
-"""Significant digits: far beyond what tests tell, and enough to fit again to rounding of a plot."""
+"""Significant digits, far beyond the accuracy of tests."""
 
 
 def material_table(law: Isotropic, name: str, material: str = "rubber", notes=()) -> str:
-    """``[material.<material>]`` with the constants of a law, kPa, to be pasted into a seal file.
+    """Format ``[material.<material>]`` with the constants of a law, kPa, for a seal file.
 
     Parameters
     ----------
     law : Isotropic
     name : str
-        Of the law, as seal files have it.
+        Name of the law in seal files.
     material : str
     notes : sequence of str
         Comments above the constants, one line each.
@@ -24,7 +24,7 @@ def material_table(law: Isotropic, name: str, material: str = "rubber", notes=()
     Raises
     ------
     ValueError
-        For a name of the material that TOML would need quotes for.
+        For a name of the material that requires quotes in TOML.
     """
     if not re.fullmatch(r"[A-Za-z0-9_-]+", material):
         raise ValueError(
@@ -40,6 +40,6 @@ def material_table(law: Isotropic, name: str, material: str = "rubber", notes=()
 
 
 def _number(value: float) -> str:
-    """A float of TOML."""
+    """Format a float of TOML."""
     text = f"{value:.{DIGITS}g}"
     return text if any(sign in text for sign in ".e") else f"{text}.0"

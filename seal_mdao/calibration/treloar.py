@@ -6,12 +6,12 @@ from seal_mdao.calibration.data import MaterialTests, read_tests
 from seal_mdao.materials.ogden import Ogden
 
 OGDEN_1972 = Ogden(mu=(630.0, 1.2, -10.0), alpha=(1.3, 5.0, -2.0))
-"""Constants of R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565: 6.3, 0.012 and -0.1 kg/cm^2 there, in
-kPa with the factor 100 that later authors took."""
+"""Constants of R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565: 6.3, 0.012 and -0.1 kg/cm^2, in
+kPa with the factor 100 of later authors."""
 
 
 def treloar_tests() -> MaterialTests:
-    """The readings that come with the package in ``treloar.csv``."""
+    """Read the tests that come with the package in ``treloar.csv``."""
     with as_file(files("seal_mdao.calibration") / "treloar.csv") as path:
         tests = read_tests(path)
     return MaterialTests(tests.modes, "Treloar 1944")

@@ -1,1 +1,1 @@
-"""OpenMDAO drivers that reach the optimum although an analysis may fail on the way."""
+"""OpenMDAO drivers that converge although single analyses may fail."""

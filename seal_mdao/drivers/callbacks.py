@@ -1,8 +1,8 @@
-"""What an optimiser asks of the model, so that nothing is ever raised through its compiled code.
+"""Callbacks of an optimiser, which never raise an exception through its compiled code.
 
-Ipopt and Uno lose exceptions of their callbacks or take them for failed evaluations. Here a failed
-analysis gives None, after which either of them shortens its step. Whatever else happens is kept,
-and every further call gives None at once, until the optimiser stops.
+Ipopt and Uno lose exceptions of their callbacks or treat them as failed evaluations. Here a failed
+analysis returns None, after which either of them shortens its step. Any other exception is stored,
+and every further call returns None at once, until the optimiser stops.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ class SolverCallbacks:
     evaluator : ModelEvaluator
         Runs the model.
     guard : InterruptGuard
-        Tells when the user wants to stop.
+        Reports a request of the user to stop.
     feas_tol : float
         Largest scaled constraint violation of a point that counts as feasible.
     max_failures : int
-        Failed analyses after which the run is stopped; a good one makes up for one that failed. An
-        optimiser that creeps up to a region where all fails has several in every iteration.
+        Failed analyses after which the run is stopped; each success cancels one failure. An optimiser
+        at the edge of a region of failures has several in every iteration.
 
     Attributes
     ----------
     best : Evaluation
         Feasible point of lowest objective, or the least infeasible one until there is one.
     firm : Evaluation
-        The best point among those that have derivatives, from which a run may begin again.
+        The best point among those with derivatives, from which a run may be restarted.
     eager : bool
-        Whether values are given only where derivatives can be had too.
+        Whether values are returned only where derivatives exist too.
     error : BaseException or None
         An exception that is neither AnalysisError nor Ctrl-C.
     interrupted, stalled : bool
-        Whether the run is to stop because of Ctrl-C, or of too many failures.
+        Whether the run is stopped by Ctrl-C, or by too many failures.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class SolverCallbacks:
 
     @property
     def stopping(self) -> bool:
-        """Whether the optimiser is to stop; asked for at every iteration."""
+        """Whether the optimiser is to stop; checked in every iteration."""
         self.interrupted = self.interrupted or self._guard.requested
         return bool(self.error or self.interrupted or self.stalled)
 
@@ -75,14 +75,15 @@ class SolverCallbacks:
         return self.best.violation <= self._feas_tol
 
     def start(self, prepare) -> NDArray[np.float64]:
-        """Evaluate the start, where whatever goes wrong is raised; ``prepare`` its derivatives."""
+        """Evaluate the start, where every error is raised; ``prepare`` its derivatives."""
         self.best = self.firm = self.evaluator.start()
         prepare()
+        # derivatives that fail here would leave nothing to restart from
         self._derivatives(self.best.x)
         return self.best.x
 
     def values(self, x: NDArray[np.float64]) -> Evaluation | None:
-        """Return the values at ``x``, or None if they cannot be had or the run is to stop."""
+        """Return the values at ``x``, or None if the analysis fails or the run is to stop."""
         return self._attempt(self._values, x)
 
     def derivatives(self, x: NDArray[np.float64]) -> tuple | None:
@@ -90,12 +91,13 @@ class SolverCallbacks:
         return self._attempt(self._derivatives, x)
 
     def try_again(self) -> NDArray[np.float64] | None:
-        """Return the point from which a run that has got stuck may go on, None if it must end."""
+        """Return the point from which a stalled run may be restarted, or None if it must end."""
+        # forget the failures: the restart takes other steps
         self.stalled, self._failures = False, 0
         return None if self.stopping else self.firm.x
 
     def guarded(self, action, *arguments) -> None:
-        """Do what may raise, such as printing, and keep the exception."""
+        """Call an action that may raise, such as printing, and store the exception."""
         try:
             action(*arguments)
         except KeyboardInterrupt:
@@ -106,9 +108,11 @@ class SolverCallbacks:
     def _attempt(self, compute, x):
         if self.stopping:
             return None
-        x = np.array(x)  # the optimiser's own memory
+        # the optimiser reuses its memory: take a copy
+        x = np.array(x)
         try:
             return compute(x)
+        # only AnalysisError is a failed evaluation; all else stops the run and is raised after it
         except AnalysisError:
             self._count_failure(x.tobytes())
         except KeyboardInterrupt:
@@ -119,25 +123,30 @@ class SolverCallbacks:
 
     def _values(self, x) -> Evaluation:
         point = self.evaluator.evaluate(x)
+        # kept even if the optimiser rejects the point
         self.best = min(self.best, point, key=self._rank)
+        # Ipopt cannot leave an accepted point without derivatives: fail at once instead
         if self.eager:
             self._derivatives(x)
         return point
 
     def _derivatives(self, x):
         key = x.tobytes()
+        # gradient and Jacobian are requested one after the other at the same point
         if self._totals[0] != key:
             self._totals = key, self.evaluator.totals(x)
             self.firm = min(self.firm, self.evaluator.evaluate(x), key=self._rank)
+            # a success cancels one failure
             self._failures = max(0, self._failures - 1)
         return self._totals[1]
 
     def _rank(self, point: Evaluation) -> tuple[bool, float]:
+        # feasible before infeasible; then by objective, or by violation
         infeasible = point.violation > self._feas_tol
         return infeasible, point.violation if infeasible else point.objective
 
     def _count_failure(self, key: bytes) -> None:
-        """Count each failed point once, however many functions are wanted there."""
+        """Count each failed point once, however many functions are evaluated there."""
         if key not in self._failed:
             self._failed.add(key)
             self._failures += 1

@@ -1,9 +1,9 @@
-"""One place where the drivers run the model and ask for its total derivatives.
+"""Evaluation of the model and of its total derivatives for the drivers.
 
-A failed analysis leaves a model in a state that nobody has checked: half-converged states would
-be the starting guess of the next solve. The evaluator therefore puts the last good inputs and
-outputs back, remembers the point as failed, and marks the recorded case as not successful, so
-that whoever reads the case file cannot mistake it for a result.
+A failed analysis leaves the model in an undefined state: unconverged states would be the initial
+guess of the next solve. The evaluator therefore restores the last converged inputs and outputs, stores
+the point as failed, and marks the recorded case as not successful, so that a reader of the case file
+cannot mistake it for a result.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Evaluation:
 
 
 class ModelEvaluator:
-    """Runs the model of a driver at points of the optimiser and remembers what it found.
+    """Run the model of a driver at points of the optimiser and cache the results.
 
     Parameters
     ----------
@@ -59,12 +59,12 @@ class ModelEvaluator:
     running : callable
         Returns the context manager inside which the model runs.
     recorded : RecordedEvaluations, optional
-        What an earlier run found out; at its designs the model is not run.
+        Cases of an earlier run; at its designs the model is not run.
 
     Attributes
     ----------
     last_failure : str
-        Why the last analysis that failed did so.
+        Message of the last failed analysis.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class ModelEvaluator:
         self._look_at_jacobian = driver.options["singular_jac_behavior"] != "ignore"
 
     def start(self) -> Evaluation:
-        """Run the model at its own design point, moved onto the bounds where it is outside.
+        """Run the model at its initial design, clipped to the bounds.
 
         Returns
         -------
@@ -97,10 +97,11 @@ class ModelEvaluator:
         Raises
         ------
         AnalysisError
-            If the analysis fails at the start; there is nothing to go back to.
+            If the analysis fails at the start; there is no converged state to restore.
         ValueError
-            If an earlier run is to be continued and it began elsewhere, or with another model.
+            If the earlier run to be continued had another start, or another model.
         """
+        # no round trip through the scaling if the start is within its bounds
         x = flat(self.driver.get_design_var_values())
         inside = self.layout.clip(x)
         evaluation = self._execute(inside, already_set=np.array_equal(inside, x), run=True)
@@ -109,7 +110,7 @@ class ModelEvaluator:
         return evaluation
 
     def evaluate(self, x: NDArray[np.float64]) -> Evaluation:
-        """Return the values at ``x`` (on the bounds where it is outside), running at most once.
+        """Return the values at ``x``, clipped to the bounds; the model runs at most once per point.
 
         Raises
         ------
@@ -117,6 +118,7 @@ class ModelEvaluator:
             If the analysis fails at ``x``, or has failed there before.
         """
         x = self.layout.clip(x)
+        # an Evaluation, or the message of a failure
         found = self._known.get(x.tobytes())
         if isinstance(found, str):
             raise AnalysisError(found)
@@ -135,10 +137,11 @@ class ModelEvaluator:
         Raises
         ------
         AnalysisError
-            If the derivatives cannot be had; the point counts as failed from then on.
+            If the derivatives fail; the point counts as failed from then on.
         """
         x = self.layout.clip(x)
         try:
+            # derivatives of a continued run are read from its file
             known = self._recorded_totals(x)
             if known is not None:
                 return self._as_totals(known)
@@ -152,8 +155,8 @@ class ModelEvaluator:
     def totals_here(self, once: bool = False):
         """Return gradient and Jacobian at the point now in the model, without running it.
 
-        Those that are asked for ``once``, after a run, are not checked for zero rows and columns: an
-        optimum may have some.
+        Derivatives requested ``once``, after a run, are not checked for zero rows and columns, which an
+        optimum may have.
         """
         layout = self.layout
         rows = access.compute_totals(self.driver, layout.responses, list(layout.desvars), once)
@@ -163,13 +166,14 @@ class ModelEvaluator:
         return self._as_totals(rows)
 
     def load(self, x: NDArray[np.float64]) -> None:
-        """Bring the model into the state of ``x``, running it only when it is elsewhere."""
+        """Bring the model into the state of ``x``; run it only if it is in another one."""
         x = self.layout.clip(x)
+        # bitwise comparison: derivatives belong to exactly this state
         if x.tobytes() != self._loaded:
             self._execute(x, run=True)
 
     def _execute(self, x, already_set: bool = False, run: bool = False) -> Evaluation:
-        """Evaluate ``x``; ``run`` the model even where an earlier run has been."""
+        """Evaluate ``x``; ``run`` forces the model to run even at recorded designs."""
         driver = self.driver
         self._loaded = None
         failure = None
@@ -178,11 +182,13 @@ class ModelEvaluator:
         recorded = self._find_recorded(x)
         run = run or recorded is None
         try:
+            # failed evaluations are recorded with their reason; other exceptions are raised
             with access.recording(driver):
                 driver.iter_count += 1
                 try:
                     evaluation = self._solve(x, None if run else recorded)
                 except BaseException as error:
+                    # the recorder reads this when the context ends
                     driver.case_failure = _describe(error)
                     if not isinstance(error, AnalysisError | KeyboardInterrupt):
                         raise
@@ -201,6 +207,7 @@ class ModelEvaluator:
             with self._running():
                 access.run_model(driver)
         else:
+            # continued run: recorded values instead of an analysis
             driver.reused_evaluations += 1
             recorded.restore(access.problem_of(driver).model)
         objective = flat(driver.get_objective_values())[0]
@@ -211,12 +218,13 @@ class ModelEvaluator:
 
     def _accept(self, evaluation: Evaluation, loaded: bool) -> None:
         vectors = access.problem_of(self.driver).model.get_nonlinear_vectors()[:2]
+        # inputs and outputs of the last success, to be restored after a failure
         self._good_vectors = [(vector, vector.asarray(copy=True)) for vector in vectors]
         self._loaded = evaluation.x.tobytes() if loaded else None
         self._known[evaluation.x.tobytes()] = evaluation
 
     def _recover(self, x, failure) -> None:
-        """Put the last good state back after a failed or interrupted run."""
+        """Restore the last converged state after a failed or interrupted run."""
         access.silence_after_failure(self.driver)
         for vector, values in self._good_vectors or ():
             vector.set_val(values)
@@ -224,13 +232,14 @@ class ModelEvaluator:
             self._note_failure(x, failure)
 
     def _note_failure(self, x, error: AnalysisError) -> None:
+        # a failure of values and of derivatives at one point counts once
         if not isinstance(self._known.get(x.tobytes()), str):
             self.driver.failed_analyses += 1
-        # the text alone: the error itself would keep all that was on the stack
+        # the text only: the exception would keep all objects of its traceback alive
         self._known[x.tobytes()] = self.last_failure = str(error)
 
     def _find_recorded(self, x) -> RecordedCase | None:
-        """Return what an earlier run found at the design that is in the model."""
+        """Return the case of the earlier run at the current design of the model."""
         if self._recorded is None:
             return None
         case = self._recorded.find()
@@ -242,22 +251,25 @@ class ModelEvaluator:
         return case
 
     def _recorded_totals(self, x) -> NDArray[np.float64] | None:
-        """Return the derivatives that an earlier run found at ``x``, and record them again."""
+        """Return the recorded derivatives of an earlier run at ``x``, and record them again."""
         case = self._recorded_at.get(x.tobytes())
         rows = case and case.jacobian(self.layout.responses, self.layout.desvars)
         if rows is not None:
-            self._look_at_jacobian = False  # the earlier run has looked at the first one
+            # the earlier run has checked its first Jacobian
+            self._look_at_jacobian = False
             self.driver.repeated_case = case.counter
             access.record_totals(self.driver, case.totals)
         return rows
 
     def _as_totals(self, rows):
-        """Return gradient and Jacobian out of the derivatives of all responses."""
+        """Assemble gradient and Jacobian from the derivatives of all responses."""
         layout = self.layout
         jacobian = np.zeros((layout.m, layout.n))
+        # row 0 is the objective
         jacobian[layout.rows(layout.responses)] = rows[1:]
         if layout.linear:
-            if self._linear_jacobian is None:  # constant
+            # constant: computed once
+            if self._linear_jacobian is None:
                 self._linear_jacobian = access.compute_totals(
                     self.driver, layout.linear, list(layout.desvars), once=True
                 )
@@ -268,7 +280,7 @@ class ModelEvaluator:
 
 
 def _describe(error: BaseException) -> str:
-    """Say why a point has no values; what is no failure of the analysis is no property of the point."""
+    """Describe a failure; other exceptions than AnalysisError mark the case as unfinished."""
     if isinstance(error, AnalysisError):
         return str(error) or type(error).__name__
     return f"{UNFINISHED}: {type(error).__name__} {error}".strip()

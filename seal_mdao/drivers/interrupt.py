@@ -1,4 +1,4 @@
-"""Ctrl-C during a run: stop at the best point instead of losing the run."""
+"""Ctrl-C during an optimisation: stop at the best point instead of losing the run."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from contextlib import contextmanager
 
 
 class InterruptGuard:
-    """Turns the first Ctrl-C into a request to stop and lets the second one through.
+    """Convert the first Ctrl-C into a request to stop; the second one raises KeyboardInterrupt.
 
     While the model runs (inside `running`) Ctrl-C raises KeyboardInterrupt there, so that a
-    long analysis does not have to be waited for. Between runs, when the optimiser's own code is
-    at work, it only sets `requested`. Outside the main thread no handler can be installed and
-    KeyboardInterrupt keeps its usual meaning, as it does after the context is left.
-    An optimiser may take the signal for itself when it begins (Uno does); every run of the model
-    takes it back.
+    long analysis ends at once. Between runs, in the code of the optimiser, it only sets `requested`.
+    Outside the main thread no handler can be installed and KeyboardInterrupt keeps its usual meaning,
+    as it does after the context is left. An optimiser may install a handler of its own when it begins
+    (Uno does); every run of the model replaces it.
     """
 
     def __init__(self):
@@ -39,10 +38,11 @@ class InterruptGuard:
 
     @contextmanager
     def running(self):
-        """Context in which Ctrl-C may interrupt at once."""
+        """Context in which Ctrl-C interrupts at once."""
         self._running = True
         self._take()
         try:
+            # requested between two runs: do not begin another one
             if self.requested:
                 raise KeyboardInterrupt
             yield
@@ -50,6 +50,7 @@ class InterruptGuard:
             self._running = False
 
     def _handle(self, signum, frame) -> None:
+        # second Ctrl-C, or during an analysis: raise
         again, self.requested = self.requested, True
         if again or self._running:
             raise KeyboardInterrupt

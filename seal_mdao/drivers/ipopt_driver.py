@@ -27,8 +27,8 @@ DEFAULTS = {
     "print_level": 0,
     "sb": "yes",
 }
-"""Settings that ``opt_settings`` overrides. Ipopt by itself iterates up to 1e-8 outside the bounds,
-where the model is never run (a square root may not stand it)."""
+"""Settings that ``opt_settings`` overrides. Ipopt's default permits iterates 1e-8 outside the bounds,
+where the model is never run (a square root may fail there)."""
 
 MESSAGES = {
     0: "Optimal solution found",
@@ -37,7 +37,7 @@ MESSAGES = {
     3: "The search direction became too small",
     4: "The iterates diverge; the problem may be unbounded",
     5: "Stopped by request",
-    6: "A feasible point was found, as asked for",
+    6: "A feasible point was found, as requested",
     -1: "Maximum number of iterations exceeded",
     -2: "Restoration of feasibility failed",
     -3: "The search direction could not be computed (linear solver)",
@@ -47,15 +47,15 @@ MESSAGES = {
     -12: "Invalid option (for example a linear solver that is not installed)",
     -13: "A function or derivative value is not a number",
 }
-"""Ipopt's return codes in words; only 0 and 1 are successes."""
+"""Messages of Ipopt's return codes; only 0 and 1 are successes."""
 
 
 class IpoptDriver(OptimizerDriver):
     """Interior-point optimiser Ipopt, by way of ipyopt.
 
-    The Hessian is approximated (limited memory); ``opt_settings`` takes any option of Ipopt. Driver
-    and failures: see `OptimizerDriver`. Ipopt cannot take back a point that it has accepted; if the
-    derivatives fail there, it begins again at the best point that has them, and from then on values
+    The Hessian is approximated (limited memory); ``opt_settings`` accepts any option of Ipopt. Driver
+    and failures: see `OptimizerDriver`. Ipopt cannot reject a point that it has accepted; if the
+    derivatives fail there, it restarts at the best point with derivatives, and from then on values
     and derivatives are computed together.
 
     Parameters
@@ -85,11 +85,13 @@ class IpoptDriver(OptimizerDriver):
             "max_iter": self.options["maxiter"], **self.opt_settings,
         }  # fmt: skip
         for name, value in settings.items():
+            # Ipopt writes logical options as yes and no
             word = {True: "yes", False: "no"}[value] if isinstance(value, bool) else value
             set_option(lambda name, value: problem.set(**{name: value}), name, word)
 
         def solve(x) -> SolverEnd:
             x, _, code = problem.solve(np.array(x))
+            # restart from the best point with derivatives, with the remaining iterations
             if bridge.lost and not callbacks.stopping:
                 callbacks.eager, bridge.lost = True, False
                 problem.set(max_iter=max(0, int(settings["max_iter"]) - self.iterations))
@@ -100,7 +102,7 @@ class IpoptDriver(OptimizerDriver):
 
 
 class _Bridge:
-    """The functions Ipopt calls; NaN stands for what cannot be had.
+    """The functions that Ipopt calls; NaN marks a failed evaluation.
 
     Attributes
     ----------
@@ -114,7 +116,7 @@ class _Bridge:
         self._active = np.flatnonzero(callbacks.evaluator.layout.active)
 
     def problem(self):
-        """The problem as ipyopt wants it; constraints without influence are left out."""
+        """Build the problem of ipyopt, without constraints that no design variable affects."""
         layout, rows = self._callbacks.evaluator.layout, self._active
         empty = np.zeros(0, dtype=np.intp)
         return import_ipyopt().Problem(
@@ -124,6 +126,7 @@ class _Bridge:
             m=rows.size,
             g_l=layout.c_lower[rows],
             g_u=layout.c_upper[rows],
+            # dense Jacobian by rows; no Hessian
             sparsity_indices_jac_g=(
                 np.repeat(np.arange(rows.size), layout.n), np.tile(np.arange(layout.n), rows.size)
             ),
@@ -153,10 +156,12 @@ class _Bridge:
 
     def _derivatives(self, x):
         totals = self._callbacks.derivatives(x)
+        # with `eager` an accepted point has derivatives, and a failure is an ordinary one
         self.lost = self.lost or (totals is None and not self._callbacks.eager)
         return totals
 
     def _iteration(self, mode, iteration, objective, infeasibility, optimality, *_) -> bool:
+        # iteration 0 is the start
         if iteration > 0:
             self._callbacks.guarded(
                 self._driver.show_iteration, objective, infeasibility, optimality
@@ -170,6 +175,6 @@ def import_ipyopt():
 
 
 def _message(code: int) -> str:
-    """Ipopt's return code in words, with the number where it is not a success."""
+    """Return the message of Ipopt's return code, with the number if it is not a success."""
     words = MESSAGES.get(code, "Ipopt ended with an error of its own")
     return words if code in (0, 1) else f"{words} (Ipopt code {code})"

@@ -1,4 +1,4 @@
-"""How design variables and constraints lie in the optimiser's flat arrays, in driver scaling."""
+"""Layout of design variables and constraints in the flat arrays of an optimiser, in driver scaling."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ProblemLayout:
     Attributes
     ----------
     desvars, constraints : dict of str to slice
-        Place of every design variable in ``x`` and of every constraint in ``c``.
+        Slice of every design variable in ``x`` and of every constraint in ``c``.
     responses, linear : list of str
         Objective and nonlinear constraints in the row order of their total derivatives; linear
         constraints.
@@ -33,8 +33,7 @@ class ProblemLayout:
     c_lower, c_upper : ndarray, shape (m,)
         Bounds of the constraints; equal for equality constraints.
     active : ndarray of bool, shape (m,)
-        False for constraints that depend on no design variable: no optimiser can do anything
-        about them.
+        False for constraints that depend on no design variable, which no optimiser can change.
     """
 
     desvars: dict[str, slice]
@@ -58,11 +57,11 @@ class ProblemLayout:
         return self.c_lower.size
 
     def clip(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return a copy of ``x`` moved onto the bounds where it lies outside them."""
+        """Return a copy of ``x`` clipped to the bounds."""
         return np.clip(x, self.x_lower, self.x_upper)
 
     def rows(self, names: list[str]) -> NDArray[np.intp]:
-        """Rows of the constraint vector that belong to the constraints among ``names``."""
+        """Return the rows of the constraint vector of the constraints among ``names``."""
         every = np.arange(self.m)
         parts = [every[self.constraints[name]] for name in names if name in self.constraints]
         return np.concatenate([every[:0], *parts])
@@ -73,10 +72,11 @@ class ProblemLayout:
 
     def violated_constants(self, constraints: NDArray[np.float64], tol: float) -> list[str]:
         """Return names of violated constraints that depend on no design variable."""
-        bad = (self._excess(constraints) > tol) & ~self.active
-        return [name for name, rows in self.constraints.items() if bad[rows].any()]
+        violated = (self._excess(constraints) > tol) & ~self.active
+        return [name for name, rows in self.constraints.items() if violated[rows].any()]
 
     def _excess(self, constraints: NDArray[np.float64]) -> NDArray[np.float64]:
+        # (lower - c) / max(1, |lower|) and (c - upper) / max(1, |upper|); zero for absent bounds
         parts = []
         for bound, sign in ((self.c_lower, 1.0), (self.c_upper, -1.0)):
             finite = np.isfinite(bound)
@@ -102,6 +102,7 @@ def read_layout(driver: Driver) -> ProblemLayout:
     c_lower, c_upper = _bounds(driver, "constraint", constraints)
     if not x_lower.size:
         raise RuntimeError("Problem has no design variables.")
+    # constraints whose responses depend on no design variable
     active = np.ones(c_lower.size, dtype=bool)
     for name in access.constant_constraints(driver):
         active[constraints[name]] = False
@@ -112,7 +113,7 @@ def read_layout(driver: Driver) -> ProblemLayout:
 
 
 def flat(values: dict) -> NDArray[np.float64]:
-    """One flat array of the values by name that OpenMDAO gives; a copy."""
+    """Concatenate values by name, as OpenMDAO returns them, to one flat array; a copy."""
     return np.concatenate([np.zeros(0), *(np.ravel(value) for value in values.values())])
 
 
@@ -135,9 +136,10 @@ def _bounds(driver: Driver, kind: str, slices: dict[str, slice]):
         if high is not None:
             upper[rows] = high
         if scalers[name] is not None:
-            # OpenMDAO leaves bounds that a negative scaler has turned round as they are
+            # OpenMDAO does not exchange lower and upper bounds for a negative scaler
             turned = np.broadcast_to(np.ravel(scalers[name]) < 0.0, lower[rows].shape)
             _swap(lower[rows], upper[rows], turned & (equals is None))
+    # OpenMDAO's 1e30 and the like, after scaling
     lower[lower <= -INFINITE_BOUND] = -np.inf
     upper[upper >= INFINITE_BOUND] = np.inf
     for name, rows in slices.items():
@@ -147,7 +149,7 @@ def _bounds(driver: Driver, kind: str, slices: dict[str, slice]):
 
 
 def _swap(lower, upper, where) -> None:
-    """Exchange, in place, lower and upper bounds; what is absent on one side is so on the other."""
+    """Exchange lower and upper bounds in place; an absent bound stays absent on the other side."""
     low, high = lower[where], upper[where]
     lower[where] = np.where(high >= INFINITE_BOUND, -np.inf, high)
     upper[where] = np.where(low <= -INFINITE_BOUND, np.inf, low)

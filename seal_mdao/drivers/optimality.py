@@ -1,10 +1,10 @@
-"""How far a point is from satisfying the first-order optimality (Karush-Kuhn-Tucker) conditions.
+"""Residual of the first-order optimality (Karush-Kuhn-Tucker) conditions at a point.
 
 Optimizers stop for many reasons, among them that the objective no longer changes. This measure
-is independent of the optimizer. It looks for the multipliers that leave least of the gradient of
-the Lagrangian and of the products of multipliers and distances to the bounds. So an interior
-point that stays a little away from its active bounds is judged fairly, and no constraint has to
-be called active or inactive.
+is independent of the optimizer. It computes the multipliers that minimise the gradient of the
+Lagrangian and the complementarity products of multipliers and distances to the bounds. An interior
+point close to its active bounds is thus assessed correctly, without classification of constraints
+as active or inactive.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from seal_mdao.openmdao_access import FailedCases
 
 NEAR = 1e-2
-"""Bounds farther away than this, relative to 1 + |bound|, are given no multiplier."""
+"""Bounds at a larger distance, relative to 1 + |bound|, have no multiplier."""
 
 
 @dataclass(frozen=True)
 class Optimality:
-    """Distance from first-order optimality, in driver scaling.
+    """Residuals of the KKT conditions, in driver scaling.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Optimality:
     infeasibility : float
         Largest constraint violation.
     multipliers : float
-        Sum of the sizes of all multipliers: what a unit of violation of all bounds may gain.
+        Sum of |multipliers|: the change of the objective per unit of violation of all bounds.
 
     The first two are divided by the larger of 1 and the largest entry of the objective's
     gradient.
@@ -73,7 +73,7 @@ class Optimality:
         gradient: NDArray[np.float64],
         jacobian: NDArray[np.float64],
     ) -> Optimality:
-        """Measure a point.
+        """Compute the residuals at a point.
 
         Parameters
         ----------
@@ -84,6 +84,7 @@ class Optimality:
         gradient, jacobian : ndarray, shapes (n,) and (m, n)
             Total derivatives of the objective and of the constraints.
         """
+        # grad f - N mu = 0,  mu_i d_i = 0, with inward normals N and distances d to the bounds
         normals, distances, free = _bound_terms(layout, x, constraints, jacobian)
         multipliers = _multipliers(normals, distances, free, gradient)
         residual, products = gradient - normals @ multipliers, distances * multipliers
@@ -97,7 +98,7 @@ class Optimality:
 
 
 def measure_optimality(driver: FailedCases) -> Optimality:
-    """Measure the point now in the model of any driver that has been run.
+    """Compute the KKT residuals at the current point of the model of any driver that has been run.
 
     The total derivatives are computed once more; the model itself is not run.
     """
@@ -108,12 +109,13 @@ def measure_optimality(driver: FailedCases) -> Optimality:
 
 
 def _multipliers(normals, distances, free, gradient) -> NDArray[np.float64]:
-    """Return those that leave least of the Lagrangian's gradient and of the products.
+    """Solve for the multipliers with the least gradient of the Lagrangian and products.
 
     They are non-negative for inequalities (whose normals point inwards), ``free`` for equalities.
     """
     if not distances.size:
         return np.zeros(0)
+    # min |N mu - grad f|^2 + |diag(d) mu|^2,  mu >= 0 for inequalities
     matrix = np.vstack([normals, np.diag(distances)])
     target = np.concatenate([gradient, np.zeros(distances.size)])
     return lsq_linear(matrix, target, (np.where(free, -np.inf, 0.0), np.inf), method="bvls").x
@@ -121,16 +123,19 @@ def _multipliers(normals, distances, free, gradient) -> NDArray[np.float64]:
 
 def _bound_terms(layout, x, constraints, jacobian):
     """Return inward normals (n, k) of the near bounds, distances, and which multipliers are free."""
+    # constraints and design variables alike: lower bounds with +normal, upper with -normal
     normals = np.vstack([jacobian, np.eye(layout.n)])
     values = np.concatenate([constraints, x])
     lower = np.concatenate([layout.c_lower, layout.x_lower])
     upper = np.concatenate([layout.c_upper, layout.x_upper])
+    # equality constraints once, with a multiplier of either sign
     equal = lower == upper
     at_lower = equal | _near(values - lower, lower)
     at_upper = ~equal & _near(upper - values, upper)
     distances = np.concatenate([(values - lower)[at_lower], (upper - values)[at_upper]])
     free = np.concatenate([equal[at_lower], np.zeros(at_upper.sum(), dtype=bool)])
     inward = np.vstack([normals[at_lower], -normals[at_upper]]).T
+    # equality constraints have no complementarity product
     return inward, np.where(free, 0.0, np.maximum(0.0, distances)), free
 
 

@@ -1,4 +1,4 @@
-"""What the drivers share: their options, how a run begins and ends, and what it tells."""
+"""Base class of the drivers: options, start and end of a run, and messages."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ LEAST_KEPT = "no feasible point had been found, the least infeasible is kept"
 
 @dataclass(frozen=True)
 class SolverEnd:
-    """How an optimiser ended.
+    """Result and status of an optimiser.
 
     Attributes
     ----------
     x : ndarray, shape (n,)
-        Its result, in driver scaling.
+        Final point, in driver scaling.
     success : bool
-        Whether it says that it has converged.
+        Whether it reports convergence.
     message : str
-        The same in words.
+        Its status in words.
     limited : bool
         Whether it ended because of a limit of iterations or time.
     """
@@ -57,7 +57,7 @@ class SolverEnd:
 
 
 class OptimizerDriver(access.DriverHooks):
-    """Base of the drivers: continuous design variables with bounds, one objective, constraints.
+    """Base class of drivers: continuous design variables with bounds, one objective, constraints.
 
     Equality, one- and two-sided and linear constraints, all with OpenMDAO's scaling, units, indices,
     aliases and total colouring. A failed analysis (AnalysisError, or a value that is not finite)
@@ -65,8 +65,8 @@ class OptimizerDriver(access.DriverHooks):
     unchanged.
 
     A successful run leaves the model at the optimiser's result, any other one at the best feasible
-    point seen, or the least infeasible one. A run that ends otherwise than by a limit or Ctrl-C
-    counts as a success where that point satisfies the optimality conditions, see `Optimality`.
+    point found, or the least infeasible one. A run that was not ended by a limit or Ctrl-C counts as
+    a success if that point satisfies the optimality conditions, see `Optimality`.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class OptimizerDriver(access.DriverHooks):
     Attributes
     ----------
     opt_settings : dict
-        The optimiser's own options; they win over the driver's.
+        Options of the optimiser; they override those of the driver.
     fail : bool
         Whether the last run failed.
     failed_analyses : int
@@ -102,12 +102,12 @@ class OptimizerDriver(access.DriverHooks):
         Raises
         ------
         ValueError
-            If the optimiser refuses an entry of ``opt_settings``; the model has not been run yet.
+            If the optimiser rejects an entry of ``opt_settings``; the model has not been run yet.
         """
         raise NotImplementedError
 
     def declare_options(self, declare) -> None:
-        """Declare the options that the drivers share."""
+        """Declare the common options of the drivers."""
         declare(
             "tol",
             default=1e-3,
@@ -125,11 +125,11 @@ class OptimizerDriver(access.DriverHooks):
         )  # fmt: skip
         declare(
             "max_failures", default=15, check_valid=positive_count,
-            desc="Failed analyses after which the run is stopped; a good one makes up for one.",
+            desc="Failed analyses after which the run is stopped; a success cancels one failure.",
         )  # fmt: skip
         declare(
             "singular_jac_behavior", default="warn", values=["error", "warn", "ignore"],
-            desc="What to do about zero rows or columns of the first total Jacobian.",
+            desc="Action for zero rows or columns of the first total Jacobian.",
         )  # fmt: skip
         declare(
             "singular_jac_tol", default=1e-16, check_valid=tolerance,
@@ -137,8 +137,8 @@ class OptimizerDriver(access.DriverHooks):
         )  # fmt: skip
         declare(
             "hotstart_file", default=None, allow_none=True, types=(str, Path),
-            desc="Recorder file of an earlier run: at its designs the values and derivatives in "
-            "it are taken instead of running the model. Restarts a run where it was cut off. A bare "
+            desc="Recorder file of an earlier run: at its designs the recorded values and derivatives "
+            "replace runs of the model. Continues a run that was cut off. A bare "
             "name is in the problem's output folder, as it is for recorders.",
         )  # fmt: skip
 
@@ -155,13 +155,14 @@ class OptimizerDriver(access.DriverHooks):
         RuntimeError
             If the problem has no objective or no design variables.
         ValueError
-            If the optimiser refuses an entry of ``opt_settings``.
+            If the optimiser rejects an entry of ``opt_settings``.
         AnalysisError
             If the analysis or its derivatives fail at the start.
         """
         self._forget_run()
         self.exit_message = run_log.BY_EXCEPTION
         access.begin_run(self)
+        # continue an earlier run: its cases replace analyses
         file = self.options["hotstart_file"]
         if file is not None:
             file = access.recorder_path(access.problem_of(self), file)
@@ -171,17 +172,20 @@ class OptimizerDriver(access.DriverHooks):
             callbacks = SolverCallbacks(
                 evaluator, guard, self.options["feas_tol"], self.options["max_failures"]
             )
+            # options are checked before the first analysis
             solve = self.prepare(callbacks)
             end = solve(callbacks.start(lambda: access.prepare_coloring(self)))
+        # exceptions stored by the callbacks are raised outside the code of the optimiser
         if callbacks.error is not None:
             raise callbacks.error
         self._finish(end, callbacks)
         return self.fail
 
     def show_iteration(self, objective: float, infeasibility: float, optimality: float) -> None:
-        """Note an iteration and print a line of it where that is wanted."""
+        """Count an iteration and print a line if requested."""
         self.iterations += 1
         if self.options["disp"] or (self.options["disp"] is None and sys.stdout.isatty()):
+            # repeat the header every 30 lines
             if self._next_header == self.iterations:
                 self._print("iteration  analyses       objective  infeasibility  optimality")
                 self._next_header += 30
@@ -191,15 +195,15 @@ class OptimizerDriver(access.DriverHooks):
             )
 
     def optimal_anyway(self, callbacks: SolverCallbacks) -> str:
-        """Say that the best point is optimal, however the optimiser ended; empty if it is not."""
+        """Return a message if the best point satisfies the KKT conditions, else an empty string."""
         best = callbacks.best
         try:
             totals = callbacks.evaluator.totals(best.x)
         except AnalysisError:
             return ""
         found = Optimality.at(callbacks.evaluator.layout, best.x, best.constraints, *totals)
-        good = found.satisfied(self.options["tol"], self.options["feas_tol"])
-        return f"No better point was found; {found}" if good else ""
+        optimal = found.satisfied(self.options["tol"], self.options["feas_tol"])
+        return f"No better point was found; {found}" if optimal else ""
 
     def _forget_run(self) -> None:
         self.exit_message = "NOT_RUN"
@@ -208,16 +212,19 @@ class OptimizerDriver(access.DriverHooks):
         self._next_header = 1
 
     def _finish(self, end: SolverEnd, callbacks: SolverCallbacks) -> None:
-        """Leave the model at the result and say in words how the run ended."""
+        """Leave the model at the result, and set the status and message of the run."""
         stopped = callbacks.interrupted or callbacks.stalled
         self.fail = stopped or not end.success
         self.exit_message = self._describe(end, callbacks)
+        # many stops are successes in fact: check the KKT conditions independently
         if self.fail and not (end.limited or callbacks.interrupted):
             optimal = self.optimal_anyway(callbacks)
             self.fail = not optimal
             self.exit_message = optimal or self.exit_message
         evaluator = callbacks.evaluator
+        # the model is left at the result, so that outputs and derivatives belong to it
         evaluator.load(callbacks.best.x if stopped or not end.success else end.x)
+        # constraints that no design variable affects were hidden from the optimiser
         constants = evaluator.layout.violated_constants(
             flat(self.get_constraint_values()), self.options["feas_tol"]
         )
@@ -249,4 +256,5 @@ class OptimizerDriver(access.DriverHooks):
 
     def _print(self, text: str) -> None:
         if access.problem_of(self).comm.rank == 0:
-            tqdm.write(text)  # past the progress bar of an analysis, if there is one
+            # above the progress bar of an analysis, if any
+            tqdm.write(text)

@@ -1,28 +1,28 @@
-"""Checks of numbers among the options of drivers, as OpenMDAO calls them: name and value."""
+"""Validation of numerical options of drivers, in OpenMDAO's signature (name, value)."""
 
 from seal_mdao import values
 
 MOST_ITERATIONS = 10**9
-"""The libraries count in 32 bits."""
+"""Limit of the 32-bit counters of the libraries."""
 MOST = 1e20
-"""What the libraries take for infinite."""
+"""Value that the libraries treat as infinite."""
 
 
 def tolerance(name: str, value) -> None:
-    """A finite number from zero on."""
+    """Require a finite number of at least zero."""
     values.real(f"option {name!r}", value, 0.0, below=MOST)
 
 
 def positive(name: str, value) -> None:
-    """A finite number above zero."""
+    """Require a finite number above zero."""
     values.real(f"option {name!r}", value, above=0.0, below=MOST)
 
 
 def count(name: str, value) -> None:
-    """An integer from zero on."""
+    """Require an integer of at least zero."""
     values.integer(f"option {name!r}", value, 0, MOST_ITERATIONS)
 
 
 def positive_count(name: str, value) -> None:
-    """An integer from one on."""
+    """Require an integer of at least one."""
     values.integer(f"option {name!r}", value, 1, MOST_ITERATIONS)

@@ -1,4 +1,4 @@
-"""SlsqpDriver: SciPy's SLSQP by way of OpenMDAO, whose line search survives failed analyses."""
+"""SlsqpDriver: OpenMDAO's SLSQP with a line search that survives failed analyses."""
 
 from __future__ import annotations
 
@@ -11,21 +11,20 @@ from seal_mdao.drivers.option_checks import count, tolerance
 from seal_mdao.openmdao_access import FailedCases
 
 FAILED_OBJECTIVE = 1e20
-"""Scaled objective of a failed analysis. The line search takes it for a very bad step and tries a
-tenth of it."""
+"""Scaled objective of a failed analysis. The line search rejects the step and tries a tenth of it."""
 
 
 class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
     """OpenMDAO's ScipyOptimizeDriver with SLSQP; an analysis that fails shortens the step.
 
-    AnalysisError at the start, or in the derivatives, ends the run as it does there. Use `UnoDriver`
+    AnalysisError at the start, or in the derivatives, ends the run as usual. Use `UnoDriver`
     or `IpoptDriver` where analyses fail often, and where a run may have to be continued.
 
     Parameters
     ----------
     **kwargs
         Options of ScipyOptimizeDriver. ``disp``, unless given, is true where the output is a
-        terminal; it prints a line per analysis besides SciPy's summary.
+        terminal; it prints a line per analysis in addition to SciPy's summary.
 
     Attributes
     ----------
@@ -42,36 +41,39 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         Raises
         ------
         ValueError
-            For a tolerance or an iteration limit that is no such number.
+            For an invalid tolerance or iteration limit.
         """
         tolerance("tol", self.options["tol"])
         count("maxiter", self.options["maxiter"])
         self.failed_analyses, self.case_failure = 0, ""
         model = self._model = self.find_model()
         self._good = None
-        model.run_solve_nonlinear = self._analyse  # hides the method of the class during the run
+        # an attribute of the instance hides the method of the class during the run
+        model.run_solve_nonlinear = self._analyse
         try:
             return super().run()
         finally:
             del model.run_solve_nonlinear, self._model, self._good
 
     def get_objective_values(self, driver_scaling: bool = True) -> dict:
-        """Return the objective by name; for a failed analysis one that no line search accepts."""
+        """Return the objective by name; after a failed analysis a value that the line search rejects."""
         found = super().get_objective_values(driver_scaling)
         if not self.case_failure:
             return found
-        # by now the failed case has been recorded: put back the state of the last good analysis
+        # the failed case has been recorded by now: restore the state of the last success
         for vector, values in self._good:
             vector.set_val(values)
         self.case_failure = ""
+        # shape of the objective, value that the line search rejects
         return {name: value * 0.0 + FAILED_OBJECTIVE for name, value in found.items()}
 
     def _analyse(self) -> None:
-        """Run the model; note a failure unless it is that of the start."""
+        """Run the model; store a failure, or raise it at the start."""
         self.case_failure = ""
         try:
             type(self._model).run_solve_nonlinear(self._model)
         except om.AnalysisError as error:
+            # the start: there is no state to restore
             if self._good is None:
                 raise
             self.failed_analyses += 1

@@ -1,4 +1,4 @@
-"""Loading the library of an optimiser, and handing it the settings of a user."""
+"""Import of optimiser libraries, and conversion of user settings."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 
 def import_library(name: str, driver: str, install: str):
-    """Import a library when it is needed.
+    """Import an optional library.
 
     Raises
     ------
     ImportError
-        With one line that says how to install it.
+        With the command that installs it.
     """
     try:
         return import_module(name)
@@ -24,21 +24,22 @@ def import_library(name: str, driver: str, install: str):
 
 
 def set_option(set_one, name: str, value) -> None:
-    """Set an option; an integer where the optimiser wants a real number is taken as one.
+    """Set an option of an optimiser; an integer is converted where a real number is required.
 
     Parameters
     ----------
     set_one : callable
-        Sets an option, given its name and value.
+        Sets an option by name and value.
 
     Raises
     ------
     ValueError
-        If the optimiser does not know the name or refuses the value.
+        If the optimiser does not know the name or rejects the value.
     """
     value = value.item() if isinstance(value, np.generic) else value
-    whole = isinstance(value, int) and not isinstance(value, bool)
-    for candidate in (value, float(value)) if whole else (value,):
+    # first as given, then as a float: the libraries do not convert 1 to 1.0
+    integer = isinstance(value, int) and not isinstance(value, bool)
+    for candidate in (value, float(value)) if integer else (value,):
         try:
             set_one(name, candidate)
         except (ValueError, TypeError, LookupError, RuntimeError) as error:

@@ -30,12 +30,12 @@ CHOICES = {
     "QP_solver": ("BQPD", "HiGHS"),
     "logger": ("SILENT", "DISCRETE", "WARNING", "INFO", "DEBUG", "DEBUG2", "DEBUG3"),
 }
-"""Values of the options that Uno 2.9 does not check when they are set; most of the wrong ones end the
-process with a segmentation fault."""
+"""Values of the options that Uno 2.9 does not validate; most invalid ones end the process with a
+segmentation fault."""
 
 STUCK = ("ALGORITHMIC_ERROR", "FEASIBLE_SMALL_STEP", "INFEASIBLE_SMALL_STEP")
 LEAP = 10.0
-"""Factor of the trust region with which a run that has got stuck begins once more."""
+"""Factor of the trust region at the restart of a stalled run."""
 
 MESSAGES = {
     "FEASIBLE_KKT_POINT": "Optimal solution found",
@@ -50,20 +50,20 @@ MESSAGES = {
     "EVALUATION_ERROR": "Uno could not begin (check opt_settings)",
     "ALGORITHMIC_ERROR": "No step is accepted any more",
 }
-"""Uno's statuses in words."""
+"""Messages of Uno's statuses."""
 
 
 class NotEvaluatedError(Exception):
-    """Tells Uno that there are no values at a point; it makes its trust region smaller."""
+    """Report a failed evaluation to Uno, which then reduces its trust region."""
 
 
 class UnoDriver(OptimizerDriver):
     """Optimiser Uno: sequential quadratic programming with a filter and a trust region.
 
-    Preset ``filtersqp`` with an L-BFGS approximation of the Hessian; ``opt_settings`` takes any
-    option of Uno, ``preset`` among them. Driver and failures: see `OptimizerDriver`. Where Uno gets
-    stuck, at a region that cannot be analysed or at a kink, it begins once more at the best point with
-    a larger trust region, which may lead across.
+    Preset ``filtersqp`` with an L-BFGS approximation of the Hessian; ``opt_settings`` accepts any
+    option of Uno, ``preset`` among them. Driver and failures: see `OptimizerDriver`. Where Uno stalls,
+    at a region of failed analyses or at a kink, it is restarted once at the best point with a larger
+    trust region, which may step across.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class UnoDriver(OptimizerDriver):
         self.cite = CITATION
 
     def declare_options(self, declare) -> None:
-        """Declare the options."""
+        """Declare the options of the driver."""
         super().declare_options(declare)
         declare(
             "trust_radius", default=0.3, check_valid=positive,
@@ -108,6 +108,7 @@ class UnoDriver(OptimizerDriver):
             problem = _uno_model(callbacks)
             problem.set_initial_primal_iterate(start)
             result = solver.optimize(problem)
+            # stalled and not optimal: restart once, with the remaining iterations
             again = callbacks.try_again() if _status(result) in STUCK else None
             if again is not None and not self.optimal_anyway(callbacks):
                 left = int(settings["max_iterations"]) - self.iterations
@@ -120,9 +121,9 @@ class UnoDriver(OptimizerDriver):
         return solve
 
     def _note(self, callbacks: SolverCallbacks, x, *state) -> None:
-        """Note an accepted point; ``state`` ends with infeasibility, stationarity, complementarity.
+        """Report an accepted point; ``state`` ends with infeasibility, stationarity, complementarity.
 
-        While Uno restores feasibility, ``x`` goes on with the slacks of its own.
+        During the restoration of feasibility ``x`` is followed by slack variables of Uno.
         """
         point = callbacks.values(x[: callbacks.evaluator.layout.n])
         if point is not None:
@@ -135,13 +136,14 @@ def import_unopy():
 
 
 def _solver(settings: dict):
-    """Uno with its settings.
+    """Create the solver with its settings.
 
     Raises
     ------
     ValueError
-        If Uno does not know a name or refuses a value.
+        If Uno does not know a name or rejects a value.
     """
+    # checked here, because Uno does not
     for name, choice in CHOICES.items():
         if settings.get(name, choice[0]) not in choice:
             raise ValueError(f"opt_settings['{name}']: {settings[name]!r} is not one of {choice}.")
@@ -153,7 +155,7 @@ def _solver(settings: dict):
 
 
 def _uno_model(callbacks: SolverCallbacks):
-    """The problem as Uno wants it; constraints without influence are left out."""
+    """Build the problem of Uno, without constraints that no design variable affects."""
     unopy, layout = import_unopy(), callbacks.evaluator.layout
     model = unopy.Model(
         unopy.PROBLEM_NONLINEAR, layout.n, layout.x_lower, layout.x_upper, unopy.ZERO_BASED_INDEXING
@@ -170,6 +172,7 @@ def _uno_model(callbacks: SolverCallbacks):
             lambda x, out: np.copyto(out, _given(callbacks.values(x)).constraints[rows]),
             layout.c_lower[rows],
             layout.c_upper[rows],
+            # dense Jacobian by rows
             rows.size * layout.n,
             np.repeat(np.arange(rows.size), layout.n),
             np.tile(np.arange(layout.n), rows.size),
@@ -185,15 +188,16 @@ def _given(found):
 
 
 def _status(result) -> str:
-    """Uno's status; that of the solution where Uno itself has ended well."""
+    """Return the status of Uno, or that of its solution if the optimisation succeeded."""
     ended = result.optimization_status.name
     return result.solution_status.name if ended == "SUCCESS" else ended
 
 
 def _end(result, n: int) -> SolverEnd:
-    """How Uno ended, in words."""
+    """Return result and status of Uno."""
     status = _status(result)
     return SolverEnd(
+        # slack variables of Uno follow the design variables
         np.array(result.primal_solution[:n]),
         status == "FEASIBLE_KKT_POINT",
         MESSAGES.get(status, f"Uno ended with {status}"),

@@ -1,7 +1,7 @@
 """Motion of a rigid profile along the load path: stages of translation and rotation about a pivot.
 
-Within a stage position and angle go in a straight line from one waypoint to the next. Parameters of
-the motion move the waypoints, so their share of every step is a number of the motion, not of a sweep.
+Within a stage position and angle vary linearly from one waypoint to the next. Parameters of the motion
+move the waypoints, so the rate of every pose with respect to them is known before the analysis.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,12 +15,12 @@ from seal_mdao.geometry.pose import Pose
 from seal_mdao.values import array, require
 
 ROUNDING = 1e-12
-"""Relative difference up to which a travel counts as that of the whole path."""
+"""Relative difference up to which a travel counts as that of the complete path."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Waypoints of a profile, the load steps between them, and how parameters move them.
+    """Motion of a profile: waypoints, load steps between them, and rates with respect to parameters.
 
     Attributes
     ----------
@@ -36,10 +36,10 @@ class Motion:
         Derivatives of the waypoints (x, y, angle) with respect to the parameters ``names``.
     names : tuple of str
     room : ndarray, shape (2,)
-        From the first waypoint to where the first load step begins: it lengthens that step, and is no
-        part of the travel.
+        Clearance, from the first waypoint to where the first load step begins: it lengthens that step
+        and does not count as travel.
     shares : ndarray, shape (n_steps,), or None
-        Of its stage that is done at the end of every step, 1 at that of the stage; None for equal steps.
+        Fraction of its stage completed at the end of every step, 1 at the last; None for equal steps.
 
     Raises
     ------
@@ -86,28 +86,29 @@ class Motion:
         object.__setattr__(self, "steps", steps.astype(np.int64))
         object.__setattr__(self, "names", names)
         if self.shares is not None:
-            object.__setattr__(self, "shares", self._checked_shares())
+            object.__setattr__(self, "shares", self._checked_fractions())
 
-    def _checked_shares(self) -> np.ndarray:
-        shares = np.array(self.shares, float)
+    def _checked_fractions(self) -> np.ndarray:
+        fractions = np.array(self.shares, float)
         require(
-            shares.shape == (self.n_steps,)
-            and all(map(increases_to_one, np.split(shares, self._stage_ends[:-1]))),
+            fractions.shape == (self.n_steps,)
+            and all(map(increases_to_one, np.split(fractions, self._stage_ends[:-1]))),
             f"shares of a motion must increase to 1 in every stage of {self.steps.tolist()} steps, got "
             f"{self.shares!r}",
         )
-        return shares
+        return fractions
 
     def moved(self, values: Mapping[str, float]) -> "Motion":
-        """The motion after its parameters have changed by ``values``.
+        """Change the parameters by ``values`` and return the new motion.
 
         Raises
         ------
         ValueError
-            For a parameter that it does not have.
+            For an unknown parameter.
         """
         unknown = [name for name in values if name not in self.names]
         require(not unknown, f"a motion with parameters {self.names} has no {unknown[:1]}")
+        # waypoints are linear in the parameters: w + sum_p dw/dp (change of p)
         change = sum(
             (float(value) * self.rates[self.names.index(name)] for name, value in values.items()),
             np.zeros((len(self.angles), 3)),
@@ -117,14 +118,14 @@ class Motion:
         )
 
     def with_placement(self, x: str = "", y: str = "", angle: str = "") -> "Motion":
-        """The motion with further parameters that place all of it, by the names that are given.
+        """Add parameters that translate or rotate the complete motion, for the names that are given.
 
         Parameters
         ----------
         x, y : str
-            Of a translation of every waypoint.
+            Name of a translation of every waypoint.
         angle : str
-            Of a rotation of the profile about its pivot, degrees.
+            Name of a rotation of the profile about its pivot, degrees.
 
         Raises
         ------
@@ -139,7 +140,7 @@ class Motion:
         )
 
     def with_ends(self, ends) -> "Motion":
-        """The same motion with its load steps ending elsewhere.
+        """Divide the same motion into other load steps.
 
         Parameters
         ----------
@@ -163,9 +164,10 @@ class Motion:
             f"ends of load steps must increase and hold the ends of all stages "
             f"{stage_ends.tolist()}, got {ends.tolist()}",
         )
+        # the stage of a step is the first whose end is not before the end of the step
         stages = np.searchsorted(stage_ends, ends)
-        shares = [self._share_in(*pair) for pair in zip(stages, ends, strict=True)]
-        return replace(self, steps=np.bincount(stages), shares=np.array(shares))
+        fractions = [self._fraction_of_stage(*pair) for pair in zip(stages, ends, strict=True)]
+        return replace(self, steps=np.bincount(stages), shares=np.array(fractions))
 
     @cached_property
     def n_steps(self) -> int:
@@ -174,8 +176,8 @@ class Motion:
 
     @cached_property
     def ends(self) -> np.ndarray:
-        """Where the steps end, in stages, shape (n_steps,)."""
-        own = [stage + self._own_shares(stage)[1:] for stage in range(self.steps.size)]
+        """Ends of the steps, counted in stages, shape (n_steps,)."""
+        own = [stage + self._stage_fractions(stage)[1:] for stage in range(self.steps.size)]
         return np.concatenate(own)
 
     @cached_property
@@ -184,58 +186,62 @@ class Motion:
 
     @cached_property
     def _nominal(self) -> np.ndarray:
-        """x, y, angle at the start and after every nominal step, shape (n_steps + 1, 3)."""
+        """Nominal x, y, angle at the start and after every step, shape (n_steps + 1, 3)."""
         waypoints = np.column_stack([self.positions, self.angles])
         parts = [waypoints[:1]]
         for stage, ends in enumerate(pairwise(waypoints)):
             parts.append(self._within(stage, *ends))
         nominal = np.concatenate(parts)
+        # only the start of the first step is moved back by the clearance
         nominal[0, :2] += self.room
         return nominal
 
     def _within(self, stage: int, first: np.ndarray, last: np.ndarray) -> np.ndarray:
-        """x, y, angle after every step of a stage from ``first`` to ``last``."""
+        """Interpolate x, y, angle after every step of a stage from ``first`` to ``last``."""
         n = self.steps[stage]
         if self.shares is None:
-            # one component at a time: linspace of arrays rounds otherwise where one stands still
+            # one component at a time: linspace of arrays rounds differently where one is constant
             columns = [np.linspace(*pair, n + 1)[1:] for pair in zip(first, last, strict=True)]
             return np.column_stack(columns)
-        along = first + self._own_shares(stage)[1:, None] * (last - first)
+        # w = w_first + phi (w_last - w_first); the end exactly
+        along = first + self._stage_fractions(stage)[1:, None] * (last - first)
         along[-1] = last
         return along
 
-    def _own_shares(self, stage: int) -> np.ndarray:
-        """Shares of a stage done at its start and after each of its steps."""
+    def _stage_fractions(self, stage: int) -> np.ndarray:
+        """Collect the completed fractions of a stage at its start and after each of its steps."""
         n, end = self.steps[stage], self._stage_ends[stage]
         if self.shares is None:
             return np.concatenate([[0.0], step_shares(n)])
         return np.concatenate([[0.0], self.shares[end - n : end]])
 
-    def _share_in(self, stage: int, fraction: float) -> float:
-        """Share of a stage done after ``fraction`` nominal steps, which are within it."""
+    def _fraction_of_stage(self, stage: int, fraction: float) -> float:
+        """Compute the completed fraction of a stage after ``fraction`` nominal steps."""
+        # nominal steps since the start of the stage
         since = fraction - (self._stage_ends[stage] - self.steps[stage])
         if self.shares is None:
             return since / self.steps[stage]
-        own = self._own_shares(stage)
+        own = self._stage_fractions(stage)
         return float(np.interp(since, np.arange(own.size), own))
 
     def coordinates(self, fraction: float) -> np.ndarray:
-        """x, y and angle after ``fraction`` nominal steps, shape (3,)."""
+        """Compute x, y and angle after ``fraction`` nominal steps, shape (3,)."""
         first = self._step(fraction)
-        share = fraction - first
-        return self._nominal[first] + share * (self._nominal[first + 1] - self._nominal[first])
+        within = fraction - first
+        return self._nominal[first] + within * (self._nominal[first + 1] - self._nominal[first])
 
     def pose(self, fraction: float) -> Pose:
-        """Place of the profile after ``fraction`` nominal steps."""
+        """Compute the pose of the profile after ``fraction`` nominal steps."""
         x, y, angle = self.coordinates(fraction)
         return Pose.of((x, y), angle, self.pivot)
 
     def rates_at(self, fraction: float) -> np.ndarray:
-        """Derivatives of x, y and angle with respect to the parameters, shape (n_parameters, 3)."""
+        """Differentiate x, y and angle with respect to the parameters, shape (n_parameters, 3)."""
         stage = int(np.searchsorted(self._stage_ends, self._step(fraction), side="right"))
-        share = self._share_in(stage, fraction)
+        phi = self._fraction_of_stage(stage, fraction)
+        # w = (1 - phi) w_first + phi w_last with phi fixed: w' likewise
         first = self.rates[:, stage]
-        return first + share * (self.rates[:, stage + 1] - first)
+        return first + phi * (self.rates[:, stage + 1] - first)
 
     @cached_property
     def _lengths(self) -> np.ndarray:
@@ -244,16 +250,16 @@ class Motion:
 
     @property
     def travel(self) -> float:
-        """How far the profile comes along its path; rotation is no travel."""
+        """Length of the path of the profile, without rotation."""
         return float(self._lengths.sum())
 
     def at_travel(self, travel: float) -> tuple[float, np.ndarray]:
-        """When the profile has come so far along its path, the first time.
+        """Find the first time at which the profile has covered ``travel`` along its path.
 
         Returns
         -------
         fraction : float
-            Nominal steps done.
+            Number of nominal steps completed.
         rates : ndarray, shape (n_parameters,)
             Its derivatives with respect to the parameters.
 
@@ -265,67 +271,74 @@ class Motion:
         lengths, ends = self._lengths, np.cumsum(self._lengths)
         require(
             0.0 <= travel <= ends[-1] * (1.0 + ROUNDING),
-            f"a motion of {ends[-1]:.6g} along its path has no place after {travel:.6g}",
+            f"a motion of {ends[-1]:.6g} along its path has no position after {travel:.6g}",
         )
         stage = min(int(np.searchsorted(ends, travel)), len(ends) - 1)
         before, length = ends[stage] - lengths[stage], lengths[stage]
         if length == 0.0:  # nothing has moved yet
             return 0.0, np.zeros(len(self.names))
-        share = min(1.0, (travel - before) / length)
-        ways, rates = np.diff(self.positions, axis=0), np.diff(self.rates[:, :, :2], axis=1)
-        units = ways / np.where(lengths == 0.0, 1.0, lengths)[:, None]
+        phi = min(1.0, (travel - before) / length)
+        # L_k = |chord_k|,  u_k = chord_k / L_k,  L_k' = u_k . chord_k'
+        chords, rates = np.diff(self.positions, axis=0), np.diff(self.rates[:, :, :2], axis=1)
+        units = chords / np.where(lengths == 0.0, 1.0, lengths)[:, None]
         growth = (rates * units).sum(axis=2)
-        slopes = -(growth[:, :stage].sum(axis=1) + share * growth[:, stage]) / length
-        fraction, per_share = self._after(stage, share)
+        # travel = sum_(k < s) L_k + phi L_s is fixed:  phi' = -(sum_(k < s) L_k' + phi L_s') / L_s
+        slopes = -(growth[:, :stage].sum(axis=1) + phi * growth[:, stage]) / length
+        fraction, per_phi = self._after(stage, phi)
         if fraction < 1.0 and self.room.any():
+            # u_0' . room = (chord_0' . room - L_0' u_0 . room) / L_0;  the clearance is -u_0 . room
             across = rates[:, 0] @ self.room - growth[:, 0] * (units[0] @ self.room)
             return self._in_first_step(
                 travel, -units[0] @ self.room, growth[:, 0], -across / length
             )
-        return fraction, per_share * slopes
+        return fraction, per_phi * slopes
 
-    def _after(self, stage: int, share: float) -> tuple[float, float]:
-        """Nominal steps done after a share of a stage, and their derivative with respect to it."""
+    def _after(self, stage: int, phi: float) -> tuple[float, float]:
+        """Compute the nominal steps done after a fraction ``phi`` of a stage, and d(steps)/d(phi)."""
         n = int(self.steps[stage])
-        done = int(self._stage_ends[stage]) - n
+        before = int(self._stage_ends[stage]) - n
         if self.shares is None:
-            return done + share * n, n
-        own = self._own_shares(stage)
-        step = min(int(np.searchsorted(own, share, side="right")), n) - 1
+            return before + phi * n, n
+        own = self._stage_fractions(stage)
+        step = min(int(np.searchsorted(own, phi, side="right")), n) - 1
         length = own[step + 1] - own[step]
-        return done + step + (share - own[step]) / length, 1.0 / length
+        return before + step + (phi - own[step]) / length, 1.0 / length
 
-    def _in_first_step(self, travel, room, length_rates, room_rates) -> tuple[float, np.ndarray]:
-        """``at_travel`` within the first nominal step, which is longer by ``room``."""
-        first = self._own_shares(0)[1]
-        way = first * self._lengths[0] + room
-        share = (travel + room) / way
-        return share, (room_rates - share * (first * length_rates + room_rates)) / way
+    def _in_first_step(
+        self, travel, clearance, length_rates, clearance_rates
+    ) -> tuple[float, np.ndarray]:
+        """Evaluate ``at_travel`` within the first nominal step, which is longer by ``clearance``."""
+        first = self._stage_fractions(0)[1]
+        length = first * self._lengths[0] + clearance
+        # phi_1 fraction of stage 0 in its first step, length = phi_1 L_0 + r with clearance r:
+        # fraction = (travel + r) / length,  fraction' = (r' - fraction (phi_1 L_0' + r')) / length
+        part = (travel + clearance) / length
+        return part, (clearance_rates - part * (first * length_rates + clearance_rates)) / length
 
     def _step(self, fraction: float) -> int:
-        """The nominal step under way; the last one at the end."""
+        """Return the index of the current nominal step; the last one at the end."""
         require(
             0.0 <= fraction <= self.n_steps,
-            f"a motion of {self.n_steps} steps has no place after {fraction} of them",
+            f"a motion of {self.n_steps} steps has no position after {fraction} of them",
         )
         return min(int(fraction), self.n_steps - 1)
 
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage of a motion, relative to where the stage before has ended.
+    """One stage of a motion, relative to the end of the stage before.
 
     Attributes
     ----------
     steps : int or tuple of float
-        How many equal ones, or the share of the stage that is done at the end of each of them.
+        Number of equal steps, or the fraction of the stage completed at the end of each step.
     translate : pair of float
         Travel.
     rotate : float
         Degrees, counter-clockwise about the pivot.
     rates : mapping of str to (dx, dy, degrees)
         Derivatives of ``translate`` and ``rotate`` with respect to named parameters. Later stages
-        begin where this one ends, so they are moved too.
+        begin at the end of this one, so they are moved too.
     """
 
     steps: int | tuple[float, ...]
@@ -335,22 +348,22 @@ class Stage:
 
     @property
     def n_steps(self) -> int:
-        """How many load steps."""
+        """Number of load steps."""
         return len(step_shares(self.steps))
 
 
 def step_shares(steps: int | tuple[float, ...]) -> np.ndarray:
-    """Share that is done at the end of every step, of so many equal ones or as it is given."""
+    """Compute the completed fraction at the end of every step, of equal steps or as given."""
     return np.array(steps) if isinstance(steps, tuple) else np.arange(1, steps + 1) / steps
 
 
 def increases_to_one(shares) -> bool:
-    """Whether these can be the shares done at the ends of some steps, the last one all."""
+    """Return whether these are fractions at the ends of steps: increasing, the last one 1."""
     return bool(shares[-1] == 1.0 and np.all(np.diff(shares, prepend=0.0) > 0.0))
 
 
 def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0.0, 0.0)) -> Motion:
-    """The motion of these stages, one after the other, from ``start`` (2,) and ``angle`` (degrees).
+    """Build the motion of stages in succession, from ``start`` (2,) and ``angle`` (degrees).
 
     Examples
     --------
@@ -364,12 +377,14 @@ def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0
     require(len(stages) > 0, "a motion needs at least one stage")
     names = tuple(dict.fromkeys(name for stage in stages for name in stage.rates))
     units = np.array([1.0, 1.0, np.pi / 180.0])
+    # waypoint k = start + sum of the travels of the stages before; angles in radians
     travel = np.array([[*stage.translate, stage.rotate] for stage in stages], float) * units
     first = np.array([*start, angle], float) * units
     waypoints = np.cumsum(np.vstack([first, travel]), axis=0)
     rates = np.zeros((len(names), len(stages) + 1, 3))
     for i, stage in enumerate(stages):
         for name, rate in stage.rates.items():
+            # a stage moves its own end and all later waypoints
             rates[names.index(name), i + 1 :] += np.asarray(rate, float) * units
     equal = not any(isinstance(stage.steps, tuple) for stage in stages)
     return Motion(
@@ -379,7 +394,7 @@ def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0
 
 
 def straight_motion(start, end, steps: int, rates: Mapping[str, tuple] | None = None) -> Motion:
-    """Translation from ``start`` to ``end`` (2,) in ``steps`` load steps.
+    """Build a translation from ``start`` to ``end`` (2,) in ``steps`` load steps.
 
     Parameters
     ----------

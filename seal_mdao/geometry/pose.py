@@ -1,4 +1,4 @@
-"""Where a rigid profile is: its own frame and the fixed one.
+"""Position and rotation of a rigid profile: its own frame and the fixed one.
 
     x = z + c + Q (x' - c)        x' = c + Q^T (x - z - c)
 
@@ -23,7 +23,7 @@ from seal_mdao.compilation import inlined
 
 
 class Pose(NamedTuple):
-    """Place of a profile.
+    """Translation and rotation of a profile.
 
     Attributes
     ----------
@@ -42,44 +42,47 @@ class Pose(NamedTuple):
 
     @classmethod
     def of(cls, position, angle: float = 0.0, pivot=(0.0, 0.0)) -> "Pose":
-        """The pose with this translation (2,), angle in radians and pivot (2,)."""
+        """Build the pose of a translation (2,), an angle in radians and a pivot (2,)."""
         position, pivot = np.array(position, float), np.array(pivot, float)
         return cls(position, float(np.cos(angle)), float(np.sin(angle)), pivot)
 
     @property
     def matrix(self) -> np.ndarray:
-        """Q, shape (2, 2)."""
+        """Rotation matrix Q, shape (2, 2)."""
         return np.array([[self.cos, -self.sin], [self.sin, self.cos]])
 
     def places(self, points: np.ndarray) -> np.ndarray:
-        """Points (n, 2) of the profile's frame in the fixed one."""
+        """Transform points (n, 2) from the profile's frame to the fixed one."""
+        # x = z + c + Q (x' - c)
         return self.position + self.pivot + (points - self.pivot) @ self.matrix.T
 
 
 @inlined
 def in_frame(pose, x, y):
-    """The point x, y of the fixed frame in the profile's; x - z to the last bit where Q = I."""
+    """Transform the point x, y of the fixed frame to the profile's frame."""
     dx, dy = x - pose.position[0], y - pose.position[1]
     rx, ry = dx - pose.pivot[0], dy - pose.pivot[1]
+    # x' = c + Q^T (x - z - c) = (x - z) + (Q^T - I)(x - z - c): exactly x - z where Q = I
     less = pose.cos - 1.0
     return dx + less * rx + pose.sin * ry, dy + less * ry - pose.sin * rx
 
 
 @inlined
 def turned(pose, v):
-    """Q v of a pair."""
+    """Rotate a pair: Q v."""
     return pose.cos * v[0] - pose.sin * v[1], pose.sin * v[0] + pose.cos * v[1]
 
 
 def quarter_turn(v: np.ndarray) -> np.ndarray:
-    """S v of vectors (..., 2): the rate of a vector that turns with the profile, for a unit rate of
-    the angle."""
+    """Rotate vectors (..., 2) by 90 degrees: S v, the rate of a vector that turns with the profile,
+    for a unit rate of the angle."""
     return np.stack([-v[..., 1], v[..., 0]], axis=-1)
 
 
 def rigid_velocity(pose: Pose, x: np.ndarray) -> np.ndarray:
-    """Velocities of points x (n, 2) that move with the profile, for unit rates of z_x, z_y and the
-    angle, shape (n, 2, 3)."""
+    """Compute velocities of points x (n, 2) that move with the profile, for unit rates of z_x, z_y and
+    the angle, shape (n, 2, 3)."""
+    # dx/dz = I,  dx/dangle = S (x - z - c)
     out = np.zeros((*x.shape, 3))
     out[:, 0, 0] = out[:, 1, 1] = 1.0
     out[:, :, 2] = quarter_turn(x - pose.position - pose.pivot)

@@ -1,4 +1,4 @@
-"""Shapes of rigid profiles: what may change about them, and the profile that follows."""
+"""Shapes of rigid profiles as functions of their shape parameters."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -7,7 +7,7 @@ from seal_mdao.geometry.profile import RigidProfile
 
 
 class Shape(Protocol):
-    """A frozen dataclass with what may change as fields.
+    """Contract of a shape: a frozen dataclass with the shape parameters as fields.
 
     Attributes
     ----------
@@ -18,12 +18,12 @@ class Shape(Protocol):
     names: tuple
 
     def profile(self) -> RigidProfile:
-        """Pieces and their rates with respect to ``names``, in the profile's own frame."""
+        """Build the pieces and their rates with respect to ``names``, in the profile's own frame."""
 
 
 @dataclass(frozen=True, eq=False)
 class GivenShape:
-    """A shape without parameters.
+    """Shape without parameters.
 
     Attributes
     ----------
@@ -34,5 +34,5 @@ class GivenShape:
     names = ()
 
     def profile(self) -> RigidProfile:
-        """The outline."""
+        """Return the outline."""
         return self.outline

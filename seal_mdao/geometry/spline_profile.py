@@ -4,15 +4,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from seal_mdao.geometry.curve import CUBIC
-from seal_mdao.geometry.profile import RigidProfile, rigid_profile
+from seal_mdao.geometry.profile import PieceRates, Pieces, RigidProfile, rigid_profile
 from seal_mdao.values import require
 
 
 def cubic_profile(knots, coefficients, rates=None, closed: bool = False) -> RigidProfile:
-    """Cubic pieces x_c = sum_k c_k (xi - knot)^k between ``knots``.
+    """Build a profile of cubic pieces x_c = sum_k c_k (xi - knot)^k between ``knots``.
 
-    The ends continue along their tangents for ever unless the profile is closed. Pieces should join
-    with a continuous t: what slides over a joint measures its slip by |t|.
+    The ends continue along their tangents without end unless the profile is closed. Pieces should join
+    with a continuous t: the slip over a joint is measured with |t|, Eq. (19).
 
     Parameters
     ----------
@@ -38,31 +38,32 @@ def cubic_profile(knots, coefficients, rates=None, closed: bool = False) -> Rigi
         f"{n + 1} knots need coefficients of shape ({n}, 4, 2) and rates (S, {n}, 4, 2), got "
         f"{coefficients.shape} and {rates.shape}",
     )
-    return rigid_profile(
+    pieces = Pieces(
         np.full(n, CUBIC), np.zeros((n, 2)), np.zeros(n), np.ones(n), knots[:-1], np.diff(knots),
-        coefficient=coefficients, coefficient_rate=rates,
-        period=knots[-1] - knots[0] if closed else 0.0,
+        coefficients,
     )  # fmt: skip
+    period = knots[-1] - knots[0] if closed else 0.0
+    return rigid_profile(pieces, PieceRates(coefficient=rates), period)
 
 
 def spline_profile(points, rates=None, closed: bool = False, parameter=None) -> RigidProfile:
-    """The C2 cubic spline through ``points``, with exact rates.
+    """Build the C2 cubic spline through ``points``, with exact rates.
 
-    Not-a-knot at the ends, which go on along their tangents for ever, or periodic when ``closed``.
+    Not-a-knot at the ends, which continue along their tangents, or periodic when ``closed``.
     The coefficients are linear in the points as long as the natural coordinates of the points stay
     the same numbers; so these are 0, 1, 2, ... or the ``parameter`` given, never computed from points
-    that move.
+    of the current design.
 
     Parameters
     ----------
     points : array_like, shape (n, 2)
-        Walked with the rigid body on the left; a closed profile does not repeat the first point.
+        Traversed with the rigid body on the left; a closed profile does not repeat the first point.
     rates : array_like, shape (S, n, 2), optional
         Velocities of the points with respect to S shape parameters.
     closed : bool
     parameter : array_like, shape (n,), or (n + 1,) when closed, optional
         Natural coordinates of the points; for points at uneven distances, ``chord_length`` of the
-        *drawn* points. Closed: the last is that of the first point after a whole way round.
+        *nominal* points. Closed: the last is that of the first point after one complete turn.
 
     Raises
     ------
@@ -92,23 +93,26 @@ def spline_profile(points, rates=None, closed: bool = False, parameter=None) -> 
         knots.shape == (count,) and np.all(np.diff(knots) > 0.0),
         f"parameter must be {count} increasing numbers, got {knots}",
     )
-    # points and their rates are columns of one interpolation
+    # x_c(xi) = sum_i B_i(xi) x_i with basis splines of the fixed natural coordinates, so that
+    # V_c(xi) = sum_i B_i(xi) x_i': points and rates are columns of one interpolation
     values = np.concatenate([points[np.newaxis], rates]).transpose(1, 0, 2)
     if closed:
         values = np.concatenate([values, values[:1]])
     spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
+    # from (power, piece, column, component), highest power first
     coefficients = spline.c[::-1].transpose(2, 1, 0, 3)
     return cubic_profile(knots, coefficients[0], coefficients[1:], closed)
 
 
 def chord_length(points, closed: bool = False) -> np.ndarray:
-    """Natural coordinates of points (n, 2) from their distances, shape (n,), or (n + 1,) closed.
+    """Compute natural coordinates of points (n, 2) from their distances, (n,), or (n + 1,) if closed.
 
     With them |t| is about 1 on a smooth curve.
     """
     points = _checked_points(points, closed)
     if closed:
         points = np.concatenate([points, points[:1]])
+    # xi_i+1 = xi_i + |x_i+1 - x_i|
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 

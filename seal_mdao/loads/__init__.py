@@ -1,1 +1,1 @@
-"""Dead loads and imposed displacements."""
+"""Loads: dead loads, prescribed displacements, fluid pressure and trapped air."""

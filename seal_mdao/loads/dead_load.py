@@ -1,4 +1,4 @@
-"""Dead loads: forces at material points that keep their direction; exact derivatives of all kinds."""
+"""Dead loads: forces at material points with a fixed direction, and their exact derivatives."""
 
 from dataclasses import dataclass, replace
 
@@ -15,7 +15,7 @@ _NO_TANGENT = np.empty(0)
 
 @dataclass(frozen=True, eq=False)
 class DeadLoad(TermDefinition):
-    """A force per measure of every point (a traction where the measure is a length).
+    """Dead load: a force per measure of every point (a traction where the measure is a length).
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class DeadLoad(TermDefinition):
         Force per measure, at a ramp of 1. One for all points has the parameters ``label_x`` and
         ``label_y``; forces of single points have none.
     ramp : ndarray, shape (n_steps + 1,)
-        Multiplier at the start and after every nominal step; straight between.
+        Multiplier at the start and after every nominal step; linear between.
     """
 
     label: str
@@ -36,7 +36,7 @@ class DeadLoad(TermDefinition):
 
     @property
     def scalars(self) -> dict:
-        """The components of a common density."""
+        """Parameters: the components of a common density."""
         if np.ndim(self.density) > 1:
             return {}
         return {
@@ -47,27 +47,27 @@ class DeadLoad(TermDefinition):
         }
 
     def with_parameters(self, values: dict) -> "DeadLoad":
-        """The load with components of its density changed."""
+        """Return the load with components of its density changed."""
         if not values:
             return self
         changed = {name: scalar.value for name, scalar in self.scalars.items()} | values
         return replace(self, density=np.array([changed[name] for name in self.scalars]))
 
     def with_ends(self, ends) -> "DeadLoad":
-        """The load with its ramp in other load steps."""
+        """Return the load with its ramp for other load steps."""
         return replace(self, ramp=at_ends(np.asarray(self.ramp, float), ends))
 
     def point_set(self):
-        """Where it acts."""
+        """Return the loaded points."""
         return self.where.points
 
     def on(self, discretization, place) -> "DeadLoadTerm":
-        """The term on one design."""
+        """Build the term for one design."""
         return DeadLoadTerm(self, discretization, place)
 
 
 class DeadLoadTerm(PointTerm):
-    """A ``DeadLoad`` on one design; its force joins the residual with a minus."""
+    """Residual term of a ``DeadLoad`` for one design; the load enters the residual with a minus sign."""
 
     def __init__(self, definition: DeadLoad, discretization, place: int):
         super().__init__(
@@ -80,20 +80,23 @@ class DeadLoadTerm(PointTerm):
     conservative = True
 
     def potential(self, d, response) -> float:
+        # Pi = -sum_i f_i . u_i;  response.force holds -f_i
         return float(np.sum(response.force * (response.x - self.reference)))
 
     def released_energy(self, step, before, d, response, target):
-        # its loading is the growth of the force: dPi/dfraction = f' u
+        # Pi changes by sum_i (R_i - R_i^0) . u_i while the load grows at fixed u: with u before and
+        # after the step; released is the smaller one minus the change of Pi
         grown = response.force - before.force
         works = [float(np.sum(grown * (own.x - self.reference))) for own in (before, response)]
         change = self.potential(d, response) - self.potential(step.d, before)
         return min(works) - change, max(map(abs, works))
 
     def _force(self, fraction) -> np.ndarray:
+        # R_i = -lambda(s) L_i q_i
         return -at_fraction(self.ramp, fraction) * self.length[:, None] * self.density
 
     def add(self, d, raw, fraction, history, force, values):
-        # the tangent is zero: nothing of it is added, for there may be many points
+        # dR/du = 0: no tangent is assembled, which saves time for many points
         return super().add(d, raw, fraction, history, force, _NO_TANGENT)
 
     def respond(self, x, fraction, history):
@@ -108,5 +111,6 @@ class DeadLoadTerm(PointTerm):
         return out
 
     def changes(self, step, response, target):
+        # dR = R(s_target) - R(s), independent of u
         change = self._force(target) - response.force
         return [self.point_loads(change, response.branch)]

@@ -1,4 +1,4 @@
-"""Contact pressure with which rigid profiles close an edge, point by point, and its rates."""
+"""Contact pressure of rigid profiles that close an edge against a fluid, and its rates."""
 
 from functools import cache
 from typing import NamedTuple
@@ -33,13 +33,13 @@ class ClosingRates(NamedTuple):
 
 
 def closing_names(contact: RigidContact) -> tuple:
-    """Parameters of a contact that decide where its profile is and how it presses."""
+    """List the parameters of a contact that affect its pressure: motion, shape, normal penalty."""
     law = {f"{contact.prefix}{name}" for name in ("tangent_penalty", *contact.law.constants)}
     return tuple(name for name in contact.scalars if name not in law)
 
 
 class Closing:
-    """Contact pressure w_n |g_n| of one profile at particles, some of which may touch it.
+    """Contact pressure w_n |g_n| of one profile at particles of an edge.
 
     Parameters
     ----------
@@ -66,8 +66,9 @@ class Closing:
         return gap
 
     def pressure(self, x: np.ndarray, fraction: float) -> np.ndarray:
-        """At the deformed places ``x`` (k, 2) of the particles, shape (k,), kPa."""
+        """Evaluate the contact pressure at the deformed particles ``x`` (k, 2), shape (k,), kPa."""
         out = np.zeros(len(x))
+        # c = w_n <-g_n>
         out[self.touches] = self.law.normal_penalty * np.maximum(-self._gaps(x, fraction), 0.0)
         return out
 

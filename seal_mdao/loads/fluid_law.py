@@ -1,7 +1,7 @@
-"""How far a fluid gets along an edge: weights from 1, wetted, to 0, dry, from point to point.
+"""Penetration of a fluid along an edge: weights from 1, wetted, to 0, dry, from point to point.
 
-The seal presses on what is opposite to a point i with P_i = c_i + p w_i, contact pressure and the share
-of the fluid's that is there. The fluid goes on as long as the seal presses with less than it does,
+The total pressure at a point i is P_i = c_i + p w_i, contact pressure and the acting fraction of the
+fluid pressure. The fluid advances as long as the total pressure is below the fluid pressure,
 
     w_i = w_{i-1} (1 - s(u_i)),    u_i = (P_i - p) / (share p),    w_{-1} = 1,
 
@@ -9,8 +9,8 @@ with the smooth step s from 0 at u = 0 to 1 at u = 1. Both together are one equa
 
     p (share u_i + 1 - w_{i-1} (1 - s(u_i))) = c_i,
 
-whose left side grows with u_i: there is one solution. With c_i in place of P_i there would be two
-states, wet and dry, wherever c_i is between p and 2 p, and the front would jump from point to point.
+whose left side increases with u_i: the solution is unique. With c_i in place of P_i there would be two
+states, wet and dry, for c_i between p and 2 p, and the front would jump from point to point.
 """
 
 import numpy as np
@@ -18,30 +18,34 @@ import numpy as np
 from seal_mdao.compilation import compiled, inlined
 
 MOST_ITERATIONS = 200
-"""Bisection alone needs some 60."""
+"""Limit of iterations; bisection alone needs about 60."""
 
 
 @inlined
 def smooth_step(u):
-    """s and ds/du: 0 up to u = 0, 1 from u = 1 on, two derivatives continuous."""
+    """Evaluate s and ds/du: 0 for u <= 0, 1 for u >= 1, with two continuous derivatives."""
     if u <= 0.0:
         return 0.0, 0.0
     if u >= 1.0:
         return 1.0, 0.0
+    # s = 10 u^3 - 15 u^4 + 6 u^5,  s' = 30 u^2 (1 - u)^2
     return u * u * u * (10.0 + u * (6.0 * u - 15.0)), 30.0 * (u * (1.0 - u)) ** 2
 
 
 @compiled
 def _excess(closing, pressure, share, before):
-    """u_i between 0 and 1."""
+    """Solve for u_i between 0 and 1 by Newton's method, safeguarded by bisection."""
     low, high, u = 0.0, 1.0, 0.5
     for _ in range(MOST_ITERATIONS):
-        wet, slope = smooth_step(1.0 - u)  # 1 - s(u), never negative
+        # 1 - s(u) = s(1 - u), never negative, and s'(u) = s'(1 - u)
+        wet, slope = smooth_step(1.0 - u)
+        # f(u) = p (share u + 1 - w_(i-1) (1 - s(u))) - c_i,  increasing
         over = pressure * (share * u + 1.0 - before * wet) - closing
         if over > 0.0:
             high = u
         else:
             low = u
+        # u - f / f',  f' = p (share + w_(i-1) s'(u))
         following = u - over / (pressure * (share + before * slope))
         if not low < following < high:
             following = 0.5 * (low + high)
@@ -53,7 +57,7 @@ def _excess(closing, pressure, share, before):
 
 @compiled
 def wetting(closing, pressure, share):
-    """Weights of points along an edge and their derivatives.
+    """Compute the weights of points along an edge and their derivatives.
 
     Parameters
     ----------
@@ -62,7 +66,7 @@ def wetting(closing, pressure, share):
     pressure : float
         Of the fluid, not negative, kPa.
     share : float
-        Of it by which the seal has to press with more where it is dry.
+        Fraction of the fluid pressure by which the contact pressure must exceed it at a dry point.
 
     Returns
     -------
@@ -74,12 +78,16 @@ def wetting(closing, pressure, share):
     by_pressure, by_before = np.zeros(k), np.zeros(k)
     before = 1.0
     for i in range(k):
+        # u_i <= 0: w_i = w_(i-1)
         if closing[i] <= pressure * (1.0 - before):
             weight[i], by_before[i] = before, 1.0
+        # 0 < u_i < 1, with f' = p (share + w_(i-1) s');  u_i >= 1: w_i = 0
         elif closing[i] < pressure * (1.0 + share):
             wet, slope = smooth_step(1.0 - _excess(closing[i], pressure, share, before))
             stiff = pressure * (share + before * slope)
             weight[i] = before * wet
+            # dw_i = -w_(i-1) s' du_i + (1 - s) dw_(i-1), from f = 0:
+            # du_i/dc = 1 / f',  du_i/dp = -(c / p) / f',  du_i/dw_(i-1) = p (1 - s) / f'
             by_closing[i] = -before * slope / stiff
             by_pressure[i] = before * slope * closing[i] / (pressure * stiff)
             by_before[i] = wet * (1.0 - before * slope * pressure / stiff)
@@ -89,8 +97,8 @@ def wetting(closing, pressure, share):
 
 @compiled
 def accumulated(by_closing, by_pressure, by_before):
-    """Derivatives of all weights with all contact pressures and that of the fluid, from those of
-    ``wetting``.
+    """Accumulate the derivatives of ``wetting`` along the edge: those of all weights in all contact
+    pressures and in the fluid pressure.
 
     Returns
     -------
@@ -101,7 +109,9 @@ def accumulated(by_closing, by_pressure, by_before):
     k = by_closing.size
     on_closing, on_pressure = np.diag(by_closing), by_pressure.copy()
     for i in range(1, k):
+        # dw_i/dp = (dw_i/dp)_(w fixed) + dw_i/dw_(i-1) dw_(i-1)/dp
         on_pressure[i] += by_before[i] * on_pressure[i - 1]
         for j in range(i):
+            # dw_i/dc_j = dw_i/dw_(i-1) dw_(i-1)/dc_j, j < i
             on_closing[i, j] = by_before[i] * on_closing[i - 1, j]
     return on_closing, on_pressure

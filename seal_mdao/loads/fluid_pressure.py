@@ -1,12 +1,12 @@
-"""Pressure of a fluid that comes from one end of an edge and gets as far as the contact lets it.
+"""Pressure of a fluid that penetrates from one end of an edge up to the contact.
 
     R_m += -p int N_m w n ds,    x = sum_n N_n(s) x_n
 
 along every side of the edge: a parabola through its ends and its middle, which follows the deformed
-body closely enough to press on the volume that the cells have (with straight sides a body as stiff as a
-fluid of 2.5 shear moduli crumples). The weights w_i at the particles are those of ``fluid_law``, from
+body closely enough that the pressure acts on the volume of the cells (with straight sides a pressure of
+2.5 shear moduli crumples the body). The weights w_i at the particles are those of ``fluid_law``, from
 the contact pressures of the rigid profiles that may touch the edge, and linear between; they couple a
-point of the front with all beyond it. n turns with the sides: it is a follower load.
+point of the front with all points behind it. n follows the deformed sides: a follower load.
 """
 
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ from seal_mdao.terms.points import MaterialPoints, fixed_points
 from seal_mdao.terms.term import Scalar, TermDefinition
 
 SHARE = 0.05
-"""Of the fluid's pressure, by which the seal has to press with more where it is to stay dry."""
+"""Default fraction of the fluid pressure by which the contact pressure exceeds it at a dry point."""
 
 ENDS = ("start", "end")
 
@@ -32,10 +32,12 @@ _NO_BRANCH = np.empty(0, int)
 
 
 def _side_integrals() -> np.ndarray:
-    """int_0^1 N_m M_i dN_n/ds ds of parabolas N through 0, 1/2, 1 and lines M through 0, 1; shape
-    (2, 3, 3) of (i, m, n)."""
+    """Integrate N_m M_i dN_n/ds over [0, 1], quadratic N with nodes 0, 1/2, 1 and linear M with nodes
+    0, 1; shape (2, 3, 3) of (i, m, n)."""
+    # degree 2 + 1 + 1 = 4: three Gauss points are exact
     s, weight = np.polynomial.legendre.leggauss(3)
     s = 0.5 + 0.5 * s
+    # N = ((1 - s)(1 - 2 s), 4 s (1 - s), s (2 s - 1)),  M = (1 - s, s)
     shapes = np.stack([(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)])
     slopes = np.stack([4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0])
     lines = np.stack([1.0 - s, s])
@@ -47,7 +49,7 @@ _INTEGRALS = _side_integrals()
 
 @dataclass(frozen=True, eq=False)
 class FluidPressure(TermDefinition):
-    """A fluid at one end of an edge.
+    """Fluid pressure at one end of an edge.
 
     Attributes
     ----------
@@ -56,16 +58,16 @@ class FluidPressure(TermDefinition):
     edge : ndarray of int, shape (k,)
         Particles along the edge, the body on the left.
     end : {"start", "end"}
-        Of the edge, from which the fluid comes.
+        End of the edge from which the fluid comes.
     pressure : float
-        Over that at the other end, kPa, at a ramp of 1.
+        Excess over the pressure at the other end, kPa, at a ramp of 1.
     ramp : ndarray, shape (n_steps + 1,)
-        Multiplier at the start and after every nominal step; straight between.
+        Multiplier at the start and after every nominal step; linear between.
     contacts : tuple of RigidContact
-        Profiles that close the edge; their points are particles. What is a parameter of theirs is one of
-        the fluid's, too.
+        Profiles that close the edge; their points are particles. Their parameters are parameters of the
+        fluid, too.
     share : float
-        Where the seal presses with more than 1 + share times the fluid's pressure it is dry.
+        A point is dry where the contact pressure exceeds 1 + share times the fluid pressure.
 
     Raises
     ------
@@ -96,13 +98,13 @@ class FluidPressure(TermDefinition):
 
     @property
     def particles(self) -> np.ndarray:
-        """From the wet end on."""
+        """Particles of the edge, ordered from the wet end."""
         edge = np.asarray(self.edge, int)
         return edge if self.end == "start" else edge[::-1]
 
     @property
     def where(self) -> MaterialPoints:
-        """The points from the wet end on: particles, and between two of them the middle of the side."""
+        """Points from the wet end: particles, and the midpoint of the side between two of them."""
         first, last = np.repeat(self.particles, 2)[:-1], np.repeat(self.particles, 2)[1:]
         return fixed_points(
             PointSet(np.column_stack([first, last]), np.full((len(first), 2), 0.5), 1), 0.0
@@ -110,19 +112,19 @@ class FluidPressure(TermDefinition):
 
     @property
     def own_name(self) -> str:
-        """Of the parameter that is the fluid's alone."""
+        """Name of the pressure parameter."""
         return f"{self.label}_pressure"
 
     @property
     def scalars(self) -> dict:
-        """The pressure, and what decides how the profiles press."""
+        """Parameters: the pressure, and those of the contact pressure of the profiles."""
         found = {self.own_name: Scalar(self.pressure, "kPa", "Pressure of the fluid.")}
         for contact in self.contacts:
             found |= {name: contact.scalars[name] for name in closing_names(contact)}
         return found
 
     def with_parameters(self, values: dict) -> "FluidPressure":
-        """The fluid with another pressure, or behind profiles with other parameters."""
+        """Return the fluid with another pressure, or with other parameters of the profiles."""
         contacts = tuple(
             contact.with_parameters(
                 {name: value for name, value in values.items() if name in contact.scalars}
@@ -133,25 +135,27 @@ class FluidPressure(TermDefinition):
         return replace(self, pressure=pressure, contacts=contacts)
 
     def with_ends(self, ends) -> "FluidPressure":
-        """The fluid with its ramp, and the profiles that hold it back, in other load steps."""
+        """Return the fluid with its ramp and the profiles for other load steps."""
         return replace(
             self, ramp=at_ends(np.asarray(self.ramp, float), ends),
             contacts=tuple(contact.with_ends(ends) for contact in self.contacts),
         )  # fmt: skip
 
     def point_set(self):
-        """Particles of the edge and middles of its sides."""
+        """Return the particles of the edge and the midpoints of its sides."""
         return self.where.points
 
     def pairs(self):
-        """Every point with the particles before it, and with the points of its sides."""
+        """List coupled points: every point with the particles before it and the points of its sides."""
+        # points alternate: particles at even, midpoints at odd indices;
+        # midpoints couple with the points of their own side only
         m = 2 * len(self.edge) - 1
         reached = np.tri(m, k=2, dtype=bool)
         reached[:, 1::2] &= ~np.tri(m, k=-3, dtype=bool)[:, 1::2]
         return np.argwhere(reached)
 
     def on(self, discretization, place) -> "FluidPressureTerm":
-        """The term on one design."""
+        """Build the term for one design."""
         return FluidPressureTerm(self, discretization, place)
 
 
@@ -173,9 +177,9 @@ class FluidPressureTerm(CoupledTerm):
         ]
         k = self.output_places
         self._sides = 2 * np.arange(k - 1)[:, None] + np.arange(3)
-        # a quarter turn of the way from the wet end on, into the body
-        way = 1.0 if definition.end == "start" else -1.0
-        self._inward = way * np.array([[0.0, -1.0], [1.0, 0.0]])
+        # Q: quarter turn of the tangent, directed away from the wet end, into the body
+        sense = 1.0 if definition.end == "start" else -1.0
+        self._inward = sense * np.array([[0.0, -1.0], [1.0, 0.0]])
 
     # ---- the state ----
 
@@ -190,6 +194,7 @@ class FluidPressureTerm(CoupledTerm):
         """Contact pressure of all profiles at the particles, shape (k,)."""
         own = np.ascontiguousarray(x[::2])
         parts = (closing.pressure(own, fraction) for closing in self.closings)
+        # c = sum over the profiles of w_n <-g_n>
         return sum(parts, np.zeros(len(own)))
 
     def _closing_rates(self, x, fraction) -> ClosingRates:
@@ -200,18 +205,20 @@ class FluidPressureTerm(CoupledTerm):
         return found
 
     def _per_weight(self, x) -> np.ndarray:
-        """Force on the points, for a unit of pressure, that every weight adds, shape (k, m, 2)."""
+        """Compute the force on the points per unit pressure and unit weight, shape (k, m, 2)."""
+        # f_im = int N_m M_i n ds = sum_n [int N_m M_i dN_n/ds ds] Q x_n,  Q: quarter turn inward
         inward = x[self._sides] @ self._inward.T
         out = np.zeros((self.output_places, *x.shape))
         side = np.arange(len(self._sides))[:, None]
         for end, integrals in enumerate(_INTEGRALS):
-            # a point is once on a side
+            # each point occurs once per side
             out[side + end, self._sides] += integrals @ inward
         return out
 
     def _turning(self, size):
-        """Pairs of points and tangents of forces of ``size`` (k,) at the particles: the sides turn."""
+        """Compute pairs of points and tangents of a follower pressure ``size`` (k,) at the particles."""
         wetted = np.flatnonzero((size[:-1] != 0.0) | (size[1:] != 0.0))
+        # K_mn = sum_i size_i [int N_m M_i dN_n/ds ds] Q
         by_side = np.stack([size[wetted], size[wetted + 1]], axis=1)
         integrals = np.einsum("si,imn->smn", by_side, _INTEGRALS)
         points = self._sides[wetted]
@@ -223,9 +230,11 @@ class FluidPressureTerm(CoupledTerm):
     def respond(self, x, fraction, history) -> CoupledResponse:
         pressure, closing = self.pressure_at(fraction), self._closing(x, fraction)
         weight, *slopes = wetting(closing, pressure, self.share)
+        # R = -p sum_i w_i f_i;  dR/dx = -p sum_i w_i df_i/dx - p sum_i f_i (dw_i/dx)
         per_weight, (pairs, tangent) = self._per_weight(x), self._turning(-pressure * weight)
         front = np.flatnonzero(slopes[0])
         if front.size:
+            # dw_i/dx_j = dw_i/dc_j dc_j/dx_j: a particle of the front acts on all points behind it
             on_closing, _ = accumulated(*slopes)
             by_place = self._closing_rates(x, fraction).by_place[front]
             moved = np.tensordot(on_closing[:, front], -pressure * per_weight, (0, 0))
@@ -233,6 +242,7 @@ class FluidPressureTerm(CoupledTerm):
             own = moved[j, point, :, None] * by_place[j, None]
             pairs = np.concatenate([pairs, np.column_stack([point, 2 * front[j]])])
             tangent = np.concatenate([tangent, own])
+        # points of sides with any pressure
         reached = (weight[:-1] > 0.0) | (weight[1:] > 0.0)
         loaded = np.zeros(len(x), np.int64)
         loaded[self._sides[reached]] = 1
@@ -275,12 +285,13 @@ class FluidPressureTerm(CoupledTerm):
     # ---- the path ----
 
     def changes(self, step, response, target):
-        """The pressure grows, and the fluid gets farther; profiles that move do their own part."""
+        """Compute the change of the residual with the pressure of the next step, profiles at rest."""
         pressure = self.pressure_at(step.fraction)
         change = self.pressure_at(target) - pressure
         if change == 0.0:
             return []
         _, by_pressure = accumulated(*self._slopes(response, pressure))
+        # dR = -sum_i d(p w_i) f_i,  d(p w_i) = dp (w_i + p dw_i/dp)
         size = change * (response.outputs[:, 0] + pressure * by_pressure)
         moved = np.tensordot(-size, self._per_weight(response.x), 1)
         force = np.zeros(self.discretization.layout.force_size)

@@ -1,4 +1,4 @@
-"""Imposed displacements of the fixed components, and how parameters move them."""
+"""Prescribed displacements of the fixed components, with parameters."""
 
 from dataclasses import dataclass, field, replace
 
@@ -10,12 +10,12 @@ from seal_mdao.terms.term import Scalar
 
 @dataclass(frozen=True, eq=False)
 class ImposedDisplacements:
-    """Displacements of fixed components: base + sum of parameters times shapes, along the path.
+    """Prescribed displacements along the path: base + sum of parameters times shapes.
 
     Attributes
     ----------
     values : ndarray, shape (n_steps + 1, n, 2)
-        At the start and after every nominal step; straight between.
+        At the start and after every nominal step; linear between.
     names : tuple of str
         Scalar parameters.
     rates : ndarray, shape (len(names), n_steps + 1, n, 2)
@@ -28,11 +28,12 @@ class ImposedDisplacements:
 
     @property
     def scalars(self) -> dict:
-        """Its parameters; they count from ``values``, so they are zero."""
+        """Parameters, zero at the given ``values``."""
         return {name: Scalar(0.0, None, f"Imposed displacement: {name}.") for name in self.names}
 
     def with_parameters(self, values: dict) -> "ImposedDisplacements":
-        """The same with its parameters changed by ``values``."""
+        """Return the displacements with parameters changed by ``values``."""
+        # u = u_base + sum_p p du/dp
         change = sum(
             (value * self.rates[self.names.index(name)] for name, value in values.items()),
             np.zeros_like(self.values),
@@ -40,12 +41,12 @@ class ImposedDisplacements:
         return replace(self, values=self.values + change)
 
     def with_ends(self, ends) -> "ImposedDisplacements":
-        """The same in load steps that end elsewhere, ``ends`` in nominal steps of now."""
+        """Return the displacements for other load steps, whose ``ends`` are in nominal steps."""
         values, *rates = (at_ends(one, ends) for one in (self.values, *self.rates))
         return replace(self, values=values, rates=np.array(rates) if rates else self.rates)
 
     def at(self, fraction: float) -> np.ndarray:
-        """Displacements (n, 2) at a path parameter."""
+        """Interpolate displacements (n, 2) at a path parameter."""
         return at_fraction(self.values, fraction)
 
     def linearization(self, fraction: float) -> np.ndarray:

@@ -1,10 +1,10 @@
-"""Air trapped in a hole: its pressure follows the area that is left of it.
+"""Air trapped in a hole: its pressure is a function of the deformed area.
 
-    p = p_a ((A0 / A)^gamma - 1),    A = 1/2 sum_j x_j x x_{j+1},    f_j = -p dA/dx_j
+    p = p_a ((A0 / A)^gamma - 1),    A = 1/2 sum_j x_j x x_{j+1},    R_j = -p dA/dx_j
 
-with p over the pressure p_a outside. The residual gets f_j. The area of the undeformed hole, A0, moves
-with the design. The sides turn, so the tangent couples neighbours; that p falls with A is one more part
-of rank one, gamma (p_a + p) / A g g^T with g = dA/dx, over the whole hole.
+with p the excess over the pressure p_a outside and R the contribution to the residual. The area A0 of
+the undeformed hole depends on the design. The tangent couples neighbours, since the sides rotate, and
+has a part of rank one, gamma (p_a + p) / A g g^T with g = dA/dx, over the complete hole.
 """
 
 from dataclasses import dataclass, replace
@@ -19,24 +19,24 @@ from seal_mdao.terms.points import MaterialPoints, fixed_points, single_points
 from seal_mdao.terms.term import Scalar, TermDefinition
 
 ATMOSPHERE = 101.325
-"""kPa."""
+"""Standard atmospheric pressure, kPa."""
 
 ADIABATIC = 1.4
-"""Exponent of air that has no time to give off its heat; 1 is that of air that has."""
+"""Adiabatic exponent of air; 1 is isothermal."""
 
 _NO_BRANCH = np.empty(0, int)
 
 
 @dataclass(frozen=True, eq=False)
 class TrappedAir(TermDefinition):
-    """Air that a hole does not let out.
+    """Air trapped in a hole.
 
     Attributes
     ----------
     label : str
-        Before the names of its parameters.
+        Prefix of the names of its parameters.
     ring : ndarray of int, shape (k,)
-        Particles all round the hole, either way.
+        Particles around the hole, in either sense.
     pressure : float
         Absolute pressure p_a outside, and inside at the start, kPa.
     gamma : float
@@ -62,33 +62,33 @@ class TrappedAir(TermDefinition):
 
     @property
     def where(self) -> MaterialPoints:
-        """The points: the particles themselves."""
+        """Points at which the pressure acts: the particles."""
         return fixed_points(single_points(self.ring), 0.0)
 
     @property
     def scalars(self) -> dict:
-        """Pressure outside and exponent."""
+        """Parameters: pressure outside and exponent."""
         return {
             f"{self.label}_pressure": Scalar(self.pressure, "kPa", "Absolute pressure outside."),
             f"{self.label}_gamma": Scalar(self.gamma, None, "Exponent of the trapped air."),
         }
 
     def with_parameters(self, values: dict) -> "TrappedAir":
-        """The air with another pressure or exponent."""
+        """Return the air with another pressure or exponent."""
         own = {name.removeprefix(f"{self.label}_"): value for name, value in values.items()}
         return replace(self, **own)
 
     def point_set(self):
-        """The particles round the hole."""
+        """Return the particles around the hole."""
         return self.where.points
 
     def pairs(self):
-        """Neighbours: the pressure on the sides of a point turns with them."""
+        """List neighbours: the follower pressure on a side couples its two points."""
         at = np.arange(len(self.ring))
         return np.column_stack([at, np.roll(at, -1)])
 
     def on(self, discretization, place) -> "TrappedAirTerm":
-        """The term on one design."""
+        """Build the term for one design."""
         return TrappedAirTerm(self, discretization, place)
 
 
@@ -111,8 +111,9 @@ class TrappedAirTerm(CoupledTerm):
         self._pairs, self._turn = self._sides()
 
     def _sides(self):
-        """Pairs of neighbours and d^2 A / dx dx, shapes (2 k, 2), (2 k, 2, 2)."""
+        """Compute pairs of neighbours and d^2 A / dx dx, shapes (2 k, 2), (2 k, 2, 2)."""
         at = np.arange(len(self.where))
+        # d^2 A/(dx_j dx_(j+1)) = +-1/2 [[0, 1], [-1, 0]] (sense of the ring), and its transpose
         quarter = 0.5 * self.way * np.array([[0.0, 1.0], [-1.0, 0.0]])
         pairs = np.concatenate([
             np.column_stack([at, np.roll(at, -1)]), np.column_stack([at, np.roll(at, 1)])
@@ -122,11 +123,12 @@ class TrappedAirTerm(CoupledTerm):
         )
 
     def _state(self, x):
-        """Area, its gradient, and pressure over that outside; None where no area is left."""
+        """Compute area, its gradient and excess pressure; None where the area is not positive."""
         area, by_place = polygon_area(x)
         area *= self.way
         if area <= 0.0:
             return None
+        # p = p_a ((A0 / A)^gamma - 1)
         pressure = self.outside * np.expm1(self.gamma * np.log(self.drawn_area / area))
         return area, self.way * by_place, pressure
 
@@ -136,6 +138,7 @@ class TrappedAirTerm(CoupledTerm):
             return None
         area, by_place, pressure = state
         every = np.ones(len(x), np.int64)
+        # R = -p g,   K = -p d^2 A/dx dx + gamma (p_a + p) / A g g^T,   dp/dA = -gamma (p_a + p) / A
         stiffness = self.gamma * (self.outside + pressure) / area
         return CoupledResponse(
             x, -pressure * by_place, every, self._pairs, -pressure * self._turn, by_place[None],
@@ -143,9 +146,10 @@ class TrappedAirTerm(CoupledTerm):
         )  # fmt: skip
 
     def potential(self, d, response) -> float:
-        left, rest = response.outputs[0, 1] / self.drawn_area, 1.0 - self.gamma
-        # the integral of the pressure over the area that is gone
-        squeezed = -np.log(left) if rest == 0.0 else np.expm1(rest * np.log(left)) / -rest
+        left, power = response.outputs[0, 1] / self.drawn_area, 1.0 - self.gamma
+        # Pi = int_A^A0 p dA = p_a A0 [ (1 - a^(1 - gamma)) / (1 - gamma) - (1 - a) ],  a = A / A0;
+        # the first term tends to -ln a for gamma = 1
+        squeezed = -np.log(left) if power == 0.0 else np.expm1(power * np.log(left)) / -power
         return float(self.outside * self.drawn_area * (squeezed - (1.0 - left)))
 
     def linearize(self, response, fraction, history):

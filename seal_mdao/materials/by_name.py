@@ -1,4 +1,4 @@
-"""All laws by the names that seal files and command lines have for them."""
+"""Material laws by their names in seal files and on the command line."""
 
 from seal_mdao.materials.gent import Gent
 from seal_mdao.materials.hyperfoam import Hyperfoam

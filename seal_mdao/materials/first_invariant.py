@@ -11,31 +11,33 @@ from seal_mdao.materials.isotropic import NO_VALUE, Isotropic
 
 
 class FirstInvariant(Isotropic):
-    """A law gives f(x), f' and f'', and the derivatives of f' in its constants."""
+    """Base class of laws given by f(x), f' and f'', and the derivatives of f' in their constants."""
 
     @abstractmethod
     def invariant_energy(self, x):
-        """f(x), shape of ``x``."""
+        """Evaluate f(x), shape of ``x``."""
 
     @abstractmethod
     def invariant_derivatives(self, x):
-        """f' and f'', two arrays of the shape of ``x``, or numbers."""
+        """Evaluate f' and f'', two arrays of the shape of ``x``, or numbers."""
 
     @abstractmethod
     def invariant_constants(self, x):
-        """d f' / d constant for every constant but ``bulk_modulus``: arrays, or numbers."""
+        """Evaluate d f' / d constant for all constants but ``bulk_modulus``: arrays, or numbers."""
 
     @np.errstate(**NO_VALUE)
     def energy(self, t, j):
-        """Isochoric strain energy density f(x), shape of ``t``."""
+        """Evaluate the isochoric strain energy density f(x), shape of ``t``."""
         return self.invariant_energy((t + 1.0) * np.asarray(j) ** (-2.0 / 3.0) - 3.0)
 
     @np.errstate(**NO_VALUE)
     def derivatives(self, t, j):
-        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
+        """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
         x, x_t, x_j = _distortion(t, j)
+        # x_T = J^(-2/3),  x_J = -2/3 (T + 1) J^(-5/3),  x_TT = 0
         x_tj = -2.0 / 3.0 * x_t / j
         x_jj = -5.0 / 3.0 * x_j / j
+        # W_A = f' x_A,  W_AB = f'' x_A x_B + f' x_AB
         first, second = self.invariant_derivatives(x)
         return np.array(
             [
@@ -49,13 +51,14 @@ class FirstInvariant(Isotropic):
 
     @np.errstate(**NO_VALUE)
     def constant_derivatives(self, t, j):
-        """d(W_T, W_J) / d constant, shape (n_constants, 2, ...)."""
+        """Evaluate d(W_T, W_J) / d constant, shape (n_constants, 2, ...)."""
         x, x_t, x_j = _distortion(t, j)
-        slopes = [*self.invariant_constants(x), 0.0]  # f knows nothing of the bulk modulus
+        # d(W_T, W_J)/dc = (df'/dc) (x_T, x_J); f does not depend on the bulk modulus, the last constant
+        slopes = [*self.invariant_constants(x), 0.0]
         return np.array([[slope * x_t, slope * x_j] for slope in slopes])
 
 
 def _distortion(t, j):
-    """x with its derivatives in T and J."""
+    """Evaluate x = (T + 1) J^(-2/3) - 3 and its derivatives in T and J."""
     x_t = np.asarray(j) ** (-2.0 / 3.0)
     return (t + 1.0) * x_t - 3.0, x_t, -2.0 / 3.0 * (t + 1.0) * x_t / j

@@ -10,10 +10,10 @@ from seal_mdao.materials.isotropic import check_bulk, checked
 
 @dataclass(frozen=True)
 class Gent(FirstInvariant):
-    """Chains of limited extension (A. N. Gent, Rubber Chem. Technol. 69 (1996) 59).
+    """Gent law of chains of limited extension (A. N. Gent, Rubber Chem. Technol. 69 (1996) 59).
 
-    At x >= ``limit`` the chains are stretched out and the law has no value: energy and derivatives
-    are NaN there, and a Newton iteration that meets them has to take a shorter step.
+    At x >= ``limit``, the limiting extension, the energy is not defined: energy and derivatives are NaN
+    there, and a Newton iteration that meets them has to take a shorter step.
 
     Attributes
     ----------
@@ -35,22 +35,24 @@ class Gent(FirstInvariant):
         check_bulk(self)
 
     def invariant_energy(self, x):
-        """-(G Jm / 2) ln(1 - x / Jm)."""
-        return -0.5 * self.shear_modulus * self.limit * np.log1p(-self._share(x))
+        """Evaluate -(G Jm / 2) ln(1 - x / Jm)."""
+        return -0.5 * self.shear_modulus * self.limit * np.log1p(-self._extension(x))
 
     def invariant_derivatives(self, x):
-        """(G / 2) / (1 - x / Jm) and (G / (2 Jm)) / (1 - x / Jm)^2."""
-        room = 1.0 - self._share(x)
-        first = 0.5 * self.shear_modulus / room
-        return first, first / (self.limit * room)
+        """Evaluate f' and f''."""
+        margin = 1.0 - self._extension(x)
+        # f' = (G / 2) / (1 - x / Jm),  f'' = f' / (Jm (1 - x / Jm))
+        first = 0.5 * self.shear_modulus / margin
+        return first, first / (self.limit * margin)
 
     def invariant_constants(self, x):
-        """Derivatives of f' with respect to G and Jm."""
-        room = 1.0 - self._share(x)
-        by_limit = -0.5 * self.shear_modulus * x / (self.limit * room) ** 2
-        return 0.5 / room, by_limit
+        """Differentiate f' with respect to G and Jm."""
+        margin = 1.0 - self._extension(x)
+        # df'/dG = (1/2) / (1 - x / Jm),  df'/dJm = -(G x / 2) / (Jm - x)^2
+        by_limit = -0.5 * self.shear_modulus * x / (self.limit * margin) ** 2
+        return 0.5 / margin, by_limit
 
-    def _share(self, x):
-        """x / Jm, NaN where the chains are stretched out."""
-        share = x / self.limit
-        return np.where(share.real < 1.0, share, np.nan)
+    def _extension(self, x):
+        """Evaluate x / Jm, NaN at and beyond the limiting extension."""
+        ratio = x / self.limit
+        return np.where(ratio.real < 1.0, ratio, np.nan)

@@ -15,9 +15,9 @@ from seal_mdao.materials.stretch_powers import PowerTerm, StretchPowers, checked
 
 @dataclass(frozen=True)
 class Hyperfoam(StretchPowers):
-    """Highly compressible elastomers (B. Storakers, J. Mech. Phys. Solids 34 (1986) 125).
+    """Hyperfoam law of compressible elastomers (B. Storakers, J. Mech. Phys. Solids 34 (1986) 125).
 
-    All of the energy is in W: J is not projected. Constants by name: ``mu_1``, ``mu_2``, ...,
+    W holds the complete energy: J is not projected. Constants by name: ``mu_1``, ``mu_2``, ...,
     ``alpha_1``, ..., ``nu_1``, ...
 
     Attributes
@@ -57,14 +57,17 @@ class Hyperfoam(StretchPowers):
 
     @property
     def terms(self):
-        """lambda_1^alpha + lambda_2^alpha = 2 J^(alpha/2) C, h = (J^(-alpha b) - 1) / b - 2."""
+        """Terms of the sum over powers."""
+        # lambda_1^alpha + lambda_2^alpha = 2 J^(alpha/2) C and h = (J^(-alpha b) - 1) / b - 2:
+        # k = 2 / alpha^2, q = alpha / 2, r = alpha b and their derivatives in alpha
         return tuple(
             PowerTerm(m, a, 2.0 / a**2, 0.5 * a, a * b, -4.0 / a**3, 0.5, b)
             for m, a, b in zip(self.mu, self.alpha, self._b, strict=True)
         )
 
     def rest(self, term, log_j):
-        """(J^(-alpha b) - 1) / b - 2, which is -alpha ln J - 2 for b = 0."""
+        """Evaluate h = (J^(-alpha b) - 1) / b - 2, which is -alpha ln J - 2 for b = 0."""
+        # (e^y - 1) / b = -alpha ln J (e^y - 1) / y with y = -alpha b ln J
         y = -term.r * log_j
         at_zero = y == 0.0
         return (
@@ -74,7 +77,8 @@ class Hyperfoam(StretchPowers):
 
     @np.errstate(**NO_VALUE)
     def further_constants(self, log_j, j):
-        """By nu through W_J = ... - 2 q J^(-r - 1), r = alpha b."""
+        """Evaluate d(W_T, W_J) / d nu, by way of r = alpha b."""
+        # W_J = mu k (... - 2 q J^(-r - 1)):  dW_J/dnu = mu k 2 q ln J J^(-r - 1) alpha db/dnu
         zero = np.zeros_like(log_j)
         return [
             np.array(
@@ -96,21 +100,24 @@ class Hyperfoam(StretchPowers):
 
     @np.errstate(**NO_VALUE)
     def across(self, t, j):
-        """sigma_33 = (1/J) dW/dlambda_3 = (1/J) sum 2 mu/alpha (1 - J^(-alpha b)), d/dT and d/dJ."""
+        """Evaluate sigma_33 and its derivatives in T and J."""
         j = np.asarray(j)
         log_j = np.log(j)
+        # sigma_33 = (1/J) dW/dlambda_3 = (1/J) sum 2 mu/alpha (1 - J^-r),  k alpha = 2 / alpha
         value = -sum(m.mu * m.scale * m.alpha * np.expm1(-m.r * log_j) for m in self.terms) / j
+        # d sigma_33/dJ = (1/J) [ (1/J) sum 2 mu/alpha r J^(-r) - sigma_33 ]
         slope = sum(m.mu * m.scale * m.alpha * m.r * np.exp(-m.r * log_j) for m in self.terms)
         return np.array([value, np.zeros_like(value), (slope / j - value) / j])
 
     @np.errstate(**NO_VALUE)
     def across_constant_derivatives(self, t, j):
-        """d sigma_33 / d constant: all mu, all alpha, all nu."""
+        """Evaluate d sigma_33 / d constant: all mu, all alpha, all nu."""
         j = np.asarray(j)
         log_j, by_mu, by_alpha, by_nu = np.log(j), [], [], []
         for m, b_rate in zip(self.terms, self._b_rates, strict=True):
             tension, factor = -np.expm1(-m.r * log_j), 2.0 / m.alpha
-            fall = log_j * np.exp(-m.r * log_j)  # of the tension with r
+            # J sigma_33 = sum mu (2/alpha) (1 - J^-r),  d(1 - J^-r)/dr = ln J J^-r
+            fall = log_j * np.exp(-m.r * log_j)
             by_mu.append(factor * tension)
             by_alpha.append(m.mu * factor * (m.r_rate * fall - tension / m.alpha))
             by_nu.append(m.mu * factor * fall * m.alpha * b_rate)
@@ -118,7 +125,8 @@ class Hyperfoam(StretchPowers):
 
     @np.errstate(**NO_VALUE)
     def principal_stress(self, stretches):
-        """Kirchhoff stresses sum 2 mu/alpha (lambda_i^alpha - J^(-alpha b)), shape (3, ...)."""
+        """Evaluate principal Kirchhoff stresses, shape (3, ...)."""
+        # tau_i = sum 2 mu/alpha (lambda_i^alpha - J^(-alpha b)),  ln J = sum ln lambda_i
         log = np.log(np.asarray(stretches))
         return sum(
             2.0 * m.mu / m.alpha * (np.exp(m.alpha * log) - np.exp(-m.r * log.sum(axis=0)))
@@ -127,7 +135,8 @@ class Hyperfoam(StretchPowers):
 
     @np.errstate(**NO_VALUE)
     def principal_tangent(self, stretches):
-        """sum 2 mu (lambda_i^alpha delta_ij + b J^(-alpha b)), shape (3, 3, ...)."""
+        """Evaluate d tau_i / d ln lambda_j, shape (3, 3, ...)."""
+        # d tau_i/d ln lambda_j = sum 2 mu (lambda_i^alpha delta_ij + b J^(-alpha b))
         log = np.log(np.asarray(stretches))
         own = sum(2.0 * m.mu * np.exp(m.alpha * log) for m in self.terms)
         volume = sum(
@@ -138,14 +147,16 @@ class Hyperfoam(StretchPowers):
 
     @np.errstate(**NO_VALUE)
     def principal_constants(self, stretches):
-        """d (Kirchhoff stress) / d constant: all mu, all alpha, all nu."""
+        """Evaluate d (Kirchhoff stress) / d constant: all mu, all alpha, all nu."""
         log = np.log(np.asarray(stretches))
         log_j, by_mu, by_alpha, by_nu = log.sum(axis=0), [], [], []
         for m, b, b_rate in zip(self.terms, self._b, self._b_rates, strict=True):
             power, volume, factor = np.exp(m.alpha * log), np.exp(-m.r * log_j), 2.0 / m.alpha
             by_mu.append(factor * (power - volume))
+            # d(lambda^alpha - J^(-alpha b))/d alpha = ln lambda lambda^alpha + b ln J J^(-alpha b)
             slope = log * power + b * log_j * volume
             by_alpha.append(m.mu * factor * (slope - (power - volume) / m.alpha))
+            # d tau/dnu = (2 mu/alpha) alpha ln J J^(-alpha b) db/dnu
             by_nu.append(np.broadcast_to(2.0 * m.mu * b_rate * log_j * volume, log.shape))
         return np.array([*by_mu, *by_alpha, *by_nu])
 
@@ -155,5 +166,5 @@ class Hyperfoam(StretchPowers):
 
     @property
     def _b_rates(self):
-        """db / dnu."""
+        """Evaluate db / dnu = 1 / (1 - 2 nu)^2."""
         return tuple(1.0 / (1.0 - 2.0 * nu) ** 2 for nu in self.nu)

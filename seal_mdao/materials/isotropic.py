@@ -1,4 +1,4 @@
-"""What every isotropic hyperelastic law in plane strain has in common.
+"""Contract of isotropic hyperelastic laws in plane strain, and stresses and tangents from the energy.
 
 With lambda_3 = 1 the energy of an isotropic solid is a function of T = F : F and J = det F of the
 in-plane deformation gradient alone, W(T, J):
@@ -6,7 +6,7 @@ in-plane deformation gradient alone, W(T, J):
     P = 2 W_T F + W_J cof F
     sigma = (2 / J) W_T F F^T + W_J 1      (Cauchy, in the plane)
 
-A law gives W, its derivatives and those in its constants; everything else follows here.
+A law defines W, its derivatives and those in its constants; everything else is computed here.
 """
 
 from abc import ABC, abstractmethod
@@ -18,33 +18,33 @@ import numpy as np
 from seal_mdao import values
 
 NO_VALUE = {"invalid": "ignore", "divide": "ignore", "over": "ignore"}
-"""For ``numpy.errstate``, where a law has no value and says so with NaN."""
+"""For ``numpy.errstate``, where a law is not defined and returns NaN."""
 
 STEP = 1e-30
-"""Of complex steps."""
+"""Size of complex steps."""
 MOST_BULK = 1e7
-"""Bulk over shear modulus: rounding leaves 1e-16 of the bulk modulus times a strain."""
+"""Largest ratio of bulk to shear modulus; rounding errors are 1e-16 bulk moduli times a strain."""
 MOST_CONSTANT = 1e12
-"""Of any constant in size: squares of stresses are finite numbers."""
+"""Largest size of a constant, so that squares of stresses are finite numbers."""
 
 
 class Isotropic(ABC):
     """Contract of a material; a law is a frozen dataclass whose fields are its constants.
 
-    Arrays ``t`` and ``j`` have the same shape, any one. T is without unit, W, stresses and moduli in
-    one unit of stress of the user's choice. A law may have no value for a state (J <= 0, a chain
-    that is stretched out): its energy and derivatives are then NaN, without a warning.
+    Arrays ``t`` and ``j`` have the same shape. T is dimensionless; W, stresses and moduli are in
+    one unit of stress of the user's choice. A law may be undefined for a state (J <= 0, chains beyond
+    the limiting extension): its energy and derivatives are then NaN, without a warning.
 
     Attributes
     ----------
     bulk_modulus : float
         K of the volumetric energy K/2 (J_c - 1)^2 of the projected J, which is not part of W; 0 for a
-        compressible law, whose W holds all of its energy.
+        compressible law, whose W is the complete energy.
     """
 
     bulk_modulus: float
 
-    # ---- what a law gives ----
+    # ---- to be defined by a law ----
 
     @abstractmethod
     def energy(self, t, j) -> np.ndarray:
@@ -60,12 +60,13 @@ class Isotropic(ABC):
         """d(W_T, W_J) / d constant, shape (n_constants, 2, ...); zero for ``bulk_modulus``."""
 
     def constant_energies(self, t, j) -> np.ndarray:
-        """dW / d constant, shape (n_constants, ...): ``energy`` by complex steps, which are exact."""
+        """Evaluate dW / d constant, shape (n_constants, ...), by complex steps of ``energy``."""
+        # dW/dc = Im W(c + i h) / h, exact for a step as small as 1e-30
         slopes = [self._stepped(name).energy(t, j).imag / STEP for name in self.names]
         return np.array([np.broadcast_to(slope, np.shape(t)) for slope in slopes])
 
     def _stepped(self, name: str):
-        """The law with an imaginary step in one constant, unchecked."""
+        """Copy the law with an imaginary step in one constant, unchecked."""
         other = copy(self)
         object.__setattr__(other, name, getattr(self, name) + 1j * STEP)
         return other
@@ -83,7 +84,7 @@ class Isotropic(ABC):
         return tuple(self.constants)
 
     def with_(self, **constants):
-        """The same law with other constants.
+        """Return the same law with other constants.
 
         Raises
         ------
@@ -104,26 +105,27 @@ class Isotropic(ABC):
     # ---- stress across the plane ----
 
     def across(self, t, j) -> np.ndarray:
-        """Cauchy stress sigma_33 across the plane, d/dT and d/dJ, shape (3, ...).
+        """Evaluate the Cauchy stress sigma_33 across the plane, d/dT and d/dJ, shape (3, ...).
 
-        Here that of an energy of the isochoric stretches J^(-1/3) lambda, whose stress has no trace:
-        sigma_33 = -(sigma_11 + sigma_22). A compressible law overrides this, for W(T, J) alone does
-        not know dW/dlambda_3.
+        Valid for an energy of the isochoric stretches J^(-1/3) lambda, whose stress has no trace. A
+        compressible law overrides this, since W(T, J) alone does not determine dW/dlambda_3.
         """
+        # sigma_33 = -(sigma_11 + sigma_22) = -2 m
         return -2.0 * _mean_stress(t, j, self.derivatives(t, j))
 
     def across_constant_derivatives(self, t, j) -> np.ndarray:
-        """d sigma_33 / d constant, shape (n_constants, ...)."""
+        """Evaluate d sigma_33 / d constant, shape (n_constants, ...)."""
         rates = self.constant_derivatives(t, j)
+        # dm/dc = (dW_T/dc) T / J + dW_J/dc
         return -2.0 * (rates[:, 0] * t / j + rates[:, 1])
 
-    # ---- three principal stretches, lambda_3 not held at 1 ----
+    # ---- three principal stretches, lambda_3 not fixed at 1 ----
 
     def principal_stress(self, stretches) -> np.ndarray:
-        """Principal Kirchhoff stresses lambda_i dW/dlambda_i, shape (3, ...).
+        """Evaluate principal Kirchhoff stresses lambda_i dW/dlambda_i, shape (3, ...).
 
         An isochoric energy depends on ratios of stretches alone, W = W(T, J) at (lambda_1/lambda_3,
-        lambda_2/lambda_3, 1), so that plane strain knows every state of it. A compressible law
+        lambda_2/lambda_3, 1), so that W(T, J) of plane strain covers all states. A compressible law
         overrides the three ``principal_`` methods, as it does ``across``.
 
         Parameters
@@ -132,12 +134,16 @@ class Isotropic(ABC):
         """
         first, second, t, j = _in_plane(stretches)
         w_t, w_j, *_ = self.derivatives(t, j)
+        # T = a_1 + a_2, J^2 = a_1 a_2 with a_i = (lambda_i / lambda_3)^2:
+        # tau_i = 2 W_T a_i + W_J J, i = 1, 2;  tau_3 = -tau_1 - tau_2
         return _trace_free(2.0 * w_t * first + w_j * j, 2.0 * w_t * second + w_j * j)
 
     def principal_tangent(self, stretches) -> np.ndarray:
-        """d (Kirchhoff stress)_i / d ln lambda_j, symmetric, shape (3, 3, ...)."""
+        """Evaluate d tau_i / d ln lambda_j of Kirchhoff stresses, symmetric, shape (3, 3, ...)."""
         first, second, t, j = _in_plane(stretches)
         w_t, w_j, w_tt, w_tj, w_jj = self.derivatives(t, j)
+        # d tau_i/d ln lambda_j = 4 W_TT a_i a_j + 2 W_TJ J (a_i + a_j) + W_JJ J^2 + W_J J
+        #     + 4 W_T a_i delta_ij
         volume = w_jj * j * j + w_j * j
 
         def entry(a, b):
@@ -150,41 +156,38 @@ class Isotropic(ABC):
         return np.array([*rows, -rows[0] - rows[1]])
 
     def principal_constants(self, stretches) -> np.ndarray:
-        """d (Kirchhoff stress)_i / d constant, shape (n_constants, 3, ...)."""
+        """Evaluate d tau_i / d constant of Kirchhoff stresses, shape (n_constants, 3, ...)."""
         first, second, t, j = _in_plane(stretches)
         rates = self.constant_derivatives(t, j)
         by_t, by_j = 2.0 * rates[:, 0], rates[:, 1] * j
         pair = _trace_free(by_t * first + by_j, by_t * second + by_j)
         return np.moveaxis(pair, 0, 1)
 
-    # ---- what follows from the energy ----
+    # ---- stresses and tangents from the energy ----
 
     @property
     def shear_modulus(self) -> float:
-        """Shear modulus of the undeformed state, 2 W_T."""
+        """Shear modulus of the undeformed state, 2 W_T at T = 2, J = 1."""
         return 2.0 * float(self.derivatives(2.0, 1.0)[0])
 
     @property
     def initial_bulk_modulus(self) -> float:
-        """Bulk modulus of the undeformed state: ``bulk_modulus`` and what W adds to it.
-
-        From A_1111 = 2 W_T + 4 W_TT + 4 W_TJ + W_JJ = K + 4/3 G.
-        """
+        """Bulk modulus of the undeformed state: ``bulk_modulus`` and the contribution of W."""
+        # K = A_1111 - 4/3 G,  A_1111 = 2 W_T + 4 W_TT + 4 W_TJ + W_JJ,  G = 2 W_T
         w_t, _, w_tt, w_tj, w_jj = (float(w) for w in self.derivatives(2.0, 1.0))
         return self.bulk_modulus + 4.0 * (w_tt + w_tj) + w_jj - 2.0 / 3.0 * w_t
 
     def stress(self, F: np.ndarray) -> np.ndarray:
-        """First Piola-Kirchhoff stress dW/dF of in-plane gradients (..., 2, 2), same shape."""
+        """Evaluate the first Piola-Kirchhoff stress P = dW/dF of in-plane gradients (..., 2, 2)."""
         w_t, w_j, *_ = self.derivatives(*invariants(F))
+        # P = 2 W_T F + W_J cof F
         return 2.0 * w_t[..., None, None] * F + w_j[..., None, None] * cofactor(F)
 
     def tangent(self, F: np.ndarray) -> np.ndarray:
-        """dP_ij / dF_kl, shape (..., 2, 2, 2, 2).
-
-        A = 2 W_T I + 4 W_TT F(x)F + 2 W_TJ (F(x)cof F + cof F(x)F) + W_JJ cof F(x)cof F
-        + W_J d(cof F)/dF
-        """
+        """Evaluate the tangent dP_ij / dF_kl, shape (..., 2, 2, 2, 2)."""
         w_t, w_j, w_tt, w_tj, w_jj = self.derivatives(*invariants(F))[..., None, None, None, None]
+        # A = 2 W_T I + 4 W_TT F (x) F + 2 W_TJ (F (x) cof F + cof F (x) F) + W_JJ cof F (x) cof F
+        #     + W_J d(cof F)/dF,   I_ijkl = delta_ik delta_jl,   d(cof F)_ij/dF_kl = eps_ik eps_jl
         eps = np.array([[0.0, 1.0], [-1.0, 0.0]])
         identity = np.einsum("ik,jl->ijkl", np.eye(2), np.eye(2))
         cof = cofactor(F)
@@ -198,34 +201,35 @@ class Isotropic(ABC):
         )
 
     def von_mises(self, t, j) -> np.ndarray:
-        """Von Mises stress sqrt(3/2 dev sigma : dev sigma), d/dT and d/dJ, shape (3, ...).
+        """Evaluate the von Mises stress sqrt(3/2 dev sigma : dev sigma), d/dT and d/dJ, shape (3, ...).
 
-        The Cauchy stress in the plane has the mean m = W_T T / J + W_J and the half difference
-        d = (W_T / J) sqrt(T^2 - 4 J^2), so that sigma_vm^2 = 3 d^2 + (m - sigma_33)^2. At zero
-        stress, where the square root has a corner, the derivatives are zero.
+        At zero stress, where the square root is not differentiable, the derivatives are set to zero.
         """
+        # in the plane: mean m = W_T T / J + W_J, half difference d = (W_T / J) sqrt(T^2 - 4 J^2)
+        # sigma_vm^2 = 3 d^2 + (m - sigma_33)^2
         t, j = np.asarray(t), np.asarray(j)
         w = self.derivatives(t, j)
         shear, spread, away = self._deviator(t, j, w)
         shear_t, shear_j = w[2] / j, (w[3] - shear) / j
         value = np.sqrt(3.0 * shear * shear * spread + away[0] * away[0])
+        # sigma_vm d(sigma_vm) = 3/2 d(d^2) + (m - sigma_33) d(m - sigma_33)
         by_t = 3.0 * shear * (shear_t * spread + shear * t) + away[0] * away[1]
         by_j = 3.0 * shear * (shear_j * spread - 4.0 * shear * j) + away[0] * away[2]
         return np.array([value, _over(by_t, value), _over(by_j, value)])
 
     def von_mises_constants(self, t, j) -> np.ndarray:
-        """d sigma_vm / d constant, shape (n_constants, ...); zero at zero stress."""
+        """Evaluate d sigma_vm / d constant, shape (n_constants, ...); zero at zero stress."""
         t, j = np.asarray(t), np.asarray(j)
         shear, spread, away = self._deviator(t, j, self.derivatives(t, j))
         value = np.sqrt(3.0 * shear * shear * spread + away[0] * away[0])
         rates = self.constant_derivatives(t, j)
-        away_rates = (
-            rates[:, 0] * t / j + rates[:, 1] - self.across_constant_derivatives(t, j)
-        )  # of m - sigma_33
+        # d(m - sigma_33)/dc
+        away_rates = rates[:, 0] * t / j + rates[:, 1] - self.across_constant_derivatives(t, j)
         return _over(3.0 * shear * spread * rates[:, 0] / j + away[0] * away_rates, value)
 
     def _deviator(self, t, j, w):
-        """W_T / J, T^2 - 4 J^2 = (lambda_1^2 - lambda_2^2)^2, and m - sigma_33 with its derivatives."""
+        """Evaluate W_T / J, T^2 - 4 J^2, and m - sigma_33 with its derivatives."""
+        # T^2 - 4 J^2 = (lambda_1^2 - lambda_2^2)^2
         spread = (t - 2.0 * j) * (t + 2.0 * j)
         # rounding of T and J must not make the square of a difference negative
         spread = np.where(spread.real > 0.0, spread, 0.0 * spread)
@@ -233,7 +237,7 @@ class Isotropic(ABC):
 
 
 def invariants(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """T = F : F and J = det F of in-plane gradients (..., 2, 2)."""
+    """Evaluate T = F : F and J = det F of in-plane gradients (..., 2, 2)."""
     return (
         np.einsum("...ij,...ij", F, F),
         F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0],
@@ -241,7 +245,7 @@ def invariants(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def cofactor(F: np.ndarray) -> np.ndarray:
-    """cof F = d(det F)/dF of in-plane gradients, shape (..., 2, 2)."""
+    """Evaluate cof F = d(det F)/dF of in-plane gradients, shape (..., 2, 2)."""
     cof = np.empty_like(F)
     cof[..., 0, 0], cof[..., 0, 1] = F[..., 1, 1], -F[..., 1, 0]
     cof[..., 1, 0], cof[..., 1, 1] = -F[..., 0, 1], F[..., 0, 0]
@@ -249,8 +253,10 @@ def cofactor(F: np.ndarray) -> np.ndarray:
 
 
 def _mean_stress(t, j, w):
-    """m = W_T T / J + W_J, half the trace of the Cauchy stress in the plane, d/dT and d/dJ."""
+    """Evaluate half the trace of the Cauchy stress in the plane, d/dT and d/dJ."""
     w_t, w_j, w_tt, w_tj, w_jj = w
+    # m = W_T T / J + W_J
+    # m_T = W_TT T / J + W_T / J + W_TJ,   m_J = W_TJ T / J - W_T T / J^2 + W_JJ
     ratio = t / j
     return np.array(
         [
@@ -262,14 +268,14 @@ def _mean_stress(t, j, w):
 
 
 def _in_plane(stretches):
-    """Squares of lambda_1 / lambda_3 and lambda_2 / lambda_3, their sum T, and J."""
+    """Compute squares of lambda_1 / lambda_3 and lambda_2 / lambda_3, their sum T, and J."""
     stretches = np.asarray(stretches)
     first, second = stretches[0] / stretches[2], stretches[1] / stretches[2]
     return first * first, second * second, first * first + second * second, first * second
 
 
 def _trace_free(first, second):
-    """Three entries of a sum of zero from the first two."""
+    """Complete two entries to three whose sum is zero."""
     return np.array([first, second, -first - second])
 
 
@@ -278,14 +284,13 @@ def _dyad(A, B):
 
 
 def _over(slope, value):
-    """slope / value, zero where the value is zero."""
+    """Divide slope / value, zero where the value is zero."""
     zero = value == 0.0
     return np.where(zero, 0.0, slope / np.where(zero, 1.0, value))
 
 
 def checked(material, positive=(), nonnegative=(), real=()) -> None:
-    """Make the named fields of a law floats; refuse what is no number up to ``MOST_CONSTANT`` in size,
-    or has the wrong sign.
+    """Convert the named fields of a law to floats and validate their sign and size (``MOST_CONSTANT``).
 
     Raises
     ------
@@ -305,8 +310,7 @@ def checked(material, positive=(), nonnegative=(), real=()) -> None:
 
 
 def check_bulk(material) -> None:
-    """Refuse a bulk modulus K that gives a negative Poisson's ratio with the shear modulus G, or beside
-    which G is lost in rounding.
+    """Validate the bulk modulus K: Poisson's ratio not negative, and K / G not above ``MOST_BULK``.
 
     Raises
     ------

@@ -17,19 +17,21 @@ from seal_mdao.materials.isotropic import NO_VALUE, Isotropic, check_bulk, check
 
 @inlined
 def unit_energy_gradients(t, j):
-    """W_T and W_J of the two isochoric terms, each for a constant of one: C10 first, then C01."""
+    """Evaluate W_T and W_J of the two isochoric terms for unit constants: C10 first, then C01."""
     a = j ** (-1.0 / 3.0)
     a2, i = a * a, 1.0 / j
     a4 = a2 * a2
     return (
+        # J^(-2/3),  -2/3 (T + 1) J^(-5/3)
         a2, -2.0 / 3.0 * (t + 1.0) * a2 * i,
+        # J^(-4/3),  (2 J^2 - 4 T) / 3 J^(-7/3)
         a4, (2.0 * j * j - 4.0 * t) / 3.0 * a4 * i,
     )  # fmt: skip
 
 
 @inlined
 def energy_derivatives(t, j, c10, c01):
-    """W_T, W_J, W_TJ, W_JJ of the isochoric energy (W_TT = 0), in the unit of C10.
+    """Evaluate W_T, W_J, W_TJ, W_JJ of the isochoric energy (W_TT = 0), in the unit of C10.
 
     Parameters
     ----------
@@ -40,7 +42,9 @@ def energy_derivatives(t, j, c10, c01):
     i = 1.0 / j
     w_t = c10 * a2 + c01 * a4
     w_j = c10 * first_j + c01 * second_j
+    # W_TJ = -2/3 C10 J^(-5/3) - 4/3 C01 J^(-7/3)
     w_tj = -(2.0 * c10 * a2 + 4.0 * c01 * a4) * i / 3.0
+    # W_JJ = 10/9 C10 (T + 1) J^(-8/3) + C01 (28/9 T - 2/9 J^2) J^(-10/3)
     w_jj = (
         (10.0 / 9.0 * c10 * (t + 1.0) * a2 + c01 * (28.0 / 9.0 * t - 2.0 / 9.0 * j * j) * a4)
         * i
@@ -65,7 +69,7 @@ def _fill_unit_gradients(t, j, out):
 
 @dataclass(frozen=True)
 class MooneyRivlin(Isotropic):
-    """Material constants (any one stress unit; the door seal uses kPa).
+    """Mooney-Rivlin law; constants in any one stress unit (the door seal uses kPa).
 
     Attributes
     ----------
@@ -90,18 +94,19 @@ class MooneyRivlin(Isotropic):
 
     @np.errstate(**NO_VALUE)
     def energy(self, t, j):
-        """Isochoric strain energy density W_dev, shape of ``t``."""
+        """Evaluate the isochoric strain energy density W_dev, shape of ``t``."""
+        # C10 (I1 J^(-2/3) - 3) + C01 (I2 J^(-4/3) - 3),  I1 = T + 1,  I2 = T + J^2
         first, second = (t + 1) * j ** (-2 / 3) - 3, (t + j**2) * j ** (-4 / 3) - 3
         return self.c10 * first + self.c01 * second
 
     def derivatives(self, t, j):
-        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...), in one compiled loop."""
+        """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...), in one compiled loop."""
         t, j, out = _loop_arrays(t, j, 5)
         _fill_derivatives(t.ravel(), j.ravel(), self.c10, self.c01, out.reshape(5, -1))
         return out
 
     def constant_derivatives(self, t, j):
-        """d(W_T, W_J) / d(c10, c01, bulk_modulus), shape (3, 2, ...)."""
+        """Evaluate d(W_T, W_J) / d(c10, c01, bulk_modulus), shape (3, 2, ...)."""
         t, j, out = _loop_arrays(t, j, 3, 2)
         _fill_unit_gradients(t.ravel(), j.ravel(), out.reshape(3, 2, -1))
         out[2] = 0.0
@@ -109,7 +114,7 @@ class MooneyRivlin(Isotropic):
 
 
 def _loop_arrays(t, j, *leading):
-    """T and J as arrays of floating numbers, and room for the result."""
+    """Make T and J arrays of floating numbers, and allocate the result."""
     kind = np.result_type(t, j, float)
     t, j = np.asarray(t, kind), np.asarray(j, kind)
     return t, j, np.empty((*leading, *t.shape), kind)

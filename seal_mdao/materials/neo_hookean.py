@@ -26,13 +26,13 @@ class NeoHookean(FirstInvariant):
         check_bulk(self)
 
     def invariant_energy(self, x):
-        """C10 x."""
+        """Evaluate f = C10 x."""
         return self.c10 * x
 
     def invariant_derivatives(self, x):
-        """C10 and zero."""
+        """Evaluate f' = C10 and f'' = 0."""
         return self.c10, 0.0
 
     def invariant_constants(self, x):
-        """df'/dC10 = 1."""
+        """Evaluate df'/dC10 = 1."""
         return (1.0,)

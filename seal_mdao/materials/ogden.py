@@ -10,7 +10,7 @@ from seal_mdao.materials.stretch_powers import PowerTerm, StretchPowers, checked
 
 @dataclass(frozen=True)
 class Ogden(StretchPowers):
-    """Powers of the isochoric stretches (R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565).
+    """Ogden law of the isochoric stretches (R. W. Ogden, Proc. R. Soc. Lond. A 326 (1972) 565).
 
     The neo-Hookean law is mu = 2 C10, alpha = 2, the Mooney-Rivlin law mu = (2 C10, -2 C01),
     alpha = (2, -2). Constants by name: ``mu_1``, ``mu_2``, ..., ``alpha_1``, ``alpha_2``, ...,
@@ -42,16 +42,18 @@ class Ogden(StretchPowers):
 
     @property
     def terms(self):
-        """lb_1^alpha + lb_2^alpha = 2 J^(alpha/6) C and h = lb_3^alpha - 3 = J^(-alpha/3) - 3."""
+        """Terms of the sum over powers."""
+        # lb_1^alpha + lb_2^alpha = 2 J^(alpha/6) C and h = lb_3^alpha - 3 = J^(-alpha/3) - 3:
+        # k = 1 / alpha, q = alpha / 6, r = alpha / 3 and their derivatives in alpha
         return tuple(
             PowerTerm(m, a, 1.0 / a, a / 6.0, a / 3.0, -1.0 / (a * a), 1.0 / 6.0, 1.0 / 3.0)
             for m, a in zip(self.mu, self.alpha, strict=True)
         )
 
     def rest(self, term, log_j):
-        """J^(-alpha/3) - 3."""
+        """Evaluate h = J^(-alpha/3) - 3."""
         return np.exp(-term.r * log_j) - 3.0
 
     def further_constants(self, log_j, j):
-        """Zero: the energy knows nothing of the bulk modulus."""
+        """Return zero: the isochoric energy does not depend on the bulk modulus."""
         return [np.zeros((2, *np.shape(j)))]

@@ -1,4 +1,4 @@
-"""Laws whose energy is a sum over powers of the principal stretches, as functions of T and J.
+"""Laws of sums over powers of the principal stretches, as functions of T and J.
 
 W = sum_p mu_p k_p [2 J^q C(c) + h(J)],   c = T / (2 J),   h'(J) = -2 q J^(-r - 1),
 
@@ -18,11 +18,11 @@ from seal_mdao.materials.chebyshev import stretch_power
 from seal_mdao.materials.isotropic import MOST_CONSTANT, NO_VALUE, STEP, Isotropic
 
 LEAST_POWER, MOST_POWER = 1e-6, 200.0
-"""Exponents in size: beyond them powers of moderate stretches are lost in rounding, or no numbers."""
+"""Range of |alpha|: beyond it powers of moderate stretches are lost in rounding or overflow."""
 
 
 class PowerTerm(NamedTuple):
-    """One term of the sum, and the derivatives of its numbers with respect to alpha.
+    """One term of the sum, and the derivatives of k, q, r with respect to alpha.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class PowerTerm(NamedTuple):
 
 
 class StretchPowers(Isotropic):
-    """A law with tuples of constants, one entry a term, known by name as ``mu_1``, ``mu_2``, ..."""
+    """Base class of laws with tuples of constants, one entry per term, named ``mu_1``, ``mu_2``, ..."""
 
     @property
     @abstractmethod
@@ -54,7 +54,7 @@ class StretchPowers(Isotropic):
 
     @abstractmethod
     def rest(self, term: PowerTerm, log_j) -> np.ndarray:
-        """h(J) of a term, with the constant that makes the undeformed energy zero."""
+        """Evaluate h(J) of a term, with the constant that makes the undeformed energy zero."""
 
     @property
     def constants(self):
@@ -69,7 +69,7 @@ class StretchPowers(Isotropic):
         return out
 
     def with_(self, **constants):
-        """The same law with other constants, by their names: ``with_(mu_2=-4.0)``."""
+        """Return the same law with other constants, by name: ``with_(mu_2=-4.0)``."""
         self._refuse_unknown(constants)
         values, changed = iter((self.constants | constants).values()), {}
         for field in fields(self):
@@ -89,8 +89,9 @@ class StretchPowers(Isotropic):
 
     @np.errstate(**NO_VALUE)
     def energy(self, t, j):
-        """Strain energy density W, shape of ``t``."""
+        """Evaluate the strain energy density W, shape of ``t``."""
         v, log_j = _variables(t, j)
+        # W = sum mu k [2 J^q C(1 + v) + h(J)]
         return sum(
             m.mu * m.scale
             * (2.0 * np.exp(m.q * log_j) * stretch_power(v, 0.5 * m.alpha, 1)[0] + self.rest(m, log_j))
@@ -99,16 +100,17 @@ class StretchPowers(Isotropic):
 
     @np.errstate(**NO_VALUE)
     def derivatives(self, t, j):
-        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
+        """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
         v, log_j = _variables(t, j)
         return sum(m.mu * m.scale * _term_derivatives(m, v, log_j, j) for m in self.terms)
 
     @np.errstate(**NO_VALUE)
     def constant_derivatives(self, t, j):
-        """d(W_T, W_J) / d constant: all mu, all alpha, then ``further_constants``."""
+        """Evaluate d(W_T, W_J) / d constant: all mu, all alpha, then ``further_constants``."""
         v, log_j = _variables(t, j)
         by_mu, by_alpha = [], []
         for m in self.terms:
+            # d/dmu = k E,  d/dalpha = mu (k' E + k E')  with the bracket E = 2 J^q C + h
             first, rate = _term_rates(m, v, log_j, j)
             by_mu.append(m.scale * first)
             by_alpha.append(m.mu * (m.scale_rate * first + m.scale * rate))
@@ -116,19 +118,23 @@ class StretchPowers(Isotropic):
 
     @abstractmethod
     def further_constants(self, log_j, j) -> list[np.ndarray]:
-        """d(W_T, W_J) / d constant, (2, ...) each, of the constants after mu and alpha."""
+        """Evaluate d(W_T, W_J) / d constant, (2, ...) each, of the constants after mu and alpha."""
 
 
 def _variables(t, j):
-    """v = c - 1 and ln J."""
+    """Compute v = c - 1 = (T - 2 J) / (2 J) and ln J."""
     j = np.asarray(j)
     return (t - 2.0 * j) / (2.0 * j), np.log(j)
 
 
 def _term_derivatives(m, v, log_j, j):
-    """Derivatives of 2 J^q C + h: by T, J, TT, TJ, JJ."""
+    """Differentiate E = 2 J^q C + h: by T, J, TT, TJ, JJ."""
     C, C1, C2 = stretch_power(v, 0.5 * m.alpha)
     c, swell, balance = 1.0 + v, np.exp(m.q * log_j), np.exp(-m.r * log_j)
+    # c_T = 1 / (2 J),  c_J = -c / J,  h' = -2 q J^(-r - 1):
+    # E_T = J^q C' / J,   E_J = [2 q (J^q C - J^-r) - 2 J^q c C'] / J
+    # E_TT = J^q C'' / (2 J^2),   E_TJ = J^q [(q - 1) C' - c C''] / J^2
+    # E_JJ = {J^q [2 q (q - 1) C - 4 (q - 1) c C' + 2 c^2 C''] + 2 q (r + 1) J^-r} / J^2
     q = m.q
     return np.array(
         [
@@ -146,11 +152,11 @@ def _term_derivatives(m, v, log_j, j):
 
 
 def _term_rates(m, v, log_j, j):
-    """The derivatives by T and J of 2 J^q C + h, and their derivatives with respect to alpha."""
+    """Evaluate E_T, E_J of E = 2 J^q C + h, and their derivatives with respect to alpha."""
     C, C1, _, C_a, C1_a = stretch_power(v, 0.5 * m.alpha, 5)
     c, swell, balance = 1.0 + v, np.exp(m.q * log_j), np.exp(-m.r * log_j)
     q, grow = m.q, m.q_rate * log_j
-    # of J^q C, J^q C' and J^-r
+    # d/dalpha of J^q C, J^q C' and J^-r;  a = alpha / 2, hence 1/2 dC/da
     power, slope = swell * (grow * C + 0.5 * C_a), swell * (grow * C1 + 0.5 * C1_a)
     balance_rate = -m.r_rate * log_j * balance
     first = [swell * C1, 2.0 * q * (swell * C - balance) - 2.0 * swell * c * C1]
@@ -162,7 +168,7 @@ def _term_rates(m, v, log_j, j):
 
 
 def checked_terms(material, names: tuple[str, ...]) -> None:
-    """Make the tuples ``names`` of a law tuples of floats; refuse what cannot be a sum of terms.
+    """Convert the tuples ``names`` of a law to tuples of floats and validate the terms.
 
     Raises
     ------

@@ -31,14 +31,15 @@ class Yeoh(FirstInvariant):
         check_bulk(self)
 
     def invariant_energy(self, x):
-        """The cubic."""
+        """Evaluate f = C10 x + C20 x^2 + C30 x^3."""
         return x * (self.c10 + x * (self.c20 + x * self.c30))
 
     def invariant_derivatives(self, x):
-        """Its first and second derivative."""
+        """Evaluate f' and f''."""
+        # f' = C10 + 2 C20 x + 3 C30 x^2,  f'' = 2 C20 + 6 C30 x
         first = self.c10 + x * (2.0 * self.c20 + x * (3.0 * self.c30))
         return first, 2.0 * self.c20 + 6.0 * self.c30 * x
 
     def invariant_constants(self, x):
-        """1, 2 x and 3 x^2."""
+        """Evaluate df'/dC10 = 1, df'/dC20 = 2 x and df'/dC30 = 3 x^2."""
         return 1.0, 2.0 * x, 3.0 * x * x

@@ -8,14 +8,14 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class BoundaryLine:
-    """Straight pieces between contact points, in the undeformed or the deformed section.
+    """Straight segments between contact points, in the undeformed or the deformed section.
 
     Attributes
     ----------
     where : MaterialPoints
         All contact points of a profile.
     stretch : ndarray of int, shape (k,)
-        Those that are joined, in order.
+        Indices of the joined contact points, in order.
     particles : ndarray, shape (n, 2)
         Undeformed, or deformed, particles, mm.
     """
@@ -26,16 +26,17 @@ class BoundaryLine:
 
     @cached_property
     def edges(self) -> np.ndarray:
-        """Vectors of the pieces, shape (k - 1, 2), mm."""
+        """Vectors of the segments, shape (k - 1, 2), mm."""
         return np.diff(self.where.points.at(self.particles)[self.stretch], axis=0)
 
     @cached_property
     def length(self) -> np.ndarray:
-        """Lengths of the pieces, shape (k - 1,), mm."""
+        """Lengths of the segments, shape (k - 1,), mm."""
         return np.hypot(*self.edges.T)
 
     def add_partials(self, by_length, particles_bar) -> None:
         """Add d/d(particles) (n, 2) of a function with derivatives ``by_length`` (k - 1,)."""
+        # L = |x_2 - x_1|:  dL/dx_2 = (x_2 - x_1) / L = -dL/dx_1
         pull = (by_length / self.length)[:, None] * self.edges
         on_points = np.zeros((len(self.where), 2))
         on_points[self.stretch[1:]] += pull
@@ -44,20 +45,21 @@ class BoundaryLine:
 
 
 def is_closed(where) -> bool:
-    """Whether the last of the points of a boundary is joined to the first."""
+    """Return whether the last contact point of a boundary is joined to the first (closed boundary)."""
     first, last = where.points.anchors[[0, -1]]
+    # the particles of the last point bound the first edge, and conversely
     joined = np.isin(last, where.edges[0]).any() and np.isin(first, where.edges[-1]).any()
     return bool(joined and len(where) > 2)
 
 
 def way_round(where) -> np.ndarray:
-    """The points of a boundary in order, the first once more at the end where it is closed."""
+    """List the contact points of a boundary in order, the first again at the end if it is closed."""
     every = np.arange(len(where))
     return np.append(every, 0) if is_closed(where) else every
 
 
 def touching_shares(gap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Share of every stretch between neighbouring contact points that touches, the gap being linear.
+    """Compute the fraction in contact of every segment between contact points, with linear gaps.
 
     Parameters
     ----------
@@ -65,21 +67,22 @@ def touching_shares(gap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray
 
     Returns
     -------
-    share, by_first, by_second : ndarray, shape (k - 1,)
-        With its derivatives in the gaps at both ends.
+    fraction, by_first, by_second : ndarray, shape (k - 1,)
+        The fraction, and its derivatives in the gaps at both ends.
     """
     a, b = gap[:-1], gap[1:]
-    span = np.where((a < 0.0) != (b < 0.0), a - b, 1.0)
-    share = np.where((a < 0.0) & (b < 0.0), 1.0, 0.0)
+    difference = np.where((a < 0.0) != (b < 0.0), a - b, 1.0)
+    fraction = np.where((a < 0.0) & (b < 0.0), 1.0, 0.0)
     first, last = (a < 0.0) & (b >= 0.0), (a >= 0.0) & (b < 0.0)
-    share = np.where(first, a / span, np.where(last, -b / span, share))
-    # a / (a - b) where the first end touches, -b / (a - b) where the second one does
-    by_a = np.where(first, -b, np.where(last, b, 0.0)) / span**2
-    by_b = np.where(first, a, np.where(last, -a, 0.0)) / span**2
-    return share, by_a, by_b
+    fraction = np.where(first, a / difference, np.where(last, -b / difference, fraction))
+    # phi = a / (a - b) for a < 0 <= b, -b / (a - b) for b < 0 <= a
+    # dphi/da = -b / (a - b)^2 and b / (a - b)^2,  dphi/db = a / (a - b)^2 and -a / (a - b)^2
+    by_a = np.where(first, -b, np.where(last, b, 0.0)) / difference**2
+    by_b = np.where(first, a, np.where(last, -a, 0.0)) / difference**2
+    return fraction, by_a, by_b
 
 
 def add_deformed_seeds(partials, row: int, on_deformed: np.ndarray) -> None:
-    """Add derivatives (n, 2) in the deformed particles x = X + u(X): they go to both."""
+    """Add derivatives (n, 2) in the deformed particles x = X + u(X) to those in X and in u."""
     partials.particles[row] += on_deformed
     partials.displacement()[row] += on_deformed

@@ -1,4 +1,4 @@
-"""Measures of what a hole holds."""
+"""Measure of the pressure in a cavity."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from seal_mdao.measures.measure import Measure
 
 @dataclass(frozen=True)
 class CavityPressure(Measure):
-    """Pressure of trapped air over that outside, at the end of the path.
+    """Excess pressure of trapped air over the outside, at the end of the path.
 
     Attributes
     ----------
@@ -18,7 +18,7 @@ class CavityPressure(Measure):
     air: str
     name: str = "cavity_pressure"
     units = "kPa"
-    text = "Pressure of the air in a hole over that outside."
+    text = "Excess pressure of the air in a hole over the outside."
 
     def evaluate(self, result, partials):
         partials.output(self.air, "pressure")[0] += 1.0

@@ -14,12 +14,12 @@ from seal_mdao.measures.selection import opened_points, touching_stretch
 from seal_mdao.values import numbers, real
 
 TRAVEL = "travel"
-"""Direction of a reaction: against that in which the profile travels."""
+"""Direction of a reaction: opposite to the travel of the profile."""
 
 
 def open_between(result, profile: str) -> np.ndarray:
-    """Contact points of a profile that stand open between the first and the last contact at the end of
-    the path."""
+    """Find the contact points of a profile that are open between the first and the last contact at the
+    end of the path."""
     closed = is_closed(result.term(profile).where)
     return opened_points(result.response(profile).state, closed)
 
@@ -33,8 +33,8 @@ class Gap(Measure):
     profile : str
         Label of the contact.
     points : tuple of int, or None
-        Places among the points of the contact; None for those of the drawn seal that stand open
-        between others in contact.
+        Indices of contact points; None for those of the nominal seal that are open between others in
+        contact.
     """
 
     profile: str
@@ -56,6 +56,7 @@ class Gap(Measure):
 
     def evaluate(self, result, partials):
         points = np.array(self.points, int)
+        # dm_k/dg_i = 1 for the k-th chosen point i
         partials.output(self.profile, "gap")[np.arange(points.size), points] += 1.0
         return result.response(self.profile).gap[points]
 
@@ -75,6 +76,7 @@ class GapSquareSum(Derived):
     text = "Sum of the squared gaps, the cost of Eq. (71)."
 
     def value(self, values):
+        # sum g^2 and its gradient 2 g   Eq. (71)
         return values @ values, 2.0 * values
 
 
@@ -90,8 +92,7 @@ class BetweenContacts(Measure):
     profile : str
         Label of the contact.
     nominal : tuple of int, or None
-        Contact points from the first to the last contact of the nominal seal; None until they are taken
-        from its path.
+        Contact points from the first to the last contact of the nominal seal; None before its analysis.
     """
 
     profile: str
@@ -107,13 +108,15 @@ class BetweenContacts(Measure):
         return replace(self, nominal=tuple(points.tolist()))
 
     def stretch(self, result) -> np.ndarray:
-        """Contact points from the first to the last contact of either seal, in order."""
+        """List the contact points from the first to the last contact of either seal, in order."""
+        # in contact now or in the nominal seal
         touching = result.response(self.profile).state != OPEN
         touching[list(self.nominal)] = True
         return touching_stretch(touching, is_closed(result.term(self.profile).where))
 
     def open_gaps(self, result) -> tuple[np.ndarray, np.ndarray]:
-        """Those of these points that are open, and their gaps, mm."""
+        """Find the open ones of these points, and their gaps, mm."""
+        # a gap in contact contributes nothing
         points, response = self.stretch(result), result.response(self.profile)
         points = points[response.state[points] == OPEN]
         return points, response.gap[points]
@@ -121,7 +124,7 @@ class BetweenContacts(Measure):
 
 @dataclass(frozen=True)
 class OpenGapSquareSum(BetweenContacts):
-    """Sum of the squared gaps between contacts; smooth where a gap closes."""
+    """Sum of the squared gaps between contacts; continuously differentiable where a gap closes."""
 
     name: str = "gap_square_sum"
     units = "mm**2"
@@ -129,6 +132,7 @@ class OpenGapSquareSum(BetweenContacts):
 
     def evaluate(self, result, partials):
         points, gap = self.open_gaps(result)
+        # d(g . g)/dg = 2 g
         partials.output(self.profile, "gap")[0, points] += 2.0 * gap
         return gap @ gap
 
@@ -172,6 +176,7 @@ class GapSquareIntegral(BetweenContacts):
         stretch = self.stretch(result)
         line = BoundaryLine(result.term(self.profile).where, stretch, result.particles)
         gap = result.response(self.profile).gap[stretch]
+        # int max(g, 0)^2 dS; depends on the gaps and, by way of the lengths, on the particles
         value, by_gap, by_length = opened_square_integral(gap, line.length)
         partials.output(self.profile, "gap")[0, stretch] += by_gap
         line.add_partials(by_length, partials.particles[0])
@@ -189,15 +194,15 @@ class Reaction(Measure):
     ----------
     profile : str
     travels : tuple of float, or None
-        How far the profile has come along its path, mm; None for the end of the path. For a profile
-        that does not travel it is the path of the first one that does.
+        Travel of the profile along its path, mm; None for the end of the path. For a profile without
+        travel it is that of the first profile that travels.
     components : tuple of int
-        0 horizontal, 1 vertical; one after the other at every travel.
+        0 horizontal, 1 vertical; in this order at every travel.
     direction : pair of float, "travel", or None
-        In place of the components: the force along this direction, of any length, or against the travel
-        of the profile there, positive where the seal resists.
+        In place of the components: the force along this direction, of any length, or opposite to the
+        travel of the profile there, positive where the seal resists.
     length : float, or None
-        Length of the seal whose force it is, mm, and then in N; None for the force per length, N/m.
+        Length of the seal, mm, for a force in N; None for the force per length, N/m.
 
     Raises
     ------
@@ -241,6 +246,7 @@ class Reaction(Measure):
         text = isinstance(self.direction, str)
         if self.direction is None or (text and self.direction == TRAVEL):
             return self.direction
+        # normalised: the value is a force, whatever the length of the given vector
         vector = np.zeros(2) if text else numbers(f"direction of {self.name!r}", self.direction)
         size = np.linalg.norm(vector)
         if vector.shape != (2,) or not 0.0 < size < np.inf:
@@ -252,16 +258,16 @@ class Reaction(Measure):
 
     @property
     def scale(self) -> float:
-        """The unit of the value over N/m."""
+        """Factor from N/m to the unit of the value."""
         return 1.0 if self.length is None else 1e-3 * self.length
 
     def before(self, seal) -> float:
-        """Travel from the start to where ``travels`` are counted from, mm."""
+        """Return the travel at which ``travels`` are zero, mm."""
         return 0.0
 
     @property
     def _rows(self) -> int:
-        """Values at every travel."""
+        """Number of values per travel."""
         return len(self.components) if self.direction is None else 1
 
     def size(self, seal):
@@ -270,20 +276,21 @@ class Reaction(Measure):
     def evaluate(self, result, partials):
         steps, motion = result.path.nominal_steps, self._motion(result)
         if self.travels is None:
-            places = [(motion.travel, float(len(steps)), np.zeros(len(motion.names)))]
+            requested = [(motion.travel, float(len(steps)), np.zeros(len(motion.names)))]
         else:
             self._check_reached(result, motion)
             before = self.before(result.seal)
+            # travels are counted from `before`
             counted = [before + travel for travel in self.travels]
-            places = [(travel, *motion.at_travel(travel)) for travel in counted]
+            requested = [(travel, *motion.at_travel(travel)) for travel in counted]
         parts = [
-            self._interpolated(result, partials, row * self._rows, motion, *place)
-            for row, place in enumerate(places)
+            self._interpolated(result, partials, row * self._rows, motion, *point)
+            for row, point in enumerate(requested)
         ]
         return np.concatenate(parts)
 
     def _motion(self, result):
-        """Of the profile; of the first one that travels where it does not."""
+        """Return the motion of the profile, or of the first profile that travels if it does not."""
         own, terms = result.term(self.profile).motion, result.path.problem.terms
         if own.travel > 0.0:
             return own
@@ -295,14 +302,14 @@ class Reaction(Measure):
         farthest = max(self.travels, default=0.0)
         if farthest > end + ROUNDING * motion.travel:
             raise LoadPathError(
-                f"measure {self.name!r} is asked for at {farthest:.6g} mm of travel, and the motion of "
+                f"measure {self.name!r} is requested at {farthest:.6g} mm of travel, and the motion of "
                 f"{self.profile!r} ends at {end:.6g} mm; choose other travels, or a longer motion",
                 result,
             )
 
     def _directions(self, motion, travel) -> tuple[np.ndarray, np.ndarray]:
-        """Directions (r, 2) whose forces are the values at a travel, and their derivatives (m, r, 2)
-        with respect to the m parameters of the motion."""
+        """Compute the directions (r, 2) of the forces at a travel, and their derivatives (m, r, 2) with
+        respect to the m parameters of the motion."""
         if self.direction == TRAVEL:
             unit, rates = travel_direction(motion, travel)
             return -unit[None], -rates[:, None]
@@ -312,9 +319,10 @@ class Reaction(Measure):
         return fixed, np.zeros((len(motion.names), *fixed.shape))
 
     def _interpolated(self, result, partials, row, motion, travel, fraction, rates) -> np.ndarray:
-        """Values after ``fraction`` nominal steps, at ``travel``; ``rates`` are the derivatives of the
-        fraction with respect to the parameters of the motion."""
-        steps, place = result.path.nominal_steps, result.path.place(self.profile)
+        """Interpolate the values after ``fraction`` nominal steps, at ``travel``; ``rates`` are the
+        derivatives of the fraction with respect to the parameters of the motion."""
+        # F = (1 - w) F_k + w F_(k+1),  w = fraction - k,  dF/d(fraction) = F_(k+1) - F_k
+        steps, index = result.path.nominal_steps, result.path.place(self.profile)
         directions, turns = self._directions(motion, travel)
         directions, turns = self.scale * directions, self.scale * turns
         first, force, change = min(int(fraction), len(steps) - 1), np.zeros(2), np.zeros(2)
@@ -323,14 +331,15 @@ class Reaction(Measure):
             (first, 1.0 - (fraction - first), -1.0),
             (first + 1, fraction - first, 1.0),
         ):
-            if number == 0:  # nothing touches at the start
+            if number == 0:  # no contact at the start: F_0 = 0
                 continue
+            # weights 1 - w of F_k and w of F_(k+1)
             step = steps[number - 1]
-            total = np.asarray(step.responses[place].total)
+            total = np.asarray(step.responses[index].total)
             force, change = force + weight * total, change + sign * total
             if weight != 0.0:
                 partials.force(self.profile, step)[rows] += weight * directions[:, None]
-        # d(F . e) = (F_1 - F_0) . e d(fraction) + F . de
+        # m = e . F:  dm/dp = e . (F_(k+1) - F_k) d(fraction)/dp + F . de/dp
         for name, rate, turn in zip(motion.names, rates, turns, strict=True):
             if rate != 0.0 or turn.any():
                 partials.parameter(name)[rows] += rate * (directions @ change) + turn @ force
@@ -338,14 +347,15 @@ class Reaction(Measure):
 
 
 def travel_direction(motion, travel: float) -> tuple[np.ndarray, np.ndarray]:
-    """Unit vector (2,) along which a profile moves when it has come so far, and its derivatives (m, 2)
-    with respect to the m parameters of the motion; zero for one that does not travel."""
-    ways, rates = np.diff(motion.positions, axis=0), np.diff(motion.rates[:, :, :2], axis=1)
-    lengths = np.hypot(*ways.T)
+    """Compute the unit vector (2,) of the motion of a profile at a travel, and its derivatives (m, 2)
+    with respect to the m parameters of the motion; zero for a profile that does not travel."""
+    chords, rates = np.diff(motion.positions, axis=0), np.diff(motion.rates[:, :, :2], axis=1)
+    lengths = np.hypot(*chords.T)
     ends = np.cumsum(lengths)
     if not ends[-1] > 0.0:
         return np.zeros(2), np.zeros((len(motion.names), 2))
     stage = int(np.searchsorted(ends, min(travel, ends[-1])))
     stage = stage if lengths[stage] > 0.0 else int(np.flatnonzero(lengths)[0])
-    unit, rate = ways[stage] / lengths[stage], rates[:, stage]
+    # e = d / |d|,  e' = (d' - (d' . e) e) / |d|  for the chord d of the stage
+    unit, rate = chords[stage] / lengths[stage], rates[:, stage]
     return unit, (rate - np.outer(rate @ unit, unit)) / lengths[stage]

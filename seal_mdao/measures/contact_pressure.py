@@ -1,4 +1,4 @@
-"""Measures of contact pressure and contact width, true ones and nominal ones.
+"""Measures of contact pressure and contact width, true and nominal.
 
 The true (Cauchy) pressure is the normal force over the deformed length, the nominal one that over the
 undeformed length:
@@ -27,13 +27,13 @@ from seal_mdao.measures.selection import contact_patches
 class ContactWidth(Measure):
     """Length of the deformed boundary that is in contact at the end of the path.
 
-    Between neighbouring contact points the gap is taken to be linear, so the width changes smoothly.
+    The gap is taken as linear between neighbouring contact points, so that the width is continuous.
 
     Attributes
     ----------
     profile : str
     nominal : bool
-        Take the length of the undeformed boundary in its place.
+        Measure the undeformed boundary instead.
     """
 
     profile: str
@@ -48,19 +48,21 @@ class ContactWidth(Measure):
 
     def evaluate(self, result, partials):
         where = result.term(self.profile).where
-        way = way_round(where)
-        line = BoundaryLine(where, way, result.particles if self.nominal else result.deformed())
-        share, by_a, by_b = touching_shares(result.response(self.profile).gap[way])
+        order = way_round(where)
+        line = BoundaryLine(where, order, result.particles if self.nominal else result.deformed())
+        fraction, by_a, by_b = touching_shares(result.response(self.profile).gap[order])
         on_gap = partials.output(self.profile, "gap")[0]
-        on_gap[way[:-1]] += line.length * by_a
-        on_gap[way[1:]] += line.length * by_b
+        # width = sum_k L_k phi_k(g_k, g_(k+1)) with the fractions in contact phi_k
+        on_gap[order[:-1]] += line.length * by_a
+        on_gap[order[1:]] += line.length * by_b
         on_line = np.zeros_like(result.particles)
-        line.add_partials(share, on_line)
+        # dwidth/dL_k = phi_k, by way of the particles
+        line.add_partials(fraction, on_line)
         if self.nominal:
             partials.particles[0] += on_line
         else:
             add_deformed_seeds(partials, 0, on_line)
-        return line.length @ share
+        return line.length @ fraction
 
 
 @dataclass(frozen=True)
@@ -71,12 +73,12 @@ class ContactPressure(Measure):
     ----------
     profile : str
     patches : tuple of tuple of int, or None
-        Contact points of every patch; None for all points of the drawn seal's contact, divided in the
-        middle of its opened stretch.
+        Contact points of every patch; None for all contact points, divided at the middle of the open
+        region of the nominal seal.
     order : int
         Of the Lehmer mean.
     nominal : bool
-        Take the force over the undeformed length, w_n |g_n|, in place of that over the deformed one.
+        Use the force per undeformed length, w_n |g_n|, instead of that per deformed length.
     """
 
     profile: str
@@ -107,8 +109,10 @@ class ContactPressure(Measure):
         values = np.empty(len(self.patches))
         for row, patch in enumerate(self.patches):
             own, on_pressure = np.array(patch, int), np.zeros(points.value.size)
+            # one Lehmer mean per patch, with derivatives in the pressures of its points only
             values[row], on_pressure[own] = lehmer_mean(points.value[own], self.order)
             points.add_partials(partials, row, on_pressure)
+        # the mean is homogeneous of degree 1 in the pressures p = w_n (...):  dm/dw_n = m / w_n
         partials.parameter(points.term.names[0])[:] += values / points.penalty
         return values
 
@@ -120,6 +124,7 @@ class _PointPressures:
         self.profile, self.nominal = profile, nominal
         self.term, self.gap = result.term(profile), result.response(profile).gap
         self.penalty = self.term.law.normal_penalty
+        # p_nominal = w_n <-g_n>
         self.undeformed, self.value = result.particles, self.penalty * np.maximum(-self.gap, 0.0)
         if nominal:
             self.share = np.ones(self.gap.size)
@@ -131,16 +136,19 @@ class _PointPressures:
         self.value = self.value * self.share
 
     def add_partials(self, partials, row: int, on_pressure) -> None:
-        """Add what a function with derivatives ``on_pressure`` (k,) takes from gaps and lengths."""
+        """Add partial derivatives in gaps and lengths of a function with derivatives ``on_pressure``."""
         on_gap = partials.output(self.profile, "gap")
+        # dp/dg = -w_n L / l in contact
         on_gap[row] -= self.penalty * on_pressure * self.share * (self.gap < 0.0)
         if self.nominal:
             return
+        # dp/dL = p / L,  dp/dl = -p / l
         where, on_share = self.term.where, on_pressure * self.value
         by_undeformed, by_deformed = on_share / self.term.length, -on_share / self.length
         where.add_length_seeds(
             self.undeformed, by_undeformed[:, None], partials.particles[row][:, :, None]
         )
+        # l depends on the deformed particles, L on the undeformed ones
         on_deformed = np.zeros_like(self.deformed)
         where.add_length_seeds(self.deformed, by_deformed[:, None], on_deformed[:, :, None])
         add_deformed_seeds(partials, row, on_deformed)
@@ -162,6 +170,7 @@ class PeakPressure(ContactPressure):
         return 1
 
     def evaluate(self, result, partials):
+        # one patch of all contact points
         every = (tuple(range(len(result.term(self.profile).where))),)
         own = ContactPressure(self.profile, every, self.order, self.nominal)
         return own.evaluate(result, partials)

@@ -1,4 +1,4 @@
-"""Measures of energy."""
+"""Measure of the strain energy."""
 
 from dataclasses import dataclass
 

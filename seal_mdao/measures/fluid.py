@@ -1,4 +1,4 @@
-"""Measures of a fluid that a seal holds back."""
+"""Measure of the pressure at which a fluid blows through a seal."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -8,20 +8,20 @@ import numpy as np
 from seal_mdao.measures.measure import Measure
 
 BEYOND = 0.1
-"""Of the fluid's pressure, to which it may be extrapolated beyond the last load step that held."""
+"""Limit of extrapolation beyond the last load step that held, as a fraction of the fluid pressure."""
 
 
 class _State(NamedTuple):
-    """A load step at which the fluid presses.
+    """Load step with fluid pressure.
 
     Attributes
     ----------
     share : float
-        Of the fluid's pressure that acts.
+        Fraction of the fluid pressure that acts.
     closing : float
         Highest contact pressure along the edge, kPa.
     point : int
-        Where that is.
+        Index of its point.
     step : ConvergedStep
     """
 
@@ -33,13 +33,13 @@ class _State(NamedTuple):
 
 @dataclass(frozen=True)
 class BlowOffPressure(Measure):
-    """Pressure at which a fluid comes through to the dry end of its edge.
+    """Blow-off pressure, at which a fluid reaches the dry end of its edge.
 
-    That is where the highest contact pressure along the edge has fallen to 1 + share times the fluid's
-    (``FluidPressure.share``), on the line between the last load step that held and the one after it.
-    Where there is none after it, because the path ended when the seal gave way or because the seal holds
-    all of the pressure, the line through the last two goes on, by ``BEYOND`` of the pressure at most:
-    then the value is above the pressure that was applied. One that nothing closes has 0.
+    There the highest contact pressure along the edge equals 1 + share times the fluid pressure
+    (``FluidPressure.share``), interpolated between the last load step that held and the next one.
+    If there is no next one, because the path ended at the blow-off or because the seal holds the full
+    pressure, the line through the last two is extrapolated, by at most ``BEYOND`` of the pressure:
+    then the value is above the applied pressure. It is 0 without contact.
 
     Attributes
     ----------
@@ -57,38 +57,46 @@ class BlowOffPressure(Measure):
         term = result.term(self.fluid)
         states = list(self._states(result, term))
         needed = (1.0 + term.share) * term.pressure
-        held = next((i for i, s in enumerate(states) if s.closing <= needed * s.share), len(states))
-        if held == 0:
+        # first state in which the contact pressure is too small: c <= (1 + share) p s
+        failed = next(
+            (i for i, s in enumerate(states) if s.closing <= needed * s.share), len(states)
+        )
+        if failed == 0:
             return 0.0
-        last = min(held, len(states) - 1)
+        last = min(failed, len(states) - 1)
         return self._crossing(partials, term, needed, states[max(last - 1, 0)], states[last])
 
     def _states(self, result, term):
-        """Those with pressure, and the one before."""
+        """Generate the states with pressure, and the one before."""
         steps, closed = result.path.nominal_steps, int(np.flatnonzero(term.ramp)[0]) - 1
         if len(steps) < closed:
             result.require_converged()
+        # begin with the last step without pressure
         for number in range(closed, len(steps) + 1):
             step = steps[number - 1] if number else None
-            # nothing touches at the start
+            # no contact at the start
             closing = result.response(self.fluid, step).outputs[:, 1] if number else np.zeros(1)
             point = int(closing.argmax())
             yield _State(float(term.ramp[number]), float(closing[point]), point, step)
 
     def _crossing(self, partials, term, needed, first, second) -> float:
-        """Pressure at which the line through two states comes to what is ``needed``."""
+        """Compute the pressure at which the line through two states reaches what is ``needed``."""
         span = second.share - first.share
         slope = (second.closing - first.closing) / span if span else 0.0
+        # c(s) = c_1 + slope (s - s_1) = needed s:  s = (c_1 - slope s_1) / (needed - slope)
         stiff, start = needed - slope, first.closing - slope * first.share
+        # s is at most s_2 + BEYOND
         most, on_pressure = second.share + BEYOND, partials.parameter(term.names[0])
         if start >= most * stiff:
             on_pressure[0] += most
             return most * term.pressure
-        share, scale = start / stiff, term.pressure / stiff
-        weight = (share - first.share) / span if span else 0.0
+        fraction, scale = start / stiff, term.pressure / stiff
+        weight = (fraction - first.share) / span if span else 0.0
         for state, own in ((first, 1.0 - weight), (second, weight)):
+            # dm/dc_1 = p (1 - w) / stiff,  dm/dc_2 = p w / stiff,  w = (s - s_1) / (s_2 - s_1)
             if own and state.step is not None:
                 on_closing = partials.output(self.fluid, "closing", state.step)
                 on_closing[0, state.point] += scale * own
-        on_pressure[0] -= share * slope / stiff
-        return share * term.pressure
+        # m = s p, needed = (1 + share) p:  dm/dp = s - s needed / stiff = -s slope / stiff
+        on_pressure[0] -= fraction * slope / stiff
+        return fraction * term.pressure

@@ -1,8 +1,9 @@
-"""The contract of a measure: a few values of a path, with partial derivatives in what the path delivers.
+"""Contract of a measure: values of a load path and their partial derivatives in its results.
 
-A measure is a small frozen object. It gives its values and fills in, through ``Partials``, how they
-depend on displacements and F at the particles, on the forces and outputs of terms, on the undeformed
-particles and on scalar parameters. The sweeps of ``seal_mdao.dsa`` do the rest, by either method.
+A measure is a small frozen object. It evaluates its values and fills in, through ``Partials``, their
+partial derivatives in displacements and F at the particles, in forces and outputs of terms, in the
+undeformed particles and in scalar parameters. ``seal_mdao.dsa`` computes the total derivatives, by the
+direct or the adjoint method.
 """
 
 from dataclasses import dataclass, replace
@@ -12,16 +13,16 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Seeds:
-    """What M measures take from one converged step.
+    """Partial derivatives of M measures in the results of one converged step.
 
     Attributes
     ----------
     displacement : ndarray, shape (M, s, 2)
-        On the displacements of s particles.
+        In the displacements of s particles.
     gradient : ndarray, shape (M, s, 4)
-        On F at these particles, in the order 11, 12, 21, 22.
+        In F at these particles, in the order 11, 12, 21, 22.
     terms : dict of str to object
-        By label, on what a term gives (``PointSeeds``, ...).
+        By label, in the forces and outputs of a term (``PointSeeds``, ...).
     """
 
     displacement: np.ndarray
@@ -30,14 +31,14 @@ class Seeds:
 
     @property
     def used(self) -> np.ndarray:
-        """Which measures take something, shape (M,)."""
+        """Mask of the measures with partial derivatives that are not zero, shape (M,)."""
         found = self.displacement.any(axis=(1, 2)) | self.gradient.any(axis=(1, 2))
         for seeds in self.terms.values():
             found = found | seeds.used
         return found
 
     def at(self, particles: np.ndarray) -> "Seeds":
-        """The same with only some of the particles."""
+        """Restrict the seeds to some of the particles."""
         return replace(
             self, displacement=self.displacement[:, particles], gradient=self.gradient[:, particles]
         )
@@ -46,7 +47,7 @@ class Seeds:
 class Partials:
     """Partial derivatives of M measures, zero until they are filled in.
 
-    Every array handed out is zero when it is asked for the first time, and is to be added to.
+    Every array returned by a method is zero at first; add the derivatives to it.
 
     Parameters
     ----------
@@ -56,13 +57,13 @@ class Partials:
     Attributes
     ----------
     particles : ndarray, shape (M, n, 2)
-        On the undeformed particles, at fixed displacements, F, forces and outputs.
+        In the undeformed particles, at fixed displacements, F, forces and outputs.
     parameters : dict of str to ndarray, shape (M,)
-        On scalar parameters, likewise.
+        In scalar parameters, likewise.
     seeds : dict of int to Seeds
-        By place in ``path.steps``.
+        By index in ``path.steps``.
     section : dict of int to ndarray, shape (M, N, 4)
-        By place, on F at all N points of ``Body.samples``.
+        By index in ``path.steps``, in F at all N points of ``Body.samples``.
     """
 
     def __init__(self, path, n_measures: int):
@@ -70,54 +71,55 @@ class Partials:
         self.particles = np.zeros((n_measures, *path.discretization.particles.shape))
         self.parameters, self.seeds, self.section = {}, {}, {}
 
-    def _place(self, step) -> int:
+    def _index(self, step) -> int:
         return len(self.path.steps) - 1 if step is None else self.path.steps.index(step)
 
     def _at(self, step) -> Seeds:
-        place = self._place(step)
-        if place not in self.seeds:
+        index = self._index(step)
+        if index not in self.seeds:
+            # created on first use: most measures depend on the last step only
             m, n = self.particles.shape[:2]
-            self.seeds[place] = Seeds(np.zeros((m, n, 2)), np.zeros((m, n, 4)), {})
-        return self.seeds[place]
+            self.seeds[index] = Seeds(np.zeros((m, n, 2)), np.zeros((m, n, 4)), {})
+        return self.seeds[index]
 
     def displacement(self, step=None) -> np.ndarray:
-        """On the displacements of the particles at a converged step (the last), shape (M, n, 2)."""
+        """Return d/du at the particles at a converged step (default: the last), shape (M, n, 2)."""
         return self._at(step).displacement
 
     def gradient(self, step=None) -> np.ndarray:
-        """On F at the particles, in the order 11, 12, 21, 22, shape (M, n, 4)."""
+        """Return d/dF at the particles, in the order 11, 12, 21, 22, shape (M, n, 4)."""
         return self._at(step).gradient
 
     def section_gradient(self, step=None) -> np.ndarray:
-        """On F at ``Body.samples``, points all over the section with the particles first, in the order
-        11, 12, 21, 22, shape (M, N, 4)."""
+        """Return d/dF at ``Body.samples``, points over the section with the particles first, in the
+        order 11, 12, 21, 22, shape (M, N, 4)."""
         self._at(step)
         n_samples = len(self.path.discretization.body.samples.anchors)
         empty = np.zeros((self.count, n_samples, 4))
-        return self.section.setdefault(self._place(step), empty)
+        return self.section.setdefault(self._index(step), empty)
 
     def of_term(self, label: str, step=None):
-        """On what a term gives, in the form of its ``no_seeds``."""
+        """Return the derivatives in forces and outputs of a term, in the form of its ``no_seeds``."""
         terms = self._at(step).terms
         if label not in terms:
             terms[label] = self.path.problem.term(label).no_seeds(self.count)
         return terms[label]
 
     def force(self, label: str, step=None) -> np.ndarray:
-        """On the forces of a term's points, shape (M, k, 2)."""
+        """Return the derivatives in the forces on the points of a term, shape (M, k, 2)."""
         return self.of_term(label, step).force
 
     def output(self, label: str, name: str, step=None) -> np.ndarray:
-        """On an output of a term's points, such as the gap, shape (M, k)."""
+        """Return the derivatives in an output of a term, such as the gap, shape (M, k)."""
         names = self.path.problem.term(label).output_names
         return self.of_term(label, step).outputs[:, :, names.index(name)]
 
     def energy(self, step=None) -> np.ndarray:
-        """On the strain energy, shape (M,)."""
+        """Return the derivatives in the strain energy, shape (M,)."""
         return self.of_term("structure", step).energy
 
     def parameter(self, name: str) -> np.ndarray:
-        """On a scalar parameter, shape (M,)."""
+        """Return the derivatives in a scalar parameter, shape (M,)."""
         return self.parameters.setdefault(name, np.zeros(self.count))
 
 
@@ -136,18 +138,18 @@ class Functional:
 
 
 class Measure:
-    """Base class of measures; a subclass is a frozen dataclass and gives ``size`` and ``evaluate``.
+    """Base class of measures; a subclass is a frozen dataclass that defines ``size`` and ``evaluate``.
 
     Attributes
     ----------
     name : str
-        Of the output.
+        Name of the output.
     units : str or None
-        As OpenMDAO writes them.
+        Units in the notation of OpenMDAO.
     text : str
         One line for documentation.
     wants_end : bool
-        Whether it needs a path that was completed.
+        Whether it requires a completed path.
     """
 
     name = ""
@@ -158,12 +160,12 @@ class Measure:
 
     @property
     def takes_places(self) -> bool:
-        """Whether it takes its places from the drawn seal's path, which costs an analysis."""
+        """Whether its points are selected on the nominal seal, which costs an analysis."""
         return False
 
     def frozen(self, drawn) -> "Measure":
-        """The measure with its places taken from the path of the drawn seal; asked only of those that
-        take places."""
+        """Select the points of the measure on the path of the nominal seal; called only if
+        ``takes_places``."""
         return self
 
     def size(self, seal) -> int:
@@ -171,7 +173,7 @@ class Measure:
         return 1
 
     def evaluate(self, result, partials: Partials) -> np.ndarray:
-        """Values (M,), and their partial derivatives added to ``partials``.
+        """Evaluate the values (M,), and add their partial derivatives to ``partials``.
 
         Parameters
         ----------
@@ -181,21 +183,22 @@ class Measure:
         raise NotImplementedError
 
     def of(self, result) -> Functional:
-        """Values and partial derivatives."""
+        """Evaluate values and partial derivatives."""
+        # m and its partial derivatives in u, F, forces, outputs, X and parameters
         partials = Partials(result.path, self.size(result.seal))
         values = np.atleast_1d(np.asarray(self.evaluate(result, partials), float))
         return Functional(values, partials)
 
 
 class Derived(Measure):
-    """A measure that is a function of another one, ``base``, whose derivatives it shares."""
+    """Measure that is a function of another one, ``base``, and reuses its derivatives."""
 
     base: Measure
 
     scalar = True
 
     def value(self, values: np.ndarray) -> tuple[float, np.ndarray]:
-        """Its value and gradient (m,) from the values (m,) of the base."""
+        """Compute value and gradient (m,) from the values (m,) of the base."""
         raise NotImplementedError
 
     @property
@@ -208,16 +211,16 @@ class Derived(Measure):
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """All measures of several functionals one after the other, ready for the sweeps.
+    """All measures of several functionals in succession, as input of the sensitivity analysis.
 
     Attributes
     ----------
     count : int
         M.
     at : ndarray of int
-        Points of ``Body.samples`` whose displacement or F any measure takes.
+        Points of ``Body.samples`` with derivatives in displacement or F that are not all zero.
     seeds : dict of int to Seeds
-        By place in ``path.steps``, on those points.
+        By index in ``path.steps``, at those points.
     particles : ndarray, shape (M, n, 2)
     parameters : dict of str to ndarray, shape (M,)
     """
@@ -230,48 +233,51 @@ class Stack:
 
 
 def stacked(functionals) -> Stack:
-    """Several functionals of one path as one."""
+    """Stack several functionals of one path."""
     parts = [functional.partials for functional in functionals]
     path = parts[0].path
-    whole = Partials(path, sum(part.count for part in parts))
+    total = Partials(path, sum(part.count for part in parts))
     first = 0
     for part in parts:
+        # every functional fills its own rows
         rows = slice(first, first + part.count)
-        whole.particles[rows] = part.particles
+        total.particles[rows] = part.particles
         for name, own in part.parameters.items():
-            whole.parameter(name)[rows] += own
-        for place, own in part.seeds.items():
-            step = path.steps[place]
-            whole.displacement(step)[rows] = own.displacement
-            whole.gradient(step)[rows] = own.gradient
+            total.parameter(name)[rows] += own
+        for index, own in part.seeds.items():
+            step = path.steps[index]
+            total.displacement(step)[rows] = own.displacement
+            total.gradient(step)[rows] = own.gradient
             for label, seeds in own.terms.items():
-                whole.of_term(label, step).put(rows, seeds)
-        for place, own in part.section.items():
-            whole.section_gradient(path.steps[place])[rows] = own
+                total.of_term(label, step).put(rows, seeds)
+        for index, own in part.section.items():
+            total.section_gradient(path.steps[index])[rows] = own
         first += part.count
     seeds = {
-        place: _on_samples(own, whole.section.get(place)) for place, own in whole.seeds.items()
+        index: _on_samples(own, total.section.get(index)) for index, own in total.seeds.items()
     }
     n_samples = max((own.gradient.shape[1] for own in seeds.values()), default=0)
+    # only points with derivatives that are not zero take part in the sweeps
     used = np.zeros(n_samples, bool)
     for own in seeds.values():
         some = own.displacement.any(axis=(0, 2)) | own.gradient.any(axis=(0, 2))
         used[: some.size] |= some
     at = np.flatnonzero(used)
-    seeds = {place: _padded(own, n_samples).at(at) for place, own in seeds.items()}
-    return Stack(whole.count, at, seeds, whole.particles, whole.parameters)
+    seeds = {index: _padded(own, n_samples).at(at) for index, own in seeds.items()}
+    return Stack(total.count, at, seeds, total.particles, total.parameters)
 
 
 def _on_samples(own: Seeds, section: np.ndarray | None) -> Seeds:
-    """Seeds on the particles with those on F all over the section."""
+    """Add seeds in F over the section to those at the particles."""
     if section is None:
         return own
+    # the particles are the first of the samples: F at a particle may have seeds of both kinds
     every = _padded(own, section.shape[1])
     return replace(every, gradient=every.gradient + section)
 
 
 def _padded(own: Seeds, count: int) -> Seeds:
-    """The same on ``count`` points, those beyond the particles with nothing."""
+    """Pad seeds with zeros from the particles to ``count`` points."""
     more = ((0, 0), (0, count - own.gradient.shape[1]), (0, 0))
     if more[1][1] == 0:
         return own

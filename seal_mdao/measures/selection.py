@@ -1,4 +1,4 @@
-"""Where the measures are taken: chosen once on the drawn seal, then frozen."""
+"""Selection of the points of measures: once on the nominal seal, then frozen."""
 
 import numpy as np
 
@@ -6,8 +6,9 @@ from seal_mdao.contact.friction import OPEN
 
 
 def local_maxima(values: np.ndarray, periodic: bool) -> np.ndarray:
-    """Places of the strict local maxima along a row; the ends of an open row do not count."""
+    """Find the indices of strict local maxima along a row; the ends of an open row do not count."""
     left, right = np.roll(values, 1), np.roll(values, -1)
+    # v_i > v_(i-1) and v_i > v_(i+1)
     peak = (values > left) & (values > right)
     if not periodic:
         peak[[0, -1]] = False
@@ -15,7 +16,7 @@ def local_maxima(values: np.ndarray, periodic: bool) -> np.ndarray:
 
 
 def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
-    """The particles of the ``count`` largest local maxima along boundary rows, largest first.
+    """Find the particles of the ``count`` largest local maxima along boundary rows, largest first.
 
     Parameters
     ----------
@@ -25,23 +26,25 @@ def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
         Von Mises stress at all particles. Where there are fewer maxima than ``count``, the
         largest other boundary values follow.
     """
-    # mirror images that differ by rounding only keep their order
+    # symmetric values that differ by rounding only keep their order
     stress = np.round(stress / max(np.abs(stress).max(), np.finfo(float).tiny), 9)
     peaks = np.concatenate([row[local_maxima(stress[row], closed)] for row, closed in rows])
     others = np.setdiff1d(np.concatenate([row for row, _ in rows]), peaks)
+    # local maxima first, each group sorted by decreasing stress
     ranked = [group[np.argsort(-stress[group], kind="stable")] for group in (peaks, others)]
     return np.concatenate(ranked)[:count]
 
 
 def touching_stretch(in_contact: np.ndarray, closed: bool = False) -> np.ndarray:
-    """Contact points from the first to the last one in contact, in order.
+    """List the contact points from the first to the last one in contact, in order.
 
-    On a closed boundary they are all points but those of its longest open part.
+    On a closed boundary they are all points except those of its longest open part.
     """
     touching, size = np.flatnonzero(in_contact), in_contact.size
     if touching.size == 0:
         return touching
     if closed:
+        # the longest open part lies between the contacts `last` and `first`
         following = np.append(touching[1:], touching[0] + size)
         last = int(np.argmax(following - touching))
         first = (last + 1) % touching.size
@@ -50,15 +53,16 @@ def touching_stretch(in_contact: np.ndarray, closed: bool = False) -> np.ndarray
 
 
 def opened_points(state: np.ndarray, closed: bool = False) -> np.ndarray:
-    """Contact points that stand open between the first and the last one in contact."""
+    """Find the contact points that are open between the first and the last one in contact."""
     between = touching_stretch(state != OPEN, closed)
     return between[state[between] == OPEN]
 
 
 def contact_patches(state: np.ndarray) -> tuple:
-    """All contact points: before and after the middle of the opened stretch, or in one piece."""
+    """Divide the contact points at the middle of the open region; one patch without an open region."""
     everywhere, opened = np.arange(state.size), opened_points(state)
     if opened.size == 0:
         return (everywhere,)
+    # the open point in the middle divides the boundary into two patches
     middle = opened[opened.size // 2]
     return everywhere[:middle], everywhere[middle:]

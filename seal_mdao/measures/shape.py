@@ -27,6 +27,7 @@ class Displacement(Measure):
         return 2
 
     def evaluate(self, result, partials):
+        # dm_i/du_j = delta_ij
         partials.displacement()[np.arange(2), self.point, np.arange(2)] += 1.0
         return result.displacement()[self.point]
 
@@ -50,16 +51,17 @@ class CavityArea(Measure):
         ring = result.seal.body.edge(self.edge).particles
         x = result.particles[ring] + result.displacement()[ring]
         value, by_x = polygon_area(x)
-        # edges are walked with the body on the left: a cavity clockwise
-        way = 1.0 if value > 0.0 else -1.0
-        partials.displacement()[0, ring] += way * by_x
-        partials.particles[0, ring] += way * by_x
-        return way * value
+        # edges have the body on the left: a cavity is traversed clockwise, its area negative;
+        # x = X + u, hence the same derivatives in X and u
+        sense = 1.0 if value > 0.0 else -1.0
+        partials.displacement()[0, ring] += sense * by_x
+        partials.particles[0, ring] += sense * by_x
+        return sense * value
 
 
 @dataclass(frozen=True)
 class SectionArea(Measure):
-    """Area of the undeformed section, as its cells have it."""
+    """Area of the undeformed section, summed over its cells."""
 
     name: str = "section_area"
     units = "mm**2"
@@ -72,15 +74,18 @@ class SectionArea(Measure):
 
 
 def cells_area(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.ndarray]:
-    """Area of cells (m, 4), triangles repeating a corner, and its gradient by particles (n, 2).
+    """Compute the area of cells (m, 4), triangles repeating a corner, and its gradient (n, 2).
 
     Both are complex for complex particles.
     """
     value, gradient = 0.0, np.zeros_like(particles)
+    # two triangles per cell; of a triangular cell one is degenerate
     for corners in (cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]):
         a, b, c = (particles[corners[:, i]] for i in range(3))
         u, v = b - a, c - a
+        # A = 1/2 u x v with u = b - a, v = c - a
         value += 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum().item()
+        # dA/db = 1/2 (v_y, -v_x),  dA/dc = 1/2 (-u_y, u_x),  dA/da = -dA/db - dA/dc
         by_b = 0.5 * np.column_stack([v[:, 1], -v[:, 0]])
         by_c = 0.5 * np.column_stack([-u[:, 1], u[:, 0]])
         for corner, pull in enumerate((-by_b - by_c, by_b, by_c)):

@@ -13,7 +13,7 @@ from seal_mdao.values import real
 
 STRESS_COUNT = 7
 EXCESS = 0.05
-"""Bound on what the smooth maximum is above the largest stress, relative."""
+"""Bound of the relative excess of the smooth maximum over the largest stress."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class VonMises(Measure):
     Attributes
     ----------
     points : tuple of int, or None
-        Particles; None for the ``count`` largest local maxima along the boundaries of the drawn seal.
+        Particles; None for the ``count`` largest local maxima along the boundaries of the nominal seal.
     count : int
     """
 
@@ -42,6 +42,7 @@ class VonMises(Measure):
             (edge.particles[~drawn.seal.body.fixed[edge.particles].all(axis=1)], edge.closed)
             for edge in drawn.seal.body.edges.values()
         ]
+        # rows without fully fixed particles
         rows = [(row, closed) for row, closed in rows if row.size]
         peaks = boundary_peaks(rows, drawn.stress_field(), self.count)
         return replace(self, points=tuple(int(p) for p in peaks))
@@ -53,6 +54,7 @@ class VonMises(Measure):
         points = np.array(self.points, int)
         stress, by_gradient, by_constants = particle_stress(result.path, points)
         rows = np.arange(len(points))
+        # d sigma_vm/dF and d sigma_vm/d(constants) of ``particle_stress``
         partials.gradient()[rows, points] += by_gradient
         for name, row in by_constants.items():
             partials.parameter(name)[:] += row
@@ -80,6 +82,7 @@ class StressNorm(Measure):
         n = len(result.particles)
         points = np.arange(n) if self.points is None else np.array(self.points, int)
         stress, by_gradient, by_constants = particle_stress(result.path, points)
+        # N = (sum sigma_i^p)^(1/p),  dN/dF_i = (dN/d sigma_i) d sigma_i/dF_i
         value, weight = p_norm(stress, self.order)
         partials.gradient()[0, points] += weight[:, None] * by_gradient
         for name, row in by_constants.items():
@@ -89,8 +92,8 @@ class StressNorm(Measure):
 
 @dataclass(frozen=True)
 class LargestVonMises(Measure):
-    """Smooth maximum of the von Mises stress over the complete section: at all particles, in the middles
-    of the sides of all cells and of all cells.
+    """Smooth maximum of the von Mises stress over the complete section: at all particles, at the
+    midpoints of the sides of all cells and at their centres.
 
     It is the p-norm of the stresses s_i at these n points, for which
 
@@ -119,10 +122,12 @@ class LargestVonMises(Measure):
         real(f"excess of {self.name!r}", self.excess, above=0.0, high=1.0)
 
     def order(self, n_points: int) -> int:
-        """p of the norm over so many points."""
+        """Compute the order p of the norm over a number of points."""
+        # n^(1/p) <= 1 + excess  =>  p >= ln n / ln(1 + excess)
         return max(2, ceil(log(n_points) / log1p(self.excess)))
 
     def evaluate(self, result, partials):
+        # particles, midpoints of sides, centres of cells
         points = np.arange(len(result.seal.body.samples.anchors))
         stress, by_gradient, by_constants = particle_stress(result.path, points)
         value, weight = p_norm(stress, self.order(points.size))

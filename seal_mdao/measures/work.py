@@ -1,4 +1,4 @@
-"""Work that a moving profile does on the body."""
+"""Measures of the work of moving profiles and of friction."""
 
 from dataclasses import dataclass
 
@@ -12,8 +12,8 @@ from seal_mdao.measures.measure import Measure
 class ProfileWork(Measure):
     """Work of a profile on the seal from the start to the end of the path, per unit depth.
 
-    The sum of force . travel and moment . angle over the nominal load steps by the trapezoidal rule:
-    its error goes down with the square of the step. Over a closed loop it is what friction takes.
+    The sum of force . travel and moment . angle over the nominal load steps by the trapezoidal rule,
+    with an error of second order in the step. Over a closed loop it is the work dissipated by friction.
 
     Attributes
     ----------
@@ -29,23 +29,28 @@ class ProfileWork(Measure):
     def evaluate(self, result, partials):
         term, steps = result.term(self.profile), result.path.nominal_steps
         at = np.arange(len(steps) + 1.0)
-        places = np.array([term.motion.coordinates(n) for n in at])
+        poses = np.array([term.motion.coordinates(n) for n in at])
         rates = np.array([term.motion.rates_at(n) for n in at])
-        travels, travel_rates = _travels(places), _travels(rates)
+        # W = -sum_n (F_n . dz_n + M_n dtheta_n),  dz_n = (z_(n+1) - z_(n-1)) / 2,
+        # at the last step (z_n - z_(n-1)) / 2
+        travels, travel_rates = _travels(poses), _travels(rates)
         value, by_motion = 0.0, np.zeros(rates.shape[1])
         for number, step in enumerate(steps):
             response = result.response(self.profile, step)
             travel, angle = travels[number, :2], travels[number, 2]
-            arm = response.x - places[number + 1, :2] - term.motion.pivot
-            on_arm = -quarter_turn(response.force)  # of the moment
+            arm = response.x - poses[number + 1, :2] - term.motion.pivot
+            # M = sum a x f = sum a . (-S f):  dM/da = -S f,  dM/df = S a,  a = x - z - c
+            on_arm = -quarter_turn(response.force)
             moment = float((arm * on_arm).sum())
-            # the force is that of the body on the profile
+            # F and M act on the profile: hence the minus sign
             value -= response.total @ travel + moment * angle
             partials.force(self.profile, step)[0] -= travel + quarter_turn(arm) * angle
             if angle != 0.0:
+                # the arm depends on x = X + u of the contact points, which are particles
                 particle = term.where.at_particles
                 partials.displacement(step)[0, particle] -= on_arm * angle
                 partials.particles[0, particle] -= on_arm * angle
+            # dW/dp = -F . d(dz)/dp - M d(dtheta)/dp + dtheta (dM/da) . dz/dp
             by_motion -= travel_rates[number] @ np.array([*response.total, moment])
             by_motion += angle * (rates[number + 1, :, :2] @ on_arm.sum(axis=0))
         for name, slope in zip(term.motion.names, by_motion, strict=True):
@@ -53,19 +58,19 @@ class ProfileWork(Measure):
         return value
 
 
-def _travels(places: np.ndarray) -> np.ndarray:
-    """Half the way from the place before each one to the one after it, the first left out; the last
-    one has none after it."""
-    following = np.concatenate([places[2:], places[-1:]])
-    return 0.5 * (following - places[:-1])
+def _travels(poses: np.ndarray) -> np.ndarray:
+    """Compute half the increments from the pose before to the pose after, without the first pose; the
+    last one is followed by itself."""
+    following = np.concatenate([poses[2:], poses[-1:]])
+    return 0.5 * (following - poses[:-1])
 
 
 @dataclass(frozen=True)
 class FrictionWork(Measure):
-    """Work of all profiles that the body has not stored as elastic energy at the end of the path.
+    """Work of all profiles minus the elastic energy of the body at the end of the path.
 
-    Over a path that ends open it is what friction took, against profiles and of the body on itself.
-    While profiles press it holds the elastic energy of the penalties and of trapped air besides.
+    Over a path that ends without contact it is the work dissipated by friction, including self-contact.
+    During contact it also contains the elastic energy of the penalties and of trapped air.
     """
 
     name: str = "friction_work"
@@ -75,5 +80,6 @@ class FrictionWork(Measure):
     def evaluate(self, result, partials):
         profiles = [term.label for term in result.path.problem.terms if hasattr(term, "motion")]
         works = [ProfileWork(label).evaluate(result, partials) for label in profiles]
+        # W_f = sum W_profile - Pi_elastic
         partials.energy()[0] -= 1.0
         return sum(works) - result.term("structure").energy(result.end.d)

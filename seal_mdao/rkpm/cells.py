@@ -44,7 +44,7 @@ class CellMap(NamedTuple):
     rule : ReferenceRule
         Of quadrilaterals.
     triangles : ndarray of int
-        Places of the triangles among the cells.
+        Indices of the triangles among the cells.
     triangle_rule : ReferenceRule
     """
 
@@ -74,7 +74,8 @@ class CellMap(NamedTuple):
 
 
 def support_radii(cells: np.ndarray, particles: np.ndarray, support: float) -> np.ndarray:
-    """Support radius of every particle: ``support`` times the longest cell edge that meets it."""
+    """Compute support radii a_I: ``support`` times the longest cell edge at particle I, shape (n,)."""
+    # a_I = support max_e |x_a - x_b| over the edges e = (a, b) at particle I
     longest = np.zeros(len(particles))
     for a, b in zip(cells.T, np.roll(cells, -1, axis=1).T, strict=True):
         edge = np.linalg.norm(particles[a] - particles[b], axis=1)
@@ -84,14 +85,14 @@ def support_radii(cells: np.ndarray, particles: np.ndarray, support: float) -> n
 
 
 def support_axes(cells: np.ndarray, particles: np.ndarray, supports) -> np.ndarray:
-    """Inverse half-widths of product kernels that follow the two directions of the cells.
+    """Compute inverse half-widths of product kernels aligned with the two directions of the cells.
 
     Parameters
     ----------
     cells : ndarray of int, shape (n_cells, 4)
         All numbered alike: first corner to second is one direction, second to third the other.
     particles : ndarray, shape (n, 2)
-        Of the drawn body.
+        Of the nominal body.
     supports : pair of float
         Half-width in each direction over the longest edge of that direction at a particle.
 
@@ -102,24 +103,28 @@ def support_axes(cells: np.ndarray, particles: np.ndarray, supports) -> np.ndarr
     """
     columns = np.zeros((len(particles), 2, 2))
     for k, support in enumerate(supports):
+        # the two edges of direction k of every cell, both with the same sense
         ends = np.roll(cells, -k, axis=1)[:, [0, 1, 3, 2]].reshape(-1, 2)
         edge = particles[ends[:, 1]] - particles[ends[:, 0]]
         length, longest = np.hypot(*edge.T), np.zeros(len(particles))
         for end in ends.T:
             np.maximum.at(longest, end, length)
             np.add.at(columns[:, :, k], end, edge / length[:, None])
+        # column k: support_k max|e| times the mean unit edge vector at the particle
         columns[:, :, k] *= support * (longest / np.hypot(*columns[:, :, k].T))[:, None]
+    # rows a, b of the inverse: phi_a = phi(a . r) phi(b . r), zero where |a . r| or |b . r| >= 1
     return np.linalg.inv(columns)
 
 
 def circumscribed_radii(axes: np.ndarray) -> np.ndarray:
-    """Radius of the circle around every product kernel's support, shape (n,)."""
+    """Compute the radius of the circumscribed circle of every product kernel's support, shape (n,)."""
     widths = np.linalg.inv(axes)
+    # corners of the parallelogram: +-(w_1 + w_2), +-(w_1 - w_2)
     return np.max([np.hypot(*(widths @ [1.0, sign]).T) for sign in (1.0, -1.0)], axis=0)
 
 
 def kernel_supports(cells: np.ndarray, particles: np.ndarray, support) -> tuple:
-    """Radii of the supports and, of product kernels, their axes, else None.
+    """Compute the support radii and, for product kernels, their axes, else None.
 
     Parameters
     ----------
@@ -133,51 +138,57 @@ def kernel_supports(cells: np.ndarray, particles: np.ndarray, support) -> tuple:
 
 
 def in_both_directions(n_gauss) -> tuple[int, int]:
-    """Gauss points along the two directions of a cell, which may be given as one number."""
+    """Expand the number of Gauss points to a pair, one for each direction of a cell."""
     first, second = np.broadcast_to(n_gauss, 2).tolist()
     return first, second
 
 
 def quadrilateral_rule(n_gauss) -> ReferenceRule:
-    """Gauss points under the bilinear map of [-1, 1]^2, ``n_gauss`` in either direction, or in each."""
+    """Build the tensor product Gauss rule of [-1, 1]^2, ``n_gauss`` points in each direction."""
     (gx, wx), (gy, wy) = map(np.polynomial.legendre.leggauss, in_both_directions(n_gauss))
     xi, eta = (a.ravel() for a in np.meshgrid(gx, gy, indexing="ij"))
     weights = np.outer(wx, wy).ravel()
     corner = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    # N_a = (1 + xi xi_a)(1 + eta eta_a) / 4
     fx, fy = 1 + np.outer(xi, corner[:, 0]), 1 + np.outer(eta, corner[:, 1])
+    # N_a,xi = xi_a (1 + eta eta_a) / 4,  N_a,eta = eta_a (1 + xi xi_a) / 4
     slopes = np.stack([0.25 * corner[:, 0] * fy, 0.25 * corner[:, 1] * fx])
     return ReferenceRule(0.25 * fx * fy, slopes, weights)
 
 
 def triangle_rule(n_gauss) -> ReferenceRule:
-    """As many points in a triangle as ``quadrilateral_rule`` has; of n x n exact to 2 n - 2 as that.
+    """Build a rule of a triangle with as many points as ``quadrilateral_rule``, of degree 2 n - 2.
 
-    Up to four points the same from every corner: the centroid, and three points 1 / sqrt(3) of the way
-    from there to the corners, of equal weights. Else Gauss points of the square whose side
-    between the last two corners is drawn together to a point.
+    Up to four points it is symmetric: the centroid, and three points on the medians at 1 / sqrt(3) of
+    the distance to the corners, of equal weights. Otherwise it is the Gauss rule of a square
+    of which one side is collapsed to the last corner.
     """
     first, second = in_both_directions(n_gauss)
     count = first * second
     if first == second <= 2:
-        way = np.array([0.0, *[3.0**-0.5] * 3])[:count, None]
-        share = (1.0 - way) / 3.0 + way * np.vstack([np.zeros(3), np.eye(3)])[:count]
+        # area coordinates L_a = (1 - s) / 3 + s delta_ab on the median of corner b, s = 1 / sqrt(3):
+        # (1/4) sum_q L_a^2 = 1/6, so that four points of equal weight integrate quadratics exactly
+        s = np.array([0.0, *[3.0**-0.5] * 3])[:count, None]
+        area = (1.0 - s) / 3.0 + s * np.vstack([np.zeros(3), np.eye(3)])[:count]
         weights = np.full(count, 0.5 / count)
     else:
+        # collapsed square: L_3 = N_3 + N_4, and d(L_2, L_3)/d(xi, eta) = (1 - L_3) / 4
         square = quadrilateral_rule(n_gauss)
-        share = square.values @ [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 1]]
-        weights = square.weights * (1.0 - share[:, 2]) / 4.0
-    values = np.column_stack([share, np.zeros(count)])
+        area = square.values @ [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 1]]
+        weights = square.weights * (1.0 - area[:, 2]) / 4.0
+    values = np.column_stack([area, np.zeros(count)])
+    # N_1 = 1 - xi - eta, N_2 = xi, N_3 = eta; the repeated corner has N_4 = 0
     slopes = np.array([[-1.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0]])
     return ReferenceRule(values, np.repeat(slopes[:, None], count, axis=1), weights)
 
 
 def is_triangle(cells: np.ndarray) -> np.ndarray:
-    """Which cells repeat a corner, shape (n_cells,)."""
+    """Find the cells that repeat a corner (triangles), a mask of shape (n_cells,)."""
     return (cells == np.roll(cells, -1, axis=1)).any(axis=1)
 
 
 def cell_map(cells: np.ndarray, n_gauss=2) -> CellMap:
-    """The map of ``cells`` with ``n_gauss`` Gauss points in their directions.
+    """Build the map of ``cells`` with ``n_gauss`` Gauss points in each direction.
 
     Parameters
     ----------
@@ -187,20 +198,22 @@ def cell_map(cells: np.ndarray, n_gauss=2) -> CellMap:
     cells = np.array(cells)
     triangles = np.flatnonzero(is_triangle(cells))
     for cell in triangles:
+        # rotate the corners until the repeated one comes last
         first = int(np.flatnonzero(cells[cell] == np.roll(cells[cell], -1))[0])
         cells[cell] = np.roll(cells[cell], 2 - first)
     return CellMap(cells, quadrilateral_rule(n_gauss), triangles, triangle_rule(n_gauss))
 
 
 def quadrature_points(mapping: CellMap) -> PointSet:
-    """Quadrature points of all cells, one group a cell."""
+    """Collect the quadrature points of all cells, one group per cell."""
     q = mapping.n_points
     return PointSet(np.repeat(mapping.cells, q, axis=0), mapping.values.reshape(-1, 4), q)
 
 
 def tangents(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
-    """dx/d(xi, eta), shape (2, ..., n_cells, q, 2), of particles or velocities (..., n, 2)."""
+    """Compute dx/d(xi, eta), shape (2, ..., n_cells, q, 2), of particles or velocities (..., n, 2)."""
     corners = particles[..., mapping.cells, :]
+    # x,d = sum_a N_a,d(q) x_a in cell c
     out = np.einsum("dqa,...cai->d...cqi", mapping.rule.slopes, corners)
     if mapping.triangles.size:
         of_triangles = corners[..., mapping.triangles, :, :]
@@ -215,7 +228,7 @@ def _cross(a, b):
 
 
 def quadrature_weights(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
-    """Reference weight times det(dx/d(xi, eta)), shape (n_cells, q), area unit.
+    """Compute quadrature weights: reference weight times Jacobian, shape (n_cells, q), area unit.
 
     Raises
     ------
@@ -223,6 +236,7 @@ def quadrature_weights(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
         For a folded cell (negative area at a quadrature point).
     """
     t = tangents(mapping, particles)
+    # w_q = w_ref det(dx/d(xi, eta)) = w_ref (x,xi X x,eta)
     weights = _cross(t[0], t[1]) * mapping.reference_weights
     if not np.all(weights > 0.0):
         cell = int(np.argwhere(~(weights > 0.0))[0, 0])
@@ -235,15 +249,17 @@ def quadrature_weights(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
 
 
 def weight_rates(mapping: CellMap, particles: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """Rates of the weights along design velocities (P, n, 2), shape (P, n_cells, q)."""
+    """Differentiate the weights along design velocities V (P, n, 2), shape (P, n_cells, q)."""
     t, v = tangents(mapping, particles), tangents(mapping, velocity)
+    # w_q' = w_ref (V,xi X x,eta + x,xi X V,eta)
     return (_cross(v[0], t[1]) + _cross(t[0], v[1])) * mapping.reference_weights
 
 
 def add_weight_seeds(mapping, particles, weight_bar, x_bar) -> None:
-    """Transpose of ``weight_rates``: seeds (n_cells, q, M) on the weights to ``x_bar`` (n, 2, M)."""
+    """Apply the transpose of ``weight_rates``: seeds (n_cells, q, M) added to ``x_bar`` (n, 2, M)."""
     t = tangents(mapping, particles)
     scaled = weight_bar * mapping.reference_weights[..., None]
+    # dw/dx,xi = w_ref (y,eta, -x,eta)   dw/dx,eta = w_ref (-y,xi, x,xi)
     turned = np.stack([t[1][..., ::-1] * [1, -1], -t[0][..., ::-1] * [1, -1]])
     corner = _corner_seeds(scaled, mapping.rule.slopes, turned)
     if mapping.triangles.size:
@@ -253,7 +269,8 @@ def add_weight_seeds(mapping, particles, weight_bar, x_bar) -> None:
 
 
 def _corner_seeds(scaled, slopes, turned):
-    """Seeds (n_cells, 4, 2, M) on the corners."""
+    """Compute the seeds on the corners, shape (n_cells, 4, 2, M)."""
     n, _, m = scaled.shape
+    # dw_q/dx_a = sum_d N_a,d(q) dw_q/dx,d
     of_weights = np.einsum("dqa,dcqi->caiq", slopes, turned).reshape(n, 8, -1)
     return (of_weights @ scaled).reshape(n, 4, 2, m)

@@ -40,13 +40,14 @@ class EssentialTransformation:
 
     @property
     def is_constrained(self):
-        """Mask over ``union`` of the constrained particles."""
+        """Find the constrained particles, a mask over ``union``."""
         return np.isin(self.union, self.constrained)
 
     def coefficients(self, d: np.ndarray) -> np.ndarray:
-        """Raw coefficients c = N d, (n, 2), of the transformed ones: c_C = T d_U."""
+        """Compute the coefficients of the raw shape functions, (n, 2), from the transformed ones."""
         if self.constrained.size == 0:
             return d
+        # c_F = d_F, c_C = T d_U
         raw = d.copy()
         raw[self.constrained] = self.matrix @ d[self.union]
         return raw
@@ -61,7 +62,7 @@ def rows_on_union(table: ShapeTable, union: np.ndarray, values: np.ndarray) -> n
 
 
 def essential_transformation(constrained: np.ndarray, table: ShapeTable) -> EssentialTransformation:
-    """T from the raw shape functions at the constrained particles.
+    """Compute T of the mixed transformation from the raw shape functions at the constrained particles.
 
     Parameters
     ----------
@@ -71,6 +72,7 @@ def essential_transformation(constrained: np.ndarray, table: ShapeTable) -> Esse
         Raw shape functions at those particles, one point a group.
     """
     union = np.unique(np.concatenate([table.neighbours, constrained]))
+    # Lambda_CI = Phi_I(X_C) on the union of all neighbours
     rows = rows_on_union(table, union, table.phi)
     where = np.searchsorted(union, constrained)
     lambda_cc = rows[:, where]
@@ -80,15 +82,14 @@ def essential_transformation(constrained: np.ndarray, table: ShapeTable) -> Esse
             "reduce the support or constrain fewer particles"
         )
     inverse = np.linalg.inv(lambda_cc)
+    # E = [-Lambda_CF | I],  T = Lambda_CC^-1 E
     right = -rows
     right[:, where] = np.eye(constrained.size)
     return EssentialTransformation(constrained, union, inverse @ right, inverse)
 
 
 def transformation_rates(transformation: EssentialTransformation, rows_rate: np.ndarray):
-    """T' from the rates of the raw rows.
-
-    T = Lambda_CC^-1 E gives T' = Lambda_CC^-1 (E' - Lambda_CC' T).
+    """Differentiate T, given the rates of the raw rows.
 
     Parameters
     ----------
@@ -100,6 +101,7 @@ def transformation_rates(transformation: EssentialTransformation, rows_rate: np.
     ndarray, shape (c, u, P)
     """
     where = np.searchsorted(transformation.union, transformation.constrained)
+    # Lambda_CC T = E:  T' = Lambda_CC^-1 (E' - Lambda_CC' T),  E' = [-Lambda_CF' | 0]
     right = -np.einsum("cdp,du->cup", rows_rate[:, where], transformation.matrix)
     free = ~transformation.is_constrained
     right[:, free] -= rows_rate[:, free]
@@ -107,7 +109,8 @@ def transformation_rates(transformation: EssentialTransformation, rows_rate: np.
 
 
 def transformation_seeds(transformation: EssentialTransformation, matrix_bar: np.ndarray):
-    """Transpose of ``transformation_rates``: seeds on T (c, u, M) to seeds on the raw rows."""
+    """Apply the transpose of ``transformation_rates``: seeds on T (c, u, M) to seeds on raw rows."""
+    # z = Lambda_CC^-T T_bar:  Lambda_CF_bar = -z_F,  Lambda_CC_bar = -z T^T
     z = np.einsum("dc,dum->cum", transformation.lambda_inverse, matrix_bar)
     rows_bar = np.where(transformation.is_constrained[:, None], 0.0, -z)
     where = np.searchsorted(transformation.union, transformation.constrained)

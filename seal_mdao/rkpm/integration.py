@@ -40,18 +40,18 @@ EDGE_POINTS = 8
 
 
 class EdgeRule(NamedTuple):
-    """Integration of the cell boundaries.
+    """Integration rule of the cell boundaries.
 
     Attributes
     ----------
     ends : ndarray of int, shape (n_cells, 8, 2)
         Particles at the ends of the edge of every edge point, counter-clockwise.
     weights : ndarray, shape (n_cells, 8, 2)
-        Place of the edge point between them.
+        Linear weights of the edge point between them, which sum to 1.
     distinct : ndarray of int, shape (n_columns, s)
-        The points of every column of cells, by their number among all edge points.
+        The points of every column of cells, by their index among all edge points.
     place : ndarray of int, shape (n_cells, 8)
-        Of every edge point among those of its column.
+        Index of every edge point among those of its column.
     """
 
     ends: np.ndarray
@@ -61,7 +61,7 @@ class EdgeRule(NamedTuple):
 
 
 def edge_rule(cells: np.ndarray, constrained: np.ndarray, column: int = 1) -> EdgeRule:
-    """Two points on each of the four edges of every cell.
+    """Build the rule of the cell boundaries: two points on each of the four edges of every cell.
 
     Parameters
     ----------
@@ -75,8 +75,10 @@ def edge_rule(cells: np.ndarray, constrained: np.ndarray, column: int = 1) -> Ed
     _, which, count = np.unique(
         np.sort(ends, axis=2).reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
     )
+    # an edge of one cell only lies on the boundary of the body
     outer = (count[which.ravel()] == 1).reshape(ends.shape[:2])
     essential = outer & np.isin(ends, constrained).all(axis=2)
+    # Gauss points s = (1 -+ 1 / sqrt(3)) / 2 on [0, 1], weight 1/2 each; end points where essential
     g = 0.5 - 0.5 / np.sqrt(3.0)
     gauss = np.array([[1.0 - g, g], [g, 1.0 - g]])
     weights = np.where(essential[..., None, None], np.eye(2), gauss)
@@ -85,14 +87,18 @@ def edge_rule(cells: np.ndarray, constrained: np.ndarray, column: int = 1) -> Ed
 
 
 def _distinct_points(ends, weights, column: int) -> tuple[np.ndarray, np.ndarray]:
-    """``distinct`` and ``place`` of the edge points: two are one where both lie on the same edge, nearer
-    to the same end. Columns with fewer than others repeat their first."""
+    """Number the distinct edge points of every column: ``distinct`` and ``place`` of ``EdgeRule``.
+
+    Two points are one where both lie on the same edge, nearer to the same end. Columns with fewer
+    points than others repeat their first."""
+    # key of a point: column, nearer end, farther end
     n_columns = len(ends) // column
     order = np.argsort(-weights, axis=2, kind="stable")
     key = np.empty((n_columns, column * EDGE_POINTS, 3), int)
     key[..., 0] = np.arange(n_columns)[:, None]
     key[..., 1:] = np.take_along_axis(ends, order, axis=2).reshape(n_columns, -1, 2)
     _, first, which = np.unique(key.reshape(-1, 3), axis=0, return_index=True, return_inverse=True)
+    # numbered in order of first appearance, counted from the first point of the column
     seen = np.sort(first)
     of_column = seen // (column * EDGE_POINTS)
     before = np.searchsorted(of_column, np.arange(n_columns))
@@ -103,35 +109,37 @@ def _distinct_points(ends, weights, column: int) -> tuple[np.ndarray, np.ndarray
 
 
 def edge_normals(rule: EdgeRule, vectors: np.ndarray) -> np.ndarray:
-    """Outward normal times weight at every edge point, (..., n_cells, 8, 2).
+    """Compute outward normal times weight at every edge point, shape (..., n_cells, 8, 2).
 
     Linear in ``vectors`` (..., n, 2): the particles give the normals, a velocity their rates.
     """
+    # n w = 1/2 (dy, -dx) of the edge, counter-clockwise: outward, half the length for each point
     edge = vectors[..., rule.ends[..., 1], :] - vectors[..., rule.ends[..., 0], :]
     return 0.5 * np.stack([edge[..., 1], -edge[..., 0]], axis=-1)
 
 
 def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) -> None:
-    """Transpose of ``edge_normals``: seeds (n_cells, 8, 2, M) added to ``x_bar`` (n, 2, M)."""
+    """Apply the transpose of ``edge_normals``: seeds (n_cells, 8, 2, M) added to ``x_bar`` (n, 2, M)."""
+    # dx_bar = -1/2 n_y_bar, dy_bar = 1/2 n_x_bar; + at the second end, - at the first
     pull = 0.5 * np.stack([-normal_bar[..., 1, :], normal_bar[..., 0, :]], axis=-2)
     scatter_add(x_bar, rule.ends[..., 1], pull)
     scatter_add(x_bar, rule.ends[..., 0], -pull)
 
 
 def integration_points(mapping: CellMap, rule: EdgeRule) -> tuple:
-    """Gauss points and edge points; those of a column of cells are a group."""
+    """Collect Gauss points and edge points; those of a column of cells form a group."""
     n_cells, q = len(mapping.cells), mapping.n_points
     anchors = np.broadcast_to(mapping.cells[:, None], (n_cells, q, 4)).reshape(-1, 4)
     weights = np.broadcast_to(mapping.values, (n_cells, q, 4)).reshape(-1, 4)
     n_columns, n_distinct = rule.distinct.shape
     gauss = PointSet(anchors, weights, q * (n_cells // n_columns), valued=False)
-    ends, shares = (own.reshape(-1, 2)[rule.distinct.ravel()] for own in (rule.ends, rule.weights))
-    return gauss, PointSet(ends, shares, n_distinct, sloped=False)
+    ends, between = (own.reshape(-1, 2)[rule.distinct.ravel()] for own in (rule.ends, rule.weights))
+    return gauss, PointSet(ends, between, n_distinct, sloped=False)
 
 
 @dataclass(frozen=True)
 class CellTable:
-    """Shape functions at the quadrature points of the background cells, a group for a column of them.
+    """Shape functions at the quadrature points of the background cells, one group per column.
 
     Attributes
     ----------
@@ -139,9 +147,9 @@ class CellTable:
     weights : ndarray, shape (n_cells, q)
         Quadrature weights.
     gauss : PointTable
-        Gradients at the Gauss points, as Eq. (13) gives them.
+        Gradients at the Gauss points of the shape functions of Eq. (13).
     edges : PointTable
-        Values at the edge points; the groups have the lists of those of the Gauss points.
+        Values at the edge points; the groups share the neighbour lists of the Gauss points.
     raw : ShapeTable
         Consistent gradients at the Gauss points.
     table : ShapeTable
@@ -157,14 +165,14 @@ class CellTable:
 
     @property
     def column_weights(self) -> np.ndarray:
-        """The weights by columns, shape (n_columns, cells of a column * q)."""
+        """Quadrature weights by columns, shape (n_columns, cells of a column * q)."""
         return self.weights.reshape(self.raw.n_groups, self.raw.group_size)
 
 
 @inlined
 def _of_cell(start, cell, n_cells):
-    """Column of a cell, its number of neighbours, and the rows (point, neighbour) before the cell, in
-    its column and in all, were there one point in a cell."""
+    """Locate the rows of a cell: its column, its number of neighbours n, and the number of rows
+    before the cell, in its column and in all, for one point per cell."""
     cells = n_cells // (start.size - 1)
     column = cell // cells
     n = start[column + 1] - start[column]
@@ -177,12 +185,15 @@ def _correct(start, grad, edges, place, weights, normals, out):
     n_cells, q_count = weights.shape
     for cell in range(n_cells):
         column, n, _, s0 = _of_cell(start, cell, n_cells)
+        # the layout of grad is (point, component, neighbour), that of edges.phi (point, neighbour)
         first, on_edges, volume = 2 * s0 * q_count, start[column] * edges.group_size, 0.0
         for q in range(q_count):
+            # V_c = sum_q w_q
             volume += weights[cell, q]
-        # the components from a shape: where numba knows of two it makes two loops of this one
+        # components counted by a shape: numba splits a loop over a constant 2 into two
         for j in range(normals.shape[2]):
             for i in range(n):
+                # s_Ij = (1/V_c) ( sum_e Phi_I(x_e) n_ej - sum_q w_q Phi_I,j(x_q) )
                 at, shift = first + j * n + i, 0.0
                 for q in range(q_count):
                     shift -= weights[cell, q] * grad[at + 2 * q * n]
@@ -190,6 +201,7 @@ def _correct(start, grad, edges, place, weights, normals, out):
                     shift += edges.phi[on_edges + place[cell, e] * n + i] * normals[cell, e, j]
                 shift /= volume
                 for q in range(q_count):
+                    # Phi~_I,j(x_q) = Phi_I,j(x_q) + s_Ij
                     out[at + 2 * q * n] = grad[at + 2 * q * n] + shift
 
 
@@ -197,7 +209,7 @@ def _correct(start, grad, edges, place, weights, normals, out):
 def _correct_rates(
     raw, edges, place, d_gauss, d_edges, weights, normals, weight_rates, normal_rates
 ):
-    """Rates of the gradients at the Gauss points, ``d_gauss``, to those of the consistent ``raw``."""
+    """Differentiate the consistent gradients ``raw``, in place of the rates of Phi_I,j, ``d_gauss``."""
     n_cells, q_count = weights.shape
     for cell in range(n_cells):
         column, n, before, s0 = _of_cell(raw.start, cell, n_cells)
@@ -208,12 +220,15 @@ def _correct_rates(
         grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
         at = 2 * (d_gauss.start[column, 1] + before * q_count * count)
         d_grad = d_gauss.grad[at : at + 2 * q_count * n * count].reshape(q_count, 2, n, count)
+        # V_c s_Ij' = sum_e (Phi_I n_ej)' - sum_q (w_q' Phi~_I,j + w_q Phi_I,j'):
+        # the term -V_c' s_Ij of the quotient is contained in w_q' Phi~_I,j = w_q' (Phi_I,j + s_Ij)
         volume, d_shift = weights[cell].sum(), np.zeros((2, n, count))
         for q in range(q_count):
             for j in range(2):
                 for i in range(n):
                     for p in range(count):
                         dw = weight_rates[which[p], cell, q]
+                        # - w_q' Phi~_I,j - w_q Phi_I,j'
                         d_shift[j, i, p] -= (
                             dw * grad[q, j, i] + weights[cell, q] * d_grad[q, j, i, p]
                         )
@@ -225,11 +240,13 @@ def _correct_rates(
                 for i in range(n):
                     for p in range(count):
                         dn = normal_rates[which[p], cell, e, j]
+                        # + Phi_I' n_ej + Phi_I n_ej'
                         d_shift[j, i, p] += d_phi[i * count + p] * normals[cell, e, j] + phi[i] * dn
         for q in range(q_count):
             for j in range(2):
                 for i in range(n):
                     for p in range(count):
+                        # Phi~_I,j' = Phi_I,j' + s_Ij'
                         d_grad[q, j, i, p] += d_shift[j, i, p] / volume
 
 
@@ -237,15 +254,16 @@ def _correct_rates(
 def _correct_seeds(
     raw, edges, place, weights, normals, columns, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
 ):
-    """Seeds (rows, M) on the consistent gradients of the ``columns`` (first, last) to those on their
-    gradients at the Gauss points and, added, on their values at the edge points, and on the weights and
-    normals of all cells."""
+    """Apply the transpose of ``_correct_rates`` to the ``columns`` (first, last): seeds (rows, M) on
+    the consistent gradients to those on the gradients at the Gauss points and, added, on the values
+    at the edge points, and to those on the weights and normals of all cells."""
     (first, last), cells = columns, len(weights) // (raw.start.size - 1)
     q_count, e_count, count = weights.shape[1], place.shape[1], seeds.shape[1]
     on_weights, on_normals = np.empty((q_count, count)), np.empty((2, e_count, count))
     for cell in range(cells * first, cells * last):
         column, n, _, s0 = _of_cell(raw.start, cell, len(weights))
         grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2 * n)
+        # seeds hold the rows of these columns only
         at = s0 - cells * raw.start[first]
         # side by side: components, neighbours, measures
         seed = seeds[2 * at * q_count : 2 * (at + n) * q_count].reshape(q_count, 2 * n * count)
@@ -253,9 +271,11 @@ def _correct_seeds(
         volume, shift_bar = weights[cell].sum(), np.zeros(2 * n * count)
         for q in range(q_count):
             for a in range(shift_bar.size):
+                # s_bar_Ij / V_c, with s_bar_Ij = sum_q Phi~_bar_q,Ij
                 shift_bar[a] += seed[q, a] / volume
         for q in range(q_count):
             for a in range(shift_bar.size):
+                # Phi_bar_q,Ij = Phi~_bar_q,Ij - w_q s_bar_Ij / V_c
                 on_gauss[q, a] = seed[q, a] - weights[cell, q] * shift_bar[a]
         by_x, by_y = shift_bar[: n * count], shift_bar[n * count :]
         phi = np.empty((e_count, n))
@@ -264,9 +284,11 @@ def _correct_seeds(
             for i in range(n):
                 phi[e, i] = edges.phi[at + i]
             at -= raw.start[first] * edges.group_size
+            # Phi_bar_I(x_e) += sum_j s_bar_Ij n_ej / V_c
             on_edge = edge_bar[at : at + n].reshape(n * count)
             for a in range(by_x.size):
                 on_edge[a] += by_x[a] * normals[cell, e, 0] + by_y[a] * normals[cell, e, 1]
+        # w_bar_q = -sum_Ij Phi~_q,I,j s_bar_Ij / V_c,   n_bar_ej = sum_I Phi_I(x_e) s_bar_Ij / V_c
         np.dot(grad, shift_bar.reshape(2 * n, count), on_weights)
         np.dot(phi, by_x.reshape(n, count), on_normals[0])
         np.dot(phi, by_y.reshape(n, count), on_normals[1])
@@ -282,7 +304,7 @@ def _correct_seeds(
 def build_cell_table(
     cloud: Cloud, mapping: CellMap, rule: EdgeRule, weights: np.ndarray, transformation
 ) -> CellTable:
-    """Consistent shape functions at the quadrature points, transformed for essential conditions.
+    """Build the consistent shape functions at the quadrature points, with essential conditions.
 
     Parameters
     ----------
@@ -296,7 +318,7 @@ def build_cell_table(
 
 
 def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transformation, matrix_rate):
-    """Rates of the cells' table along design velocities (P, n, 2).
+    """Differentiate the table of the cells along design velocities V (P, n, 2).
 
     Parameters
     ----------
@@ -306,6 +328,7 @@ def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transforma
     """
     rates = raw_rates(cloud, cells.gauss, velocity, transformation)
     at_edges = raw_rates(cloud, cells.edges, velocity, like=rates)
+    # the edge normals are linear in the particles: their rates are the normals of the velocities
     _correct_rates(
         cells.raw, cells.edges.raw, cells.rule.place, rates, at_edges, cells.weights,
         edge_normals(cells.rule, cloud.particles), weight_rates, edge_normals(cells.rule, velocity),
@@ -314,7 +337,7 @@ def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transforma
 
 
 def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, transformation):
-    """Pull seeds on the cells' gradients (grad.size, M) back to the particles.
+    """Apply the transpose of ``cell_table_rates``: seeds (grad.size, M) back to the particles.
 
     ``weight_bar`` (n_cells, q, M) and ``x_bar`` (n, 2, M) are added to; returns the seeds on T.
     """
@@ -324,22 +347,27 @@ def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, trans
     normal_bar, gauss_bar, edge_bar = (
         np.zeros((*of.shape, m)) for of in (normals, gauss.coordinates, edges.coordinates)
     )
+    # run by run, so that the coefficients of the derivatives stay in the cache
     nothing, touched = np.empty((0, m)), touched_groups(raw, transformation)
     for first, last in runs(raw, ~touched) + runs(raw, touched):
         columns = first, last
         seeds = grad_bar[slice(*(2 * raw.group_size * cells.table.start[[first, last]]))]
         if touched[first]:
+            # Phi~ = Phi T: seeds on the raw gradients and on T
             seeds = untransformed_rows(
                 raw, cells.table, columns, transformation, raw.grad, 2, seeds, matrix_bar
             )
+        # consistent gradients -> gradients at Gauss points, values at edge points, weights, normals
         on_slopes, n = np.empty(seeds.shape), raw.start[last] - raw.start[first]
         on_values = np.zeros((n * edges.raw.group_size, m))
         _correct_seeds(
             raw, edges.raw, cells.rule.place, cells.weights, normals, columns, seeds, on_slopes,
             on_values, weight_bar, normal_bar,
         )  # fmt: skip
+        # -> particles and points
         raw_seeds(cloud, gauss, columns, nothing, on_slopes, x_bar, gauss_bar)
         raw_seeds(cloud, edges, columns, on_values, nothing, x_bar, edge_bar)
+    # normals and points move with the particles
     add_normal_seeds(cells.rule, normal_bar, x_bar)
     add_point_seeds(gauss.points, gauss_bar, x_bar)
     add_point_seeds(edges.points, edge_bar, x_bar)

@@ -9,7 +9,7 @@ from seal_mdao.compilation import inlined
 
 @inlined
 def cubic_b_spline(z):
-    """Kernel value and radial derivatives at the normalised distance ``z = |x - x_I| / a``.
+    """Evaluate the cubic B-spline and its derivatives at the normalised distance ``z = |x - x_I| / a``.
 
     Returns
     -------
@@ -21,8 +21,10 @@ def cubic_b_spline(z):
         phi''(z) - phi'(z) / z, zero at z = 0.
     """
     if z < 0.5:
+        # phi = 2/3 - 4 z^2 + 4 z^3,  phi' = -8 z + 12 z^2,  phi'' = -8 + 24 z
         return 2.0 / 3.0 - 4.0 * z * z * (1.0 - z), -8.0 + 12.0 * z, 12.0 * z
     if z < 1.0:
+        # phi = 4/3 (1 - z)^3,  phi' = -4 (1 - z)^2,  phi'' = 8 (1 - z)
         s = 1.0 - z
         w1 = -4.0 * s * s / z
         return 4.0 / 3.0 * s * s * s, w1, 8.0 * s - w1
@@ -31,7 +33,7 @@ def cubic_b_spline(z):
 
 @inlined
 def kernel_derivatives(rx, ry, a):
-    """Kernel of support radius ``a`` at ``r = x - x_I``: value, gradient, Hessian.
+    """Evaluate a round kernel of support radius ``a`` at ``r = x - x_I``: value, gradient, Hessian.
 
     Returns
     -------
@@ -41,6 +43,8 @@ def kernel_derivatives(rx, ry, a):
     distance = (rx * rx + ry * ry) ** 0.5
     w, w1, w2 = cubic_b_spline(distance / a)
     ex, ey = (rx / distance, ry / distance) if distance > 0.0 else (0.0, 0.0)
+    # with e = r / |r|:  grad phi_a = (phi' / z) r / a^2
+    # H = [ (phi' / z) I + (phi'' - phi' / z) e e^T ] / a^2
     s = 1.0 / (a * a)
     return (
         w,
@@ -54,7 +58,7 @@ def kernel_derivatives(rx, ry, a):
 
 @inlined
 def product_kernel_derivatives(rx, ry, ax, ay, bx, by):
-    """Product kernel phi(a . r) phi(b . r) at ``r = x - x_I``: value, gradient, Hessian.
+    """Evaluate the product kernel phi(a . r) phi(b . r) at ``r = x - x_I``: value, gradient, Hessian.
 
     Parameters
     ----------
@@ -69,8 +73,11 @@ def product_kernel_derivatives(rx, ry, ax, ay, bx, by):
     s, t = ax * rx + ay * ry, bx * rx + by * ry
     p, p1, p2 = cubic_b_spline(abs(s))
     q, q1, q2 = cubic_b_spline(abs(t))
+    # phi'' = phi' / z + (phi'' - phi' / z);  phi' with the sign of the coordinate
     p2, q2 = p1 + p2, q1 + q2
     p1, q1 = p1 * s, q1 * t
+    # grad phi_a = p' q a + p q' b
+    # H = p'' q a a^T + p' q' (a b^T + b a^T) + p q'' b b^T
     ss, st, tt = p2 * q, p1 * q1, p * q2
     return (
         p * q,

@@ -12,7 +12,7 @@ PIVOT_TOLERANCE = 1e-8
 
 @internal
 def gathered(particles, radius, axes, neighbours):
-    """Coordinates of the neighbours, and their radii or the four inverse half-widths: (3 or 6, n).
+    """Gather coordinates of the neighbours, and their radii or four inverse half-widths: (3 or 6, n).
 
     Here and in ``neighbour_terms`` numba compiles only what ``axes``, None or not, calls for."""
     near = np.empty((3 if axes is None else 6, neighbours.size))
@@ -27,12 +27,13 @@ def gathered(particles, radius, axes, neighbours):
 
 @internal
 def neighbour_terms(x, near, axes, scale, h, k):
-    """Monomials ``h`` (size, n) and kernel terms ``k`` (6, n) at ``x`` of ``gathered`` neighbours.
+    """Evaluate monomials ``h`` (size, n) and kernel terms ``k`` (6, n) at ``x`` of the neighbours.
 
     The six rows are the value, the two first and the three second derivatives (xx, xy, yy); they are
     zero where the support of a neighbour does not reach ``x``.
     """
     for i in range(near.shape[1]):
+        # H(r / s) and phi_a(r) with r = x - X_I   Eqs. (1), (2)
         rx, ry = x[0] - near[0, i], x[1] - near[1, i]
         h[1, i], h[2, i] = rx / scale, ry / scale
         if axes is None:
@@ -47,16 +48,18 @@ def neighbour_terms(x, near, axes, scale, h, k):
 
 @inlined
 def n_monomials(m):
-    """Monomials of twice the degree of a basis of ``m``: the square of the last one comes last."""
+    """Count the monomials up to twice the degree of a basis of ``m``."""
+    # the square of the last monomial of the basis is the last of them
     return PRODUCT[m - 1, m - 1] + 1
 
 
 @internal
 def moment_matrices(h, k, scale, moments):
-    """M = sum_I H H^T phi_a and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y; (1, m, m) M.
+    """Compute the moment matrix and its gradient: ``moments`` (3, m, m) holds M, M_x, M_y; (1, m, m) M.
 
-    Many of their entries are equal: they are the moments of the kernels, of twice the basis' degree."""
+    M_ab = m_(ab) as in Eq. (8): only the distinct moments, to twice the degree, are summed."""
     rows, m, _ = moments.shape
+    # m_e = sum_I H_e phi_a   Eq. (5) with unit weights;  rows 1, 2: sum_I H_e phi_a,j
     sums = np.empty((rows, len(h)))
     for j in range(rows):
         for e in range(len(h)):
@@ -64,6 +67,7 @@ def moment_matrices(h, k, scale, moments):
             for i in range(h.shape[1]):
                 value += h[e, i] * k[j, i]
             sums[j, e] = value
+    # M_ab = m_e with H_e = H_a H_b;  M_ab,j = sum_I H_e phi_a,j + H_e,j phi_a
     for a in range(m):
         for b in range(m):
             e = PRODUCT[a, b]
@@ -75,8 +79,9 @@ def moment_matrices(h, k, scale, moments):
 
 @internal
 def invert_moment(moment, inverse):
-    """Inverse of the symmetric positive definite M by Gauss and Jordan, which takes the pivots of
-    L D L^T; False where M is singular."""
+    """Invert the symmetric positive definite M by Gauss-Jordan elimination; False where M is singular.
+
+    Its pivots are those of L D L^T."""
     m = len(moment)
     for i in range(m):
         for j in range(m):
@@ -85,11 +90,13 @@ def invert_moment(moment, inverse):
         # written so that NaN fails too
         if not inverse[k, k] > PIVOT_TOLERANCE * moment[0, 0]:
             return False
+        # row k over its pivot, the unit column of the inverse in place
         scale, inverse[k, k] = 1.0 / inverse[k, k], 1.0
         for j in range(m):
             inverse[k, j] *= scale
         for i in range(m):
             if i != k:
+                # row i -= a_ik row k
                 factor, inverse[i, k] = inverse[i, k], 0.0
                 for j in range(m):
                     inverse[i, j] -= factor * inverse[k, j]
@@ -98,30 +105,33 @@ def invert_moment(moment, inverse):
 
 @inlined
 def correction_polynomials(moments, inverse, scale, b):
-    """Polynomials p = q . H and p_j = q_j . H + q . H_j, with which Phi = p phi_a, Phi_j = p_j phi_a +
-    p phi_a,j, by their coefficients: ``b`` (3, m) holds p, p_x, p_y; (1, m) p.
+    """Compute the correction function, Eq. (10), and its gradient as coefficients of monomials.
 
-    q = M^-1 H(0) of Eq. (7), q_j = -M^-1 M_j q its gradient."""
+    ``b`` (3, m) holds those of p = q . H and of p_j = q_j . H + q . H_j, j = x, y; (1, m) those of p.
+    With them Phi = p phi_a and Phi_,j = p_j phi_a + p phi_a,j."""
     m = inverse.shape[0]
     for a in range(m):
+        # q = M^-1 H(0), H(0) = (1, 0, ...)   Eqs. (7), (9)
         b[0, a] = inverse[a, 0]
     for j in range(1, b.shape[0]):
         for a in range(m):
             b[j, a] = 0.0
         for c in range(m):
+            # M q = H(0) gives q_j = -M^-1 M_j q
             t = 0.0
             for e in range(m):
                 t += moments[j, c, e] * b[0, e]
             for a in range(m):
                 b[j, a] -= inverse[a, c] * t
         for a in range(1, m):
+            # + q . H_j
             factor, lowered = basis_slope(a, j - 1, scale)
             b[j, lowered] += factor * b[0, a]
 
 
 @inlined
 def polynomial_value(b, j, h, i):
-    """The polynomial with the coefficients ``b[j]`` at neighbour ``i``."""
+    """Evaluate the polynomial with the coefficients ``b[j]`` at neighbour ``i``."""
     value = b[j, 0]
     for a in range(1, b.shape[1]):
         value += b[j, a] * h[a, i]

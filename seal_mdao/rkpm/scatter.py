@@ -6,7 +6,7 @@ from seal_mdao.compilation import compiled
 
 
 def scatter_add(out: np.ndarray, rows: np.ndarray, values: np.ndarray) -> None:
-    """out[rows[k]] += values[k] with repeated rows, in order.
+    """Add values to rows that may repeat, in order: out[rows[k]] += values[k].
 
     Parameters
     ----------

@@ -35,14 +35,14 @@ class Cloud(NamedTuple):
     particles : ndarray, shape (n_particles, 2)
         Undeformed coordinates X_I (the kernel is Lagrangian).
     radius : ndarray, shape (n_particles,)
-        Support radius a of every particle, decided once for the drawn body; of product kernels the
+        Support radius a of every particle, decided once for the nominal body; of product kernels the
         radius of the circle around the support.
     scale : float
         Length that makes the monomials dimensionless.
     n_basis : int
         3 for the linear, 6 for the quadratic basis.
     hidden : ndarray of int, shape (m, 2)
-        Particles, and those near enough for their supports that they do not see, see ``visibility``.
+        Pairs of particles that are not visible from each other, see ``visibility``.
     axes : ndarray, shape (n_particles, 2, 2), or None for round kernels
         Rows: inverse half-widths of every particle's product kernel along its two directions.
     """
@@ -65,7 +65,7 @@ class PointSet(NamedTuple):
     group_size : int
         Points in a group; consecutive points share one neighbour list.
     valued, sloped : bool
-        Whether the values, and whether the gradients are used; what is not has no entries in tables.
+        Whether values, and whether gradients are tabulated; arrays not needed are empty.
     """
 
     anchors: np.ndarray
@@ -75,7 +75,7 @@ class PointSet(NamedTuple):
     sloped: bool = True
 
     def at(self, particles):
-        """Coordinates of the points, shape (n_points, 2), length unit of ``particles``."""
+        """Compute coordinates of the points, shape (n_points, 2), length unit of ``particles``."""
         return np.einsum("pk,pki->pi", self.weights, particles[self.anchors])
 
 
@@ -90,8 +90,7 @@ class ShapeTable(NamedTuple):
     phi : ndarray
         Flat (group, point, neighbour), dimensionless.
     grad : ndarray
-        Flat (group, point, component, neighbour), per length. What a table is not asked for has no
-        entries.
+        Flat (group, point, component, neighbour), per length. Arrays that are not needed are empty.
     group_size : int
     """
 
@@ -108,8 +107,10 @@ class ShapeTable(NamedTuple):
 
 @compiled
 def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad, inverses):
-    """Fill ``phi`` and ``grad``, those that have entries, and M^-1 of every point, ``inverses``
-    (n_points, m, m); return the first point with a singular moment matrix, or -1."""
+    """Evaluate shape functions and gradients at all points, Eqs. (10)-(13) with unit weights.
+
+    Fills ``phi`` and ``grad``, where they are not empty, and M^-1 of every point, ``inverses``
+    (n_points, m, m); returns the first point with a singular moment matrix, or -1."""
     m, rows = cloud.n_basis, 3 if grad.size > 0 else 1
     n_groups = start.size - 1
     group_size = points.shape[0] // n_groups
@@ -121,17 +122,22 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad, invers
         for q in range(group_size):
             point = g * group_size + q
             inverse = inverses[point]
+            # H(x - X_I), phi_a(x - X_I) with derivatives
             neighbour_terms(points[point], near, cloud.axes, cloud.scale, h, k)
+            # M, M_,x, M_,y   Eq. (8)
             moment_matrices(h, k, cloud.scale, moments)
             if not invert_moment(moments[0], inverse):
                 return point
+            # C(x; x - X_I) = H(0)^T M^-1 H(x - X_I)   Eq. (10), and its gradient
             correction_polynomials(moments, inverse, cloud.scale, b)
             at = s0 * group_size + q * n
             for i in range(n):
                 p = polynomial_value(b, 0, h, i)
                 if phi.size > 0:
+                    # Phi_I = C phi_a   Eq. (13)
                     phi[at + i] = p * k[0, i]
                 for j in range(1, rows):
                     p_j = polynomial_value(b, j, h, i)
+                    # Phi_I,j = C_,j phi_a + C phi_a,j
                     grad[2 * at + (j - 1) * n + i] = p_j * k[0, i] + p * k[j, i]
     return -1

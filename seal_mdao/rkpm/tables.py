@@ -30,7 +30,7 @@ from seal_mdao.rkpm.transformed import (
 )
 
 RUN_ROWS = 2048
-"""Neighbours of points whose derivatives are taken at once: what they need stays in the cache."""
+"""Rows (point, neighbour) differentiated at once, so that their coefficients stay in the cache."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class PointTable:
     points : PointSet
     coordinates : ndarray, shape (n_points, 2)
     raw : ShapeTable
-        Eq. (13) as it stands.
+        Eq. (13), without essential conditions.
     table : ShapeTable
         After the essential transformation; what the analysis uses.
     inverses : ndarray, shape (n_points, m, m)
-        M^-1 of Eq. (7), which the derivatives use again.
+        M^-1 of Eq. (7), which the derivatives use too.
     """
 
     points: PointSet
@@ -57,23 +57,26 @@ class PointTable:
 
 
 def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
-    """Particles whose support covers any point of a group, as (start, neighbours), sorted.
+    """Find the particles whose support covers any point of a group, as (start, neighbours), sorted.
 
-    Groups of the same number of several sets, whose ``coordinates`` follow each other, are one. A
-    particle that does not see one of the anchors of a group does not see the group.
+    Groups with the same index in several sets, whose ``coordinates`` follow each other, are one group. A
+    particle that is hidden from one of the anchors of a group is no neighbour of the group.
     """
     group_of = np.concatenate([np.arange(len(own.anchors)) // own.group_size for own in sets])
     tree = cKDTree(coordinates)
+    # |x - X_I| <= a_I
     hits = tree.query_ball_point(cloud.particles, cloud.radius, return_sorted=False)
     counts = np.fromiter(map(len, hits), int, len(hits))
     particle = np.repeat(np.arange(len(hits)), counts)
     point = np.fromiter(chain.from_iterable(hits), int, particle.size)
     if cloud.axes is not None:
+        # product kernels: |a . r| < 1 and |b . r| < 1
         away = coordinates[point] - cloud.particles[particle]
         along, across = np.einsum("kij,kj->ik", cloud.axes[particle], away)
         inside = (np.abs(along) < 1.0) & (np.abs(across) < 1.0)
         particle, point = particle[inside], point[inside]
     n = len(cloud.particles)
+    # pairs (group, particle) as one integer, sorted by group, then particle
     key = np.unique(group_of[point] * n + particle)
     if cloud.hidden.size:
         for own in sets:
@@ -84,8 +87,9 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
 
 
 def _unseen(hidden: np.ndarray, points: PointSet, n: int) -> np.ndarray:
-    """Groups and particles that do not see one of their anchors, as group n + particle, sorted."""
+    """Find pairs of a group and a particle hidden from one of its anchors, as group n + particle."""
     anchors = points.anchors.reshape(-1, points.group_size * points.anchors.shape[1])
+    # incidence (group, anchor) times (anchor, hidden particle)
     at = csr_array(
         (np.ones(anchors.size, np.int32),
          (np.repeat(np.arange(len(anchors)), anchors.shape[1]), anchors.ravel())),
@@ -97,7 +101,7 @@ def _unseen(hidden: np.ndarray, points: PointSet, n: int) -> np.ndarray:
 
 
 def raw_tables(cloud: Cloud, *sets: PointSet) -> tuple[PointTable, ...]:
-    """Shape functions, not transformed, of point sets whose groups of the same number are one.
+    """Evaluate raw shape functions of point sets that share their neighbour lists, group by group.
 
     Raises
     ------
@@ -106,6 +110,7 @@ def raw_tables(cloud: Cloud, *sets: PointSet) -> tuple[PointTable, ...]:
     """
     coordinates = [own.at(cloud.particles) for own in sets]
     start, neighbours = neighbour_lists(cloud, np.concatenate(coordinates), *sets)
+    # one list of neighbours for all sets: cells need Gauss and edge points on the same one
     return tuple(
         _evaluated(cloud, own, x, start, neighbours)
         for own, x in zip(sets, coordinates, strict=True)
@@ -116,9 +121,9 @@ def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
     size = neighbours.size * points.group_size
     phi, grad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
     inverses = np.empty((len(coordinates), cloud.n_basis, cloud.n_basis))
-    bad = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad, inverses)
-    if bad >= 0:
-        x, y = coordinates[bad]
+    singular = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad, inverses)
+    if singular >= 0:
+        x, y = coordinates[singular]
         raise SingularMomentMatrixError(
             f"the moment matrix is singular at ({x:.4g}, {y:.4g}): too few particle supports cover "
             "this point; use a larger support"
@@ -130,7 +135,7 @@ def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
 def build_table(
     cloud: Cloud, points: PointSet, transformation: EssentialTransformation | None = None
 ) -> PointTable:
-    """Shape functions of a point set, transformed for the essential conditions."""
+    """Build the shape functions of a point set, transformed for the essential conditions."""
     (plain,) = raw_tables(cloud, points)
     if transformation is None:
         return plain
@@ -138,10 +143,11 @@ def build_table(
 
 
 def _active_parameters(point_table, velocity, transformation):
-    """Parameters that move a neighbour or an anchor of each group, as (start, active)."""
+    """Find the parameters that move a neighbour or an anchor of each group, as (start, active)."""
     raw, points = point_table.raw, point_table.points
     moves = np.any(velocity != 0.0, axis=2).T.astype(np.int32)  # particle, parameter
     n_particles = moves.shape[0]
+    # incidence (group, neighbour) and (group, anchor), times (particle, parameter)
     sees = csr_array(
         (np.ones(raw.neighbours.size, np.int32), raw.neighbours, raw.start),
         shape=(raw.n_groups, n_particles),
@@ -152,6 +158,7 @@ def _active_parameters(point_table, velocity, transformation):
     )
     hit = (sees @ moves + anchored @ moves) > 0
     if transformation is not None and transformation.constrained.size:
+        # T' depends on the particles of the union
         touched = touched_groups(raw, transformation)
         hit[touched] |= moves[transformation.union].any(axis=0)
     start = np.concatenate([[0], np.cumsum(hit.sum(axis=1))])
@@ -159,16 +166,17 @@ def _active_parameters(point_table, velocity, transformation):
 
 
 def runs(raw: ShapeTable, wanted=None) -> list:
-    """Consecutive groups, (first, last), of about ``RUN_ROWS`` rows: all, or those ``wanted`` (mask)."""
+    """Split groups, all or ``wanted`` (mask), into runs (first, last) of about ``RUN_ROWS`` rows."""
     groups = np.arange(raw.n_groups) if wanted is None else np.flatnonzero(wanted)
     number = raw.start[groups] * raw.group_size // RUN_ROWS
+    # a run ends before a group that is left out, and at every multiple of RUN_ROWS
     cuts = np.flatnonzero((np.diff(groups) > 1) | (np.diff(number) > 0)) + 1
     ends = [0, *cuts, groups.size] if groups.size else []
     return [(int(groups[a]), int(groups[b - 1]) + 1) for a, b in pairwise(ends)]
 
 
 def _linearized(cloud: Cloud, point_table: PointTable, groups):
-    """Coefficients of the derivatives of the ``groups`` (first, last)."""
+    """Compute the coefficients of the derivatives of the ``groups`` (first, last)."""
     raw, points = point_table.raw, point_table.points
     return linearize_shape_functions(
         cloud, point_table.coordinates, point_table.inverses, raw.start, raw.neighbours, groups,
@@ -179,7 +187,7 @@ def _linearized(cloud: Cloud, point_table: PointTable, groups):
 def raw_rates(
     cloud, point_table: PointTable, velocity, transformation=None, like: TableRates | None = None
 ) -> TableRates:
-    """Rates of the raw shape functions along design velocities ``velocity`` (P, n_particles, 2).
+    """Differentiate the raw shape functions along design velocities ``velocity`` (P, n_particles, 2).
 
     ``like``, if given, are those of a table whose groups have the same neighbours and anchors, so the
     same active parameters.
@@ -190,6 +198,7 @@ def raw_rates(
     else:
         start, active = like.start[:, 0], like.active
     starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
+    # V(x) = sum_k w_k V(X_k) of the anchors
     point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
     size = starts[-1, 1]
     dphi, dgrad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
@@ -208,14 +217,15 @@ def table_rates(
     transformation: EssentialTransformation | None = None,
     matrix_rate: np.ndarray | None = None,
 ) -> TableRates:
-    """Rates of a transformed table along design velocities (P, n_particles, 2)."""
+    """Differentiate a transformed table along design velocities V (P, n_particles, 2)."""
+    # Phi~' = Phi' T + Phi T'
     rates = raw_rates(cloud, point_table, velocity, transformation)
     return transformed_rates(point_table.raw, point_table.table, rates, transformation, matrix_rate)
 
 
 def raw_seeds(cloud, point_table: PointTable, groups, phi_bar, grad_bar, x_bar, point_bar) -> None:
-    """Transpose of ``raw_rates`` for the ``groups`` (first, last): seeds on their raw rows added to
-    ``x_bar`` (n_particles, 2, M) and to those on the points, ``point_bar`` (n_points, 2, M)."""
+    """Apply the transpose of ``raw_rates`` to the ``groups`` (first, last): seeds on their raw rows
+    added to ``x_bar`` (n_particles, 2, M) and, on the points, to ``point_bar`` (n_points, 2, M)."""
     raw = point_table.raw
     reverse_shape_functions(
         _linearized(cloud, point_table, groups), raw.start, raw.neighbours, groups, phi_bar, grad_bar,
@@ -224,7 +234,7 @@ def raw_seeds(cloud, point_table: PointTable, groups, phi_bar, grad_bar, x_bar, 
 
 
 def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transformation=None):
-    """Pull seeds on a transformed table back to the particles (transpose of ``table_rates``).
+    """Apply the transpose of ``table_rates``: seeds on a transformed table back to the particles.
 
     Parameters
     ----------
@@ -253,7 +263,8 @@ def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transf
 
 
 def add_point_seeds(points: PointSet, point_bar: np.ndarray, x_bar: np.ndarray) -> None:
-    """Transpose of ``PointSet.at``: seeds on the points (n_points, 2, M) to the particles."""
+    """Apply the transpose of ``PointSet.at``: seeds on points (n_points, 2, M) to the particles."""
     for k in range(points.anchors.shape[1]):
+        # X_bar_k += w_k x_bar
         weighted = point_bar * points.weights[:, k, None, None]
         scatter_add(x_bar, points.anchors[:, k], weighted)

@@ -1,4 +1,4 @@
-"""Applying the essential transformation of ``essential`` to whole tables, with its derivatives."""
+"""Apply the transformation of ``essential`` to tables of shape functions, with its derivatives."""
 
 from typing import NamedTuple
 
@@ -20,8 +20,8 @@ class TableRates(NamedTuple):
     active : ndarray of int
         Parameters that touch group g: ``active[start[g, 0]:start[g + 1, 0]]``.
     phi, grad : ndarray
-        Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter).
-        What the table has no entries of has no rates.
+        Flat (group, point, neighbour, parameter), (group, point, component, neighbour, parameter);
+        empty where the array of the table is empty.
     """
 
     start: np.ndarray
@@ -31,13 +31,13 @@ class TableRates(NamedTuple):
 
 
 def entry_starts(counts_active, table):
-    """Where the rate entries of every group begin, given its number of active parameters."""
+    """Compute where the rates of every group begin, given its number of active parameters."""
     sizes = counts_active * np.diff(table.start) * table.group_size
     return np.concatenate([[0], np.cumsum(sizes)])
 
 
 def _extended_lists(raw: ShapeTable, touched: np.ndarray, transformation):
-    """Neighbour lists after the transformation: groups that see C also see the whole union."""
+    """Build the neighbour lists after the transformation: groups that see C also see the union."""
     groups = np.flatnonzero(touched)
     lists = [
         np.union1d(raw.neighbours[raw.start[g] : raw.start[g + 1]], transformation.union)
@@ -47,6 +47,7 @@ def _extended_lists(raw: ShapeTable, touched: np.ndarray, transformation):
     counts[touched] = [near.size for near in lists]
     start = np.concatenate([[0], np.cumsum(counts)])
     neighbours = np.empty(start[-1], int)
+    # groups that see no constrained particle keep their lists
     keep_raw = np.repeat(~touched, np.diff(raw.start))
     neighbours[np.repeat(~touched, counts)] = raw.neighbours[keep_raw]
     for g, near in zip(groups, lists, strict=True):
@@ -55,14 +56,14 @@ def _extended_lists(raw: ShapeTable, touched: np.ndarray, transformation):
 
 
 def touched_groups(raw: ShapeTable, transformation: EssentialTransformation) -> np.ndarray:
-    """Which groups of a raw table see a constrained particle, shape (n_groups,)."""
+    """Find the groups of a raw table that see a constrained particle, a mask of shape (n_groups,)."""
     group = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
     hit = np.isin(raw.neighbours, transformation.constrained)
     return np.bincount(group[hit], minlength=raw.n_groups) > 0
 
 
 def transform_table(raw: ShapeTable, transformation: EssentialTransformation) -> ShapeTable:
-    """Phi~ of ``essential`` for every group of a raw table; the table itself where none sees C."""
+    """Compute Phi~ of ``essential`` for every group of a raw table; the same table if none sees C."""
     touched = touched_groups(raw, transformation)
     if not touched.any():
         return raw
@@ -76,30 +77,35 @@ def transform_table(raw: ShapeTable, transformation: EssentialTransformation) ->
 
 
 def _products(raw: ShapeTable, new: ShapeTable, transformation: EssentialTransformation):
-    """Phi~ as sum of products: group, place among its raw and among its new neighbours, factor."""
+    """List the terms of Phi~: group, index among its raw and among its new neighbours, factor."""
     constrained, union = transformation.constrained, transformation.union
     groups, far = np.arange(raw.n_groups), int(np.max(new.neighbours, initial=0)) + 1
     group, listed = np.repeat(groups, np.diff(raw.start)), raw.neighbours
     key = np.repeat(groups, np.diff(new.start)) * far + new.neighbours
+    # Phi~_u = [u not in C] Phi_u + sum_C Phi_C T_Cu: a free neighbour u gives one term of factor 1,
+    # a constrained one a term of factor T_Cu for every u of the union
     is_free = ~np.isin(listed, constrained)
-    free, held = np.flatnonzero(is_free), np.flatnonzero(~is_free)
-    old = np.concatenate([free, np.repeat(held, union.size)])
-    wanted = [listed[free], np.tile(union, held.size)]
-    factor = transformation.matrix[np.searchsorted(constrained, listed[held])].ravel()
+    free, constrained_rows = np.flatnonzero(is_free), np.flatnonzero(~is_free)
+    old = np.concatenate([free, np.repeat(constrained_rows, union.size)])
+    columns = [listed[free], np.tile(union, constrained_rows.size)]
+    factor = transformation.matrix[np.searchsorted(constrained, listed[constrained_rows])].ravel()
     factor = np.concatenate([np.ones(free.size), factor])
-    at = np.searchsorted(key, group[old] * far + np.concatenate(wanted))
+    # index of (group, u) in the new lists, sorted by group and particle
+    at = np.searchsorted(key, group[old] * far + np.concatenate(columns))
+    # fixed order of the sum over C, that of the raw neighbours
     order = np.argsort(old, kind="stable")
     old, at, factor, group = old[order], at[order], factor[order], group[old[order]]
     return group, old - raw.start[group], at - new.start[group], factor
 
 
 def _transformed(raw: ShapeTable, new: ShapeTable, products, values, n_rows: int):
-    """The products of all ``n_rows`` rows of a group, (point, component), of flat ``values``."""
+    """Sum the terms of Phi~ for all ``n_rows`` rows (point, component) of a group, flat ``values``."""
     if not values.size:
         return values
     group, old, at, factor = products
     row = np.arange(n_rows)[:, None]
     count, count_new = np.diff(raw.start)[group], np.diff(new.start)[group]
+    # row r of group g begins at n_rows start_g + r n_g
     terms = factor * values[n_rows * raw.start[group] + row * count + old]
     to = n_rows * new.start[group] + row * count_new + at
     return np.bincount(to.ravel(), terms.ravel(), minlength=n_rows * new.neighbours.size)
@@ -107,7 +113,7 @@ def _transformed(raw: ShapeTable, new: ShapeTable, products, values, n_rows: int
 
 @internal
 def _positions(near, wanted, out):
-    """``out[i]`` = place of ``near[i]`` in the sorted ``wanted``, or -1; returns how many have one."""
+    """Find the index of each ``near[i]`` in the sorted ``wanted``, or -1; return the number found."""
     count = 0
     for i in range(near.size):
         at = first_not_below(wanted, near[i], 0, wanted.size)
@@ -132,7 +138,7 @@ def _transform_rates(
     n_rows,
     out,
 ):
-    """Rates of ``transform_table``: value' T + value T', the parameter running fastest."""
+    """Differentiate ``transform_table``: Phi~' = Phi' T + Phi T', the parameter running fastest."""
     for g in range(table.start.size - 1):
         n_raw, n_new = raw.start[g + 1] - raw.start[g], table.start[g + 1] - table.start[g]
         near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
@@ -142,6 +148,7 @@ def _transform_rates(
         in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
         if _positions(near, constrained, in_c) == 0:
             old_d, new_d = raw_rates.start[g, 1] * n_rows, rates.start[g, 1] * n_rows
+            # no constrained neighbour: Phi~' = Phi'
             size = raw.group_size * n_rows * n_raw * count
             for k in range(size):
                 out[new_d + k] = raw_d[old_d + k]
@@ -158,12 +165,14 @@ def _transform_rates(
                 if in_c[i] < 0:
                     at = new_d + in_new[i] * count
                     for p in range(count):
+                        # Phi~_u' += Phi_u', u not in C
                         out[at + p] += d_value[p]
                 else:
                     for u in range(union.size):
                         at = new_d + of_union[u] * count
                         weight = matrix[in_c[i], u]
                         for p in range(count):
+                            # Phi~_u' += Phi_C' T_Cu + Phi_C T_Cu'
                             out[at + p] += (
                                 d_value[p] * weight
                                 + values[old + i] * matrix_rate[in_c[i], u, which[p]]
@@ -172,8 +181,8 @@ def _transform_rates(
 
 @compiled
 def _untransform(raw, table, groups, transformation, values, n_rows, bar, raw_bar, matrix_bar):
-    """Transpose of ``transform_table``: seeds ``bar`` (rows, M) on the new rows of the ``groups``
-    (first, last) to those on their raw rows; seeds on T are added to ``matrix_bar`` (c, u, M).
+    """Apply the transpose of ``transform_table``: seeds ``bar`` (rows, M) on the new rows of the
+    ``groups`` (first, last) to those on their raw rows; adds seeds on T to ``matrix_bar`` (c, u, M).
 
     ``transformation`` are constrained, union and matrix."""
     (constrained, union, matrix), (first, last) = transformation, groups
@@ -186,24 +195,26 @@ def _untransform(raw, table, groups, transformation, values, n_rows, bar, raw_ba
         of_raw = (raw.start[g] - raw.start[first]) * size
         of_new = (table.start[g] - table.start[first]) * size
         in_c, in_new = np.empty(n_raw, np.int64), np.empty(n_raw, np.int64)
-        n_held = _positions(near, constrained, in_c)
+        n_fixed = _positions(near, constrained, in_c)
         _positions(near, here, in_new)
         for row in range(size):
             for i in range(n_raw):
                 if in_c[i] < 0:
                     at, to = of_new + row * n_new + in_new[i], of_raw + row * n_raw + i
                     for m in range(count):
+                        # Phi_bar_u = Phi~_bar_u, u not in C
                         raw_bar[to, m] = bar[at, m]
-        if n_held == 0:
+        if n_fixed == 0:
             continue
-        held, place = np.empty(n_held, np.int64), 0
+        fixed, number = np.empty(n_fixed, np.int64), 0
         for i in range(n_raw):
             if in_c[i] >= 0:
-                held[place], place = i, place + 1
+                fixed[number], number = i, number + 1
         _positions(union, here, of_union)
-        factors, at_rows = np.empty((n_held, union.size)), np.empty((n_held, size))
-        on_held, on_factors = np.empty((n_held, count)), np.empty((n_held, union.size * count))
-        for k, i in enumerate(held):
+        # dense blocks of the group: T_Cu, Phi_C in every row, Phi~_bar_u
+        factors, at_rows = np.empty((n_fixed, union.size)), np.empty((n_fixed, size))
+        on_fixed, on_factors = np.empty((n_fixed, count)), np.empty((n_fixed, union.size * count))
+        for k, i in enumerate(fixed):
             for u in range(union.size):
                 factors[k, u] = matrix[in_c[i], u]
             for row in range(size):
@@ -212,19 +223,21 @@ def _untransform(raw, table, groups, transformation, values, n_rows, bar, raw_ba
             for u in range(union.size):
                 for m in range(count):
                     seeds[row, u, m] = bar[of_new + row * n_new + of_union[u], m]
-            np.dot(factors, seeds[row], on_held)
-            for k, i in enumerate(held):
+            # Phi_bar_C = sum_u T_Cu Phi~_bar_u
+            np.dot(factors, seeds[row], on_fixed)
+            for k, i in enumerate(fixed):
                 for m in range(count):
-                    raw_bar[of_raw + row * n_raw + i, m] = on_held[k, m]
+                    raw_bar[of_raw + row * n_raw + i, m] = on_fixed[k, m]
+        # T_bar_Cu += sum_rows Phi_C Phi~_bar_u
         np.dot(at_rows, seeds.reshape(size, union.size * count), on_factors)
-        for k, i in enumerate(held):
+        for k, i in enumerate(fixed):
             for u in range(union.size):
                 for m in range(count):
                     matrix_bar[in_c[i], u, m] += on_factors[k, u * count + m]
 
 
 def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation, matrix_rate):
-    """Rates of a transformed table from those of the raw one.
+    """Differentiate a transformed table, given the rates of the raw one.
 
     Parameters
     ----------
@@ -251,14 +264,14 @@ def transformed_rates(raw: ShapeTable, table: ShapeTable, rates, transformation,
 
 
 def untransformed_rows(raw, table, groups, transformation, values, n_rows: int, bar, matrix_bar):
-    """Transpose of ``transform_table``: seeds on the raw rows of some groups, shape (raw rows, M).
+    """Apply the transpose of ``transform_table`` to some groups: seeds on raw rows, (raw rows, M).
 
     Parameters
     ----------
     groups : tuple of int
-        First and last, which is not of them.
+        First, and one past the last.
     values : ndarray
-        The raw ones of the whole table, ``n_rows`` rows a point.
+        Raw values of the complete table, ``n_rows`` rows per point.
     bar : ndarray, shape (rows, M)
         Seeds on the transformed rows of the groups.
     matrix_bar : ndarray, shape (c, u, M)
@@ -272,7 +285,7 @@ def untransformed_rows(raw, table, groups, transformation, values, n_rows: int, 
 
 
 def untransformed_seeds(raw: ShapeTable, table: ShapeTable, phi_bar, grad_bar, transformation):
-    """Transpose of ``transformed_rates``: seeds on the raw table (phi, grad), and on T or None."""
+    """Apply the transpose of ``transformed_rates``: seeds on the raw table (phi, grad), on T or None."""
     if transformation is None:
         return phi_bar, grad_bar, None
     matrix_bar = np.zeros((*transformation.matrix.shape, phi_bar.shape[1]))

@@ -1,7 +1,7 @@
 """Supports that do not reach across a void.
 
 A particle belongs to the neighbours of a point only if the two are joined through cells inside its
-support: a notch, a slit or the gap between a lip and its body is no way. Decided once, for the drawn
+support, not across a notch, a slit or the gap between a lip and its body. Decided once, for the nominal
 body, and then frozen, so that shape functions stay smooth in the design.
 
 The part of a cell inside a disc is convex. Two cells that share a side are therefore joined inside
@@ -14,27 +14,28 @@ import heapq
 import numpy as np
 from scipy.spatial import cKDTree
 
-# Pairs this far apart, over the support, are judged too: designs bring some closer.
+# Pairs up to this distance over the support radius are examined: some come closer in other designs.
 MARGIN = 1.5
 
 
 def side_distances(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Distances of points (..., 2) from straight sides between (..., 2) and (..., 2)."""
+    """Compute distances of points (..., 2) from straight sides between (..., 2) and (..., 2)."""
     along, to = end - start, points - start
+    # closest point start + s along, s = along . (x - start) / |along|^2 clipped to [0, 1]
     square = (along**2).sum(axis=-1)
-    share = np.clip((along * to).sum(axis=-1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    return np.hypot(*np.moveaxis(to - share[..., None] * along, -1, 0))
+    s = np.clip((along * to).sum(axis=-1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
+    return np.hypot(*np.moveaxis(to - s[..., None] * along, -1, 0))
 
 
 def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Pairs (m, 2): a particle, and one near enough for its support that it does not see.
+    """Find pairs (m, 2): a particle, and one within its support that is not visible from it.
 
     Parameters
     ----------
     cells : ndarray of int, shape (n_cells, 4)
         Triangles repeat a corner.
     particles : ndarray, shape (n, 2)
-        Of the drawn body.
+        Of the nominal body.
     radius : ndarray, shape (n,)
         Support radii.
     """
@@ -46,12 +47,14 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
     for particle, candidates in enumerate(near):
         nearby = np.unique(np.concatenate([around[other] for other in candidates]))
         own = around[particle]
+        # only the particle's own cells are near: nothing can be hidden
         if nearby.size == own.size:
             continue
         ends = cells[nearby], np.roll(cells[nearby], -1, axis=1)
         reach = side_distances(particles[particle], *(particles[end] for end in ends))
         joined = _joined_within(sides, own, dict(zip(nearby, reach, strict=True)))
         for other in candidates:
+            # hidden: joined only beyond the support radius and the straight distance
             least = min((joined.get(cell, np.inf) for cell in around[other]), default=0.0)
             apart = np.hypot(*(particles[other] - particles[particle]))
             if least > max(apart, radius[particle]):
@@ -60,8 +63,9 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
 
 
 def _sides(cells: np.ndarray) -> np.ndarray:
-    """The cell beyond every side, -1 for none, shape (n_cells, 4)."""
+    """Find the neighbour cell across every side, -1 for none, shape (n_cells, 4)."""
     ends = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    # equal pairs of end particles become consecutive; a collapsed side (a, a) has no neighbour
     order = np.lexsort(ends.T)
     same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1)
     same &= ends[order[1:], 0] != ends[order[1:], 1]
@@ -80,9 +84,10 @@ def _cells_at_particles(cells: np.ndarray, n: int) -> list:
 
 
 def _joined_within(beyond: np.ndarray, own: np.ndarray, reach: dict) -> dict:
-    """Least radius at which each cell of ``reach`` is joined to ``own``, sides at distances."""
+    """Find the least radius at which each cell of ``reach`` (side distances) is joined to ``own``."""
     least, heap = {}, [(0.0, int(cell)) for cell in own]
     while heap:
+        # Dijkstra with the largest distance on a path in place of its length
         radius, cell = heapq.heappop(heap)
         if cell in least:
             continue

@@ -1,1 +1,1 @@
-"""One design under many circumstances: what varies, how it is run, what is made of the results."""
+"""Robust optimisation: variations of a design, analysis of scenarios, statistics of the results."""

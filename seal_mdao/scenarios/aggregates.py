@@ -1,79 +1,86 @@
-"""What S scenarios say together: smooth functions of a column of values, with exact derivatives.
+"""Statistics of S scenarios: smooth functions of a column of values, with exact derivatives.
 
-Every function takes values (S, m) of S scenarios and gives one number a column, shape (m,), and its
-derivatives, shape (S, m). Complex values pass through. Sums go over the scenarios in their order.
+Every function takes values (S, m) of S scenarios and returns one number per column, shape (m,), and its
+derivatives, shape (S, m). Complex values are accepted. Sums are taken in the order of the scenarios.
 """
 
 import numpy as np
 from scipy.special import ndtr, ndtri
 
 SHARPNESS = 20.0
-"""Of ``highest``: at most log(S) / 20 standard deviations above the largest value."""
+"""Sharpness rho of ``highest``: at most log(S) / 20 standard deviations above the largest value."""
 BISECTIONS = 200
-"""More than enough: the quantile is found to the last bit."""
+"""Number of bisections, enough for the quantile to the last bit."""
 
 
 def mean(values: np.ndarray):
-    """Arithmetic mean."""
+    """Compute the arithmetic mean."""
     return values.mean(axis=0), np.full(values.shape, 1.0 / len(values), values.dtype)
 
 
 def deviation(values: np.ndarray):
-    """Standard deviation of a sample (S - 1 in the denominator); no derivative where all are equal."""
-    away = values - values.mean(axis=0)
-    size = np.sqrt((away * away).sum(axis=0) / (len(values) - 1))
+    """Compute the sample standard deviation (S - 1); derivative zero where all values are equal."""
+    difference = values - values.mean(axis=0)
+    # s^2 = sum (v - mean)^2 / (S - 1),  ds/dv = (v - mean) / ((S - 1) s)
+    size = np.sqrt((difference * difference).sum(axis=0) / (len(values) - 1))
     safe = np.where(size == 0.0, 1.0, size)
-    return size, away / ((len(values) - 1) * safe)
+    return size, difference / ((len(values) - 1) * safe)
 
 
 def highest(values: np.ndarray, sharpness: float = SHARPNESS):
-    """Smooth largest value (Kreisselmeier and Steinhauser, 1979), scaled by the standard deviation s.
+    """Compute a smooth maximum (Kreisselmeier and Steinhauser, 1979), scaled by the deviation s.
 
     m + s / rho log sum exp(rho (v - m) / s): never below the largest value, and at most
     s log(S) / rho above it. It has the units of the values and scales with them.
     """
     size, by_size = deviation(values)
     safe = np.where(size == 0.0, 1.0, size) / sharpness
+    # KS = v_max + (s / rho) log sum exp(rho (v - v_max) / s)
     largest = np.take_along_axis(values, values.real.argmax(axis=0)[None], axis=0)
-    away = (values - largest) / safe
-    parts = np.exp(away)
+    scaled = (values - largest) / safe
+    parts = np.exp(scaled)
     total = parts.sum(axis=0)
-    share = parts / total
+    weight = parts / total
     above = np.log(total)
-    # d(s log sum exp(v / s)) / ds, by the softmax weights
-    in_size = (above - (share * away).sum(axis=0)) / sharpness
+    # dKS/dv = w + (dKS/ds) ds/dv with softmax weights w = exp(.) / sum exp(.)
+    # dKS/ds = (1 / rho) [log sum exp(.) - sum w rho (v - v_max) / s]
+    in_size = (above - (weight * scaled).sum(axis=0)) / sharpness
     value = largest[0] + np.where(size == 0.0, 0.0, safe * above)
-    return value, share + in_size * by_size
+    return value, weight + in_size * by_size
 
 
 def lowest(values: np.ndarray, sharpness: float = SHARPNESS):
-    """Smooth smallest value, as ``highest``."""
+    """Compute a smooth minimum, as ``highest``."""
+    # min v = -max(-v)
     value, gradient = highest(-values, sharpness)
     return -value, gradient
 
 
 def quantile(values: np.ndarray, level: float):
-    """Smooth quantile: where the distribution, smoothed by a normal kernel, reaches ``level``.
+    """Compute a smooth quantile: where the distribution, smoothed by a normal kernel, is ``level``.
 
-    The kernel's width is s S^(-1/3), which goes to zero with more scenarios at the rate that suits
-    distribution functions (Azzalini, 1981). Order statistics jump where two scenarios change places;
-    this does not.
+    The width of the kernel is h = s S^(-1/3), which decreases with the number of scenarios at the
+    optimal rate for distribution functions (Azzalini, 1981). Order statistics are not differentiable
+    where two scenarios exchange their order; this quantile is.
     """
     size, by_size = deviation(values)
     width = np.where(size == 0.0, 1.0, size) * len(values) ** (-1.0 / 3.0)
+    # (1/S) sum Phi((q - v) / h) = level
     found = _level_crossing(values.real, width.real, level)
     z = (found - values) / width
     density = np.exp(-0.5 * z * z)
     total = density.sum(axis=0)
-    # one Newton step: exact derivatives of the implicit function, complex ones included
+    # one Newton step, exact to first order, also for complex values:
+    # q - h sum (Phi(z) - level) / sum phi(z),  z = (q - v) / h
     off = (_normal_distribution(z) - level).sum(axis=0) * np.sqrt(2.0 * np.pi)
     value = found - off * width / total
+    # dq/dv = phi(z) / sum phi + (dq/dh) dh/dv,  dq/dh = sum z phi(z) / sum phi
     by_width = (density * z).sum(axis=0) / total * len(values) ** (-1.0 / 3.0)
     return np.where(size == 0.0, values[0], value), density / total + by_width * by_size
 
 
 def _normal_distribution(z):
-    """Distribution function of the normal distribution, to first order in an imaginary part."""
+    """Evaluate the normal distribution function, to first order in an imaginary part."""
     if not np.iscomplexobj(z):
         return ndtr(z)
     slope = np.exp(-0.5 * z.real**2) / np.sqrt(2.0 * np.pi)
@@ -81,8 +88,9 @@ def _normal_distribution(z):
 
 
 def _level_crossing(values, width, level) -> np.ndarray:
-    """Where the smoothed distribution functions reach ``level``, by bisection, shape (m,)."""
+    """Solve for the points where the smoothed distribution functions equal ``level``, shape (m,)."""
     margin = abs(ndtri(level)) * width
+    # all normal kernels are below, or all above, the level at these ends
     low, high = values.min(axis=0) - margin - width, values.max(axis=0) + margin + width
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)

@@ -1,4 +1,4 @@
-"""All scenarios of one design."""
+"""Evaluation of all scenarios of one design."""
 
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -13,18 +13,18 @@ from seal_mdao.scenarios.variation import Scenarios
 
 @dataclass(frozen=True, eq=False)
 class Evaluated:
-    """What came of S scenarios, in their order.
+    """Results of S scenarios, in their order.
 
     Attributes
     ----------
     values : ndarray, shape (S, M)
-        Of all measures of the task, one after the other; NaN in rows that failed.
+        Values of all measures of the task in succession; NaN in failed rows.
     gradients : ndarray, shape (S, M, P + N), or None
-        In the boundary offsets and parameters of the design; zero in rows that failed.
+        Derivatives in the boundary offsets and parameters of the design; zero in failed rows.
     failures : tuple of str
-        Why a scenario failed; empty for those that did not.
+        Reason of a failure; empty for a success.
     seconds : ndarray, shape (S,)
-        That each one took.
+        Duration of each scenario.
     """
 
     values: np.ndarray
@@ -45,20 +45,22 @@ def evaluate(
     Parameters
     ----------
     task : SealTask
-        Its parameters are those of ``design``.
+        Task with the parameters of ``design``.
     scenarios : Scenarios
     offsets : ndarray, shape (P,)
         Boundary offsets of the design, mm.
     design : dict of str to float
-        Scalar parameters of the design, those that vary among them.
+        Scalar parameters of the design, including those that vary.
     workers : int, Processes or Executor
         As of ``running.run_scenarios``.
     """
     points = points_of(scenarios, offsets, design)
     outcomes = dict(run_scenarios(task, points, workers))
+    # workers finish in any order; sums over scenarios must not depend on it
     ordered = [outcomes[number] for number in range(len(scenarios))]
     gradients = None
     if task.derivatives:
+        # by the parameters of the design, not of the scenario
         gradients = np.stack([
             _design_gradient(task, scenarios, number, design, outcome, len(offsets))
             for number, outcome in enumerate(ordered)
@@ -72,7 +74,7 @@ def evaluate(
 
 
 def points_of(scenarios: Scenarios, offsets: np.ndarray, design: dict) -> list[Point]:
-    """Where a task with the parameters of ``design`` is run for every scenario."""
+    """List the points at which a task with the parameters of ``design`` is run, one per scenario."""
     return [
         Point(
             number,
@@ -84,8 +86,9 @@ def points_of(scenarios: Scenarios, offsets: np.ndarray, design: dict) -> list[P
 
 
 def _design_gradient(task, scenarios, number, design, outcome, n_offsets) -> np.ndarray:
-    """Gradient (M, P + N) of one scenario in the offsets and parameters of the design."""
+    """Compute the gradient (M, P + N) of one scenario in the offsets and parameters of the design."""
     if outcome.gradient is None:
         return np.zeros((task.count, n_offsets + len(design)))
+    # dm/dp = dm/dp_k dp_k/dp for the parameter p_k of scenario k; offsets are shifted only
     rates = scenarios.design_rates(number, design)
     return outcome.gradient * np.array([1.0] * n_offsets + [rates[name] for name in design])

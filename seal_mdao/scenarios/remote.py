@@ -1,4 +1,4 @@
-"""What happens in a worker: tasks that are kept by their digest, and the end with the parent."""
+"""Code of a worker process: cached tasks, and termination with the parent process."""
 
 import os
 import pickle
@@ -10,7 +10,7 @@ from threading import Thread
 from seal_mdao.scenarios.task import Outcome
 
 KEPT = 4
-"""Tasks that a worker keeps: a problem has one or two."""
+"""Number of tasks that a worker caches; a problem has one or two."""
 _tasks = {}
 
 
@@ -20,13 +20,12 @@ def perform(key: str, packed: bytes | Path | None, offsets, parameters) -> Outco
     Parameters
     ----------
     packed : bytes, Path or None
-        The pickled task, or the file that it is in. Left out at first, so that a scenario sends no more
-        than its numbers.
+        The pickled task, or its file. None at first, so that a scenario transfers its numbers only.
 
     Returns
     -------
     Outcome, or None
-        None when this worker does not know the task yet: ask again with ``packed``.
+        None if this worker does not have the task yet: call again with ``packed``.
     """
     task = _tasks.get(key)
     if task is None:
@@ -37,6 +36,7 @@ def perform(key: str, packed: bytes | Path | None, offsets, parameters) -> Outco
 
 
 def _unpacked(key: str, packed: bytes | Path):
+    # first in, first out
     while len(_tasks) >= KEPT:
         del _tasks[next(iter(_tasks))]
     content = packed.read_bytes() if isinstance(packed, Path) else packed
@@ -44,10 +44,10 @@ def _unpacked(key: str, packed: bytes | Path):
 
 
 def begin(leash: Connection, begun) -> None:
-    """Begin a worker process that ends with its parent, however that ends.
+    """Initialise a worker process that ends with its parent, however that ends.
 
-    ``begun``, shared with the parent, becomes 1: the script of this worker could be imported. Ctrl-C
-    goes to all processes of a terminal; the parent alone decides what it means.
+    ``begun``, shared with the parent, is set to 1: the script of this worker could be imported. Ctrl-C
+    is sent to all processes of a terminal; only the parent handles it.
     """
     begun.value = 1
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -56,6 +56,7 @@ def begin(leash: Connection, begun) -> None:
 
 def _end_with(leash: Connection) -> None:
     try:
+        # nothing is ever sent: this returns with an error once the parent is gone
         leash.recv()
     except (EOFError, OSError):
         os._exit(1)

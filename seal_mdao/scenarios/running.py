@@ -1,4 +1,4 @@
-"""Scenarios on any executor: the same bits whoever runs them, and in whatever order."""
+"""Scenarios on any executor, bitwise independent of the worker and of the order."""
 
 import os
 import pickle
@@ -17,7 +17,7 @@ from seal_mdao.scenarios.remote import perform
 from seal_mdao.scenarios.task import Outcome, SealTask
 
 AHEAD = 2
-"""Scenarios that each process has been given: one that it works on, one that waits for it."""
+"""Scenarios submitted per process: one in progress, one waiting."""
 DIED = "its worker process ended twice, without a word: out of memory?"
 
 NONE_BEGAN = (
@@ -27,12 +27,12 @@ NONE_BEGAN = (
 
 
 class Point(NamedTuple):
-    """Where a task is run.
+    """Point at which a task is run.
 
     Attributes
     ----------
     index : int
-        Its place among all.
+        Index among all points.
     offsets : ndarray, shape (P,)
         mm.
     parameters : ndarray, shape (N,)
@@ -44,7 +44,8 @@ class Point(NamedTuple):
 
 
 def usual_workers() -> int:
-    """Processes for this machine: one a core; none, which is in line, where there is one core."""
+    """Return the default number of processes: one per core; 0, in this process, on a single core."""
+    # cores that this process may use, which may be fewer than the machine has
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return cores if cores and cores > 1 else 0
 
@@ -52,27 +53,27 @@ def usual_workers() -> int:
 def run_scenarios(
     task: SealTask, points: Iterable[Point], workers: int | Processes | Executor = 0
 ) -> Iterator[tuple[int, Outcome]]:
-    """Run a task at many points; gives their indices and outcomes as they finish.
+    """Run a task at many points; yield their indices and outcomes as they finish.
 
-    Every point is run by itself from its own numbers, so its outcome is the same to the last bit
-    wherever and whenever that is done.
+    Every point is run independently from its own numbers, so its outcome is bitwise the same wherever
+    and whenever it is run.
 
     Parameters
     ----------
     task : SealTask
     points : iterable of Point
     workers : int, Processes or Executor
-        0: in line. A number of processes, started for this call. Processes that stay. Anything with
-        the interface of ``concurrent.futures.Executor``, such as those of ``mpi4py.futures`` and Dask.
-        ``Processes`` that die are replaced and their scenarios repeated once; they are ended by any
+        0: in this process. A number of processes, started for this call. ``Processes`` that stay. Any
+        ``concurrent.futures.Executor``, such as those of ``mpi4py.futures`` and Dask.
+        ``Processes`` that die are replaced and their scenarios repeated once; they are terminated by any
         exception in this process.
 
     Raises
     ------
     RuntimeError
-        When worker processes, and those in their place, end before they can work.
+        If worker processes and their replacements end before they can work.
     ValueError
-        For a task that cannot be sent to another process.
+        For a task that cannot be pickled.
     """
     if isinstance(workers, int):
         if workers == 0:
@@ -93,8 +94,8 @@ def run_scenarios(
 class _Run:
     """One task on one executor.
 
-    ``Processes`` read the task from a file. A pipe holds 64 KB: where a worker dies while more than that
-    is on its way to it, Python before 3.12 waits for ever.
+    ``Processes`` read the task from a file, because a pipe holds 64 KB: if a worker dies during the
+    transfer of more, Python before 3.12 hangs.
     """
 
     def __init__(self, task, workers, folder: Path):
@@ -103,8 +104,9 @@ class _Run:
         self._replaceable = isinstance(workers, Processes)
         self._ahead = AHEAD * workers.count if self._replaceable else None
         try:
+            # pickled once; workers identify the task by its digest
             packed = pickle.dumps(task)
-        except Exception as error:  # whatever a part of it raises
+        except Exception as error:  # any error of any part of the task
             raise ValueError(
                 f"the seal or a measure cannot be sent to another process ({error}); run the scenarios "
                 "in line, workers=0"
@@ -115,38 +117,40 @@ class _Run:
             self._packed.write_bytes(packed)
 
     def stop(self) -> None:
-        """Nothing that still runs is wanted any more."""
+        """Cancel all running scenarios."""
         for future in self._running:
             future.cancel()
         if self._replaceable:
             self._workers.end()
 
     def outcomes(self, points) -> Iterator[tuple[int, Outcome]]:
-        """As ``run_scenarios``."""
+        """Yield indices and outcomes, as ``run_scenarios``."""
         while True:
-            room = None if self._ahead is None else self._ahead - len(self._running)
-            for point in islice(points, room):
-                self._give(point)
-            if not (self._running or self._dead):  # nothing was left to give
+            # keep AHEAD scenarios per process submitted; other executors get all at once
+            free = None if self._ahead is None else self._ahead - len(self._running)
+            for point in islice(points, free):
+                self._submit(point)
+            if not (self._running or self._dead):  # all points are done
                 return
             yield from self._finished()
             if self._dead:
                 yield from self._repeated()
 
-    def _give(self, point: Point, packed=None) -> None:
-        """Submit a point, the first time without the task."""
+    def _submit(self, point: Point, packed=None) -> None:
+        """Submit a point, at first without the task."""
         try:
-            self._running[self._submitted(point, packed)] = point
+            self._running[self._future(point, packed)] = point
         except BrokenExecutor:
             if not self._replaceable:
                 raise
             self._dead.append(point)
 
-    def _submitted(self, point: Point, packed) -> Future:
+    def _future(self, point: Point, packed) -> Future:
         return self._workers.submit(perform, self._key, packed, *point[1:])
 
     def _finished(self) -> list:
-        """Outcomes that have come; points whose worker may have died are noted."""
+        """Collect the finished outcomes, and the points whose worker may have died."""
+        # at least one has finished
         done, _ = wait(self._running, return_when=FIRST_COMPLETED)
         finished = []
         for future in done:
@@ -155,21 +159,22 @@ class _Run:
                 self._dead.append(point)
                 continue
             outcome = future.result()
-            if outcome is None:  # a worker that does not know the task yet
-                self._give(point, self._packed)
+            if outcome is None:  # the worker does not have the task yet
+                self._submit(point, self._packed)
             else:
                 finished.append((point.index, outcome))
         return finished
 
     def _repeated(self) -> Iterator[tuple[int, Outcome]]:
-        """Replace the processes and repeat what died with them, one by one: nobody else to blame."""
-        while self._running:  # all end with the pool
+        """Replace the processes and repeat the lost points one by one, to identify the cause."""
+        # the pool is broken: every running scenario ends with an exception
+        while self._running:
             yield from self._finished()
         dead, self._dead = self._dead, []
         self._workers.end()
         for point in dead:
             try:
-                yield point.index, self._submitted(point, self._packed).result()
+                yield point.index, self._future(point, self._packed).result()
             except BrokenExecutor:
                 self._workers.end()
                 if not self._workers.begun:

@@ -1,4 +1,4 @@
-"""One scenario: a seal analysed with its own numbers, in whatever process that happens."""
+"""Analysis of one scenario, in any process."""
 
 import time
 from dataclasses import dataclass
@@ -16,16 +16,16 @@ from seal_mdao.values import one_of
 
 
 class Outcome(NamedTuple):
-    """What came of one scenario.
+    """Result of one scenario.
 
     Attributes
     ----------
     values : ndarray, shape (M,)
-        Of all measures, one after the other; NaN for a scenario that failed.
+        Values of all measures in succession; NaN for a failed scenario.
     gradient : ndarray, shape (M, P + N), or None
-        In the boundary offsets, then in the parameters of the task.
+        Derivatives in the boundary offsets, then in the parameters of the task.
     failure : str
-        Why there are no values; empty where there are.
+        Reason of a failure; empty for a success.
     seconds : float
     """
 
@@ -37,19 +37,19 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SealTask:
-    """All that scenarios have in common; pickled once for every worker.
+    """Common data of all scenarios; pickled once for every worker.
 
     Attributes
     ----------
     seal : Seal
     measures : tuple of Measure
-        With their places.
+        With their points selected.
     parameters : tuple of str
-        Scalar parameters that every scenario gives.
+        Scalar parameters that every scenario defines.
     method : {"auto", "direct", "adjoint"}
-        Of the gradients.
+        Method of the gradients.
     derivatives : bool
-        Whether gradients are wanted.
+        Whether gradients are computed.
     """
 
     seal: Seal
@@ -68,11 +68,11 @@ class SealTask:
 
     @property
     def count(self) -> int:
-        """Values of all measures."""
+        """Number of values of all measures."""
         return sum(self.sizes)
 
     def by_measure(self, array: np.ndarray) -> dict:
-        """The columns (..., M) of the measures by name, each (..., m)."""
+        """Split the columns (..., M) by measure, each (..., m), by name."""
         ends = np.cumsum(self.sizes)[:-1]
         parts = np.split(array, ends, axis=-1)
         return {m.name: part for m, part in zip(self.measures, parts, strict=True)}
@@ -81,7 +81,7 @@ class SealTask:
     def run(self, offsets: np.ndarray, parameters: np.ndarray) -> Outcome:
         """Analyse one scenario; a failure is an outcome, not an exception.
 
-        Profiles that would begin inside of the body begin farther back (``seals.clear_start``).
+        Profiles that would start inside the body start farther back (``seals.clear_start``).
 
         Parameters
         ----------
@@ -92,7 +92,7 @@ class SealTask:
         begun = time.perf_counter()
         try:
             found = self._analyzed(offsets, parameters)
-        except (ValueError, LoadPathError) as error:  # values that are not admissible, too
+        except (ValueError, LoadPathError) as error:  # including inadmissible values
             nothing = np.full(self.count, np.nan), None
             return Outcome(*nothing, " ".join(str(error).split()), time.perf_counter() - begun)
         return Outcome(*found, "", time.perf_counter() - begun)
@@ -100,6 +100,7 @@ class SealTask:
     def _analyzed(self, offsets, parameters):
         seal = self.seal.with_parameters(dict(zip(self.parameters, parameters, strict=True)))
         offsets = seal.check_offsets(offsets)
+        # factors are kept for the sensitivities only
         memory = FACTOR_MEMORY if self.derivatives else 0.0
         particles = seal.particles(offsets)
         seal = with_clear_starts(seal, particles)

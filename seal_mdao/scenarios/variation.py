@@ -1,4 +1,4 @@
-"""What differs between scenarios: parameters that are replaced, shifted or multiplied."""
+"""Variations between scenarios: parameters that are replaced, shifted or multiplied."""
 
 from dataclasses import dataclass, field
 
@@ -12,16 +12,16 @@ VALUE, SHIFT, FACTOR = KINDS = ("value", "shift", "factor")
 
 @dataclass(frozen=True)
 class Variation:
-    """Something that has a number in every scenario.
+    """Varying quantity, with one number per scenario.
 
     Attributes
     ----------
     name : str
     kind : {"value", "shift", "factor"}
-        The number takes the place of the design's value, is added to it, or multiplies it.
+        The number replaces the value of the design, is added to it, or multiplies it.
     parameters : tuple of str
-        Scalar parameters of the seal; ``(name,)`` when left out. A hardness may be a factor of all
-        constants of a rubber but the bulk modulus.
+        Scalar parameters of the seal; ``(name,)`` by default. A hardness may be a factor of all
+        constants of a rubber except the bulk modulus.
     """
 
     name: str
@@ -30,27 +30,30 @@ class Variation:
 
     def __post_init__(self):
         values.one_of(f"kind of {self.name!r}", self.kind, KINDS)
+        # by default the parameter of the same name
         object.__setattr__(self, "parameters", tuple(self.parameters) or (self.name,))
 
     def applied(self, value: float, number: float) -> float:
-        """A parameter with this number."""
+        """Apply the number to the value of a parameter."""
+        # p = n, p = v + n, or p = v n
         return {VALUE: number, SHIFT: value + number, FACTOR: value * number}[self.kind]
 
     def rates(self, value: float, number: float) -> tuple[float, float]:
-        """Derivatives of ``applied`` in the value of the design and in the number."""
+        """Differentiate ``applied`` with respect to the value of the design and the number."""
+        # (dp/dv, dp/dn)
         return {VALUE: (0.0, 1.0), SHIFT: (1.0, 1.0), FACTOR: (number, value)}[self.kind]
 
 
 @dataclass(frozen=True, eq=False)
 class Scenarios:
-    """S scenarios of a seal.
+    """Numbers of S scenarios of a seal.
 
     Attributes
     ----------
     variations : tuple of Variation
     numbers : ndarray, shape (S, len(variations))
     offsets : ndarray, shape (S, P), optional
-        Added to the boundary offsets of the design, mm; none when left out.
+        Added to the boundary offsets of the design, mm.
 
     Raises
     ------
@@ -93,7 +96,7 @@ class Scenarios:
         return tuple(dict.fromkeys(name for own in self.variations for name in own.parameters))
 
     def check(self, seal: Seal) -> None:
-        """Raise ValueError where a seal has no such parameters, or other offsets."""
+        """Raise ValueError if a seal lacks the parameters, or has another number of offsets."""
         unknown = [name for name in self.parameters if name not in seal.scalars]
         if unknown:
             raise ValueError(
@@ -107,7 +110,7 @@ class Scenarios:
             )
 
     def values(self, number: int, design: dict) -> dict:
-        """Parameters of one scenario by name, from those of the design."""
+        """Compute the parameters of one scenario by name, from those of the design."""
         found = dict(design)
         for variation, own in zip(self.variations, self.numbers[number].tolist(), strict=True):
             for name in variation.parameters:
@@ -115,16 +118,16 @@ class Scenarios:
         return found
 
     def boundary(self, number: int, offsets: np.ndarray) -> np.ndarray:
-        """Boundary offsets of one scenario from those of the design, (P,)."""
+        """Compute the boundary offsets of one scenario from those of the design, (P,)."""
         return offsets if self.offsets is None else offsets + self.offsets[number]
 
     def design_rates(self, number: int, design: dict) -> dict:
-        """Derivative of every parameter of one scenario in its own value of the design, by name."""
+        """Differentiate every parameter of one scenario in its value of the design, by name."""
         return self._rates(number, design)[0]
 
     def number_rates(self, number: int, design: dict) -> np.ndarray:
-        """Derivatives of the parameters (in the order of ``design``) in the numbers of a scenario,
-        shape (len(design), len(variations))."""
+        """Differentiate the parameters (in the order of ``design``) with respect to the numbers of a
+        scenario, shape (len(design), len(variations))."""
         by_number = self._rates(number, design)[1]
         return np.array([by_number[name] for name in design]).reshape(-1, len(self.variations))
 
@@ -134,6 +137,8 @@ class Scenarios:
         for k, variation in enumerate(self.variations):
             own = float(self.numbers[number, k])
             for name in variation.parameters:
+                # chain rule through successive variations of one parameter p_k = f_k(p_(k-1), n_k):
+                # dp_k/dv = f_k,p dp_(k-1)/dv,   dp_k/dn_j = f_k,p dp_(k-1)/dn_j + f_k,n delta_jk
                 by_value, by_own = variation.rates(found[name], own)
                 rates[name] *= by_value
                 by_number[name] *= by_value

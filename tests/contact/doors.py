@@ -8,6 +8,8 @@ from seal_mdao.contact.rigid_points import contact_linearization, contact_points
 from seal_mdao.geometry.curve import ARC, curve_point, curve_velocity
 from seal_mdao.geometry.pose import Pose
 from seal_mdao.geometry.profile import (
+    PieceRates,
+    Pieces,
     circle_profile,
     corner_profile,
     flat_profile,
@@ -22,8 +24,8 @@ def hollow(radius):
     """A rigid bore with the body inside: an arc walked clockwise, radius negative."""
     way = 2 * np.pi
     return rigid_profile(
-        [ARC], [(0.5, 0.2)], [2.0], [-radius], [0.0], [way * radius], radius_rate=[[-1.0]],
-        period=way * radius, period_rate=[way],
+        Pieces([ARC], [(0.5, 0.2)], [2.0], [-radius], [0.0], [way * radius]),
+        PieceRates(radius=[[-1.0]], period=[way]), way * radius,
     )  # fmt: skip
 
 

@@ -132,7 +132,7 @@ def test_what_does_not_fit_is_refused(changes, message):
 
 def test_places_outside_the_motion_are_refused():
     for fraction in (-0.1, 5.1):
-        with pytest.raises(ValueError, match="a motion of 5 steps has no place"):
+        with pytest.raises(ValueError, match="a motion of 5 steps has no position"):
             Motion(**GOOD).pose(fraction)
     with pytest.raises(ValueError, match="at least one stage"):
         staged_motion([])

@@ -54,7 +54,7 @@ def test_travels_stay_where_they_are_when_the_depth_is_an_input(tmp_path):
     expected = np.interp(curve.travels, result.door_travel, result.reaction[:, 1])
     np.testing.assert_allclose(problem.get_val("reaction_curve"), expected, rtol=1e-10)
     problem.set_val("depth", 3.0)
-    with pytest.raises(om.AnalysisError, match="asked for at 4 mm of travel"):
+    with pytest.raises(om.AnalysisError, match="requested at 4 mm of travel"):
         problem.run_model()
     assert np.isnan(problem.get_val("reaction_curve")).all()
 
@@ -149,7 +149,7 @@ def test_a_travel_within_rounding_of_the_path_is_its_end():
 @pytest.mark.parametrize("travel", [-0.1, 7.0, np.nan])
 def test_travels_beyond_the_path_are_refused(travel):
     motion = Motion([(0.0, 1.0), (0.0, -1.0)], [0.0, 0.0], [3])
-    with pytest.raises(ValueError, match="has no place after"):
+    with pytest.raises(ValueError, match="has no position after"):
         motion.at_travel(travel)
 
 

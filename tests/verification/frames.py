@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.geometry.motion import Motion
-from seal_mdao.geometry.profile import ARC, RigidProfile, rigid_profile
+from seal_mdao.geometry.profile import ARC, Pieces, RigidProfile, rigid_profile
 from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.seals.door.door_seal import DOOR, DoorSeal
 from seal_mdao.structure.elastic_body import elastic_body
@@ -87,10 +87,10 @@ def moved_profile(profile: RigidProfile, frame: Frame) -> RigidProfile:
         order = slice(None, None, -1)
     kind, length, radius = profile.kind[order], frame.size * length[order], profile.radius[order]
     start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
-    return rigid_profile(
+    return rigid_profile(Pieces(
         kind, frame.places(origin[order]),
         angle[order] + frame.angle, np.where(kind == ARC, frame.size, 1.0) * radius, start, length,
-    )  # fmt: skip
+    ))  # fmt: skip
 
 
 def analyze_in_frame(seal: DoorSeal, frame: Frame) -> FrameResult:

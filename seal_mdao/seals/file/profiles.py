@@ -8,7 +8,7 @@ from pydantic import WrapValidator, model_validator
 
 from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
-from seal_mdao.geometry.profile import RigidProfile, rigid_profile
+from seal_mdao.geometry.profile import Pieces, RigidProfile, rigid_profile
 from seal_mdao.seals.file.forms import Friction, Name, Names, Penalty, number, one_of, point
 from seal_mdao.seals.file.load_steps import Steps
 from seal_mdao.seals.file.segments import KINDS, PieceTable, SegmentTable
@@ -116,9 +116,9 @@ def rigid_profile_of(profile: ProfileTable) -> RigidProfile:
     kind, origin, angle, radius, length, coefficient = zip(*pieces, strict=True)
     start = np.concatenate([[0.0], np.cumsum(length)])
     return rigid_profile(
-        kind, origin, angle, radius, start[:-1], length, coefficient=coefficient,
+        Pieces(kind, origin, angle, radius, start[:-1], length, coefficient),
         period=start[-1] if profile.closed else 0.0,
-    )  # fmt: skip
+    )
 
 
 def _pieces(segment):
