@@ -93,7 +93,9 @@ def test_estimate_of_self_contact_is_the_true_error_within_a_factor_of_two(frict
 
 def test_penalties_of_self_contact_are_chosen_too(tmp_path):
     path, text = tmp_path / "lip.toml", FOLDED_LIP.read_text()
-    path.write_text(text.replace("normal_penalty = 2000.0\ntangent_penalty = 500.0\n[fixed]", "[fixed]"))
+    path.write_text(
+        text.replace("normal_penalty = 2000.0\ntangent_penalty = 500.0\n[fixed]", "[fixed]")
+    )
     file = sm.read_seal_file(path)
     names = {"self_contact_normal_penalty", "self_contact_tangent_penalty"}
     assert set(file.open_penalties) == names
