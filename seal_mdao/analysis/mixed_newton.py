@@ -18,11 +18,9 @@ D. Magisano, L. Leonetti, G. Garcea, Advantages of the mixed format in geometric
 analysis of beams and shells using solid finite elements, Int. J. Numer. Methods Eng. 109, 2017.
 """
 
-import numpy as np
-
-from seal_mdao.analysis.newton import NewtonOptions, converged
+from seal_mdao.analysis.newton import NewtonOptions, iterate
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep, Status
+from seal_mdao.analysis.result import ConvergedStep
 
 
 def mixed_newton(
@@ -38,27 +36,7 @@ def mixed_newton(
     Returns
     -------
     status, d, residuals
-        As of ``newton``, with the factor of the converged tangent left in ``problem``.
+        As of ``iterate``.
     """
-    gather, residuals = problem.discretization.layout.gather, []
     problem.begin_mixed(last, target)
-    for number in range(options.max_iterations + 1):
-        if not problem.assemble_forces(d, target, last.after):
-            return Status.INVERTED, d, tuple(residuals)
-        _, size, rounding = problem.residual()
-        residuals.append(size)
-        if not np.isfinite(size):
-            return Status.DIVERGED, d, tuple(residuals)
-        done = converged(problem, size, rounding, options)
-        if number == options.max_iterations and not done:
-            break
-        problem.assemble(d, target, last.after, mixed=not done)
-        residual = problem.residual()[0]
-        try:
-            problem.factorize(check=done)
-        except np.linalg.LinAlgError:
-            return Status.SINGULAR, d, tuple(residuals)
-        if done:
-            return Status.CONVERGED, d, tuple(residuals)
-        d = d - gather(problem.factor.solve(residual))
-    return Status.NOT_CONVERGED, d, tuple(residuals)
+    return iterate(problem, d, target, last.after, options, mixed=True)

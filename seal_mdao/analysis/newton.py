@@ -57,31 +57,54 @@ def converged(problem: PathProblem, size: float, rounding: bool, options: Newton
 
 
 def newton(problem: PathProblem, d, target: float, history, options: NewtonOptions):
-    """Newton iterations (44) at a fixed loading; the factor of the last tangent stays in ``problem``.
+    """Iterate by Newton's method (44) at a fixed loading.
+
+    Returns
+    -------
+    status, d, residuals
+        As of ``iterate``.
+    """
+    problem.begin()
+    return iterate(problem, d, target, history, options)
+
+
+def iterate(problem: PathProblem, d, target: float, history, options, mixed: bool = False):
+    """Iterate to equilibrium with the tangent of every iterate, from where the problem has begun.
+
+    Parameters
+    ----------
+    d : ndarray, shape (n, 2)
+        The predictor.
+    mixed : bool
+        Whether the linearisations are those of mixed iterations (``mixed_newton``).
 
     Returns
     -------
     status : Status
     d : ndarray, shape (n, 2)
     residuals : tuple of float
+        Relative. Where they converged the factor of the tangent is left in ``problem``.
     """
-    gather = problem.discretization.layout.gather
-    residuals = []
-    problem.begin()
-    for _ in range(options.max_iterations + 1):
-        if not problem.assemble(d, target, history):
+    gather, residuals = problem.discretization.layout.gather, []
+    assemble = problem.assemble_forces if mixed else problem.assemble
+    for number in range(options.max_iterations + 1):
+        if not assemble(d, target, history):
             return Status.INVERTED, d, tuple(residuals)
         residual, size, rounding = problem.residual()
         residuals.append(size)
         if not np.isfinite(size):
             return Status.DIVERGED, d, tuple(residuals)
         done = converged(problem, size, rounding, options)
+        if number == options.max_iterations and not done:
+            break
+        if mixed:
+            problem.assemble(d, target, history, mixed=not done)
+            residual = problem.residual()[0]
         try:
             problem.factorize(check=done)
         except np.linalg.LinAlgError:
             return Status.SINGULAR, d, tuple(residuals)
         if done:
             return Status.CONVERGED, d, tuple(residuals)
-        if len(residuals) <= options.max_iterations:
-            d = d - gather(problem.factor.solve(residual))
+        d = d - gather(problem.factor.solve(residual))
     return Status.NOT_CONVERGED, d, tuple(residuals)

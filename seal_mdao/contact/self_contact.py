@@ -30,6 +30,7 @@ from seal_mdao.contact.self_friction import (
     linearized,
     touch,
 )
+from seal_mdao.contact.self_mixed import Linearization
 from seal_mdao.errors import GeometryError
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
@@ -244,13 +245,19 @@ class SelfContactTerm(CoupledTerm):
 
     def respond(self, x, fraction, history) -> CoupledResponse:
         points, nodes, now = self._followed(x)
+        return self._answer(x, history, points, nodes, now, np.zeros(len(points)))
+
+    def _answer(self, x, history, points, nodes, now, missed, held=False) -> CoupledResponse:
+        """The law linearised at the gaps g - ``missed`` (m,): q = q(g - missed) + dq/dx missed e_n."""
+        normal, now = now.gap_1[:, :2], now._replace(gap=now.gap - missed)
         before, law = self._before(points, now, history), self._law_at(now.gap)
-        found, made_to_stick = self._without_reversal(points, touch(law, now, before))
+        found, made_to_stick = self._without_reversal(points, touch(law, now, before), held)
         closed = found.state != OPEN
         local = linearized(law, now, before, found, self.length[points])
         force = np.zeros_like(x)
-        q = forces(law, now, before.size, found.tau, self.length[points])[closed]
-        np.add.at(force, nodes[closed], q.reshape(-1, NODES, 2))
+        q = forces(law, now, before.size, found.tau, self.length[points])
+        q += np.einsum("mai,mi->ma", local[:, :N_PLACES, :2], missed[:, None] * normal)
+        np.add.at(force, nodes[closed], q[closed].reshape(-1, NODES, 2))
         loaded, branch = np.zeros(len(x), int), np.zeros(len(x), int)
         loaded[nodes[closed]], branch[points] = 1, found.state
         pairs, tangent = _merged(nodes[closed], local[closed][:, :N_PLACES, :N_PLACES], len(x))
@@ -259,10 +266,28 @@ class SelfContactTerm(CoupledTerm):
             self._handed_on(points, now, found), np.empty((1, 0)), made_to_stick,
         )  # fmt: skip
 
-    def _without_reversal(self, points, found: Touch):
-        """Let points stick that would slip the other way round than one Newton iteration before."""
+    # ---- mixed iterations ----
+
+    def begin_mixed(self, step, response, target):
+        self._linearized = Linearization(response.x, *self._followed(response.x), None)
+
+    def add_mixed(self, d, raw, fraction, history, force, values):
+        """The law linearised at the gaps that the last linearisation expects. In the first iteration all
+        points in contact stick: the friction of the last step tells little of where they will slip."""
+        x, last = self.deformed(raw), self._linearized
+        points, nodes, now = self._followed(x)
+        missed, held = last.missed(x, points, now, self.ring), last.direction is None
+        if not held:  # the forces at x were asked for since
+            self._direction[:] = last.direction
+        response = self._answer(x, history, points, nodes, now, missed, held)
+        self._linearized = Linearization(x, points, nodes, now, self._direction.copy())
+        return self.assembled(response, force, values)
+
+    def _without_reversal(self, points, found: Touch, held):
+        """Let points stick that would slip the other way round than one Newton iteration before, or all
+        of them where they are ``held``."""
         way = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
-        turned = way * self._direction[points] < 0
+        turned = (way != 0) if held else way * self._direction[points] < 0
         self._direction[:] = 0
         self._direction[points] = np.where(turned, 0, way)
         state = np.where(turned, STICK, found.state)

@@ -122,9 +122,7 @@ def choose(
         if tolerance is not None:
             values.real(name, tolerance, above=0.0, high=1.0)
     wanted, run = frozenset(names if penalty_tolerance is not None else ()), _Analyses(callback)
-    # contact of the seal with itself keeps its default: stiffer, its two passes constrain too much
-    rigid = {contact.label for contact in contacts(seal)}
-    names = frozenset(p.name for p in penalties_of(seal) if p.name in wanted and p.contact in rigid)
+    names = frozenset(p.name for p in penalties_of(seal) if p.name in wanted)
     begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
     ends, result = _first_path(seal, begun, run, more=1)
     if not result.converged:
@@ -134,8 +132,8 @@ def choose(
         return Choice(
             seal, tuple(np.arange(1.0, seal.n_steps + 1.0)), _values(seal, names), None, None
         )
-    if names:
-        result = _with_penalties(result, names, penalty_tolerance, run)
+    for group in _groups(seal, names):
+        result = _with_penalties(result, group, penalty_tolerance, run)
     error, left = None, relative_error(result, names) if names else None
     chosen = _own(seal.with_parameters(_values(result.seal, names))) if names else seal
     if step_tolerance is None:
@@ -175,6 +173,14 @@ def _values(seal: Seal, names) -> dict[str, float]:
 
 
 # ---- penalties ----
+
+
+def _groups(seal: Seal, names) -> list[frozenset]:
+    """Penalties that are raised together: those of rigid contacts, then those of self-contact, which
+    begin with other ratios to the body and are refused for other reasons."""
+    rigid = {contact.label for contact in contacts(seal)}
+    first = frozenset(p.name for p in penalties_of(seal) if p.name in names and p.contact in rigid)
+    return [group for group in (first, frozenset(names) - first) if group]
 
 
 def relative_error(result: SealResult, names) -> float:

@@ -118,13 +118,18 @@ class CoupledTerm(TermAtPoints):
         ends = np.cumsum([0, 2 * k, h * k, k, n, 2 * k]).tolist()
         return tuple(map(slice, ends, ends[1:]))
 
-    def add(self, d, raw, fraction, history, force, values):
-        x = self._x
+    def deformed(self, raw) -> np.ndarray:
+        """Deformed places of the points (k, 2)."""
+        x = np.empty((len(self.where), 2))
         interpolate(self.table.raw, raw, x)
-        x += self.reference
-        response = self.respond(x.copy(), fraction, history)
-        if response is None:
-            return None
+        return x + self.reference
+
+    def add(self, d, raw, fraction, history, force, values):
+        response = self.respond(self.deformed(raw), fraction, history)
+        return None if response is None else self.assembled(response, force, values)
+
+    def assembled(self, response: CoupledResponse, force, values) -> CoupledResponse:
+        """Add a response to the forces and, where ``values`` is not empty, to the tangent."""
         layout = self.discretization.layout
         self._add_force(response.force, response.loaded, force)
         if values.size:

@@ -11,11 +11,15 @@ from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import newton
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
+from seal_mdao.contact.boundary_curve import kinematics, masters, rings
+from seal_mdao.contact.friction import SLIP
 from seal_mdao.contact.kinematics import linearized_places, normal_gaps
+from seal_mdao.contact.self_mixed import Linearization
 from seal_mdao.geometry.pose import Pose
 from seal_mdao.geometry.profile import circle_profile, flat_profile
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+FOLDED_LIP = Path(__file__).parents[1] / "contact" / "folded_lip.toml"
 RADIUS = 4.0
 
 
@@ -172,3 +176,72 @@ def test_an_equilibrium_far_away_is_refused(monkeypatch):
     assert found
     assert refused.step_cuts == failed.step_cuts > 0
     np.testing.assert_array_equal(refused.path.steps[-1].d, failed.path.steps[-1].d)
+
+
+# ---- self-contact ----
+
+N_RING = 24
+
+
+def outside_a_ring(*angles):
+    """Linearisations of a point 0.1 outside a closed curve of radius R, at angles of one segment."""
+    turn = 2.0 * np.pi * np.arange(N_RING) / N_RING
+    curve, ring = RADIUS * np.column_stack([np.cos(turn), np.sin(turn)]), rings([N_RING, 1])
+    point, segments = np.array([N_RING]), np.array([3])
+    nodes = np.column_stack([point, masters(segments, ring)])
+    found = []
+    for share in angles:
+        angle = turn[3] + share * turn[1]
+        away = (RADIUS + 0.1) * np.array([[np.cos(angle), np.sin(angle)]])
+        x = np.vstack([curve, away])
+        now = kinematics(x, nodes, segments, np.array([share]))
+        found.append(Linearization(x, point, nodes, now, None))
+    return ring, *found
+
+
+def test_a_point_that_went_along_a_wall_misses_what_the_wall_bends():
+    """About s^2/(2 R), as the expected gap is that over the tangent, and nothing where none bends."""
+    ring, one, other = outside_a_ring(0.4, 0.6)
+    way = (RADIUS + 0.1) * 0.2 * 2.0 * np.pi / N_RING
+    (missed,) = one.missed(other.x, other.points, other.kinematics, ring)
+    assert missed == pytest.approx(way**2 / (2.0 * RADIUS), rel=0.05)
+    assert one.missed(one.x, one.points, one.kinematics, ring) == pytest.approx(0.0, abs=1e-15)
+
+
+def test_a_point_that_faced_no_wall_or_another_one_misses_nothing():
+    ring, one, other = outside_a_ring(0.4, 0.6)
+    far = one.kinematics._replace(gap=one.kinematics.gap + 1.0)  # what it leads to is off by 1
+    assert one._replace(kinematics=far).missed(other.x, other.points, other.kinematics, ring) == 0.0
+    faced = [one.points[:0], one.nodes[:0], type(far)(*(part[:0] for part in far))]
+    assert Linearization(one.x, *faced, None).missed(one.x, one.points, far, ring) == 0.0
+
+
+@pytest.fixture(scope="module")
+def folded():
+    return sm.analyze(sm.build_seal(sm.read_seal_file(FOLDED_LIP)))
+
+
+def test_at_equilibrium_they_are_newtons_after_the_first_with_self_contact(folded):
+    """The first holds all points in contact."""
+    problem, place = problem_of(folded), folded.path.place("self_contact")
+    touching = [step for step in folded.path.steps if (step.responses[place].branch == SLIP).any()]
+    for step in touching[::4]:
+        problem.assemble_at(step)
+        values, residual = problem.values.copy(), problem.residual()[0]
+        problem.begin_mixed(step, step.fraction)
+        problem.assemble(step.d, step.fraction, step.before, mixed=True)
+        assert problem.unsettled > 0
+        problem.assemble(step.d, step.fraction, step.before, mixed=True)
+        assert problem.unsettled == 0
+        scale = np.abs(values).max()
+        np.testing.assert_allclose(problem.values, values, rtol=0.0, atol=1e-11 * scale)
+        np.testing.assert_allclose(problem.residual()[0], residual, rtol=0.0, atol=1e-9)
+    assert len(touching) >= 4
+
+
+def test_stiff_contact_of_a_lip_with_its_body_takes_few_cuts(folded):
+    """Newton's method alone cuts 24 times."""
+    own = {"self_contact_normal_penalty": 2e5, "self_contact_tangent_penalty": 2e4}
+    result = sm.analyze(folded.seal.with_parameters(own))
+    assert result.converged
+    assert result.step_cuts <= 15

@@ -14,6 +14,8 @@ from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.penalty_error import penalties_of, penalty_errors
 
+FOLDED_LIP = Path(__file__).parents[1] / "contact" / "folded_lip.toml"
+"""Its self-contact has penalties of 2000 and 500 kPa/mm."""
 HALF_DISC = """
 [material.rubber]
 law = "mooney_rivlin"
@@ -70,6 +72,42 @@ def test_estimate_is_the_true_error_within_a_factor_of_two(solid, normal, tangen
         assert 0.5 * np.abs(true).max() <= np.abs(found.error).max() <= 2.0 * np.abs(true).max()
         assert np.sign(found.error) == np.sign(true)
         assert sum(found.by_penalty.values()) == pytest.approx(found.error)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_estimate_of_self_contact_is_the_true_error_within_a_factor_of_two(friction):
+    """A lip that slides on its body, against penalties a hundred times as large."""
+    seal = sm.build_seal(sm.read_seal_file(FOLDED_LIP))
+    soft = {"self_contact_normal_penalty": 1e4, "self_contact_tangent_penalty": 1e3}
+    other = {"self_contact_friction": friction}
+    result = sm.analyze(seal.with_parameters(soft | other))
+    stiff = {name: 100.0 * value for name, value in soft.items()}
+    exact = sm.analyze(seal.with_parameters(stiff | other))
+    for measure in seal.standard:
+        found = result.penalty_error[measure.name]
+        error = sum(found.by_penalty[name] for name in soft)
+        true = result.value(measure) - exact.value(measure)
+        assert 0.5 * abs(true) <= abs(error) <= 2.0 * abs(true)
+        assert np.sign(error) == np.sign(true)
+
+
+def test_penalties_of_self_contact_are_chosen_too(tmp_path):
+    path, text = tmp_path / "lip.toml", FOLDED_LIP.read_text()
+    path.write_text(
+        text.replace("normal_penalty = 2000.0\ntangent_penalty = 500.0\n[fixed]", "[fixed]")
+    )
+    file = sm.read_seal_file(path)
+    names = {"self_contact_normal_penalty", "self_contact_tangent_penalty"}
+    assert set(file.open_penalties) == names
+    seal = sm.build_seal(file)
+    softer = seal.with_parameters({name: 0.2 * seal.scalars[name].value for name in names})
+    errors = [relative_error(sm.analyze(own), names) for own in (seal, softer)]
+    # on the coarse path it was below; with more steps it is a little different
+    assert errors[0] < 1.5 * PENALTY_TOLERANCE < errors[1]
+    again = sm.build_seal(file, **chosen_for(file, seal))
+    assert {name: again.scalars[name].value for name in names} == {
+        name: seal.scalars[name].value for name in names
+    }
 
 
 def test_estimate_is_from_the_exact_derivative(solid):
