@@ -7,17 +7,19 @@ from _common import penalty_table
 from seal_mdao import plotting
 from seal_mdao.plotting.recorded import RecordedOptimization
 from seal_mdao.seals.door.measures import DOOR
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
+from seal_mdao.seals.result import SealResult
 
 
 def draw_history(
-    history: RecordedOptimization, initial: DoorSealResult, final: DoorSealResult, out: Path
+    history: RecordedOptimization, initial: SealResult, final: SealResult, out: Path
 ) -> list[Path]:
     """Cost history, constraint history, and both designs side by side; returns the files."""
     figures = {
         "cost_history": plotting.cost_history(history),
-        "constraint_history": plotting.constraint_history(history, initial.points.stress),
+        "constraint_history": plotting.constraint_history(
+            history, initial.measure("von_mises").points
+        ),
         "designs": plotting.door_comparison(initial, final),
     }
     return [plotting.save(figure, out / f"{name}.png") for name, figure in figures.items()]
@@ -32,9 +34,7 @@ def history_rows(history: RecordedOptimization) -> list[dict]:
     ]
 
 
-def end_numbers(
-    history: RecordedOptimization, initial: DoorSealResult, final: DoorSealResult
-) -> dict:
+def end_numbers(history: RecordedOptimization, initial: SealResult, final: SealResult) -> dict:
     """Part of summary.json that describes the last design."""
     offsets, parameters = history.design_at(-1)
     start, end = (largest_gap(result, DOOR).size for result in (initial, final))
@@ -53,7 +53,7 @@ def end_numbers(
     }
 
 
-def gap_warnings(history: RecordedOptimization, final: DoorSealResult) -> tuple[str, ...]:
+def gap_warnings(history: RecordedOptimization, final: SealResult) -> tuple[str, ...]:
     """Whether the largest gap of the last design lies where the objective does not look."""
     return gaps_unmeasured_by(final, history.objective_name.rsplit(".", 1)[-1])
 

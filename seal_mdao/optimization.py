@@ -18,7 +18,7 @@ from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.recording.settings import PROBLEM_OPTION
 from seal_mdao.seals.door.door_seal import OFFSET_BOUND, DoorSeal
 from seal_mdao.seals.door.measures import STANDARD
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult
 
 AREA_LIMIT = 110.0
 """mm^2."""
@@ -87,12 +87,12 @@ class Limits:
     further: dict
 
 
-def problem_limits(drawn: DoorSealResult, measures=()) -> Limits:
+def problem_limits(drawn: SealResult, measures=()) -> Limits:
     """Limits that follow from the analysis of the drawn seal.
 
     Parameters
     ----------
-    drawn : DoorSealResult
+    drawn : SealResult
     measures : sequence of str
         Optional measures that the problem uses.
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import seal_mdao as sm
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult
 from seal_mdao.verification.differences import (
     SCHEMES,
     Design,
@@ -36,15 +36,15 @@ class Case(NamedTuple):
     Attributes
     ----------
     design : Design
-    result : DoorSealResult
+    result : SealResult
     analytic : ndarray, shape (m, P)
     """
 
     design: Design
-    result: DoorSealResult
+    result: SealResult
     analytic: np.ndarray
 
-    def differences_in_state(self, other: DoorSealResult) -> int:
+    def differences_in_state(self, other: SealResult) -> int:
         """Entries in which the contact sequences of two paths differ, -1 for other step numbers."""
         here, there = contact_states(self.result), contact_states(other)
         return int(np.sum(here != there)) if here.shape == there.shape else -1

@@ -38,7 +38,7 @@ def make(out: Path, reduced: bool) -> dict:
         history = optimise(2 if reduced else 50, folder, kept)
     initial, final = (kept.analyze(history.seal, *history.design_at(i)) for i in (0, -1))
     save(cost_history(history), out / "cost_history.png")
-    figure = constraint_history(history, initial.points.stress)
+    figure = constraint_history(history, initial.measure("von_mises").points)
     save(figure, out / "constraint_history.png")
     save(door_comparison(initial, final), out / "optimised_seal.png")
     return {"text": _text(history, initial, final)}

@@ -6,7 +6,6 @@ from matplotlib.figure import Figure
 from seal_mdao.plotting import field, section
 from seal_mdao.plotting.deformation import panel_size
 from seal_mdao.plotting.style import BLUE, GREY, scientific, styled, subplots
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import SealResult
 
@@ -56,7 +55,7 @@ def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "
     return figure
 
 
-def door_comparison(initial: DoorSealResult, optimised: DoorSealResult) -> Figure:
+def door_comparison(initial: SealResult, optimised: SealResult) -> Figure:
     """``design_comparison`` of door seals with their sums of squared gaps and vertical reactions."""
     numbers = [
         f"$\\Sigma g_n^2$ = {scientific(r.gap_square_sum)} mm², {r.reaction[-1, 1]:.1f} N/m"

@@ -8,7 +8,7 @@ from matplotlib.ticker import MultipleLocator
 from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.style import BLUE, GREY, ORANGE, SKY, VERMILION, styled, subplots
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult
 
 NEIGHBOURS = 3
 """Open points shown beyond either end of the contact."""
@@ -16,7 +16,7 @@ LEAST_SCALE = 0.02
 """Gap that the vertical axis shows at least, mm."""
 
 
-def boundary_coordinate(result: DoorSealResult) -> np.ndarray:
+def boundary_coordinate(result: SealResult) -> np.ndarray:
     """Undeformed arc length of the contact points along the outer boundary, shape (k,), mm.
 
     Counted from the highest point of the undeformed boundary, positive to the right.
@@ -28,12 +28,12 @@ def boundary_coordinate(result: DoorSealResult) -> np.ndarray:
 
 
 @styled
-def gap_profile(result: DoorSealResult, earlier=()) -> Figure:
+def gap_profile(result: SealResult, earlier=()) -> Figure:
     """Normal gap of the contact points around the contact, open stretch shaded.
 
     Parameters
     ----------
-    result : DoorSealResult
+    result : SealResult
         Complete, or up to the step at which the path ended.
     earlier : sequence of float
         Door travels (mm) at which the gap is drawn as a thin line as well.
@@ -58,7 +58,7 @@ def gap_profile(result: DoorSealResult, earlier=()) -> Figure:
     axes.xaxis.set_major_locator(MultipleLocator(2.0))
     axes.set_xlabel("undeformed arc length from the top of the seal, to the right (mm)")
     axes.set_ylabel("normal gap to the door (mm)")
-    at_end = f"at {result.door_travel[-1]:.1f} mm: {_summary(end, opened)}"
+    at_end = f"at {result.travel[-1]:.1f} mm: {_summary(end, opened)}"
     axes.set_title(at_end, loc="left", fontsize=9.5)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
@@ -80,12 +80,12 @@ def _shade_open(axes: Axes, s: np.ndarray, opened: np.ndarray) -> None:
             axes.axvspan(min(ends), max(ends), color=SKY, alpha=0.22, linewidth=0, zorder=0)
 
 
-def _earlier_line(axes: Axes, result: DoorSealResult, s: np.ndarray, travel: float, style) -> None:
-    step = int(np.argmin(np.abs(result.door_travel - travel)))
+def _earlier_line(axes: Axes, result: SealResult, s: np.ndarray, travel: float, style) -> None:
+    step = int(np.argmin(np.abs(result.travel - travel)))
     gap = result.path.at_nominal("door")[step].gap
     axes.plot(
         s, gap, color=GREY, linewidth=1.0, linestyle=style, zorder=1,
-        label=f"at {result.door_travel[step]:.1f} mm",
+        label=f"at {result.travel[step]:.1f} mm",
     )  # fmt: skip
 
 

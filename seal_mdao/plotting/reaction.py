@@ -5,7 +5,6 @@ from matplotlib.figure import Figure
 
 from seal_mdao.plotting.courses import course_panels, with_start
 from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.result import SealResult
 
@@ -15,12 +14,12 @@ COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
 
 
 @styled
-def reaction_curve(result: DoorSealResult) -> Figure:
+def reaction_curve(result: SealResult) -> Figure:
     """Both components of the force on the door against door travel from the first touch.
 
     Parameters
     ----------
-    result : DoorSealResult
+    result : SealResult
         Complete, or up to the step at which the path ended.
 
     Returns
@@ -29,7 +28,7 @@ def reaction_curve(result: DoorSealResult) -> Figure:
         N/m on the left axis, N per 100 mm of seal on the right one.
     """
     figure, axes = subplots(width=6.4, height=4.2)
-    travel, force = result.door_travel, result.reaction
+    travel, force = result.travel, result.reaction
     draw_forces(axes, travel, force)
     lost = [point.fraction for point in result.critical_points]
     mark_critical(axes, lost, np.arange(1, len(travel) + 1), travel, force)
@@ -108,11 +107,11 @@ def unit_seal_axis(axes) -> None:
     right.set_ylabel("N per 100 mm of seal")
 
 
-def _before_touch(result: DoorSealResult) -> float:
+def _before_touch(result: SealResult) -> float:
     """Travel at which the picture starts: 0, or just before a design touches earlier."""
     touched = np.flatnonzero(np.any(result.reaction != 0.0, axis=1))
     first = max(touched[0] - 1, 0) if touched.size else None
-    return 0.0 if first is None else min(0.0, result.door_travel[first])
+    return 0.0 if first is None else min(0.0, result.travel[first])
 
 
 def _mark_end(axes, x: float, y: float, color) -> None:
@@ -123,9 +122,9 @@ def _mark_end(axes, x: float, y: float, color) -> None:
     )
 
 
-def travel_table(result: DoorSealResult) -> np.ndarray:
+def travel_table(result: SealResult) -> np.ndarray:
     """Door travel (mm) and both force components (N/m) of every step, shape (n_steps, 3)."""
-    return np.column_stack([np.round(result.door_travel, 12), result.reaction])
+    return np.column_stack([np.round(result.travel, 12), result.reaction])
 
 
 def reaction_tables(result: SealResult) -> dict[str, list]:

@@ -14,8 +14,8 @@ from seal_mdao.recording.seal_inputs import RecordedSeal
 from seal_mdao.report import tables
 from seal_mdao.report.history import FEASIBLE, history_data
 from seal_mdao.report.shapes import Pictures
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.gaps import gaps_unmeasured_by
+from seal_mdao.seals.result import SealResult
 
 ASSETS = files("seal_mdao.report") / "assets"
 SCRIPTS = ("chart.js", "shape.js", "page.js")
@@ -41,7 +41,7 @@ class ShownSeal:
     Attributes
     ----------
     recorded : RecordedSeal
-    designs : list of DoorSealResult
+    designs : list of SealResult
         Designs of some points of the history, the first and the last among them.
     """
 
@@ -53,7 +53,7 @@ class ShownSeal:
         return self.recorded.name or "seal"
 
     @property
-    def ends(self) -> tuple[DoorSealResult, DoorSealResult]:
+    def ends(self) -> tuple[SealResult, SealResult]:
         return self.designs[0], self.designs[-1]
 
     def is_as_recorded(self) -> bool:

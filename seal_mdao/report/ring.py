@@ -6,7 +6,7 @@ import numpy as np
 
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class RingGrid:
         return np.zeros(len(self.points.anchors), int)
 
 
-def ring_grid(result: DoorSealResult, along: int, across: int) -> RingGrid:
+def ring_grid(result: SealResult, along: int, across: int) -> RingGrid:
     """Shape functions of a door seal's design with ``along`` x ``across`` intervals in each cell."""
     grid, disc = result.seal.grid, result.path.discretization
     shape, points = _bilinear_points(grid.rays, grid.layers, along, across)

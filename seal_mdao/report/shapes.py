@@ -17,8 +17,8 @@ from seal_mdao.plotting.section import stress_levels, window
 from seal_mdao.plotting.style import STRESS_MAP
 from seal_mdao.report.ring import RingGrid, ring_grid
 from seal_mdao.seals.door.measures import DOOR
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.profiles import contacts, true_pressure
+from seal_mdao.seals.result import SealResult
 
 POINTS_AROUND, POINTS_ACROSS = 116, 5
 """Points of the fine grid that are enough for a picture."""
@@ -33,7 +33,7 @@ REACH = 60.0
 """How far the door is drawn, mm."""
 
 
-def fine_grid(result: DoorSealResult) -> RingGrid:
+def fine_grid(result: SealResult) -> RingGrid:
     """A grid with about as many points whatever the model's refinement, those that may touch among
     them."""
     grid, beside = result.seal.grid, _beside(result).shape[1]
@@ -42,12 +42,12 @@ def fine_grid(result: DoorSealResult) -> RingGrid:
     return ring_grid(result, along, across)
 
 
-def _beside(result: DoorSealResult) -> np.ndarray:
+def _beside(result: SealResult) -> np.ndarray:
     """Particles at the points that may touch, shape (k, 1), or to either side of them, (k, 2)."""
     return result.term(DOOR).where.points.anchors
 
 
-def kept_steps(result: DoorSealResult) -> np.ndarray:
+def kept_steps(result: SealResult) -> np.ndarray:
     """Numbers of the nominal steps that are shown, the last one included."""
     count = len(result.path.nominal_steps)
     return np.unique(np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int))
@@ -58,13 +58,13 @@ class Pictures:
 
     Parameters
     ----------
-    start, end : DoorSealResult
+    start, end : SealResult
         The first and the last design, whose whole paths are shown.
-    between : list of DoorSealResult
+    between : list of SealResult
         Designs of which the last load step is shown, ``start`` and ``end`` among them.
     """
 
-    def __init__(self, start: DoorSealResult, end: DoorSealResult, between: list[DoorSealResult]):
+    def __init__(self, start: SealResult, end: SealResult, between: list[SealResult]):
         self._start, self._end, self._between = start, end, between
         self._fine = {id(result): fine_grid(result) for result in (start, end, *between)}
         self._steps = {id(result): kept_steps(result) for result in (start, end)}
@@ -93,7 +93,7 @@ class Pictures:
             "high": self._high.tolist(),
             "base": [base[:, 0].min(), base[:, 0].max(), base[:, 1].min()],
             "contact": self._contact_points(),
-            "watched": self._grid_points(self._start.points.stress),
+            "watched": self._grid_points(list(self._start.measure("von_mises").points)),
             "paths": [self._path(self._start), self._path(self._end)],
             "designs": [self._design(result) for result in self._between],
         }
@@ -112,25 +112,25 @@ class Pictures:
         ends = np.reshape(self._grid_points(beside.ravel()), beside.shape)
         return ends.mean(axis=1).astype(int).tolist()
 
-    def _deformed(self, result: DoorSealResult, step: int) -> np.ndarray:
+    def _deformed(self, result: SealResult, step: int) -> np.ndarray:
         return field.deformed(result, self._fine[id(result)], step)
 
-    def _stress(self, result: DoorSealResult, step: int) -> np.ndarray:
+    def _stress(self, result: SealResult, step: int) -> np.ndarray:
         return field.von_mises(result, self._fine[id(result)], step)
 
-    def _frame(self, result: DoorSealResult, step: int) -> np.ndarray:
+    def _frame(self, result: SealResult, step: int) -> np.ndarray:
         """x, y, stress of every point of the grid, shape (around * across, 3), integers."""
         places = self._deformed(result, step) / self._length
         stress = np.minimum(self._stress(result, step) * FULL / self._top, FULL)
         return np.column_stack([places, stress])
 
-    def _path(self, result: DoorSealResult) -> dict:
+    def _path(self, result: SealResult) -> dict:
         steps, (door,) = self._steps[id(result)], contacts(result.seal)
         answers = result.path.at_nominal(door.label)
         chosen = [answers[step] for step in steps]
         return {
             "frames": packed([self._frame(result, step) for step in steps]),
-            "travel": np.round(result.door_travel[steps], 6).tolist(),
+            "travel": np.round(result.travel[steps], 6).tolist(),
             "position": np.round([door_position(result, step) for step in steps], 6).tolist(),
             "reaction": np.round(result.reaction[steps], 4).tolist(),
             "peak": [float(np.round(self._stress(result, step).max(), 2)) for step in steps],
@@ -142,7 +142,7 @@ class Pictures:
             "completed": result.converged,
         }
 
-    def _design(self, result: DoorSealResult) -> dict:
+    def _design(self, result: SealResult) -> dict:
         fine = self._fine[id(result)]
         drawn = field.undeformed(result, fine).reshape(*fine.shape, 2)
         return {
@@ -156,12 +156,12 @@ class Pictures:
         }
 
 
-def door_position(result: DoorSealResult, step: int) -> np.ndarray:
+def door_position(result: SealResult, step: int) -> np.ndarray:
     """Where the door is after a nominal step, shape (2,), mm."""
     return result.seal.motion.pose(result.path.nominal_steps[step].fraction).position
 
 
-def door_face(result: DoorSealResult) -> list:
+def door_face(result: SealResult) -> list:
     """Points along the door at its position zero, (n, 2) rounded, mm."""
     face = trace(result.seal.profile, 0.2, REACH)
     return np.round(face, 4).tolist()

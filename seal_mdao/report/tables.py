@@ -10,9 +10,9 @@ import numpy as np
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.plotting.recorded import RecordedOptimization, label, unit_of
 from seal_mdao.report import history as words
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.gaps import largest_gap
 from seal_mdao.seals.profiles import contacts, nominal_pressure, profile_histories, true_pressure
+from seal_mdao.seals.result import SealResult
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NO_VALUE = "–"
@@ -88,7 +88,7 @@ def _limits(constraint) -> str:
     return f"= {low}" if low == high else f"{low} to {high}"
 
 
-def analysis_table(start: DoorSealResult, end: DoorSealResult, recorded=None, name="") -> str:
+def analysis_table(start: SealResult, end: SealResult, recorded=None, name="") -> str:
     """Measures of both designs, from their analyses.
 
     Parameters
@@ -111,13 +111,13 @@ def analysis_table(start: DoorSealResult, end: DoorSealResult, recorded=None, na
     return table(head, rows, f"First and last design{of}, from their analyses")
 
 
-def agrees(recorded: np.ndarray, value: float, result: DoorSealResult) -> bool:
+def agrees(recorded: np.ndarray, value: float, result: SealResult) -> bool:
     """Whether the analysis of a design gives its recorded sum of squared gaps."""
     allowed = AGREEMENT * (abs(value) + abs(recorded[0]))
     return result.converged and abs(result.gap_square_sum - value) <= allowed
 
 
-def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
+def measures(result: SealResult) -> list[tuple[str, str, float]]:
     """Name, unit and value of what an engineer asks about a design; nan where it is not known."""
     (door,) = contacts(result.seal)
     last = result.path.at_nominal("door")[-1]
@@ -152,20 +152,20 @@ def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
         ),
         ("horizontal force on the door", "N/m", float(result.reaction[-1, 0])),
         ("area of the section", "mm²", _area(result)),
-        ("corner radius of the door", "mm", result.door_radius),
-        ("door travel reached", "mm", float(result.door_travel[-1])),
+        ("corner radius of the door", "mm", result.seal.radius),
+        ("door travel reached", "mm", float(result.travel[-1])),
         ("times that stability was lost", "", len(result.critical_points)),
     ]
 
 
-def _penalty_error(result: DoorSealResult, name: str) -> float:
+def _penalty_error(result: SealResult, name: str) -> float:
     """Relative, in percent; nan where it is not known."""
     if not result.converged or name not in result.penalty_error:
         return math.nan
     return 100.0 * result.penalty_error[name].relative
 
 
-def _area(result: DoorSealResult) -> float:
+def _area(result: SealResult) -> float:
     """Between the splines; that of the cells where only the particles are known."""
     if result.boundary_offsets is None:
         return float(result.path.discretization.weights.sum())

@@ -10,7 +10,6 @@ from seal_mdao.analysis.body import Body
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.default_penalties import completed
 from seal_mdao.measures.shape import cells_area
-from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.seal import Seal
 
 
@@ -155,9 +154,6 @@ class AssembledSeal(Seal):
                 f"unknown measure {unknown[0]!r}; this seal's own are: {', '.join(known) or 'none'}"
             )
         return tuple(known[name] for name in names) if names else self.standard
-
-    def result(self, path, boundary_offsets=None) -> SealResult:
-        return SealResult(self, path, boundary_offsets)
 
     @cached_property
     def _origin(self):

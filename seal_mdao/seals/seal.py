@@ -31,6 +31,9 @@ class Seal:
         Parameters that ``with_parameters`` takes and that can be differentiated.
     inputs : tuple of str
         Those of the scalars that are always inputs of an OpenMDAO component.
+    before_touch : float
+        Travel of the leading profile from which pictures and curves count, that of the first touch of
+        the drawn seal where it is known, mm.
     """
 
     drawn_particles: np.ndarray
@@ -40,10 +43,7 @@ class Seal:
     newton: NewtonOptions
     scalars: dict
     inputs: tuple = ()
-
-    def result(self, path, boundary_offsets=None):
-        """The ``SealResult`` of a path."""
-        raise NotImplementedError
+    before_touch: float = 0.0
 
     def terms(self) -> tuple:
         """Definitions of all terms of equilibrium, in the order in which they are summed."""
@@ -123,13 +123,6 @@ class Seal:
     def cautions(self) -> tuple[str, ...]:
         """What is known to make the results of this seal inaccurate, a line each."""
         return ()
-
-    def completed(self, result, analysis=None):
-        """A result with what the seal still has to say to it.
-
-        ``analysis(seal)`` gives the result of the drawn seal, where that is wanted.
-        """
-        return result
 
     @property
     def n_offsets(self) -> int:
