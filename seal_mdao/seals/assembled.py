@@ -1,5 +1,6 @@
 """A seal put together from a body, terms and a design: what users start from."""
 
+import json
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -124,6 +125,7 @@ class AssembledSeal(Seal):
             )
         other = replace(self, changed=self.changed | dict(values))
         other.__dict__["_origin"] = self._origin
+        other.made_from(self._description)
         other.terms()  # values that are not admissible are refused here
         return other
 
@@ -136,11 +138,32 @@ class AssembledSeal(Seal):
         )  # fmt: skip
 
     def with_rooms(self, rooms: dict) -> "AssembledSeal":
-        return replace(self, definitions=tuple(
+        other = replace(self, definitions=tuple(
             replace(own, motion=replace(own.motion, room=rooms[own.label]))
             if own.label in rooms else own
             for own in self.definitions
         ))  # fmt: skip
+        rooms = {label: np.asarray(room, float).tolist() for label, room in rooms.items()}
+        known = self._description.get("rooms", {})
+        return other.made_from(self._description and self._description | {"rooms": known | rooms})
+
+    def made_from(self, description: dict) -> "AssembledSeal":
+        """Note what this seal can be made from again, as JSON holds it; two seals of one description are
+        the same. What is made of this seal by ``dataclasses.replace`` has none."""
+        self.__dict__["_description"] = description
+        if description:
+            self.__dict__["_origin"] = json.dumps(description)
+        return self
+
+    def settings(self) -> str:
+        if not self._description:
+            return ""
+        changed = {"parameters": {name: float(value) for name, value in self.changed.items()}}
+        return json.dumps(self._description | (changed if self.changed else {}))
+
+    @cached_property
+    def _description(self) -> dict:
+        return {}
 
     def area(self, offsets):
         value, by_particles = cells_area(self.body.cells, self.moved(offsets))

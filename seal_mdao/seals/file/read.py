@@ -24,6 +24,7 @@ from seal_mdao.seals.file.checks import (
 )
 from seal_mdao.seals.file.contact_points import with_contact_points
 from seal_mdao.seals.file.cross_checks import check
+from seal_mdao.seals.file.described import note_contents
 from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.load_steps import MOST_STEPS, read_steps
 from seal_mdao.seals.file.measures import read_measure
@@ -98,7 +99,9 @@ def read_seal_file(path) -> SealFile:
     """
     path = Path(path)
     try:
-        return _read(_parsed(path), path)
+        file = _read(_parsed(path), path)
+        note_contents(file)
+        return file
     except SealFileError as error:
         raise SealFileError(f"{path}: {error}") from None
 
