@@ -10,6 +10,7 @@ from seal_mdao import values
 from seal_mdao.analysis.body import Body
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.default_penalties import completed
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.measures.shape import cells_area
 from seal_mdao.seals.seal import Seal
 
@@ -125,7 +126,7 @@ class AssembledSeal(Seal):
             )
         other = replace(self, changed=self.changed | dict(values))
         other.__dict__["_origin"] = self._origin
-        other.made_from(self._description)
+        other.__dict__["description"] = self.description
         other.terms()  # values that are not admissible are refused here
         return other
 
@@ -144,25 +145,39 @@ class AssembledSeal(Seal):
             for own in self.definitions
         ))  # fmt: skip
         rooms = {label: np.asarray(room, float).tolist() for label, room in rooms.items()}
-        known = self._description.get("rooms", {})
-        return other.made_from(self._description and self._description | {"rooms": known | rooms})
+        known = self.description.get("rooms", {})
+        return other._made_as(self, rooms=known | rooms)
+
+    def with_placements(self) -> "AssembledSeal":
+        definitions = []
+        for own in self.definitions:
+            if isinstance(own, RigidContact):
+                names = (f"{own.label}_{way}" for way in ("x", "y", "angle"))
+                own = replace(own, motion=own.motion.with_placement(*names))
+            definitions.append(own)
+        return replace(self, definitions=tuple(definitions))._made_as(self, placements=True)
 
     def made_from(self, description: dict) -> "AssembledSeal":
         """Note what this seal can be made from again, as JSON holds it; two seals of one description are
         the same. What is made of this seal by ``dataclasses.replace`` has none."""
-        self.__dict__["_description"] = description
+        self.__dict__["description"] = description
         if description:
             self.__dict__["_origin"] = json.dumps(description)
         return self
 
+    def _made_as(self, seal: "AssembledSeal", **more) -> "AssembledSeal":
+        """Note that this seal can be made as another one, and what is changed of that."""
+        return self.made_from(seal.description and seal.description | more)
+
     def settings(self) -> str:
-        if not self._description:
+        if not self.description:
             return ""
         changed = {"parameters": {name: float(value) for name, value in self.changed.items()}}
-        return json.dumps(self._description | (changed if self.changed else {}))
+        return json.dumps(self.description | (changed if self.changed else {}))
 
     @cached_property
-    def _description(self) -> dict:
+    def description(self) -> dict:
+        """What was given to ``made_from``; empty for a seal that nothing is known of."""
         return {}
 
     def area(self, offsets):

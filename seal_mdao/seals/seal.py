@@ -87,6 +87,16 @@ class Seal:
         """
         raise NotImplementedError
 
+    def with_placements(self) -> "Seal":
+        """The seal with parameters that place every profile: ``<label>_x``, ``<label>_y`` (mm) and
+        ``<label>_angle`` (degrees about its pivot), zero where they are drawn.
+
+        They move a profile along its whole path; a sample whose profile would begin inside of the seal
+        begins farther back (``seals.clear_start``). A seal that has parameters of its own for that, as
+        the door seal has ``door_shift``, ``door_angle`` and ``depth``, stays as it is.
+        """
+        return self
+
     def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
         """Area of the section, mm^2, and its gradient with respect to the offsets.
 

@@ -13,9 +13,6 @@ from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.seal import Seal
 
-CHANGES = {"rooms": "with_rooms", "parameters": "with_parameters"}
-"""Methods of a seal that take what was changed of it, by its key in the settings."""
-
 
 def seal_of(text: str) -> Seal:
     """The seal whose ``settings`` these are.
@@ -32,10 +29,14 @@ def seal_of(text: str) -> Seal:
     if not (isinstance(settings, dict) and FILE in settings):
         return DoorSeal.from_settings(text)
     seal = _seal_of_file(settings)
-    for key, method in CHANGES.items():
-        if key in settings:
-            seal = getattr(seal, method)(settings[key])
-    return seal
+    try:
+        if settings.get("placements"):
+            seal = seal.with_placements()
+        if "rooms" in settings:
+            seal = seal.with_rooms(settings["rooms"])
+        return seal.with_parameters(settings.get("parameters", {}))
+    except (TypeError, AttributeError) as error:
+        raise ValueError(f"the settings are not those of a seal: {error}") from error
 
 
 def _seal_of_file(found: dict) -> OutlineSeal:
