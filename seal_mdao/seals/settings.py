@@ -10,6 +10,7 @@ from seal_mdao.seals.door.door_seal import DoorSeal
 from seal_mdao.seals.file.build import built
 from seal_mdao.seals.file.described import FILE, named_in, unpacked
 from seal_mdao.seals.file.read import read_seal_file
+from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.seal import Seal
 
@@ -51,12 +52,21 @@ def _seal_of_file(found: dict) -> OutlineSeal:
             path.write_text(found[FILE], encoding="utf-8")
             if any(name not in found["beside"] for name in named_in(tomllib.loads(found[FILE]))):
                 raise ValueError("a file beside it is missing")
-            seal = built(read_seal_file(path), **found["chosen"])
+            file = read_seal_file(path)
+            seal = built(file, **_all_chosen(found["chosen"], file))
             return seal.made_from({key: found[key] for key in (FILE, "beside", "chosen")})
     except (TypeError, KeyError, AttributeError, ValueError, SealFileError) as error:
         raise ValueError(
             f"the settings are not those of a seal file of this version: {error}"
         ) from error
+
+
+def _all_chosen(chosen: dict, file: SealFile) -> dict:
+    """What was chosen for a file, when it is all that the file leaves open: nothing is analysed here."""
+    left_open = {"step_ends": file.step_tolerance is not None, "penalties": file.open_penalties}
+    if set(chosen) != {name for name, is_open in left_open.items() if is_open}:
+        raise ValueError("load steps or penalties that were chosen are missing")
+    return chosen
 
 
 def described(settings: dict) -> dict:

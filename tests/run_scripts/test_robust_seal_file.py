@@ -1,4 +1,4 @@
-"""optimize_robust.py with a seal file: the same optimisation, comparison and report as of the door seal."""
+"""optimize_robust.py with a seal file: optimisation, comparison and report as of the door seal."""
 
 import json
 import re

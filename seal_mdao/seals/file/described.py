@@ -72,9 +72,11 @@ def unpacked(packed: str) -> bytes:
     """
     unpacker = zlib.decompressobj()
     try:
-        content = unpacker.decompress(base64.b64decode(packed), MOST_BYTES)
+        content = unpacker.decompress(base64.b64decode(packed, validate=True), MOST_BYTES)
     except zlib.error as error:
         raise ValueError(str(error)) from error
     if unpacker.unconsumed_tail:
         raise ValueError(f"a file beside it has more than {MOST_BYTES} bytes")
+    if not unpacker.eof:
+        raise ValueError("a file beside it is not complete")
     return content
