@@ -98,7 +98,7 @@ def draw(result: SealResult, arguments) -> None:
     steps = None if arguments.depths is None else result.steps_at(arguments.depths)
     figures = {
         "deformed_shapes": plotting.deformed_shapes(result, steps),
-        "reaction": plotting.reaction_curve(result),
+        "reaction": plotting.load_deflection(result),
         "gap_profile": plotting.gap_profile(result, result.travel[-1] * np.array([0.5, 0.75])),
     }
     if result.critical_points:

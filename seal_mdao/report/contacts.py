@@ -43,7 +43,7 @@ def profile_curves(result, steps) -> list[dict]:
 
 def _curves(result, contact, history, steps) -> dict:
     answers = [result.path.at_nominal(contact.label)[step] for step in steps]
-    words, along = _abscissa(result, history)
+    words, along = _abscissa(history)
     return {
         "name": contact.label,
         "arc": np.round(arc_length(result, contact.label), 4).tolist(),
@@ -56,12 +56,11 @@ def _curves(result, contact, history, steps) -> dict:
     }
 
 
-def _abscissa(result, history) -> tuple[str, np.ndarray]:
+def _abscissa(history) -> tuple[str, np.ndarray]:
     """Travel of a profile with one course, else the number of the load step."""
     if len(history.courses) == 1:
         (course,) = history.courses
-        before = 0.0 if course.turns else result.seal.before_touch
-        return "turn (°)" if course.turns else "travel (mm)", course.along - before
+        return "turn (°)" if course.turns else "travel (mm)", course.along
     return "load step", np.arange(1.0, 1.0 + len(history.force))
 
 

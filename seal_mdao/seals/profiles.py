@@ -38,15 +38,19 @@ class Course(NamedTuple):
     stages : tuple of int
         From 1.
     along : ndarray, shape (n,)
-        Signed travel (mm) or turn (degrees) since the course began, after each of its steps.
+        Signed travel (mm) or turn (degrees), after each of its steps.
     turns : bool
         Whether it is a turn without travel.
+    begin : float
+        Travel or turn where it begins: zero, but the first travel of a seal is counted from its
+        ``before_touch``.
     """
 
     steps: slice
     stages: tuple
     along: np.ndarray
     turns: bool
+    begin: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +129,7 @@ def _history(result, contact) -> ProfileHistory:
     return ProfileHistory(
         contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
-        *at_steps.reshape(-1, 4).T, courses(motion, len(number)),
+        *at_steps.reshape(-1, 4).T, courses(motion, len(number), result.seal.before_touch),
     )  # fmt: skip
 
 
@@ -209,10 +213,11 @@ def _coordinates(motion, number) -> np.ndarray:
     return rows * (1.0, 1.0, np.degrees(1.0))
 
 
-def courses(motion: Motion, n_steps: int) -> tuple[Course, ...]:
+def courses(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, ...]:
     """The first ``n_steps`` nominal steps of a motion, divided where its direction changes.
 
-    There and back along one line is one course, so that loading and unloading share an axis.
+    There and back along one line is one course, so that loading and unloading share an axis. The first
+    travel is counted from ``before`` (mm) after its start.
     """
     waypoints, ends = _waypoints(motion), np.concatenate([[0], np.cumsum(motion.steps)])
     groups = []
@@ -233,7 +238,8 @@ def courses(motion: Motion, n_steps: int) -> tuple[Course, ...]:
         unit = unit / (np.linalg.norm(unit) or 1.0)
         moved = _coordinates(motion, range(steps.start, steps.stop)) - waypoints[stages[0]]
         numbers = tuple(s + 1 for s in stages if ends[s] < n_steps)
-        found.append(Course(steps, numbers, moved @ unit, turns))
+        begin = 0.0 if turns or stages[0] else -before
+        found.append(Course(steps, numbers, moved @ unit + begin, turns, begin))
     return tuple(found)
 
 

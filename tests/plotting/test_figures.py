@@ -11,7 +11,7 @@ from matplotlib.contour import ContourSet
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.plotting import section
-from seal_mdao.plotting.gap import boundary_coordinate
+from seal_mdao.plotting.contact import arc_length
 from seal_mdao.plotting.recorded import Constraint, RecordedOptimization
 from seal_mdao.seals.profiles import contacts
 
@@ -26,7 +26,7 @@ def drawn_somewhere(axes, points):
 
 
 def test_no_window_system_is_touched(drawn, tmp_path):
-    path = plotting.save(plotting.reaction_curve(drawn), tmp_path / "new" / "reaction.png", dpi=50)
+    path = plotting.save(plotting.load_deflection(drawn), tmp_path / "new" / "reaction.png", dpi=50)
     assert matplotlib.image.imread(path).std() > 0.01
     pyplot = sys.modules.get("matplotlib.pyplot")
     assert pyplot is None or pyplot.get_fignums() == []
@@ -70,16 +70,15 @@ def test_door_is_a_body_outside_the_seal(drawn):
 
 
 def test_reaction_is_drawn_against_travel(drawn):
-    axes = plotting.reaction_curve(drawn).axes[0]
+    axes = plotting.load_deflection(drawn).axes[0]
     for component in (0, 1):
-        assert drawn_somewhere(axes, np.column_stack([drawn.travel, drawn.reaction[:, component]]))
+        force = np.append(0.0, drawn.reaction[:, component])
+        assert drawn_somewhere(axes, np.column_stack([np.append(-0.5, drawn.travel), force]))
 
 
 def test_gap_profile_shows_the_open_points(drawn):
     axes = plotting.gap_profile(drawn, (5.0,)).axes[0]
-    s = boundary_coordinate(drawn)
-    assert np.all(np.diff(s) < 0.0)
-    assert s[np.argmax(drawn.particles[drawn.seal.grid.free_outer][:, 1])] == 0.0
+    s = arc_length(drawn, "door")
     opened = np.column_stack([s, drawn.contact.gap])[list(drawn.measure("gap").points)]
     markers = [line for line in axes.get_lines() if line.get_label() == "open"]
     shown = np.column_stack(markers[0].get_data())
