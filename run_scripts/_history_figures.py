@@ -1,26 +1,38 @@
-"""The three figures of an optimisation, for the script that runs it and the one that reads it."""
+"""Figures and numbers of an optimisation, for the scripts that run it and the one that reads it."""
 
 from pathlib import Path
 
+import numpy as np
 from _common import penalty_table
 
 from seal_mdao import plotting
-from seal_mdao.recording.recorded_optimization import RecordedOptimization
+from seal_mdao.plotting.style import scientific
+from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
 from seal_mdao.seals.door.measures import DOOR
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
+from seal_mdao.seals.result import SealResult
 
 
 def draw_history(
-    history: RecordedOptimization, initial: DoorSealResult, final: DoorSealResult, out: Path
+    history: RecordedOptimization, initial: SealResult, final: SealResult, out: Path
 ) -> list[Path]:
     """Cost history, constraint history, and both designs side by side; returns the files."""
     figures = {
         "cost_history": plotting.cost_history(history),
-        "constraint_history": plotting.constraint_history(history, initial.points.stress),
-        "designs": plotting.door_comparison(initial, final),
+        "constraint_history": plotting.constraint_history(
+            history, initial.measure("von_mises").points
+        ),
+        "designs": plotting.design_comparison(initial, final, gap_words(initial, final)),
     }
     return [plotting.save(figure, out / f"{name}.png") for name, figure in figures.items()]
+
+
+def gap_words(*results) -> list[str]:
+    """Sum of squared gaps and vertical reaction of designs, for pictures."""
+    return [
+        f"$\\Sigma g_n^2$ = {scientific(r.gap_square_sum)} mm², {r.reaction[-1, 1]:.1f} N/m"
+        for r in results
+    ]
 
 
 def history_rows(history: RecordedOptimization) -> list[dict]:
@@ -32,9 +44,7 @@ def history_rows(history: RecordedOptimization) -> list[dict]:
     ]
 
 
-def end_numbers(
-    history: RecordedOptimization, initial: DoorSealResult, final: DoorSealResult
-) -> dict:
+def end_numbers(history: RecordedOptimization, initial: SealResult, final: SealResult) -> dict:
     """Part of summary.json that describes the last design."""
     offsets, parameters = history.design_at(-1)
     start, end = (largest_gap(result, DOOR).size for result in (initial, final))
@@ -53,7 +63,7 @@ def end_numbers(
     }
 
 
-def gap_warnings(history: RecordedOptimization, final: DoorSealResult) -> tuple[str, ...]:
+def gap_warnings(history: RecordedOptimization, final: SealResult) -> tuple[str, ...]:
     """Whether the largest gap of the last design lies where the objective does not look."""
     return gaps_unmeasured_by(final, history.objective_name.rsplit(".", 1)[-1])
 
@@ -73,3 +83,56 @@ def report_end(history: RecordedOptimization, numbers: dict) -> None:
         f"{100 * numbers['reaction_ratio']:.1f} % of its start, "
         f"door radius {numbers['door_radius']:.3f} mm"
     )
+
+
+def limit_numbers(history: RecordedOptimization) -> dict:
+    """Part of summary.json: objective and constraints before and after."""
+    first, last = history.objective[[0, -1]]
+    return {
+        "objective": {
+            "name": history.objective_name, "unit": unit_of(history, history.objective_name),
+            "start": first, "end": last,
+        },
+        "constraints": {
+            constraint.name: {
+                "unit": unit_of(history, constraint.name),
+                "start": constraint.values[0], "end": constraint.values[-1],
+                "lower": constraint.lower, "upper": constraint.upper,
+            }
+            for constraint in history.constraints
+        },
+        "max_constraint_violation": history.max_violation[-1],
+        "recorded_evaluations": history.evaluations,
+    }  # fmt: skip
+
+
+def draw_designs(history: RecordedOptimization, results, out: Path) -> None:
+    """Histories, and the first and the last design side by side and on their paths."""
+    name, unit = label(history.objective_name), unit_of(history, history.objective_name)
+    words = [f"{name} {value:.4g} {unit}".rstrip() for value in history.objective[[0, -1]]]
+    figures = {
+        "objective_history": plotting.objective_history(history),
+        "designs": plotting.design_comparison(*results, words),
+        "start": plotting.deformed_shapes(results[0]),
+        "optimum": plotting.deformed_shapes(results[1]),
+    }
+    if history.constraints:
+        figures["constraint_history"] = plotting.constraint_history(history)
+    for name, figure in figures.items():
+        plotting.save(figure, out / f"{name}.png")
+
+
+def report_limits(history: RecordedOptimization, ends: dict, kkt: dict | None) -> None:
+    """A line for the objective and every constraint, and one on how optimal the end is."""
+    rows = {ends["objective"]["name"]: ends["objective"]} | ends["constraints"]
+    for name, row in rows.items():
+        limits = [f"{sign} {row[side]:.6g}" for side, sign in (("lower", "≥"), ("upper", "≤"))
+                  if np.isfinite(row.get(side, np.inf))]  # fmt: skip
+        text = f"{label(name)}: {row['start']:.6g} -> {row['end']:.6g} {row['unit']}".rstrip()
+        print(f"{text}, {' and '.join(limits)}" if limits else text)
+    if kkt is not None:
+        largest = max(kkt["stationarity"], kkt["complementarity"])
+        print(
+            f"optimality conditions hold to {largest:.1e}, largest violation of a constraint "
+            f"{history.max_violation[-1]:.1e}"
+        )

@@ -11,6 +11,7 @@ from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import require_free
 from seal_mdao.recording.recorder import copy_record
 from seal_mdao.recording.settings import RecordedProblem, open_model, recorded_problem
+from seal_mdao.seals.file.described import FILE
 
 
 def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
@@ -26,8 +27,11 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
     with checked_arguments():
         problem = recorded_problem(open_model(path))
         optimizer = recorded_optimizer(path)
-    if problem is None:
-        raise WrongArgumentError(f"{path} does not hold the settings of a seal")
+    if problem is None or FILE in problem.settings:
+        raise WrongArgumentError(
+            f"{path} does not hold the settings of a door seal; the run of a seal file is continued by "
+            "optimize_seal.py FILE --restart"
+        )
     recorded = {name: getattr(problem.seal, name) for name in SEAL_OPTIONS} | problem.settings
     if optimizer is not None:
         recorded["optimizer"] = optimizer

@@ -27,8 +27,9 @@ from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting.reaction import travel_table
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.door.measures import DOOR
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
+from seal_mdao.seals.profiles import contact_counts
+from seal_mdao.seals.result import SealResult
 
 
 def main(arguments) -> int:
@@ -52,7 +53,7 @@ def main(arguments) -> int:
     return 0 if result.converged else 1
 
 
-def summarize(result: DoorSealResult, wall: float) -> dict:
+def summarize(result: SealResult, wall: float) -> dict:
     """summary.json; the end measures are None for a path that was not completed."""
     summary = {
         "converged": result.converged,
@@ -75,7 +76,7 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
     )  # fmt: skip
     summary |= dict.fromkeys(end_keys)
     if result.converged:
-        opened, counts = opened_points(result.contact.state), result.contact_counts
+        opened, counts = opened_points(result.contact.state), contact_counts(result.contact)
         summary |= {
             "unmeasured_gaps": gaps_unmeasured_by(result, "gap_square_sum"),
             "gap_square_sum_mm2": result.gap_square_sum,
@@ -86,19 +87,19 @@ def summarize(result: DoorSealResult, wall: float) -> dict:
             "n_stick": counts["stick"],
             "n_contact": counts["contact"],
             "n_slip": counts["slip"],
-            "stress_particles": result.points.stress,
+            "stress_particles": result.measure("von_mises").points,
         }
     return summary
 
 
-def draw(result: DoorSealResult, arguments) -> None:
+def draw(result: SealResult, arguments) -> None:
     if len(result.reaction) == 0:
         return
     steps = None if arguments.depths is None else result.steps_at(arguments.depths)
     figures = {
         "deformed_shapes": plotting.deformed_shapes(result, steps),
-        "reaction": plotting.reaction_curve(result),
-        "gap_profile": plotting.gap_profile(result, result.door_travel[-1] * np.array([0.5, 0.75])),
+        "reaction": plotting.load_deflection(result),
+        "gap_profile": plotting.gap_profile(result, result.travel[-1] * np.array([0.5, 0.75])),
     }
     if result.critical_points:
         figures["critical_modes"] = plotting.critical_modes(result)
@@ -106,7 +107,7 @@ def draw(result: DoorSealResult, arguments) -> None:
         plotting.save(figure, arguments.out / f"{name}.png")
 
 
-def report(result: DoorSealResult, summary: dict, out: Path) -> None:
+def report(result: SealResult, summary: dict, out: Path) -> None:
     steps, iterations = summary["n_steps"], int(np.sum(summary["newton_iterations"]))
     print(
         f"{summary['n_particles']} particles, {steps} load steps, {iterations} Newton iterations, "

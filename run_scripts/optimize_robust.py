@@ -1,13 +1,15 @@
-"""Optimise the door seal for all cars, and compare it with the nominal optimum on fresh samples."""
+"""Optimise a seal for all cars, and compare it with the nominal optimum on fresh samples."""
 
 import json
 import sys
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 from _common import (
     CASES,
+    SEAL_OPTIONS,
     WrongArgumentError,
     add_seal_arguments,
     announce,
@@ -24,46 +26,54 @@ from _executors import add_executor_arguments, executor
 from _history_figures import history_rows
 from _optimization import judged, optimize, report_run
 from _restart import recorder_file
+from _seal_file import file_errors, file_of, seal_of
 from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.file_optimization import file_problem, require_problem
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import FORCE_BAND, OPTIMIZERS, PRESSURE_SHARE, seal_problem
-from seal_mdao.progress import hidden
-from seal_mdao.recording.recorded_optimization import read_optimization
+from seal_mdao.optimization import FORCE_BAND, OPTIMIZERS, seal_problem
+from seal_mdao.progress import LoadStepProgress, hidden
+from seal_mdao.recording.recorded_optimization import label, read_optimization, shown_unit
 from seal_mdao.recording.restart import restart
 from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.samples import samples_section
 from seal_mdao.report.write import write_report
-from seal_mdao.robust_optimization import COST, GOALS, RobustGoal, robust_problem
-from seal_mdao.tolerances.comparison import SampledDesign
+from seal_mdao.robust_optimization import (
+    COST,
+    GOALS,
+    RobustGoal,
+    RobustLimit,
+    RobustTask,
+    door_task,
+    file_task,
+    robust_problem,
+)
+from seal_mdao.seals.result import frozen_measures
+from seal_mdao.tolerances.comparison import SampledDesign, SampledLimit
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_room
 from seal_mdao.tolerances.study import ToleranceStudy
+from seal_mdao.tolerances.tolerances import Tolerances
 
 NOMINAL = "nominal.sql"
 """Recorder file of the nominal optimisation in the output folder."""
-SAMPLED = (COST, "reaction", "patch_pressure")
 
 
 def main(arguments) -> int:
-    seal = with_room(seal_from(arguments))
-    tolerances = read_tolerances(arguments.tolerances or OF_THE_DOOR)
+    subject, kept = subject_of(arguments), KeptAnalyses()
+    seal, tolerances, task, goal = subject.seal, subject.tolerances, subject.task, subject.goal
     with checked_arguments():
-        goal = RobustGoal(
-            arguments.minimize, arguments.deviations, arguments.band, widen=arguments.widen
-        )
-        tolerances.middle(seal).check(seal)
         scenarios = goal.scenarios(tolerances, seal, arguments.scenarios, arguments.seed)
     announce(seal)
-    cases, kept = robust_file(arguments), KeptAnalyses()
-    nominal = nominal_design(seal, arguments, kept)
+    cases = robust_file(arguments)
+    nominal = nominal_design(subject, arguments, kept)
     with executor(arguments) as workers:
         with checked_arguments():
             driver = OPTIMIZERS[arguments.optimizer](*max_iterations(arguments))
             problem = robust_problem(
-                seal, scenarios, goal, workers=workers, driver=driver, kept=kept,
+                seal, scenarios, goal, task, workers=workers, driver=driver,
                 recorder=None if arguments.restart else cases, work_dir=arguments.out,
                 label=label_of(scenarios, nominal),
             )  # fmt: skip
@@ -72,7 +82,7 @@ def main(arguments) -> int:
         history = read_optimization(cases)
         robust = history.design_at(-1)
         designs = {
-            label: sampled(seal, tolerances, label, design, arguments, workers)
+            label: sampled(subject, label, design, arguments, workers)
             for label, design in (("nominal optimum", nominal), ("robust optimum", robust))
         }
     numbers = judged(numbers, history)
@@ -80,22 +90,124 @@ def main(arguments) -> int:
         "boundary_offsets": robust[0], **robust[1],
         "nominal": {"boundary_offsets": nominal[0], **nominal[1]}, "history": history_rows(history),
     }  # fmt: skip
-    summary = numbers | settings_of(arguments)
-    write_comparison(arguments.out, cases, designs, limits(seal, goal, kept), summary, ends, kept)
+    compared = compare(designs, task, subject.limits)
+    write_summary(arguments.out, numbers | settings_of(arguments) | compared | subject.said | ends)
+    write_comparison(arguments.out, cases, designs, subject, kept)
     report_run(arguments.optimizer, numbers, arguments.restart and cases)
     print(f"report.html, comparison.png, summary.json, cases.sql and samples in {arguments.out}")
     return 0 if numbers["success"] else 1
 
 
-def write_comparison(out: Path, cases: Path, designs, within, summary, ends, kept) -> None:
-    """summary.json, figure and report of both designs."""
-    band, floor = within
-    limited = {"reaction_band_N_per_m": band, "pressure_floor_kPa": floor}
-    write_summary(out, summary | compare(designs, band, floor) | limited | ends)
-    figure = comparison(designs, band)
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What is optimised.
+
+    Attributes
+    ----------
+    seal : Seal
+    tolerances : Tolerances
+    goal : RobustGoal
+    task : RobustTask
+    limits : tuple of SampledLimit
+    said : dict
+        The limits in summary.json.
+    file : SealFile or None
+        None for the door seal.
+    """
+
+    seal: sm.Seal
+    tolerances: Tolerances
+    goal: RobustGoal
+    task: RobustTask
+    limits: tuple
+    said: dict
+    file: sm.SealFile | None = None
+
+
+def subject_of(arguments) -> Subject:
+    """The door seal, or that of a seal file, with its tolerances and its nominal analysis."""
+    with checked_arguments():
+        goal = RobustGoal(
+            arguments.minimize, arguments.deviations, arguments.band, widen=arguments.widen
+        )
+    return door_of(arguments, goal) if arguments.file is None else file_seal_of(arguments, goal)
+
+
+def door_of(arguments, goal: RobustGoal) -> Subject:
+    seal = with_room(seal_from(arguments))
+    tolerances = tolerances_for(seal, arguments.tolerances or OF_THE_DOOR)
+    with checked_arguments():
+        task = door_task(nominal_result(seal), goal)
+    pressure, reaction = task.sampled
+    low, high = band = reaction.lower, reaction.upper
+    least = " and ".join(f"{value:.3g}" for value in pressure.lower)
+    limits = (
+        SampledLimit(
+            "share_above_pressure_floor", f"contact pressure of at least {least} kPa",
+            "patch_pressure", pressure.kept,
+        ),
+        SampledLimit(
+            "share_in_reaction_band", f"reaction within {low:.3g} to {high:.3g} N/m",
+            "reaction", reaction.kept, reaction.entry,
+        ),
+    )  # fmt: skip
+    said = {"reaction_band_N_per_m": band, "pressure_floor_kPa": pressure.lower}
+    return Subject(seal, tolerances, goal, task, limits, said)
+
+
+def file_seal_of(arguments, goal: RobustGoal) -> Subject:
+    wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "accuracy", "band", "nominal")))
+    if wrong:
+        raise WrongArgumentError(f"--{wrong[0].replace('_', '-')} is for the door seal alone")
+    if arguments.tolerances is None:
+        raise WrongArgumentError("a seal file needs tolerances of its own: --tolerances FILE.toml")
+    file = file_of(arguments.file)
+    with file_errors(arguments.file):
+        seal = with_room(seal_of(file).with_placements())
+        require_problem(file, seal)
+        task = file_task(file, seal, nominal_result(seal))
+    tolerances = tolerances_for(seal, arguments.tolerances)
+    limits = tuple(
+        SampledLimit(f"share_{own.measure}_{number}", _said(own), own.measure, own.kept)
+        for number, own in enumerate(task.sampled, 1)
+    )
+    said = {"limits": [[own.measure, own.lower, own.upper] for own in task.sampled]}
+    return Subject(seal, tolerances, goal, task, limits, said, file)
+
+
+def _said(limit: RobustLimit) -> str:
+    sides = (("at least", limit.lower), ("at most", limit.upper))
+    words = [f"{word} {value:.4g}" for word, value in sides if value is not None]
+    return f"{label(limit.measure)} {' and '.join(words)}"
+
+
+def nominal_result(seal) -> sm.SealResult:
+    with LoadStepProgress(seal) as progress:
+        drawn = sm.analyze(seal, callback=progress)
+    drawn.require_converged()
+    return drawn
+
+
+def tolerances_for(seal, path) -> Tolerances:
+    found = read_tolerances(path)
+    with checked_arguments():
+        found.middle(seal).check(seal)
+    return found
+
+
+def write_comparison(out: Path, cases: Path, designs, subject: Subject, kept) -> None:
+    """Figure and report of both designs."""
+    unit = shown_unit(measure_of(subject, subject.task.minimize).units)
+    cost = f"{label(subject.task.minimize)} ({unit})" if unit else label(subject.task.minimize)
+    figure = comparison(designs, subject)
     plotting.save(figure, out / "comparison.png")
-    section = samples_section(list(designs.values()), band, floor, figure)
+    section = samples_section(list(designs.values()), subject.limits, cost, figure)
     write_report(cases, out / "report.html", kept=kept, further=section)
+
+
+def measure_of(subject: Subject, name: str):
+    measures = frozen_measures(subject.seal, subject.task.measures)
+    return next(measure for measure in measures if measure.name == name)
 
 
 def max_iterations(arguments) -> tuple:
@@ -112,17 +224,23 @@ def robust_file(arguments) -> Path:
     return recorder_file(arguments)
 
 
-def nominal_design(seal: sm.DoorSeal, arguments, kept: KeptAnalyses) -> tuple[np.ndarray, dict]:
-    """Boundary offsets and door radius of the optimum without tolerances: given, or found now."""
+def nominal_design(subject: Subject, arguments, kept: KeptAnalyses) -> tuple[np.ndarray, dict]:
+    """Boundary offsets and parameters of the optimum without tolerances: given, or found now."""
     if arguments.nominal is not None:
-        return design_from(arguments.nominal, seal)
+        return design_from(arguments.nominal, subject.seal)
     recorded = (arguments.out / NOMINAL).absolute()
     if not (arguments.restart and recorded.is_file()):
-        problem = seal_problem(
-            seal, keep_force=True, pressure_floor=True, stress_norm=True, gap_integral=True,
-            driver=OPTIMIZERS[arguments.optimizer](), recorder=recorded, kept=kept,
-            work_dir=arguments.out,
-        )  # fmt: skip
+        settings = {
+            "driver": OPTIMIZERS[arguments.optimizer](), "recorder": recorded, "kept": kept,
+            "work_dir": arguments.out,
+        }  # fmt: skip
+        if subject.file is None:
+            problem = seal_problem(
+                subject.seal, keep_force=True, pressure_floor=True, stress_norm=True,
+                gap_integral=True, **settings,
+            )  # fmt: skip
+        else:
+            problem = file_problem(subject.file, subject.seal, **settings)
         numbers = optimize(problem)
         if not numbers["success"]:
             print(f"WARNING (nominal optimum): {numbers['message']}")
@@ -139,7 +257,8 @@ def begin(problem, nominal, recorded: Path | None) -> None:
     """
     offsets, parameters = nominal
     problem.set_val("boundary_offsets", offsets)
-    problem.set_val("door_radius", parameters["door_radius"])
+    for name, value in parameters.items():
+        problem.set_val(name, value)
     if recorded is None:
         return
     mine = json.loads(problem.model.options["problem_settings"])
@@ -157,14 +276,19 @@ def label_of(scenarios, nominal) -> str:
     return sha256(b"".join(np.ascontiguousarray(part).tobytes() for part in parts)).hexdigest()
 
 
-def sampled(seal, tolerances, label, design, arguments, workers) -> SampledDesign:
+def sampled(subject: Subject, name, design, arguments, workers) -> SampledDesign:
     """A design on samples that no scenario has seen."""
-    study = ToleranceStudy(seal, tolerances, SAMPLED, *design)
-    file = arguments.out / f"{label.split()[0]}.sqlite"
+    limited = [limit.measure for limit in subject.limits]
+    wanted = tuple(
+        measure_of(subject, own) for own in dict.fromkeys([subject.task.minimize, *limited])
+    )
+    source = "" if subject.file is None else subject.file.path.read_text(encoding="utf-8")
+    study = ToleranceStudy(subject.seal, subject.tolerances, wanted, *design, source)
+    file = arguments.out / f"{name.split()[0]}.sqlite"
     if file.exists() and not arguments.restart:
         file.unlink()
     with tqdm(
-        total=arguments.samples, desc=label, unit="sample", disable=hidden(), leave=False
+        total=arguments.samples, desc=name, unit="sample", disable=hidden(), leave=False
     ) as bar:
         found = study.run(
             file, arguments.samples, seed=arguments.seed + 1, workers=workers,
@@ -172,43 +296,38 @@ def sampled(seal, tolerances, label, design, arguments, workers) -> SampledDesig
         )  # fmt: skip
     there = found.completed
     parts = study.task.by_measure(found.values[there])
-    return SampledDesign(
-        label, parts[COST][:, 0], parts["reaction"][:, 1], parts["patch_pressure"],
-        int(np.sum(~there)),
-    )  # fmt: skip
+    return SampledDesign(name, subject.task.minimize, parts, int(np.sum(~there)))
 
 
-def limits(seal: sm.DoorSeal, goal: RobustGoal, kept: KeptAnalyses) -> tuple:
-    """Band of the reaction (N/m) and floor of the pressures (kPa), from the drawn seal."""
-    drawn = kept.analyze(seal)
-    (pressures,) = drawn.measures(["patch_pressure"])
-    force = float(drawn.reaction[-1, 1])
-    band = (1.0 - goal.band) * force, (1.0 + goal.band) * force
-    return band, PRESSURE_SHARE * drawn.value(pressures)
-
-
-def compare(designs: dict, band, floor) -> dict:
+def compare(designs: dict, task: RobustTask, limits) -> dict:
     """Print a line for each design; part of summary.json."""
-    found = {label: design.summary(band, floor) for label, design in designs.items()}
-    for label, own in found.items():
-        cost = own["gap_square_integral"]
+    found = {name: design.summary(limits) for name, design in designs.items()}
+    for name, own in found.items():
+        cost = own[task.minimize]
+        shares = "".join(f"; {limit.text} in {100 * own[limit.key]:.1f} %" for limit in limits)
         print(
-            f"{label}: gap integral mean {cost['mean']:.4g}, median {cost['q50']:.4g}, 95 % below "
-            f"{cost['q95']:.4g} mm3; reaction in its band in "
-            f"{100 * own['share_in_reaction_band']:.1f} %, pressure above its floor in "
-            f"{100 * own['share_above_pressure_floor']:.1f} % of {own['samples']} samples"
+            f"{name}: {label(task.minimize)} mean {cost['mean']:.4g}, median {cost['q50']:.4g}, 95 % "
+            f"below {cost['q95']:.4g}{shares} of {own['samples']} samples"
         )
-    nominal, robust = (own["gap_square_integral"]["q95"] for own in found.values())
+    nominal, robust = (own[task.minimize]["q95"] for own in found.values())
     ratio = robust / nominal if nominal else None
-    return {"compared": found, "ratio_of_95_percent_gaps": ratio}
+    key = "ratio_of_95_percent_gaps" if task.minimize == COST else "ratio_of_95_percent"
+    return {"compared": found, key: ratio}
 
 
-def comparison(designs: dict, band):
-    """The figure of all designs."""
-    return plotting.designs_compared(
-        {label: design.cost for label, design in designs.items()}, "gap integral", "mm**3",
-        {label: design.reaction for label, design in designs.items()}, band,
-    )  # fmt: skip
+def comparison(designs: dict, subject: Subject):
+    """The figure of all designs: the cost, and the first measure with limits that is a number."""
+    cost = measure_of(subject, subject.task.minimize)
+    limited, band, text = None, (None, None), ""
+    for limit, own in zip(subject.limits, subject.task.sampled, strict=False):
+        values = {name: limit.numbers(d.values[limit.measure]) for name, d in designs.items()}
+        if all(numbers is not None for numbers in values.values()):
+            unit = measure_of(subject, limit.measure).units
+            limited, band = values, (own.lower, own.upper)
+            text = f"{label(limit.measure)} ({shown_unit(unit)})" if unit else label(limit.measure)
+            break
+    costs = {name: design.costs for name, design in designs.items()}
+    return plotting.designs_compared(costs, label(cost.name), cost.units or "", limited, band, text)
 
 
 def settings_of(arguments) -> dict:
@@ -217,9 +336,13 @@ def settings_of(arguments) -> dict:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/robust")
+    made = parser(__doc__, "out/robust", "[FILE]")
     goal = RobustGoal()
     add = made.add_argument
+    add(
+        "file", type=Path, nargs="?", metavar="FILE",
+        help="seal file (TOML) with [[design]] and [optimize]; the door seal without",
+    )  # fmt: skip
     add(
         "--tolerances", type=existing_file, metavar="FILE",
         help="tolerances (TOML); without, those of the door seal",
@@ -231,7 +354,7 @@ def arguments_parser():
     )
     add(
         "--minimize", choices=GOALS, default=goal.minimize,
-        help="mean + K std of the gap integral, or its smooth largest value over the scenarios",
+        help="mean + K std of what is minimised, or its smooth largest value over the scenarios",
     )  # fmt: skip
     add("--deviations", type=float, default=goal.deviations, metavar="K", help="of mean + K std")
     add(

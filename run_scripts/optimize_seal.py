@@ -3,7 +3,6 @@
 import sys
 from pathlib import Path
 
-import numpy as np
 from _common import (
     CASES,
     WrongArgumentError,
@@ -15,13 +14,12 @@ from _common import (
     run,
     write_summary,
 )
-from _history_figures import history_rows
+from _history_figures import draw_designs, history_rows, limit_numbers, report_limits
 from _optimization import judged, optimize, report_run
 from _restart import recorded_optimizer, recorder_file
 from _seal_file import file_errors, file_of, seal_of
 
 import seal_mdao as sm
-from seal_mdao import plotting
 from seal_mdao.export.tables import write_boundary
 from seal_mdao.file_optimization import (
     CHOSEN,
@@ -34,10 +32,8 @@ from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.recorded_optimization import (
-    RecordedOptimization,
     label,
     read_optimization,
-    unit_of,
 )
 from seal_mdao.recording.restart import restart
 from seal_mdao.recording.settings import open_model, recorded_settings
@@ -74,7 +70,7 @@ def main(arguments) -> int:
     numbers = judged(numbers, history)
     offsets = history.design["boundary_offsets"][-1]
     results = kept.analyze(seal), kept.analyze(seal, offsets)
-    ends = end_numbers(history)
+    ends = limit_numbers(history)
     gaps = gap_numbers(seal, file, results, kept)
     how = {"optimizer": optimizer, "status": status(numbers)} | numbers
     designs = {"boundary_offsets": offsets, "history": history_rows(history)}
@@ -83,14 +79,14 @@ def main(arguments) -> int:
     drawing, anew = write_best(file, seal, offsets, kept, arguments.out)
     penalties = {"penalty_error": penalty_table(results[1])}
     write_summary(arguments.out, how | ends | gaps | penalties | {"on_new_cloud": anew} | designs)
-    draw(history, results, arguments.out)
+    draw_designs(history, results, arguments.out)
     own_figures = [*gap_figures(gaps), *penalty_figures(results[1])]
     write_report(
         cases, arguments.out / "report.html", kept=kept, figures=own_figures,
         notes=[*results[1].warnings, *gaps["unmeasured_gaps"]],
     )  # fmt: skip
     report_run(optimizer, numbers, arguments.restart)
-    report_ends(history, ends, numbers["kkt"])
+    report_limits(history, ends, numbers["kkt"])
     for name, value, text in own_figures:
         print(f"{name}: {value} {text}")
     report_anew(ends, anew)
@@ -131,27 +127,6 @@ def status(numbers: dict) -> str:
     return "converged" if numbers["success"] else "not converged"
 
 
-def end_numbers(history: RecordedOptimization) -> dict:
-    """Part of summary.json: objective and constraints before and after."""
-    first, last = history.objective[[0, -1]]
-    return {
-        "objective": {
-            "name": history.objective_name, "unit": unit_of(history, history.objective_name),
-            "start": first, "end": last,
-        },
-        "constraints": {
-            constraint.name: {
-                "unit": unit_of(history, constraint.name),
-                "start": constraint.values[0], "end": constraint.values[-1],
-                "lower": constraint.lower, "upper": constraint.upper,
-            }
-            for constraint in history.constraints
-        },
-        "max_constraint_violation": history.max_violation[-1],
-        "recorded_evaluations": history.evaluations,
-    }  # fmt: skip
-
-
 def gap_numbers(seal, file, results, kept: KeptAnalyses) -> dict:
     """Part of summary.json: the largest gap of every profile before and after, wherever it opens, and
     whether the measures of the optimisation look there."""
@@ -185,21 +160,6 @@ def penalty_figures(result) -> list[tuple[str, str, str]]:
     ]
 
 
-def draw(history: RecordedOptimization, results, out: Path) -> None:
-    name, unit = label(history.objective_name), unit_of(history, history.objective_name)
-    words = [f"{name} {value:.4g} {unit}".rstrip() for value in history.objective[[0, -1]]]
-    figures = {
-        "objective_history": plotting.objective_history(history),
-        "designs": plotting.design_comparison(*results, words),
-        "start": plotting.deformed_shapes(results[0]),
-        "optimum": plotting.deformed_shapes(results[1]),
-    }
-    if history.constraints:
-        figures["constraint_history"] = plotting.constraint_history(history)
-    for name, figure in figures.items():
-        plotting.save(figure, out / f"{name}.png")
-
-
 def write_best(file, seal, offsets, kept: KeptAnalyses, out: Path) -> tuple[str, dict | None]:
     """Write a design as a seal file with drawing and cloud, and analyse it with a new cloud.
 
@@ -224,21 +184,6 @@ def write_best(file, seal, offsets, kept: KeptAnalyses, out: Path) -> tuple[str,
     if not result.converged:
         return said, None
     return said, {measure.name: result.value(measure) for measure in result.measures()}
-
-
-def report_ends(history: RecordedOptimization, ends: dict, kkt: dict | None) -> None:
-    rows = {ends["objective"]["name"]: ends["objective"]} | ends["constraints"]
-    for name, row in rows.items():
-        limits = [f"{sign} {row[side]:.6g}" for side, sign in (("lower", "≥"), ("upper", "≤"))
-                  if np.isfinite(row.get(side, np.inf))]  # fmt: skip
-        text = f"{label(name)}: {row['start']:.6g} -> {row['end']:.6g} {row['unit']}".rstrip()
-        print(f"{text}, {' and '.join(limits)}" if limits else text)
-    if kkt is not None:
-        largest = max(kkt["stationarity"], kkt["complementarity"])
-        print(
-            f"optimality conditions hold to {largest:.1e}, largest violation of a constraint "
-            f"{history.max_violation[-1]:.1e}"
-        )
 
 
 def report_anew(ends: dict, anew: dict | None) -> None:

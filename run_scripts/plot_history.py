@@ -7,15 +7,27 @@ from _common import (
     add_seal_arguments,
     checked_arguments,
     parser,
+    penalty_table,
     print_warnings,
     run,
     seal_from,
     write_summary,
 )
-from _history_figures import draw_history, end_numbers, gap_warnings, report_end
+from _history_figures import (
+    draw_designs,
+    draw_history,
+    end_numbers,
+    gap_warnings,
+    history_rows,
+    limit_numbers,
+    report_end,
+    report_limits,
+)
 
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.recording.recorded_optimization import read_optimization
+from seal_mdao.seals.file.described import FILE
+from seal_mdao.seals.gaps import largest_gaps
 
 
 def main(arguments) -> int:
@@ -24,6 +36,8 @@ def main(arguments) -> int:
         ends = history.design_at(0), history.design_at(-1)
     seal, kept = history.seal or seal_from(arguments), KeptAnalyses()
     initial, final = (kept.analyze(seal, *end) for end in ends)
+    if FILE in history.settings:
+        return show_seal_file(history, (initial, final), arguments.out)
     numbers = end_numbers(history, initial, final)
     write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
     draw_history(history, initial, final, arguments.out)
@@ -31,6 +45,22 @@ def main(arguments) -> int:
     print_warnings(initial, " (first design)")
     print_warnings(final, " (last design)", gap_warnings(history, final))
     print(f"figures and summary.json in {arguments.out}")
+    return 0
+
+
+def show_seal_file(history, results, out: Path) -> int:
+    """What optimize_seal.py says and draws of the run of a seal file."""
+    ends, design = limit_numbers(history), history.design_at(-1)
+    first, last = map(largest_gaps, results)
+    gaps = {label: (first[label], last[label]) for label in first}
+    found = {"largest_gap_mm": gaps, "penalty_error": penalty_table(results[1])}
+    more = {"boundary_offsets": design[0], **design[1], "history": history_rows(history)}
+    write_summary(out, ends | found | more)
+    draw_designs(history, results, out)
+    report_limits(history, ends, None)
+    for result, name in zip(results, ("first", "last"), strict=True):
+        print_warnings(result, f" ({name} design)")
+    print(f"figures and summary.json in {out}")
     return 0
 
 

@@ -28,7 +28,7 @@ import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.progress import hidden
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
-from seal_mdao.tolerances.placement import placeable, with_room
+from seal_mdao.tolerances.placement import with_room
 from seal_mdao.tolerances.statistics import described, rank_correlations
 from seal_mdao.tolerances.study import Sampled, ToleranceStudy
 from seal_mdao.tolerances.tolerances import METHODS
@@ -94,7 +94,7 @@ def of_file(arguments):
     if arguments.tolerances is None:
         raise WrongArgumentError("a seal file needs tolerances of its own: --tolerances FILE.toml")
     with file_errors(arguments.file):
-        seal = placeable(seal_of(file_of(arguments.file)))
+        seal = seal_of(file_of(arguments.file)).with_placements()
         label = arguments.file.read_text(encoding="utf-8")
     return seal, read_tolerances(arguments.tolerances), label
 

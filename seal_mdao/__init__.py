@@ -16,7 +16,6 @@ _LAZY = {
     "analyze": "seal_mdao.seals.result",
     "estimate": "seal_mdao.seals.result",
     "KeptAnalyses": "seal_mdao.kept_analyses",
-    "measure_points": "seal_mdao.seals.door.measures",
     "Sensitivities": "seal_mdao.dsa.sensitivity",
     "differentiate": "seal_mdao.dsa.sensitivity",
     "NeoHookean": "seal_mdao.materials.neo_hookean",

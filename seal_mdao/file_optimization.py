@@ -19,6 +19,7 @@ from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.seal import OutlineSeal
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
+from seal_mdao.seals.seal import Seal
 
 CHOSEN = "chosen"
 """What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
@@ -67,20 +68,10 @@ def file_problem(
     LoadPathError
         When the drawn seal cannot be analysed.
     """
-    _require_problem(file, seal)
+    require_problem(file, seal)
     kept = KeptAnalyses() if kept is None else kept
     drawn = kept.analyze(seal, keep_factors=True, callback=callback)
-    drawn.require_converged()
-    names = measure_names(file)
-    measures = frozen_measures(seal, names, lambda seal: drawn)
-    empty = [measure.name for measure in measures if is_empty(measure, seal)]
-    if empty:
-        raise SealFileError(
-            f"{file.path}: [optimize]: the measure {empty[0]!r} has no value: at the end of the drawn "
-            "seal's path nothing stands open between points in contact"
-        )
-    start = {measure.name: drawn.value(measure) for measure in measures}
-    _require_gap(file, measures, start)
+    measures, start = optimized_measures(file, seal, drawn)
     group = SealGroup(seal=seal, callback=callback, measures=measures, kept=kept)
     problem = new_problem(group, driver, work_dir, reports)
     bounds = design_bounds(file)
@@ -115,7 +106,31 @@ def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
     return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
 
 
-def _require_problem(file, seal) -> None:
+def optimized_measures(file: SealFile, seal: Seal, drawn: SealResult) -> tuple[tuple, dict]:
+    """Measures of ``[optimize]`` with their places, and their values in the drawn seal by name.
+
+    Raises
+    ------
+    SealFileError
+        For measures that are empty, or zero already.
+    LoadPathError
+        When the path of the drawn seal was not completed.
+    """
+    drawn.require_converged()
+    measures = frozen_measures(seal, measure_names(file), lambda seal: drawn)
+    empty = [measure.name for measure in measures if is_empty(measure, seal)]
+    if empty:
+        raise SealFileError(
+            f"{file.path}: [optimize]: the measure {empty[0]!r} has no value: at the end of the drawn "
+            "seal's path nothing stands open between points in contact"
+        )
+    start = {measure.name: drawn.value(measure) for measure in measures}
+    _require_gap(file, measures, start)
+    return measures, start
+
+
+def require_problem(file: SealFile, seal: Seal) -> None:
+    """Raise SealFileError for a file without ``[optimize]`` or ``[[design]]``."""
     if file.optimize is None:
         raise SealFileError(f"{file.path}: [optimize] is missing: say what to minimize")
     if not seal.n_offsets:

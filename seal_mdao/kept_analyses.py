@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -52,10 +51,9 @@ class KeptAnalyses:
         callback: Callable | None = None,
     ) -> SealResult:
         """As ``seal_mdao.analyze``."""
-        result = analyzed_with(
+        return analyzed_with(
             self.analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback
         )
-        return seal.completed(result, partial(self.analyze, callback=callback))
 
     def analyze_particles(
         self,

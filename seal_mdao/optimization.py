@@ -18,7 +18,7 @@ from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.recording.settings import PROBLEM_OPTION
 from seal_mdao.seals.door.door_seal import OFFSET_BOUND, DoorSeal
 from seal_mdao.seals.door.measures import STANDARD
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult
 
 AREA_LIMIT = 110.0
 """mm^2."""
@@ -87,12 +87,12 @@ class Limits:
     further: dict
 
 
-def problem_limits(drawn: DoorSealResult, measures=()) -> Limits:
+def problem_limits(drawn: SealResult, measures=()) -> Limits:
     """Limits that follow from the analysis of the drawn seal.
 
     Parameters
     ----------
-    drawn : DoorSealResult
+    drawn : SealResult
     measures : sequence of str
         Optional measures that the problem uses.
 
@@ -185,7 +185,8 @@ def seal_problem(
     limits = problem_limits(drawn, measures)
     group = SealGroup(seal=seal, callback=callback, measures=(*STANDARD, *measures), kept=kept)
     problem = new_problem(group, driver, work_dir, reports)
-    add_variables(problem.model, limits)
+    for name, settings in design_variables(limits).items():
+        problem.model.add_design_var(name, **settings)
     _add_responses(problem.model, limits)
     if keep_force:
         _add_band(problem.model, "reaction", drawn.reaction[-1, 1:], indices=[1])
@@ -211,12 +212,14 @@ def set_up(problem: om.Problem, settings: dict, recorder) -> None:
     problem.setup()
 
 
-def add_variables(group: om.Group, limits: Limits) -> None:
-    """Boundary offsets and door radius as design variables."""
+def design_variables(limits: Limits) -> dict[str, dict]:
+    """Boundary offsets and door radius: arguments of ``add_design_var`` by the name of the input."""
     low, high = limits.door_radius
     middle = 0.5 * (low + high)
-    group.add_design_var("boundary_offsets", lower=-OFFSET_BOUND, upper=OFFSET_BOUND)
-    group.add_design_var("door_radius", lower=low, upper=high, ref0=middle, ref=middle + 1.0)
+    return {
+        "boundary_offsets": {"lower": -OFFSET_BOUND, "upper": OFFSET_BOUND},
+        "door_radius": {"lower": low, "upper": high, "ref0": middle, "ref": middle + 1.0},
+    }
 
 
 def _add_responses(group: om.Group, limits: Limits) -> None:

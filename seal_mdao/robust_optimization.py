@@ -1,7 +1,7 @@
-"""A door seal that closes on every car: problem (71) over scenarios instead of at its drawing."""
+"""A seal that works on every car: its optimisation over scenarios instead of at its drawing."""
 
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 import openmdao.api as om
@@ -11,21 +11,24 @@ from scipy.special import ndtr, ndtri
 from seal_mdao import values
 from seal_mdao.components.aggregate_comp import quantile_name
 from seal_mdao.components.scenario_group import ScenarioGroup
+from seal_mdao.file_optimization import design_bounds, optimized_measures, problem_settings
 from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.measures.measure import Measure
 from seal_mdao.optimization import (
     OBJECTIVE_REF,
     PRESSURE_SHARE,
     STRESS_FLOOR,
     STRESS_SHARE,
-    Limits,
-    add_variables,
+    design_variables,
     new_problem,
     problem_limits,
     set_up,
 )
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.variation import FACTOR, SHIFT, Scenarios
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.result import SealResult
+from seal_mdao.seals.seal import Seal
 from seal_mdao.tolerances.tolerances import Tolerances
 
 COST = "gap_square_integral"
@@ -40,13 +43,13 @@ class RobustGoal:
     Attributes
     ----------
     minimize : {"mean_std", "worst"}
-        Mean plus ``deviations`` standard deviations of the integral of the squared gap, or its smooth
+        Mean plus ``deviations`` standard deviations of the measure that is minimised, or its smooth
         largest value over the scenarios.
     deviations : float
     band : float
-        Relative change of the drawn seal's vertical reaction that is allowed.
+        Relative change of the vertical reaction of the drawn door seal that is allowed.
     share : float
-        Share of all cars in which the reaction keeps to its band.
+        Share of all cars in which a limit is kept (``RobustLimit``).
     widen : float
         How many times as far as the tolerances the scenarios scatter: few wide ones see what happens to
         the worst of many cars.
@@ -67,7 +70,7 @@ class RobustGoal:
 
     @property
     def levels(self) -> tuple[float, float]:
-        """Quantiles of the reaction in the scenarios that keep to the band.
+        """Quantiles of a measure in the scenarios that keep to its limits.
 
         As far out among the wide scenarios as those of all cars, were both normal; to a tenth of a per
         cent, for they name outputs.
@@ -75,13 +78,13 @@ class RobustGoal:
         outside = 0.5 * (1.0 - self.share)
         return tuple(ndtr(ndtri([outside, 1.0 - outside]) / self.widen).round(3).tolist())
 
-    def scenarios(self, tolerances: Tolerances, seal: DoorSeal, count: int, seed: int) -> Scenarios:
+    def scenarios(self, tolerances: Tolerances, seal: Seal, count: int, seed: int) -> Scenarios:
         """The drawing, and ``count`` scenarios around the middle of the tolerances.
 
         Parameters
         ----------
         tolerances : Tolerances
-        seal : DoorSeal
+        seal : Seal
         count, seed : int
             As of ``Tolerances.samples``.
         """
@@ -92,7 +95,7 @@ class RobustGoal:
         return Scenarios(tolerances.variations, np.vstack([drawing, numbers]), offsets)
 
 
-def drawn_numbers(variations: tuple, seal: DoorSeal) -> np.ndarray:
+def drawn_numbers(variations: tuple, seal: Seal) -> np.ndarray:
     """Numbers of variations that change nothing, shape (len(variations),).
 
     Raises
@@ -113,10 +116,133 @@ def drawn_numbers(variations: tuple, seal: DoorSeal) -> np.ndarray:
     return np.array(found)
 
 
+DESIGN, DRAWING, MEAN, SHARE = "design", "drawing", "mean", "share"
+"""Where a limit holds: for the section itself, in the first scenario, on average, in most cars."""
+
+
+@dataclass(frozen=True, eq=False)
+class RobustLimit:
+    """Limits of a measure in a robust optimisation.
+
+    Attributes
+    ----------
+    measure : str
+    over : {"design", "drawing", "mean", "share"}
+        For the section itself (``area``), in the drawing (the first scenario), for the mean over the
+        scenarios, or in the ``share`` of all cars that is asked for.
+    lower, upper : float or ndarray, optional
+    entry : int, optional
+        Of a measure with several values; all when left out, of the drawing the first.
+    """
+
+    measure: str
+    over: str
+    lower: float | np.ndarray | None = None
+    upper: float | np.ndarray | None = None
+    entry: int | None = None
+
+    def outputs(self, goal: RobustGoal) -> list[tuple[str, dict]]:
+        """Outputs of a ``ScenarioGroup`` to constrain, and arguments of ``add_constraint``."""
+        sides = {
+            side: value for side, value in (("lower", self.lower), ("upper", self.upper))
+            if value is not None
+        }  # fmt: skip
+        more = {"ref": float(max(np.abs(value).max() for value in sides.values())) or 1.0}
+        if self.entry is not None or self.over == DRAWING:
+            more["indices"] = [self.entry or 0]
+        if self.over != SHARE:
+            ending = {DESIGN: "", DRAWING: "_scenarios", MEAN: "_mean"}[self.over]
+            return [(self.measure + ending, sides | more)]
+        names = dict(zip(("lower", "upper"), map(quantile_name, goal.levels), strict=True))
+        return [(f"{self.measure}_{names[s]}", {s: value} | more) for s, value in sides.items()]
+
+    def kept(self, values: np.ndarray) -> np.ndarray:
+        """In which samples of values (n, m) the limits are kept, shape (n,)."""
+        own = values if self.entry is None else values[:, [self.entry]]
+        low = -np.inf if self.lower is None else self.lower
+        high = np.inf if self.upper is None else self.upper
+        return ((own >= low) & (own <= high)).all(axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class RobustTask:
+    """What a robust optimisation is about, whatever the scenarios.
+
+    Attributes
+    ----------
+    minimize : str
+        The measure whose mean and standard deviation, or largest value, are made small.
+    start : float
+        Its value in the drawing.
+    measures : tuple of Measure or str
+        All that the scenarios give.
+    variables : dict of str to dict
+        Arguments of ``add_design_var`` by the name of the input.
+    limits : tuple of RobustLimit
+    settings : dict
+        What else a recorder file keeps.
+    """
+
+    minimize: str
+    start: float
+    measures: tuple
+    variables: dict
+    limits: tuple
+    settings: dict = field(default_factory=dict)
+
+    @property
+    def sampled(self) -> tuple[RobustLimit, ...]:
+        """Limits that fresh samples keep to or not."""
+        return tuple(limit for limit in self.limits if limit.over in (MEAN, SHARE))
+
+
+def door_task(drawn: SealResult, goal: RobustGoal) -> RobustTask:
+    """Problem (71) with its pressure floor: limits of area and stress norm of the drawing, of the mean
+    contact pressure of each patch, and a band of the reaction.
+
+    Raises
+    ------
+    ValueError
+        When no gap opens under the drawn seal.
+    """
+    limits, force = problem_limits(drawn, (*MEASURES[2:], COST)), float(drawn.reaction[-1, 1])
+    stress = max(STRESS_SHARE * float(limits.further["stress_norm"][0]), STRESS_FLOOR)
+    band = (1.0 - goal.band) * force, (1.0 + goal.band) * force
+    return RobustTask(
+        COST, float(limits.further[COST][0]), MEASURES, design_variables(limits), (
+            RobustLimit("area", DESIGN, upper=limits.area),
+            RobustLimit("stress_norm", DRAWING, upper=stress),
+            RobustLimit("patch_pressure", MEAN, PRESSURE_SHARE * limits.further["patch_pressure"]),
+            RobustLimit("reaction", SHARE, *band, entry=1),
+        ),
+    )  # fmt: skip
+
+
+def file_task(file: SealFile, seal: Seal, drawn: SealResult) -> RobustTask:
+    """The ``[optimize]`` of a seal file, whose constraints hold in most of the cars.
+
+    Raises
+    ------
+    SealFileError
+        As of ``file_problem``.
+    """
+    measures, start = optimized_measures(file, seal, drawn)
+    bounds = design_bounds(file)
+    variables = {"boundary_offsets": {"lower": -bounds, "upper": bounds, "ref": 2.0 * bounds}}
+    limits = tuple(
+        RobustLimit(c.measure, SHARE, c.lower, c.upper) for c in file.optimize.constraints
+    )
+    aim = file.optimize.minimize
+    return RobustTask(
+        aim, float(start[aim][0]), measures, variables, limits, problem_settings(file)
+    )
+
+
 def robust_problem(
-    seal: DoorSeal,
+    seal: Seal,
     scenarios: Scenarios,
     goal: RobustGoal,
+    task: RobustTask | None = None,
     *,
     workers: int | Processes | Executor | None = None,
     driver: Driver | None = None,
@@ -126,18 +252,16 @@ def robust_problem(
     reports=None,
     label: str = "",
 ) -> om.Problem:
-    """The robust optimisation over boundary offsets and door radius, set up to run.
-
-    Limits are those of problem (71) with its pressure floor, from the drawn seal: area and stress norm
-    of the design in the first scenario, the drawing; the mean contact pressure of each patch; and the
-    quantiles of the reaction of ``goal``.
+    """The robust optimisation of a seal, set up to run.
 
     Parameters
     ----------
-    seal : DoorSeal
+    seal : Seal
     scenarios : Scenarios
         Of ``goal.scenarios``.
     goal : RobustGoal
+    task : RobustTask, optional
+        ``door_task`` of the drawn seal when left out; ``file_task`` is that of a seal file.
     workers
         As of ``ScenarioGroup``.
     driver, recorder, kept, work_dir, reports
@@ -157,44 +281,44 @@ def robust_problem(
     LoadPathError
         When the drawn seal cannot be analysed.
     """
-    kept = KeptAnalyses() if kept is None else kept
-    drawn = kept.analyze(seal)
-    drawn.require_converged()
-    limits = problem_limits(drawn, (*MEASURES[2:], COST))
+    if task is None:
+        drawn = (KeptAnalyses() if kept is None else kept).analyze(seal)
+        drawn.require_converged()
+        task = door_task(drawn, goal)
     group = ScenarioGroup(
-        seal=seal, scenarios=scenarios, measures=MEASURES, quantiles=goal.levels, workers=workers
-    )
+        seal=seal, scenarios=scenarios, measures=task.measures, quantiles=goal.levels,
+        workers=workers,
+    )  # fmt: skip
     model = om.Group()
     model.add_subsystem("seal", group, promotes=["*"])
     problem = new_problem(model, driver, work_dir, reports)
-    add_variables(model, limits)
-    _add_objective(model, goal, limits)
-    _add_constraints(model, goal, limits, float(drawn.reaction[-1, 1]))
-    set_up(problem, {"robust": asdict(goal), "scenarios": len(scenarios), "label": label}, recorder)
+    for name, settings in task.variables.items():
+        model.add_design_var(name, **settings)
+    _add_objective(model, goal, task, seal)
+    _add_constraints(model, [own for limit in task.limits for own in limit.outputs(goal)])
+    settings = {"robust": asdict(goal), "scenarios": len(scenarios), "label": label}
+    set_up(problem, settings | task.settings, recorder)
     return problem
 
 
-def _add_objective(model: om.Group, goal: RobustGoal, limits: Limits) -> None:
-    size = OBJECTIVE_REF * float(limits.further[COST][0])
+def _add_constraints(model: om.Group, outputs: list) -> None:
+    """An output that is constrained before has another name the next time."""
+    used = set()
+    for number, (name, settings) in enumerate(outputs, 1):
+        model.add_constraint(name, alias=f"{name}_{number}" if name in used else None, **settings)
+        used.add(name)
+
+
+def _add_objective(model: om.Group, goal: RobustGoal, task: RobustTask, seal: Seal) -> None:
+    name, size = task.minimize, OBJECTIVE_REF * abs(task.start) or 1.0
     if goal.minimize == WORST:
-        model.add_objective(f"{COST}_highest", ref=size)
+        model.add_objective(f"{name}_highest", ref=size)
         return
+    measures = [m if isinstance(m, Measure) else seal.measures((m,))[0] for m in task.measures]
+    units = {"units": next(measure.units for measure in measures if measure.name == name)}
     total = om.ExecComp(
-        f"robust_cost = mean + {goal.deviations!r} * std",
-        robust_cost={"units": "mm**3"}, mean={"units": "mm**3"}, std={"units": "mm**3"},
-    )  # fmt: skip
-    parts = [("mean", f"{COST}_mean"), ("std", f"{COST}_std"), "robust_cost"]
+        f"robust_cost = mean + {goal.deviations!r} * std", robust_cost=units, mean=units, std=units
+    )
+    parts = [("mean", f"{name}_mean"), ("std", f"{name}_std"), "robust_cost"]
     model.add_subsystem("cost", total, promotes=parts)
     model.add_objective("robust_cost", ref=size)
-
-
-def _add_constraints(model: om.Group, goal: RobustGoal, limits: Limits, reaction: float) -> None:
-    stress = max(STRESS_SHARE * float(limits.further["stress_norm"][0]), STRESS_FLOOR)
-    floor = PRESSURE_SHARE * limits.further["patch_pressure"]
-    low, high = (quantile_name(level) for level in goal.levels)
-    model.add_constraint("area", upper=limits.area, ref=limits.area)
-    model.add_constraint("stress_norm_scenarios", indices=[0], upper=stress, ref=stress)
-    model.add_constraint("patch_pressure_mean", lower=floor, ref=floor)
-    vertical = {"indices": [1], "ref": reaction}
-    model.add_constraint(f"reaction_{low}", lower=(1.0 - goal.band) * reaction, **vertical)
-    model.add_constraint(f"reaction_{high}", upper=(1.0 + goal.band) * reaction, **vertical)

@@ -23,13 +23,13 @@ def test_contact_grows_and_then_splits_in_two(drawn):
         touching = door.state != OPEN
         patches.append(int(touching[0]) + int(np.sum(np.diff(touching.astype(int)) == 1)))
         width.append(int(touching.sum()))
-    travel = drawn.door_travel
+    travel = drawn.travel
     assert set(np.array(patches)[(travel > 0.05) & (travel < 5.0)]) == {1}
     assert patches[-1] == 2
     early = np.array(width)[(travel > 0.05) & (travel < 5.0)]
     assert (np.diff(early) >= 0).all()
     assert early[-1] >= 5
-    assert len(drawn.points.gap) == 7
+    assert len(drawn.measure("gap").points) == 7
     assert drawn.gap.max() == pytest.approx(0.12, abs=0.005)
     assert drawn.gap_square_sum == pytest.approx(0.05, abs=0.005)
     assert drawn.von_mises.max() == pytest.approx(170.0, abs=3.0)

@@ -169,7 +169,7 @@ def test_room_above_the_seal_changes_no_bit(size):
     seal, depth = sm.door_seal(depth=1.0, n_steps=15), ("depth",)
     found = [sm.analyze(seal.with_(room=room), bulged(size)) for room in (0.0, 0.1, 3.0)]
     for other in found[1:]:
-        for name in ("newton_iterations", "reaction", "door_positions", "door_travel", "von_mises"):
+        for name in ("newton_iterations", "reaction", "travel", "von_mises"):
             assert np.array_equal(getattr(other, name), getattr(found[0], name)), name
         assert np.array_equal(other.displacement(), found[0].displacement())
         rates = [sm.differentiate(result, depth).von_mises for result in (other, found[0])]

@@ -169,7 +169,7 @@ def test_wrong_argument_of_an_analysis_is_named(arguments, keywords, word):
         sm.analyze(*arguments, **keywords)
 
 
-@pytest.mark.parametrize("call", [sm.estimate, sm.measure_points, sm.differentiate])
+@pytest.mark.parametrize("call", [sm.estimate, sm.analyze, sm.differentiate])
 def test_what_is_no_seal_or_result_is_refused(call):
     with pytest.raises(TypeError, match="must be"):
         call("drawn")

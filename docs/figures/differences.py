@@ -18,7 +18,7 @@ from verification.estimates import error_scale, plateau
 from verification.gradients import design_away
 
 import seal_mdao as sm
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult
 
 __all__ = [
     "SCHEMES", "Case", "Estimated", "Quotient", "at_step", "away", "case", "error_scale",
@@ -36,15 +36,15 @@ class Case(NamedTuple):
     Attributes
     ----------
     design : Design
-    result : DoorSealResult
+    result : SealResult
     analytic : ndarray, shape (m, P)
     """
 
     design: Design
-    result: DoorSealResult
+    result: SealResult
     analytic: np.ndarray
 
-    def differences_in_state(self, other: DoorSealResult) -> int:
+    def differences_in_state(self, other: SealResult) -> int:
         """Entries in which the contact sequences of two paths differ, -1 for other step numbers."""
         here, there = contact_states(self.result), contact_states(other)
         return int(np.sum(here != there)) if here.shape == there.shape else -1

@@ -11,7 +11,7 @@ from seal_mdao.optimization import OPTIMIZERS, seal_problem
 from seal_mdao.plotting import (
     constraint_history,
     cost_history,
-    door_comparison,
+    design_comparison,
     save,
 )
 from seal_mdao.recording.recorded_optimization import read_optimization
@@ -38,9 +38,10 @@ def make(out: Path, reduced: bool) -> dict:
         history = optimise(2 if reduced else 50, folder, kept)
     initial, final = (kept.analyze(history.seal, *history.design_at(i)) for i in (0, -1))
     save(cost_history(history), out / "cost_history.png")
-    figure = constraint_history(history, initial.points.stress)
+    figure = constraint_history(history, initial.measure("von_mises").points)
     save(figure, out / "constraint_history.png")
-    save(door_comparison(initial, final), out / "optimised_seal.png")
+    words = [f"{r.gap_square_sum:.2e} mm², {r.reaction[-1, 1]:.1f} N/m" for r in (initial, final)]
+    save(design_comparison(initial, final, words), out / "optimised_seal.png")
     return {"text": _text(history, initial, final)}
 
 

@@ -180,7 +180,7 @@ def _flat(out: Path, reduced: bool) -> dict:
 def flat_picture(found):
     figure, (left, middle, right) = subplots(1, 3, width=12.4, height=3.6)
     result = analyze(door_seal(door="flat"))
-    left.plot(result.door_travel, result.reaction[:, 1], color=BLUE, label="58 × 3 particles")
+    left.plot(result.travel, result.reaction[:, 1], color=BLUE, label="58 × 3 particles")
     left.plot(*REACTION.T, "s", color=VERMILION, label="finite elements")
     left.set_ylabel("vertical reaction (N/m)")
     for s, color, marker in zip(found, CYCLE, MARKERS, strict=False):

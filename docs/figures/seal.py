@@ -9,12 +9,12 @@ from matplotlib.ticker import MaxNLocator
 import seal_mdao as sm
 from seal_mdao.plotting import deformed_shapes, section
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION, save, styled, subplots
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.wall_grid import ray_directions
 
 
 @cache
-def drawn(**changes) -> DoorSealResult:
+def drawn(**changes) -> SealResult:
     """The drawn seal's path, with factors; computed once."""
     return sm.analyze(sm.door_seal(**changes), keep_factors=True)
 
@@ -47,7 +47,7 @@ def _rings(axes, seal, **line):
 
 
 @styled
-def geometry(result: DoorSealResult):
+def geometry(result: SealResult):
     seal, axes_style = result.seal, {"color": "black", "linewidth": 1.0, "zorder": 3}
     figure, (left, right) = subplots(1, 2, width=10.0, height=4.9, sharey=True)
     corners = seal.drawn_particles[seal.grid.cells]
@@ -79,9 +79,9 @@ def geometry(result: DoorSealResult):
 
 
 @styled
-def newton(result: DoorSealResult):
+def newton(result: SealResult):
     figure, (left, right) = subplots(1, 2, width=9.6, height=3.5)
-    travel = result.door_travel
+    travel = result.travel
     left.bar(travel, result.newton_iterations, width=0.09, color=BLUE)
     left.set_xlabel("door travel from first touch (mm)")
     left.set_ylabel("Newton iterations")

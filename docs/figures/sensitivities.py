@@ -28,7 +28,7 @@ from figures.differences import (
 )
 from figures.tables import percent, power, table
 from seal_mdao.plotting import save, sensitivity_errors, step_study
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult
 
 TAU = 1e-6
 """Perturbation of the paper's Table 1, mm."""
@@ -278,5 +278,5 @@ def _scalar_quotient(drawn: Case, name: str):
     return "contact sequence changes", np.full(3, np.nan)
 
 
-def _three_measures(result: DoorSealResult) -> list:
+def _three_measures(result: SealResult) -> list:
     return [result.gap_square_sum, result.reaction[-1, 1], result.von_mises[0]]

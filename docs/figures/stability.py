@@ -42,11 +42,11 @@ def _flat(out, reduced) -> dict:
 @styled
 def _branches(path: Path, stable, upright):
     figure, axes = subplots(width=6.0, height=3.8)
-    travel, force = upright.door_travel, upright.reaction[:, 1]
+    travel, force = upright.travel, upright.reaction[:, 1]
     axes.plot(travel, force, "--", color=GREY, label="upright, not stable")
-    axes.plot(stable.door_travel, stable.reaction[:, 1], color=BLUE, label="stable")
+    axes.plot(stable.travel, stable.reaction[:, 1], color=BLUE, label="stable")
     first = [point.travel for point in stable.critical_points]
-    places = np.interp(first, stable.door_travel, stable.reaction[:, 1])
+    places = np.interp(first, stable.travel, stable.reaction[:, 1])
     axes.plot(
         first, places, "D", color="black", markerfacecolor="white", label="stability lost", zorder=5
     )

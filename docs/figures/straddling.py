@@ -46,7 +46,7 @@ def changed_points(low: Case, high: Case) -> str:
     """Which contact states differ, in words."""
     words = ("open", "sticks", "slips")
     here, there = contact_states(low.result), contact_states(high.result)
-    travel = low.result.door_travel
+    travel = low.result.travel
     return "; ".join(
         f"contact point {p}, {words[here[s, p]]} below and {words[there[s, p]]} above, in the step "
         f"to {travel[s]:.1f} mm"

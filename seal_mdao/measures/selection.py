@@ -28,7 +28,10 @@ def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
     """
     # symmetric values that differ by rounding only keep their order
     stress = np.round(stress / max(np.abs(stress).max(), np.finfo(float).tiny), 9)
-    peaks = np.concatenate([row[local_maxima(stress[row], closed)] for row, closed in rows])
+    # by number within a boundary, so that ties do not depend on the way round
+    peaks = np.concatenate(
+        [np.sort(row[local_maxima(stress[row], closed)]) for row, closed in rows]
+    )
     others = np.setdiff1d(np.concatenate([row for row, _ in rows]), peaks)
     # local maxima first, each group sorted by decreasing stress
     ranked = [group[np.argsort(-stress[group], kind="stable")] for group in (peaks, others)]

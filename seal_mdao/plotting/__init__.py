@@ -9,7 +9,6 @@ from importlib import import_module
 _LAZY = {
     "save": "seal_mdao.plotting.style",
     "deformed_shapes": "seal_mdao.plotting.deformation",
-    "reaction_curve": "seal_mdao.plotting.reaction",
     "load_deflection": "seal_mdao.plotting.reaction",
     "critical_modes": "seal_mdao.plotting.critical",
     "section_cloud": "seal_mdao.plotting.cloud",
@@ -20,7 +19,6 @@ _LAZY = {
     "objective_history": "seal_mdao.plotting.history",
     "constraint_history": "seal_mdao.plotting.history",
     "design_comparison": "seal_mdao.plotting.comparison",
-    "door_comparison": "seal_mdao.plotting.comparison",
     "sensitivity_errors": "seal_mdao.plotting.sensitivity",
     "step_study": "seal_mdao.plotting.sensitivity",
     "material_fit": "seal_mdao.plotting.fitted_material",

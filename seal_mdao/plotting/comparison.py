@@ -5,8 +5,7 @@ from matplotlib.figure import Figure
 
 from seal_mdao.plotting import field, section
 from seal_mdao.plotting.deformation import panel_size
-from seal_mdao.plotting.style import BLUE, GREY, scientific, styled, subplots
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.plotting.style import BLUE, GREY, styled, subplots
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import SealResult
 
@@ -54,15 +53,6 @@ def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "
     bar = figure.colorbar(contours, ax=axes, shrink=0.85, aspect=28, pad=0.01)
     bar.set_label("von Mises stress (kPa)")
     return figure
-
-
-def door_comparison(initial: DoorSealResult, optimised: DoorSealResult) -> Figure:
-    """``design_comparison`` of door seals with their sums of squared gaps and vertical reactions."""
-    numbers = [
-        f"$\\Sigma g_n^2$ = {scientific(r.gap_square_sum)} mm², {r.reaction[-1, 1]:.1f} N/m"
-        for r in (initial, optimised)
-    ]
-    return design_comparison(initial, optimised, numbers)
 
 
 def _draw_shapes(axes: Axes, results, fines, drawn) -> None:

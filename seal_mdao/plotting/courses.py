@@ -57,8 +57,8 @@ def _label(axes, history, course) -> None:
         numbers = ", ".join(map(str, course.stages))
         axes.set_title(f"stage{'s' if len(course.stages) > 1 else ''} {numbers}", fontsize=9.5)
     room = 0.2 * (np.ptp(course.along) or 1.0)
-    low, high = min(0.0, course.along.min()), max(0.0, course.along.max())
-    axes.set_xlim(low - room * (low < 0.0), high + room)
+    low, high = min(course.begin, course.along.min()), max(0.0, course.along.max())
+    axes.set_xlim(low - room * (low < course.begin), high + room)
 
 
 def with_start(course, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -72,4 +72,4 @@ def with_start(course, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     before = np.concatenate([np.zeros_like(values[:1]), values])
     begun = slice(course.steps.start, course.steps.stop + 1)
-    return np.append(0.0, course.along), before[begun]
+    return np.append(course.begin, course.along), before[begun]

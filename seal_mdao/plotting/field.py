@@ -27,6 +27,8 @@ class FineGrid:
         Points, bilinear in the corners of the background cells, and their shape functions.
     region : ndarray of int, shape (k,)
         Number of the material of every point; between two materials points lie twice.
+    quads : ndarray of int, shape (q, 4)
+        Corners of the pieces of the cells, counter-clockwise undeformed; some meet in a triangle.
     triangles : ndarray of int, shape (m, 3)
         Between neighbouring points, counter-clockwise undeformed.
     loops : tuple of ndarray of int
@@ -35,6 +37,7 @@ class FineGrid:
 
     table: PointTable
     region: np.ndarray
+    quads: np.ndarray
     triangles: np.ndarray
     loops: tuple
 
@@ -58,9 +61,10 @@ def fine_grid(result: SealResult, divisions: int | None = None) -> FineGrid:
         divisions = int(np.clip(np.sqrt(WANTED / len(cells)), 1, FINEST))
     region = _cell_regions(result)
     points, of_cell, of_point = _refined(cells, region, divisions)
+    quads = _quads(of_cell)
     return FineGrid(
         build_table(disc.cloud, points, disc.transformation), of_point,
-        _triangles(of_cell), boundary_loops(cells, of_cell),
+        quads, _triangles(quads), boundary_loops(cells, of_cell),
     )  # fmt: skip
 
 
@@ -95,9 +99,14 @@ def _refined(cells, region, n: int):
     return points, place.reshape(len(cells), n + 1, n + 1), found[:, 0]
 
 
-def _triangles(of_cell) -> np.ndarray:
+def _quads(of_cell) -> np.ndarray:
     a, b = of_cell[:, :-1, :-1].ravel(), of_cell[:, 1:, :-1].ravel()
     c, d = of_cell[:, 1:, 1:].ravel(), of_cell[:, :-1, 1:].ravel()
+    return np.column_stack([a, b, c, d])
+
+
+def _triangles(quads) -> np.ndarray:
+    a, b, c, d = quads.T
     found = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     different = (found != np.roll(found, 1, axis=1)).all(axis=1)
     return found[different]

@@ -1,4 +1,4 @@
-"""Normal gap along the outer boundary at the end of the path."""
+"""Normal gap along the contact with a profile at the end of the path."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -6,9 +6,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from seal_mdao.contact.friction import OPEN, SLIP
+from seal_mdao.measures.boundary_line import is_closed
 from seal_mdao.measures.selection import opened_points
+from seal_mdao.plotting.contact import arc_length
 from seal_mdao.plotting.style import BLUE, GREY, ORANGE, SKY, VERMILION, styled, subplots
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.profiles import leading_contact
+from seal_mdao.seals.result import SealResult
 
 NEIGHBOURS = 3
 """Open points shown beyond either end of the contact."""
@@ -16,39 +19,31 @@ LEAST_SCALE = 0.02
 """Gap that the vertical axis shows at least, mm."""
 
 
-def boundary_coordinate(result: DoorSealResult) -> np.ndarray:
-    """Undeformed arc length of the contact points along the outer boundary, shape (k,), mm.
-
-    Counted from the highest point of the undeformed boundary, positive to the right.
-    """
-    x = result.term("door").reference
-    s = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(x, axis=0).T))])
-    top = int(np.argmax(x[:, 1]))
-    return s[top] - s  # contact points run counter-clockwise, from the right to the left
-
-
 @styled
-def gap_profile(result: DoorSealResult, earlier=()) -> Figure:
+def gap_profile(result: SealResult, earlier=(), profile: str | None = None) -> Figure:
     """Normal gap of the contact points around the contact, open stretch shaded.
 
     Parameters
     ----------
-    result : DoorSealResult
+    result : SealResult
         Complete, or up to the step at which the path ended.
     earlier : sequence of float
-        Door travels (mm) at which the gap is drawn as a thin line as well.
+        Travels (mm) at which the gap is drawn as a thin line as well.
+    profile : str, optional
+        Its label; the leading profile when left out.
 
     Returns
     -------
     Figure
     """
     figure, axes = subplots(width=7.6, height=4.2)
-    s, end = boundary_coordinate(result), result.path.at_nominal("door")[-1]
+    label = leading_contact(result.seal).label if profile is None else profile
+    s, end = arc_length(result, label), result.path.at_nominal(label)[-1]
     shown = _shown_points(end.state)
-    opened = opened_points(end.state)
+    opened = opened_points(end.state, is_closed(result.term(label).where))
     _shade_open(axes, s, opened)
     for number, travel in enumerate(earlier):
-        _earlier_line(axes, result, s, travel, (":", "-.", "--")[number % 3])
+        _earlier_line(axes, result, label, travel, (":", "-.", "--")[number % 3])
     axes.plot(s[shown], end.gap[shown], color=GREY, linewidth=1.2, zorder=3)
     _draw_states(axes, s, end, shown)
     axes.axhline(0.0, color="black", linewidth=1.0, zorder=2)
@@ -56,9 +51,9 @@ def gap_profile(result: DoorSealResult, earlier=()) -> Figure:
     axes.set_ylim(-0.18 * highest, 1.45 * highest)
     axes.set_xlim(s[shown].min() - 0.5, s[shown].max() + 0.5)
     axes.xaxis.set_major_locator(MultipleLocator(2.0))
-    axes.set_xlabel("undeformed arc length from the top of the seal, to the right (mm)")
-    axes.set_ylabel("normal gap to the door (mm)")
-    at_end = f"at {result.door_travel[-1]:.1f} mm: {_summary(end, opened)}"
+    axes.set_xlabel(f"undeformed arc length along the contact with {label} (mm)")
+    axes.set_ylabel(f"normal gap to {label} (mm)")
+    at_end = f"{result.caption(len(result.travel) - 1)}: {_summary(end, opened)}"
     axes.set_title(at_end, loc="left", fontsize=9.5)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
@@ -74,18 +69,19 @@ def _shown_points(state: np.ndarray) -> np.ndarray:
 
 def _shade_open(axes: Axes, s: np.ndarray, opened: np.ndarray) -> None:
     """Shade every stretch of neighbouring open points, half a spacing beyond its ends."""
-    for run in np.split(opened, np.flatnonzero(np.diff(opened) > 1) + 1):
+    for run in np.split(opened, np.flatnonzero(np.diff(opened) != 1) + 1):
         if run.size:
-            ends = 0.5 * (s[run[0] - 1] + s[run[0]]), 0.5 * (s[run[-1]] + s[run[-1] + 1])
+            before, after = max(run[0] - 1, 0), min(run[-1] + 1, s.size - 1)
+            ends = 0.5 * (s[before] + s[run[0]]), 0.5 * (s[run[-1]] + s[after])
             axes.axvspan(min(ends), max(ends), color=SKY, alpha=0.22, linewidth=0, zorder=0)
 
 
-def _earlier_line(axes: Axes, result: DoorSealResult, s: np.ndarray, travel: float, style) -> None:
-    step = int(np.argmin(np.abs(result.door_travel - travel)))
-    gap = result.path.at_nominal("door")[step].gap
+def _earlier_line(axes: Axes, result: SealResult, profile: str, travel: float, style) -> None:
+    step = int(np.argmin(np.abs(result.travel - travel)))
+    s, gap = arc_length(result, profile), result.path.at_nominal(profile)[step].gap
     axes.plot(
         s, gap, color=GREY, linewidth=1.0, linestyle=style, zorder=1,
-        label=f"at {result.door_travel[step]:.1f} mm",
+        label=result.caption(step),
     )  # fmt: skip
 
 

@@ -4,43 +4,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting.courses import course_panels, with_start
-from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled
 from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.result import SealResult
 
 UNIT_SEAL = 0.1
 """Length of seal for which engineers quote forces, m."""
 COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
-
-
-@styled
-def reaction_curve(result: DoorSealResult) -> Figure:
-    """Both components of the force on the door against door travel from the first touch.
-
-    Parameters
-    ----------
-    result : DoorSealResult
-        Complete, or up to the step at which the path ended.
-
-    Returns
-    -------
-    Figure
-        N/m on the left axis, N per 100 mm of seal on the right one.
-    """
-    figure, axes = subplots(width=6.4, height=4.2)
-    travel, force = result.door_travel, result.reaction
-    draw_forces(axes, travel, force)
-    lost = [point.fraction for point in result.critical_points]
-    mark_critical(axes, lost, np.arange(1, len(travel) + 1), travel, force)
-    axes.set_xlabel("door travel from first touch of the drawn seal (mm)")
-    axes.set_ylabel("force on the door (N/m)")
-    axes.set_xlim(_before_touch(result), 1.1 * max([1e-3, *travel[-1:]]))
-    unit_seal_axis(axes)
-    axes.legend(loc="upper left", title="component")
-    if not result.converged:
-        axes.set_title("path not completed: last converged step shown")
-    return figure
 
 
 @styled
@@ -108,13 +78,6 @@ def unit_seal_axis(axes) -> None:
     right.set_ylabel("N per 100 mm of seal")
 
 
-def _before_touch(result: DoorSealResult) -> float:
-    """Travel at which the picture starts: 0, or just before a design touches earlier."""
-    touched = np.flatnonzero(np.any(result.reaction != 0.0, axis=1))
-    first = max(touched[0] - 1, 0) if touched.size else None
-    return 0.0 if first is None else min(0.0, result.door_travel[first])
-
-
 def _mark_end(axes, x: float, y: float, color) -> None:
     axes.plot(x, y, "o", color=color)
     align = "center" if y > 0.0 else "top"  # keep off the zero line
@@ -123,9 +86,10 @@ def _mark_end(axes, x: float, y: float, color) -> None:
     )
 
 
-def travel_table(result: DoorSealResult) -> np.ndarray:
-    """Door travel (mm) and both force components (N/m) of every step, shape (n_steps, 3)."""
-    return np.column_stack([np.round(result.door_travel, 12), result.reaction])
+def travel_table(result: SealResult) -> np.ndarray:
+    """Travel of the leading profile (mm) and both components of the force on it (N/m) of every step,
+    shape (n_steps, 3)."""
+    return np.column_stack([np.round(result.travel, 12), result.reaction])
 
 
 def reaction_tables(result: SealResult) -> dict[str, list]:

@@ -12,7 +12,7 @@ from shapely import MultiPolygon, Polygon, area, polygons, union_all
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.geometry.curve import LINE, curve_point
-from seal_mdao.geometry.profile import trace
+from seal_mdao.geometry.profile import RigidProfile, trace
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.plotting import field
 from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP
@@ -69,11 +69,16 @@ def size_of(result: SealResult) -> float:
 
 
 def profile_face(result: SealResult, contact, fraction: float) -> np.ndarray:
-    """Points along a profile after ``fraction`` nominal steps, shape (n, 2), mm.
+    """Points along a profile after ``fraction`` nominal steps, shape (n, 2), mm."""
+    face = face_of(contact.shape.profile(), size_of(result))
+    return contact.motion.pose(fraction).places(face)
+
+
+def face_of(profile: RigidProfile, size: float) -> np.ndarray:
+    """Points along a profile in its own frame beside a section of a ``size`` (mm), shape (n, 2), mm.
 
     A closed one ends where it began; an open one goes on beyond lines at its ends.
     """
-    profile, size = contact.shape.profile(), size_of(result)
     far = FAR * size
     around = float(
         np.abs(profile.origin).max() + profile.length.max() + np.abs(profile.radius).max()
@@ -88,13 +93,19 @@ def profile_face(result: SealResult, contact, fraction: float) -> np.ndarray:
             for piece, xi in ends
         )
         face = np.vstack([first, face, last])
-    return contact.motion.pose(fraction).places(face)
+    return face
 
 
 def profile_body(result: SealResult, contact, fraction: float):
     """The rigid side of a profile as far as it is drawn: a shapely polygon, or several."""
-    face, depth = profile_face(result, contact, fraction), DEPTH * size_of(result)
-    if contact.shape.profile().period == 0.0:
+    face = profile_face(result, contact, fraction)
+    return rigid_side(contact.shape.profile(), face, size_of(result))
+
+
+def rigid_side(profile: RigidProfile, face: np.ndarray, size: float):
+    """The rigid side of a profile with the points ``face`` (n, 2), in any frame, as ``profile_body``."""
+    depth = DEPTH * size
+    if profile.period == 0.0:
         return left_of(face, depth)
     inside = Polygon(face)
     if inside.exterior.is_ccw:
@@ -124,16 +135,19 @@ def draw_profiles(axes: Axes, result: SealResult, fraction: float) -> None:
         axes.plot(*face.T, color="black", linewidth=1.4, zorder=4)
 
 
+def outlines(body) -> list[np.ndarray]:
+    """Closed lines (k, 2) around a shapely polygon, or several, and around their holes."""
+    parts = body.geoms if isinstance(body, MultiPolygon) else [body]
+    return [np.asarray(ring.coords) for part in parts for ring in (part.exterior, *part.interiors)]
+
+
 def _hatch(axes, body, face, hatch) -> None:
-    for part in body.geoms if isinstance(body, MultiPolygon) else [body]:
-        rings = [
-            Path(np.asarray(ring.coords), closed=True) for ring in (part.exterior, *part.interiors)
-        ]
-        patch = PathPatch(
-            Path.make_compound_path(*rings), facecolor=face, edgecolor=GREY, hatch=hatch, linewidth=0.0,
-            zorder=1,
-        )  # fmt: skip
-        axes.add_patch(patch)
+    rings = [Path(ring, closed=True) for ring in outlines(body)]
+    patch = PathPatch(
+        Path.make_compound_path(*rings), facecolor=face, edgecolor=GREY, hatch=hatch, linewidth=0.0,
+        zorder=1,
+    )  # fmt: skip
+    axes.add_patch(patch)
 
 
 def held_lines(result: SealResult) -> list[np.ndarray]:

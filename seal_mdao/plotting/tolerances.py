@@ -98,8 +98,11 @@ LOOKS = ((GREY, "-"), (BLUE, "-"), (VERMILION, "-"))
 
 
 @styled
-def designs_compared(samples: dict, name: str, unit: str, reaction: dict, band) -> Figure:
-    """Cumulative distributions of a cost, and reactions in their band, for several designs.
+def designs_compared(
+    samples: dict, name: str, unit: str, limited: dict | None = None, band=(None, None),
+    text: str = "reaction of the door (N/m)",
+) -> Figure:  # fmt: skip
+    """Cumulative distributions of a cost, and a measure between its limits, for several designs.
 
     Parameters
     ----------
@@ -107,37 +110,50 @@ def designs_compared(samples: dict, name: str, unit: str, reaction: dict, band) 
         The cost by the label of the design.
     name, unit : str
         Of the cost.
-    reaction : dict of str to ndarray, shape (S,)
-        Reaction by the label, N/m.
-    band : pair of float
-        Lower and upper limit of the reaction, N/m.
+    limited : dict of str to ndarray, shape (S,), optional
+        A measure with limits by the label.
+    band : pair of float, optional
+        Its limits; None where there is none.
+    text : str
+        What it is, with its unit.
     """
-    figure, (cost, force) = subplots(1, 2, width=9.2, height=3.7)
+    count = 1 if limited is None else 2
+    figure, grid = subplots(1, count, width=4.6 * count, height=3.7, squeeze=False)
+    cost = grid[0, 0]
     # a closed gap has none: what is far below the largest is drawn at the left end
     least = SMALLEST * max(values.max() for values in samples.values())
     for (label, values), (color, style) in zip(
         samples.items(), LOOKS[-len(samples) :], strict=True
     ):
         share = (np.arange(values.size) + 0.5) / values.size
-        shown = np.maximum(np.sort(values), least)
+        shown = np.sort(values) if values.min() < 0.0 else np.maximum(np.sort(values), least)
         cost.plot(shown, 100.0 * share, color=color, linestyle=style, label=label)
         cost.plot(max(np.quantile(values, 0.95), least), 95.0, "o", color=color)
     cost.axhline(95.0, color=GREY, linewidth=0.8, linestyle=":")
     cost.set_xlabel(_labelled(name, unit))
     cost.set_ylabel("share of samples below (%)")
     cost.set_ylim(0.0, 100.0)
-    cost.set_xscale("log")
-    cost.set_xlim(left=least)
+    if least > 0.0 and min(values.min() for values in samples.values()) >= 0.0:
+        cost.set_xscale("log")
+        cost.set_xlim(left=least)
     cost.legend(loc="lower right")
-    force.axvspan(*band, color=GREY, alpha=0.15, linewidth=0.0)
-    edges = np.histogram_bin_edges(np.concatenate([*reaction.values()]), BINS)
+    if limited is not None:
+        _draw_limited(grid[0, 1], limited, band, text)
+    return figure
+
+
+def _draw_limited(axes, limited: dict, band, text: str) -> None:
+    """Histograms of a measure by the label of the design, and the band that it keeps to."""
+    edges = np.histogram_bin_edges(np.concatenate([*limited.values()]), BINS)
     for (label, values), (color, style) in zip(
-        reaction.items(), LOOKS[-len(reaction) :], strict=True
+        limited.items(), LOOKS[-len(limited) :], strict=True
     ):
-        force.hist(
+        axes.hist(
             values, edges, histtype="step", color=color, linestyle=style, linewidth=1.5, label=label
         )
-    force.set_xlabel("reaction of the door (N/m)")
-    force.set_ylabel("samples")
-    force.set_title("grey: the band that is asked for")
-    return figure
+    low, high = axes.get_xlim()
+    low = low if band[0] is None else band[0]
+    axes.axvspan(low, high if band[1] is None else band[1], color=GREY, alpha=0.15, linewidth=0.0)
+    axes.set_xlabel(text)
+    axes.set_ylabel("samples")
+    axes.set_title("grey: what is asked for")

@@ -19,8 +19,8 @@ from seal_mdao.recording.recorder_file import (
     read_problem_case,
 )
 from seal_mdao.recording.seal_inputs import read_seals
-from seal_mdao.recording.settings import recorded_problem
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.recording.settings import recorded_settings
+from seal_mdao.seals.seal import Seal
 
 NO_LIMIT = 1e20
 """Limits from here on are OpenMDAO's way of saying that there is none."""
@@ -104,7 +104,7 @@ class RecordedOptimization:
         False when the file does not tell major iterations apart: then every evaluation is a point.
     evaluations : int
         Recorded model evaluations.
-    seal : DoorSeal or None
+    seal : Seal or None
         The seal that was optimised, when the file holds it.
     settings : dict
         Further arguments of ``seal_problem``, when the file holds them.
@@ -130,7 +130,7 @@ class RecordedOptimization:
     design: dict
     major: bool
     evaluations: int
-    seal: DoorSeal | None
+    seal: Seal | None
     settings: dict = field(default_factory=dict)
     runs: list = field(default_factory=list)
     units: dict = field(default_factory=dict)
@@ -174,8 +174,12 @@ class RecordedOptimization:
 def unit_of(history: RecordedOptimization, name: str) -> str:
     """Unit of a recorded variable, with a raised exponent; empty when it has none."""
     name = name.split("[")[0]
-    text = history.units.get(name, DESIGN_UNITS.get(_last(name), ""))
-    return re.sub(r"\*\*(\d)", lambda power: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power[1])], text)
+    return shown_unit(history.units.get(name, DESIGN_UNITS.get(_last(name), "")))
+
+
+def shown_unit(unit: str | None) -> str:
+    """A unit of OpenMDAO with a raised exponent; empty for none."""
+    return re.sub(r"\*\*(\d)", lambda power: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power[1])], unit or "")
 
 
 def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
@@ -209,8 +213,9 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
         raise ValueError(f"{path} holds no case of a driver")
     if not model.values(evaluated[0], OBJECTIVE):
         raise ValueError(f"{path} holds no objective, so there is nothing to follow")
-    problem, runs = recorded_problem(model), run_log.read_runs(database)
+    runs = run_log.read_runs(database)
     cases, major = _points(database, model, evaluated, bool(runs) and runs[-1].cut_off)
+    seals = read_seals(model, cases, given)
     numbers = {case.counter: number for number, case in enumerate(evaluated, start=1)}
     objective = _stacked(model, cases, OBJECTIVE)
     objective_name = next(iter(objective))
@@ -221,11 +226,11 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
         design=_stacked(model, cases, DESIGN),
         major=major,
         evaluations=len(recorded),
-        seal=problem and problem.seal,
-        seals=read_seals(model, cases, given),
+        seal=seals[0].seal if seals else None,
+        seals=seals,
         kind=_kind(model),
         failed=len(recorded) - len(evaluated),
-        settings=problem.settings if problem else {},
+        settings=recorded_settings(model),
         runs=runs,
         units=_units(model, evaluated[0]),
         bounds=_bounds(model, cases[0]),

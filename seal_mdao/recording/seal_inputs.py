@@ -12,8 +12,7 @@ from openmdao.utils.units import convert_units
 
 from seal_mdao.recording.recorder_file import RecordedModel
 from seal_mdao.recording.settings import recorded_seals
-from seal_mdao.seals.door.door_seal import DoorSeal
-from seal_mdao.seals.seal import SETTINGS_OPTION
+from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
 
 CONTACT, GEOMETRY = "contact.", "geometry."
 """The components of a ``SealGroup`` whose inputs are its design."""
@@ -30,21 +29,21 @@ class RecordedSeal:
     ----------
     name : str
         Path of the group; empty for the model itself.
-    seal : DoorSeal or None
+    seal : Seal or None
         None for a seal that no recorder file describes.
     values : list of dict
         Inputs at every point by their own names, in the component's units.
     assumed : tuple of str
         Inputs that the file does not tell; those of the drawn seal stand for them.
-    gap_square_sum : ndarray or None
-        The recorded sum of squared gaps of every point, mm^2.
+    measures : dict of str to ndarray
+        The recorded values at every point of the seal's measures that are single numbers.
     """
 
     name: str
-    seal: DoorSeal | None
+    seal: Seal | None
     values: list
     assumed: tuple
-    gap_square_sum: np.ndarray | None
+    measures: dict
 
     @property
     def drawable(self) -> bool:
@@ -114,9 +113,17 @@ def _recorded_seal(name, seal, model, cases, given) -> RecordedSeal:
         found = {t: _value(case, t, model, units, given) for t in (*shape, *scalars)}
         values.append({_own(t): value for t, value in found.items() if value is not None})
     assumed = tuple(_own(t) for t in scalars if any(_own(t) not in v for v in values))
-    gaps = [case.outputs.get(f"{path}{CONTACT}gap_square_sum") for case in cases]
-    gaps = None if any(gap is None for gap in gaps) else np.array(gaps)[:, 0]
-    return RecordedSeal(name, seal, values, assumed, gaps)
+    return RecordedSeal(name, seal, values, assumed, _measures(f"{path}{CONTACT}", seal, cases))
+
+
+def _measures(component: str, seal, cases) -> dict:
+    """Recorded values (n,) of a seal's measures that are single numbers."""
+    found = {}
+    for measure in () if seal is None else seal.measures():
+        rows = [case.outputs.get(component + measure.name) for case in cases]
+        if all(row is not None and np.size(row) == 1 for row in rows):
+            found[measure.name] = np.array(rows).ravel()
+    return found
 
 
 def _design_inputs(path: str, links: dict) -> tuple[str, list[str]]:

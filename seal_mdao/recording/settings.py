@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from seal_mdao.recording.plain_reading import PlainDatabase, reading
 from seal_mdao.recording.recorder_file import RecordedModel, read_model
-from seal_mdao.seals.door.door_seal import DoorSeal
-from seal_mdao.seals.seal import SETTINGS_OPTION
+from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
+from seal_mdao.seals.settings import seal_of
 
 PROBLEM_OPTION = "problem_settings"
 """Option of the recorded model with the other arguments of ``seal_problem`` that define the problem,
@@ -20,12 +20,12 @@ class RecordedProblem:
 
     Attributes
     ----------
-    seal : DoorSeal
+    seal : Seal
     settings : dict
         Further keyword arguments of ``seal_problem``.
     """
 
-    seal: DoorSeal
+    seal: Seal
     settings: dict
 
 
@@ -51,12 +51,12 @@ def recorded_problem(model: RecordedModel) -> RecordedProblem | None:
     """
     for options in model.options.values():
         if options.get(SETTINGS_OPTION):
-            seal = DoorSeal.from_settings(options[SETTINGS_OPTION])
+            seal = seal_of(options[SETTINGS_OPTION])
             return RecordedProblem(seal, recorded_settings(model))
     return None
 
 
-def recorded_seals(model: RecordedModel) -> dict[str, DoorSeal | None]:
+def recorded_seals(model: RecordedModel) -> dict[str, Seal | None]:
     """The seal of every ``SealGroup`` and ``ScenarioGroup`` by the group's path, empty for the model
     itself; None for a seal that cannot be made again from the file.
 
@@ -70,7 +70,7 @@ def recorded_seals(model: RecordedModel) -> dict[str, DoorSeal | None]:
         for path, options in model.options.items()
         if SETTINGS_OPTION in options
     }
-    return {path: DoorSeal.from_settings(text) if text else None for path, text in texts.items()}
+    return {path: seal_of(text) if text else None for path, text in texts.items()}
 
 
 def recorded_settings(model: RecordedModel) -> dict:

@@ -44,16 +44,12 @@ def _constraint(history: RecordedOptimization, constraint: Constraint) -> dict:
 
 
 def _design_charts(history: RecordedOptimization, name: str) -> list[dict]:
-    """One chart for a design variable; two for the offsets of the two boundaries."""
+    """One chart for a design variable; for the offsets one for each boundary that they move."""
     rows = history.design[name].reshape(len(history.objective), -1)
     parts = [(label(name), slice(None))]
     own = name.rsplit(".", 1)[-1] == "boundary_offsets"
     if own and history.seal is not None and rows.shape[1] == history.seal.n_offsets:
-        outer = history.seal.outer_parameters
-        parts = [
-            ("outer boundary offsets", slice(0, outer)),
-            ("inner boundary offsets", slice(outer, None)),
-        ]
+        parts = [(f"{name} offsets", part) for name, part in offset_parts(history.seal)]
     low, high = history.bounds[name]
     return [
         {
@@ -65,6 +61,15 @@ def _design_charts(history: RecordedOptimization, name: str) -> list[dict]:
         }
         for words, part in parts
     ]
+
+
+def offset_parts(seal) -> list[tuple[str, slice]]:
+    """Neighbouring offsets that move the same edge of the boundary, with its name."""
+    edges = {name: edge.particles for name, edge in seal.body.edges.items()}
+    moved = np.linalg.norm(seal.design_velocity, axis=2)
+    names = [max(edges, key=lambda name: own[edges[name]].sum()) for own in moved]
+    first = [i for i, name in enumerate(names) if i == 0 or names[i - 1] != name]
+    return [(names[i], slice(i, j)) for i, j in zip(first, [*first[1:], len(names)], strict=True)]
 
 
 def finite(values) -> list:

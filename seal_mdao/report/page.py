@@ -14,8 +14,9 @@ from seal_mdao.recording.seal_inputs import RecordedSeal
 from seal_mdao.report import tables
 from seal_mdao.report.history import FEASIBLE, history_data
 from seal_mdao.report.shapes import Pictures
-from seal_mdao.seals.door.result import DoorSealResult
 from seal_mdao.seals.gaps import gaps_unmeasured_by
+from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.result import SealResult
 
 ASSETS = files("seal_mdao.report") / "assets"
 SCRIPTS = ("chart.js", "shape.js", "page.js")
@@ -41,7 +42,7 @@ class ShownSeal:
     Attributes
     ----------
     recorded : RecordedSeal
-    designs : list of DoorSealResult
+    designs : list of SealResult
         Designs of some points of the history, the first and the last among them.
     """
 
@@ -53,15 +54,20 @@ class ShownSeal:
         return self.recorded.name or "seal"
 
     @property
-    def ends(self) -> tuple[DoorSealResult, DoorSealResult]:
+    def ends(self) -> tuple[SealResult, SealResult]:
         return self.designs[0], self.designs[-1]
 
-    def is_as_recorded(self) -> bool:
-        """Whether the analyses of both ends give the recorded sums of squared gaps."""
-        gaps = self.recorded.gap_square_sum
-        if gaps is None:
-            return True
-        return all(map(tables.agrees, (gaps, gaps), gaps[[0, -1]], self.ends))
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """Measures of which the analyses of the ends do not give the recorded values."""
+        return tuple(
+            name
+            for name, values in self.recorded.measures.items()
+            if not all(
+                tables.agrees(values, value, name, result)
+                for value, result in zip(values[[0, -1]], self.ends, strict=True)
+            )
+        )
 
 
 def render(
@@ -123,7 +129,7 @@ def render(
         further=further,
         analyses="".join(
             tables.analysis_table(
-                *seal.ends, seal.recorded.gap_square_sum, seal.name if len(seals) > 1 else ""
+                *seal.ends, seal.recorded.measures, seal.name if len(seals) > 1 else ""
             )
             for seal in seals
         ),
@@ -157,11 +163,11 @@ def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]
                 f"those with the values of the drawn seal. Record with {RECORD_ALL}."
             )
     found += [
-        f"The analyses of {escape(seal.name)} for this report do not give the recorded sums of squared "
-        "gaps, so the pictures are not of the recorded designs. Perhaps the package has changed since, "
-        f"or inputs were not recorded ({RECORD_ALL})."
+        f"The analyses of {escape(seal.name)} for this report do not give the recorded values of "
+        f"{escape(', '.join(map(label, changed)))}, so the pictures are not of the recorded designs. "
+        f"Perhaps the package has changed since, or inputs were not recorded ({RECORD_ALL})."
         for seal in seals
-        if not seal.is_as_recorded()
+        if (changed := seal.changed)
     ]
     for seal in seals:
         for name, design in zip(("First", "Last"), seal.ends, strict=True):
@@ -179,9 +185,9 @@ def _choice(seals: list[ShownSeal]) -> str:
 
 
 def title(history: RecordedOptimization) -> str:
-    """What was done: problem (71) by its name, else what the driver did with what."""
+    """What was done: the optimisation of a seal's shape, else what the driver did with what."""
     if history.settings and history.kind == "optimisation":
-        return "Shape of a door seal"
+        return "Shape of a seal"
     return f"{KINDS[history.kind]} {history.objective_name}"
 
 
@@ -227,15 +233,24 @@ def key_figures(
         (kind, str(len(history.objective) - 1), f"{history.evaluations} evaluations recorded"),
         ("largest violation", tables.share(history.max_violation[-1]), "of a constraint at the end"),
     ]  # fmt: skip
-    for place, seal in enumerate(seals):
-        of = f", {seal.name}" if len(seals) > 1 else ""
-        start, end = ({n: v for n, _, v in tables.measures(d)} for d in seal.ends)
-        gap, force = "largest gap between contacts", "vertical force on the door"
-        before = f"between the contacts; start {tables.number(start[gap], 2)} mm"
-        found.insert(1 + place, (f"largest gap{of}", f"{tables.number(end[gap], 2)} mm", before))
-        change = f"{tables.share(end[force] / start[force])} of its start"
-        found.append((f"vertical force{of}", f"{tables.number(end[force], 3)} N/m", change))
+    place = 1
+    for seal in seals:
+        start, end = map(tables.measures, seal.ends)
+        labels = [contact.label for contact in contacts(seal.ends[1].seal)]
+        for profile in labels:
+            at = f", {profile}" if len(labels) > 1 else ""
+            of = (f", {seal.name}" if len(seals) > 1 else "") + at
+            gap, force = f"largest gap between contacts{at}", f"vertical force on the profile{at}"
+            before = f"between the contacts; start {tables.number(start[gap][1], 2)} mm"
+            found.insert(place, (f"largest gap{of}", f"{tables.number(end[gap][1], 2)} mm", before))
+            change = _change(start[force][1], end[force][1])
+            found.append((f"vertical force{of}", f"{tables.number(end[force][1], 3)} N/m", change))
+            place += 1
     return found
+
+
+def _change(start: float, end: float) -> str:
+    return f"{tables.share(end / start)} of its start" if start else ""
 
 
 def _range_figures(history: RecordedOptimization) -> list[tuple[str, str, str]]:

@@ -10,24 +10,22 @@ from seal_mdao.tolerances.comparison import SampledDesign
 
 NOTE = (
     "Every sample is a car and a seal of its own, none of them among the scenarios of the "
-    "optimisation; all designs meet the same ones. Gaps are integrals of the squared gap between the "
-    "contacts of the drawn seal."
+    "optimisation; all designs meet the same ones."
 )
 
 
-def samples_section(designs: list[SampledDesign], band, floor, figure: Figure) -> str:
+def samples_section(designs: list[SampledDesign], limits, cost: str, figure: Figure) -> str:
     """A table and a figure as HTML that stands by itself.
 
     Parameters
     ----------
     designs : list of SampledDesign
-    band : pair of float
-        Limits of the reaction, N/m.
-    floor : ndarray, shape (patches,)
-        Least contact pressures, kPa.
+    limits : sequence of SampledLimit
+    cost : str
+        What is made small, with its unit.
     figure : Figure
     """
-    rows = [[head, *map(text, designs)] for head, text in _rows(band, floor)]
+    rows = [[head, *map(text, designs)] for head, text in _rows(limits, cost)]
     heads = ["", *(design.label for design in designs)]
     caption = f"On {designs[0].samples} fresh samples of all tolerances"
     drawn = io.BytesIO()
@@ -41,21 +39,18 @@ def samples_section(designs: list[SampledDesign], band, floor, figure: Figure) -
     )
 
 
-def _rows(band, floor) -> list:
+def _rows(limits, cost: str) -> list:
     """Headings, and what says the cell of a design."""
-    low, high = (number(limit, 3) for limit in band)
-    least = " and ".join(number(value, 3) for value in floor)
 
     def of_cost(key):
-        return lambda design: number(design.summary(band, floor)["gap_square_integral"][key], 3)
+        return lambda design: number(design.summary(())[design.cost][key], 3)
 
     return [
-        ("integral of the squared gap (mm³), median", of_cost("q50")),
+        (f"{cost}, median", of_cost("q50")),
         ("mean", of_cost("mean")),
         ("standard deviation", of_cost("std")),
         ("95 % of the samples are below", of_cost("q95")),
         ("largest", of_cost("highest")),
-        (f"reaction within {low} to {high} N/m", lambda design: share(design.within(band))),
-        (f"contact pressure of at least {least} kPa", lambda design: share(design.above(floor))),
+        *((limit.text, lambda design, own=limit: share(design.share(own))) for limit in limits),
         ("samples that could not be analysed", lambda design: str(design.failed)),
     ]

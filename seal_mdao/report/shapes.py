@@ -1,4 +1,4 @@
-"""The pictures of the report as numbers: deformed sections with stress, contact, door.
+"""The pictures of the report as numbers: deformed sections with stress, contact, profiles.
 
 Coordinates and stress of a fine grid between the particles are rounded to 16-bit integers, which is
 some micrometres and a tenth of a kilopascal, and written as base64 text.
@@ -10,44 +10,31 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
-from seal_mdao.geometry.profile import trace
+from seal_mdao.measures.stress import VonMises
 from seal_mdao.plotting import field
-from seal_mdao.plotting.gap import boundary_coordinate
-from seal_mdao.plotting.section import stress_levels, window
+from seal_mdao.plotting.section import held_lines, stress_levels, window
 from seal_mdao.plotting.style import STRESS_MAP
-from seal_mdao.report.ring import RingGrid, ring_grid
-from seal_mdao.seals.door.measures import DOOR
-from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.seals.profiles import contacts, true_pressure
+from seal_mdao.report.contacts import contact_points, poses, profile_curves, profile_shapes
+from seal_mdao.seals.result import SealResult
 
-POINTS_AROUND, POINTS_ACROSS = 116, 5
-"""Points of the fine grid that are enough for a picture."""
+POINTS = 600
+"""Points of the fine grid that are enough for a picture; with more particles one at each."""
 FRAMES = 130
 """Load steps that are kept at most; of more, evenly spread ones."""
 COLOURS = 64
-MARGIN = 0.04
+MARGIN = 0.08
 """Room around the shapes, over their size."""
 FULL = 32000
 """Integer that stands for the largest coordinate, and for the end of the stress scale."""
-REACH = 60.0
-"""How far the door is drawn, mm."""
 
 
-def fine_grid(result: DoorSealResult) -> RingGrid:
-    """A grid with about as many points whatever the model's refinement, those that may touch among
-    them."""
-    grid, beside = result.seal.grid, _beside(result).shape[1]
-    along = beside * max(1, round(POINTS_AROUND / (beside * grid.rays)))
-    across = max(1, round((POINTS_ACROSS - 1) / (grid.layers - 1)))
-    return ring_grid(result, along, across)
+def fine_grid(result: SealResult) -> field.FineGrid:
+    """A grid with about as many points whatever the model's refinement."""
+    cells = len(result.seal.body.cells)
+    return field.fine_grid(result, max(1, round(np.sqrt(POINTS / cells))))
 
 
-def _beside(result: DoorSealResult) -> np.ndarray:
-    """Particles at the points that may touch, shape (k, 1), or to either side of them, (k, 2)."""
-    return result.term(DOOR).where.points.anchors
-
-
-def kept_steps(result: DoorSealResult) -> np.ndarray:
+def kept_steps(result: SealResult) -> np.ndarray:
     """Numbers of the nominal steps that are shown, the last one included."""
     count = len(result.path.nominal_steps)
     return np.unique(np.linspace(0, count - 1, min(count, FRAMES)).round().astype(int))
@@ -58,13 +45,13 @@ class Pictures:
 
     Parameters
     ----------
-    start, end : DoorSealResult
+    start, end : SealResult
         The first and the last design, whose whole paths are shown.
-    between : list of DoorSealResult
+    between : list of SealResult
         Designs of which the last load step is shown, ``start`` and ``end`` among them.
     """
 
-    def __init__(self, start: DoorSealResult, end: DoorSealResult, between: list[DoorSealResult]):
+    def __init__(self, start: SealResult, end: SealResult, between: list[SealResult]):
         self._start, self._end, self._between = start, end, between
         self._fine = {id(result): fine_grid(result) for result in (start, end, *between)}
         self._steps = {id(result): kept_steps(result) for result in (start, end)}
@@ -72,99 +59,81 @@ class Pictures:
         shapes += [self._deformed(result, -1) for result in between]
         shapes += [field.undeformed(result, self._fine[id(result)]) for result in (start, end)]
         self._low, self._high = window(shapes, MARGIN)
-        self._high[1] = max(self._high[1], start.seal.section.outer_radius + 1.5)
         self._length = max(np.abs(shape).max() for shape in shapes) / FULL
         highest = max(self._stress(r, s).max() for r in (start, end) for s in self._steps[id(r)])
         self._top = float(stress_levels(highest)[-1])
 
     def as_data(self) -> dict:
         """The pictures as JSON can hold them."""
-        seal = self._start.seal
-        around, across = self._fine[id(self._start)].shape
-        base = seal.drawn_particles[seal.grid.base]
+        fine = self._fine[id(self._start)]
         return {
-            "around": around,
-            "across": across,
+            "quads": fine.quads.tolist(),
+            "loops": [loop.tolist() for loop in fine.loops],
             "length": self._length,
             "stress": self._top / FULL,
             "top": self._top,
             "colours": [to_hex(c) for c in colormaps[STRESS_MAP](np.linspace(0.0, 1.0, COLOURS))],
             "low": self._low.tolist(),
             "high": self._high.tolist(),
-            "base": [base[:, 0].min(), base[:, 0].max(), base[:, 1].min()],
-            "contact": self._contact_points(),
-            "watched": self._grid_points(self._start.points.stress),
+            "held": [np.round(line, 4).tolist() for line in held_lines(self._start)],
+            "watched": self._watched(),
             "paths": [self._path(self._start), self._path(self._end)],
             "designs": [self._design(result) for result in self._between],
         }
 
-    def _grid_points(self, particles) -> list[int]:
-        """Points of the fine grid at which particles lie."""
-        grid = self._start.seal.grid
-        around, across = self._fine[id(self._start)].shape
-        along, through = around // grid.rays, (across - 1) // (grid.layers - 1)
-        ray, layer = np.divmod(particles, grid.layers)
-        return (ray * along * across + layer * through).tolist()
+    def _watched(self) -> list[list[int]]:
+        """Points of the fine grid at the particles whose stresses are a measure, each between its
+        neighbours along the boundary; alone inside of the section."""
+        fine, beside = self._fine[id(self._start)], {}
+        for loop in fine.loops:
+            ring = zip(np.roll(loop, 1), loop, np.roll(loop, -1), strict=True)
+            beside |= {int(at): [int(a), int(at), int(b)] for a, at, b in ring}
+        anchors = fine.points.anchors
+        alone = np.flatnonzero((anchors == anchors[:, :1]).all(axis=1))
+        at = dict(zip(anchors[alone, 0].tolist(), alone.tolist(), strict=True))
+        watched = (m for m in self._start.measures() if isinstance(m, VonMises))
+        points = [at[particle] for measure in watched for particle in measure.points]
+        return [beside.get(point, [point]) for point in points]
 
-    def _contact_points(self) -> list[int]:
-        """Points of the fine grid that may touch."""
-        beside = _beside(self._start)
-        ends = np.reshape(self._grid_points(beside.ravel()), beside.shape)
-        return ends.mean(axis=1).astype(int).tolist()
-
-    def _deformed(self, result: DoorSealResult, step: int) -> np.ndarray:
+    def _deformed(self, result: SealResult, step: int) -> np.ndarray:
         return field.deformed(result, self._fine[id(result)], step)
 
-    def _stress(self, result: DoorSealResult, step: int) -> np.ndarray:
+    def _stress(self, result: SealResult, step: int) -> np.ndarray:
         return field.von_mises(result, self._fine[id(result)], step)
 
-    def _frame(self, result: DoorSealResult, step: int) -> np.ndarray:
-        """x, y, stress of every point of the grid, shape (around * across, 3), integers."""
+    def _picture(self, result: SealResult, step: int) -> dict:
+        """One load step: x, y, stress of all points of the grid, x, y of the contact points."""
         places = self._deformed(result, step) / self._length
         stress = np.minimum(self._stress(result, step) * FULL / self._top, FULL)
-        return np.column_stack([places, stress])
-
-    def _path(self, result: DoorSealResult) -> dict:
-        steps, (door,) = self._steps[id(result)], contacts(result.seal)
-        answers = result.path.at_nominal(door.label)
-        chosen = [answers[step] for step in steps]
+        touching, marks = contact_points(result, step)
         return {
-            "frames": packed([self._frame(result, step) for step in steps]),
-            "travel": np.round(result.door_travel[steps], 6).tolist(),
-            "position": np.round([door_position(result, step) for step in steps], 6).tolist(),
-            "reaction": np.round(result.reaction[steps], 4).tolist(),
-            "peak": [float(np.round(self._stress(result, step).max(), 2)) for step in steps],
-            "state": ["".join(map(str, contact.state)) for contact in chosen],
-            "pressure": [np.round(true_pressure(result, door, s), 2).tolist() for s in steps],
-            "gap": [np.round(contact.gap, 5).tolist() for contact in chosen],
-            "arc": np.round(boundary_coordinate(result), 4).tolist(),
-            "door": door_face(result),
+            "points": packed(np.column_stack([places, stress])),
+            "touching": packed(touching / self._length),
+            "marks": marks,
+            "poses": poses(result, result.path.nominal_steps[step].fraction),
+            "peak": float(np.round(self._stress(result, step).max(), 2)),
+        }
+
+    def _path(self, result: SealResult) -> dict:
+        steps = self._steps[id(result)]
+        return {
+            "frames": [self._picture(result, step) for step in steps],
+            "captions": [result.caption(step) for step in steps],
+            "profiles": profile_shapes(result),
+            "curves": profile_curves(result, steps),
             "completed": result.converged,
         }
 
-    def _design(self, result: DoorSealResult) -> dict:
+    def _design(self, result: SealResult) -> dict:
         fine = self._fine[id(result)]
-        drawn = field.undeformed(result, fine).reshape(*fine.shape, 2)
+        boundary = field.undeformed(result, fine)[np.concatenate(fine.loops)]
         return {
-            "frame": packed([self._frame(result, -1)]),
-            "drawn": packed([drawn[:, [0, -1]] / self._length]),
-            "position": door_position(result, -1).tolist(),
-            "state": "".join(map(str, result.path.at_nominal("door")[-1].state)),
-            "peak": float(np.round(self._stress(result, -1).max(), 2)),
-            "door": door_face(result),
+            "frame": self._picture(result, -1),
+            "boundary": packed(boundary / self._length),
+            "begin": poses(result, 0.0),
+            "profiles": profile_shapes(result),
             "completed": result.converged,
         }
-
-
-def door_position(result: DoorSealResult, step: int) -> np.ndarray:
-    """Where the door is after a nominal step, shape (2,), mm."""
-    return result.seal.motion.pose(result.path.nominal_steps[step].fraction).position
-
-
-def door_face(result: DoorSealResult) -> list:
-    """Points along the door at its position zero, (n, 2) rounded, mm."""
-    face = trace(result.seal.profile, 0.2, REACH)
-    return np.round(face, 4).tolist()
 
 
 def packed(arrays) -> str:

@@ -1,23 +1,30 @@
 """The tables of the report: figures at the start and at the end, settings, runs."""
 
+import json
 import math
 import re
-from dataclasses import fields, is_dataclass
 from html import escape
 
 import numpy as np
 
 from seal_mdao.contact.friction import OPEN
-from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
+from seal_mdao.recording.recorded_optimization import (
+    RecordedOptimization,
+    label,
+    shown_unit,
+    unit_of,
+)
 from seal_mdao.report import history as words
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.file.described import FILE
 from seal_mdao.seals.gaps import largest_gap
 from seal_mdao.seals.profiles import contacts, nominal_pressure, profile_histories, true_pressure
+from seal_mdao.seals.result import SealResult, is_empty
+from seal_mdao.seals.settings import described
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 NO_VALUE = "–"
 AGREEMENT = 1e-5
-"""Difference from the recorded cost, over cost plus start, that rounding may explain."""
+"""Difference from a recorded value, over value plus start, that rounding may explain."""
 
 
 def number(value, digits: int = 4) -> str:
@@ -88,85 +95,101 @@ def _limits(constraint) -> str:
     return f"= {low}" if low == high else f"{low} to {high}"
 
 
-def analysis_table(start: DoorSealResult, end: DoorSealResult, recorded=None, name="") -> str:
+def analysis_table(start: SealResult, end: SealResult, recorded: dict, name="") -> str:
     """Measures of both designs, from their analyses.
 
     Parameters
     ----------
-    recorded : ndarray, optional
-        Sum of squared gaps of every point as recorded.
+    recorded : dict of str to ndarray
+        Values of measures at every point as recorded, by name.
     name : str
         Of the seal where there are several.
     """
-    pairs = zip(measures(start), measures(end), strict=True)
-    rows = [[name, number(a), number(b), unit] for (name, unit, a), (_, _, b) in pairs]
-    if recorded is not None:
-        cells = [
-            number(value) if agrees(recorded, value, result) else (number(value), "bad")
-            for value, result in zip(recorded[[0, -1]], (start, end), strict=True)
-        ]
-        rows.insert(1, ["the same, as recorded", *cells, "mm²"])
-    head = ["measure under the closed door", "start", "end", "unit"]
+    rows, last = [], measures(end)
+    for what, (unit, value) in measures(start).items():
+        rows.append([what, number(value), number(last.get(what, (unit, math.nan))[1]), unit])
+        own = next((key for key in recorded if label(key) == what), None)
+        if own is not None:
+            cells = [
+                number(value)
+                if agrees(recorded[own], value, own, result)
+                else (number(value), "bad")
+                for value, result in zip(recorded[own][[0, -1]], (start, end), strict=True)
+            ]
+            rows.append(["the same, as recorded", *cells, unit])
+    head = ["measure at the end of the path", "start", "end", "unit"]
     of = f" of {name}" if name else ""
     return table(head, rows, f"First and last design{of}, from their analyses")
 
 
-def agrees(recorded: np.ndarray, value: float, result: DoorSealResult) -> bool:
-    """Whether the analysis of a design gives its recorded sum of squared gaps."""
+def agrees(recorded: np.ndarray, value: float, name: str, result: SealResult) -> bool:
+    """Whether the analysis of a design gives a recorded value of a measure."""
     allowed = AGREEMENT * (abs(value) + abs(recorded[0]))
-    return result.converged and abs(result.gap_square_sum - value) <= allowed
+    return result.converged and abs(result.value(result.measure(name))[0] - value) <= allowed
 
 
-def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
-    """Name, unit and value of what an engineer asks about a design; nan where it is not known."""
-    (door,) = contacts(result.seal)
-    last = result.path.at_nominal("door")[-1]
-    touching = last.state != OPEN
-    (history,) = profile_histories(result)
-    reached = result.converged
-    return [
-        ("sum of squared gaps", "mm²", result.gap_square_sum if reached else math.nan),
-        ("largest gap between contacts", "mm", largest_gap(result, door.label).size),
-        ("contact points in contact", "", int(touching.sum())),
-        ("width in contact, deformed", "mm", float(history.width[-1])),
-        ("width in contact, nominal (undeformed)", "mm", float(history.nominal_width[-1])),
-        ("patches in contact", "", patches(touching)),
-        (
-            "highest contact pressure, true (force over deformed length)",
-            "kPa",
-            float(true_pressure(result, door).max()),
-        ),
-        (
-            "highest contact pressure, nominal (over undeformed length)",
-            "kPa",
-            float(nominal_pressure(door, last).max()),
-        ),
-        ("deepest penetration", "mm", max(0.0, -float(last.gap.min()))),
-        ("highest von Mises stress at a particle", "kPa", float(result.stress_field().max())),
-        ("vertical force on the door", "N/m", float(result.reaction[-1, 1])),
-        ("error of the gaps by contact penalties, estimated", "%", _penalty_error(result, "gap")),
-        (
-            "error of the force by contact penalties, estimated",
-            "%",
-            _penalty_error(result, "reaction"),
-        ),
-        ("horizontal force on the door", "N/m", float(result.reaction[-1, 0])),
-        ("area of the section", "mm²", _area(result)),
-        ("corner radius of the door", "mm", result.door_radius),
-        ("door travel reached", "mm", float(result.door_travel[-1])),
-        ("times that stability was lost", "", len(result.critical_points)),
+def measures(result: SealResult) -> dict[str, tuple[str, float]]:
+    """Unit and value of what an engineer asks about a design, by name; nan where it is not known."""
+    found = _own_measures(result)
+    profiles = contacts(result.seal)
+    for contact, history in zip(profiles, profile_histories(result), strict=True):
+        at = f", {contact.label}" if len(profiles) > 1 else ""
+        found |= {name + at: row for name, row in _at_profile(result, contact, history).items()}
+    for name in result.seal.inputs:
+        scalar = result.seal.scalars[name]
+        found[label(name)] = shown_unit(scalar.units), float(scalar.value)
+    return found | {
+        "highest von Mises stress at a particle": ("kPa", float(result.stress_field().max())),
+        "area of the section": ("mm²", _area(result)),
+        "travel reached": ("mm", float(result.travel[-1])),
+        "times that stability was lost": ("", len(result.critical_points)),
+    } | _penalty_errors(result)  # fmt: skip
+
+
+def _own_measures(result: SealResult) -> dict:
+    """Measures of the seal that are single numbers; nan for a path that was not completed."""
+    own = [
+        m for m in result.measures() if not is_empty(m, result.seal) and m.size(result.seal) == 1
     ]
+    return {
+        label(m.name): (
+            shown_unit(m.units), float(result.value(m)[0]) if result.converged else math.nan
+        )
+        for m in own
+    }  # fmt: skip
 
 
-def _penalty_error(result: DoorSealResult, name: str) -> float:
-    """Relative, in percent; nan where it is not known."""
-    if not result.converged or name not in result.penalty_error:
-        return math.nan
-    return 100.0 * result.penalty_error[name].relative
+def _at_profile(result: SealResult, contact, history) -> dict:
+    """What happens at one profile after the last load step."""
+    last = result.path.at_nominal(contact.label)[-1]
+    touching = last.state != OPEN
+    true, nominal = true_pressure(result, contact), nominal_pressure(contact, last)
+    return {
+        "largest gap between contacts": ("mm", largest_gap(result, contact.label).size),
+        "contact points in contact": ("", int(touching.sum())),
+        "width in contact, deformed": ("mm", float(history.width[-1])),
+        "width in contact, nominal (undeformed)": ("mm", float(history.nominal_width[-1])),
+        "patches in contact": ("", patches(touching)),
+        "highest contact pressure, true (force over deformed length)": ("kPa", float(true.max())),
+        "highest contact pressure, nominal (over undeformed length)": ("kPa", float(nominal.max())),
+        "deepest penetration": ("mm", max(0.0, -float(last.gap.min()))),
+        "vertical force on the profile": ("N/m", float(history.force[-1, 1])),
+        "horizontal force on the profile": ("N/m", float(history.force[-1, 0])),
+    }
 
 
-def _area(result: DoorSealResult) -> float:
-    """Between the splines; that of the cells where only the particles are known."""
+def _penalty_errors(result: SealResult) -> dict:
+    """Estimated errors of the measures by the contact penalties, relative."""
+    if not result.converged:
+        return {}
+    return {
+        f"error of {label(name)} by contact penalties, estimated": ("%", 100.0 * error.relative)
+        for name, error in result.penalty_error.items()
+    }
+
+
+def _area(result: SealResult) -> float:
+    """Of the design; that of the cells where only the particles are known."""
     if result.boundary_offsets is None:
         return float(result.path.discretization.weights.sum())
     return result.area
@@ -182,18 +205,26 @@ def settings_table(history: RecordedOptimization) -> str:
     known = [seal for seal in history.seals if seal.seal is not None]
     rows = []
     for seal in known:
-        rows += _attributes(seal.seal, f"{seal.name}: " if len(known) > 1 else "")
-    rows += [[f"problem: {name}", str(value)] for name, value in history.settings.items()]
+        settings = described(json.loads(seal.seal.settings()))
+        rows += _flat(settings, f"{seal.name}: " if len(known) > 1 else "")
+    rows += [
+        [f"problem: {name}", str(value)] for name, value in history.settings.items() if name != FILE
+    ]
     return table(["setting", "value"], rows, "Model and problem (mm, kPa, N/m)")
 
 
-def _attributes(record, prefix: str = ""):
-    for field in fields(record):
-        value = getattr(record, field.name)
-        if is_dataclass(value):
-            yield from _attributes(value, f"{prefix}{field.name}: ")
+def _flat(settings, prefix: str = ""):
+    """Rows of settings that hold others."""
+    for name, value in settings.items() if isinstance(settings, dict) else enumerate(settings, 1):
+        inside = isinstance(value, dict) or (isinstance(value, list) and _holds_tables(value))
+        if inside:
+            yield from _flat(value, f"{prefix}{name}: ")
         else:
-            yield [prefix + field.name, str(value)]
+            yield [f"{prefix}{name}", str(value)]
+
+
+def _holds_tables(values: list) -> bool:
+    return any(isinstance(value, dict) for value in values)
 
 
 def runs_table(history: RecordedOptimization) -> str:

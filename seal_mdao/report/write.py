@@ -10,7 +10,7 @@ from seal_mdao.progress import hidden
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.seal_inputs import RecordedSeal
 from seal_mdao.report.page import ShownSeal, render
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.result import SealResult, frozen_measures
 
 DESIGNS = 40
 """Points of the history whose designs are analysed again at most; of more, evenly spread ones."""
@@ -79,14 +79,14 @@ def chosen_points(count: int) -> list[int]:
 
 def analyze_points(
     recorded: RecordedSeal, numbers: list[int], kept: KeptAnalyses
-) -> list[DoorSealResult]:
+) -> list[SealResult]:
     """Designs of a seal, analysed; all are measured where the recorded run did."""
-    points = kept.analyze(recorded.seal.as_drawn()).points
+    measures = frozen_measures(recorded.seal, None, kept.analyze)
     bar = tqdm(numbers, desc="report", unit="analysis", disable=hidden(), leave=False)
-    return [_analyzed(kept, recorded, number).at(points) for number in bar]
+    return [_analyzed(kept, recorded, number).at(measures) for number in bar]
 
 
-def _analyzed(kept: KeptAnalyses, recorded: RecordedSeal, number: int) -> DoorSealResult:
+def _analyzed(kept: KeptAnalyses, recorded: RecordedSeal, number: int) -> SealResult:
     """A design analysed, without looking for places of its measures."""
     offsets, parameters = recorded.design(number)
     seal = recorded.seal.with_parameters(parameters)

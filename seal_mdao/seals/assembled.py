@@ -1,5 +1,6 @@
 """A seal put together from a body, terms and a design: what users start from."""
 
+import json
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -8,9 +9,9 @@ import numpy as np
 from seal_mdao import values
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.default_penalties import completed
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.measures.shape import cells_area
-from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.seal import Seal
 
 
@@ -125,6 +126,7 @@ class AssembledSeal(Seal):
             )
         other = replace(self, changed=self.changed | dict(values))
         other.__dict__["_origin"] = self._origin
+        other.__dict__["description"] = self.description
         other.terms()  # values that are not admissible are refused here
         return other
 
@@ -137,11 +139,46 @@ class AssembledSeal(Seal):
         )  # fmt: skip
 
     def with_rooms(self, rooms: dict) -> "AssembledSeal":
-        return replace(self, definitions=tuple(
+        other = replace(self, definitions=tuple(
             replace(own, motion=replace(own.motion, room=rooms[own.label]))
             if own.label in rooms else own
             for own in self.definitions
         ))  # fmt: skip
+        rooms = {label: np.asarray(room, float).tolist() for label, room in rooms.items()}
+        known = self.description.get("rooms", {})
+        return other._made_as(self, rooms=known | rooms)
+
+    def with_placements(self) -> "AssembledSeal":
+        definitions = []
+        for own in self.definitions:
+            if isinstance(own, RigidContact):
+                names = (f"{own.label}_{way}" for way in ("x", "y", "angle"))
+                own = replace(own, motion=own.motion.with_placement(*names))
+            definitions.append(own)
+        return replace(self, definitions=tuple(definitions))._made_as(self, placements=True)
+
+    def made_from(self, description: dict) -> "AssembledSeal":
+        """Note what this seal can be made from again, as JSON holds it; two seals of one description are
+        the same. What is made of this seal by ``dataclasses.replace`` has none."""
+        self.__dict__["description"] = description
+        if description:
+            self.__dict__["_origin"] = json.dumps(description)
+        return self
+
+    def _made_as(self, seal: "AssembledSeal", **more) -> "AssembledSeal":
+        """Note that this seal can be made as another one, and what is changed of that."""
+        return self.made_from(seal.description and seal.description | more)
+
+    def settings(self) -> str:
+        if not self.description:
+            return ""
+        changed = {"parameters": {name: float(value) for name, value in self.changed.items()}}
+        return json.dumps(self.description | (changed if self.changed else {}))
+
+    @cached_property
+    def description(self) -> dict:
+        """What was given to ``made_from``; empty for a seal that nothing is known of."""
+        return {}
 
     def area(self, offsets):
         value, by_particles = cells_area(self.body.cells, self.moved(offsets))
@@ -155,9 +192,6 @@ class AssembledSeal(Seal):
                 f"unknown measure {unknown[0]!r}; this seal's own are: {', '.join(known) or 'none'}"
             )
         return tuple(known[name] for name in names) if names else self.standard
-
-    def result(self, path, boundary_offsets=None) -> SealResult:
-        return SealResult(self, path, boundary_offsets)
 
     @cached_property
     def _origin(self):

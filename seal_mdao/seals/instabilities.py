@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.seals.profiles import stage_place
 from seal_mdao.terms.point_assembly import interpolate
 
 
@@ -73,9 +72,3 @@ def _instability(result, point) -> Instability:
         point.fraction, result.travel_at(point.fraction), point.kind, mode / np.abs(mode).max(),
         point.moved, point.released, not result.path.problem.symmetric,
     )  # fmt: skip
-
-
-def stage_travel(result, fraction: float) -> float:
-    """Travel of the first profile that moves since its stage began, mm; NaN without profiles."""
-    place = stage_place(result.seal, fraction)
-    return float("nan") if place is None else float(np.hypot(*place[:2]))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.contact.friction import OPEN
+from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import Motion, step_shares
@@ -38,15 +38,19 @@ class Course(NamedTuple):
     stages : tuple of int
         From 1.
     along : ndarray, shape (n,)
-        Signed travel (mm) or turn (degrees) since the course began, after each of its steps.
+        Signed travel (mm) or turn (degrees), after each of its steps.
     turns : bool
         Whether it is a turn without travel.
+    begin : float
+        Travel or turn where it begins: zero, but the first travel of a seal is counted from its
+        ``before_touch``.
     """
 
     steps: slice
     stages: tuple
     along: np.ndarray
     turns: bool
+    begin: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +90,23 @@ class ProfileHistory:
     courses: tuple
 
 
+def leading_contact(seal) -> RigidContact:
+    """Contact with the leading profile: the first one that moves, the first one if none does.
+
+    Raises
+    ------
+    ValueError
+        For a seal without profiles.
+    """
+    found = contacts(seal)
+    if not found:
+        raise ValueError("the seal has no profile that it may touch")
+    return next((contact for contact in found if moves(contact.motion)), found[0])
+
+
 def leading_motion(seal) -> Motion | None:
-    """Motion of the first profile that moves; of the first one if none does; None without profiles."""
-    motions = [contact.motion for contact in contacts(seal)]
-    return next((motion for motion in motions if moves(motion)), motions[0] if motions else None)
+    """Motion of the leading profile; None without profiles."""
+    return leading_contact(seal).motion if contacts(seal) else None
 
 
 def moves(motion: Motion) -> bool:
@@ -112,7 +129,7 @@ def _history(result, contact) -> ProfileHistory:
     return ProfileHistory(
         contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
-        *at_steps.reshape(-1, 4).T, courses(motion, len(number)),
+        *at_steps.reshape(-1, 4).T, courses(motion, len(number), result.seal.before_touch),
     )  # fmt: skip
 
 
@@ -143,6 +160,13 @@ def true_pressure(result, contact: RigidContact, step: int = -1) -> np.ndarray:
     return nominal_pressure(contact, response) / stretch
 
 
+def contact_counts(response) -> dict[str, int]:
+    """Points of a contact that touch, stick and slip."""
+    state = response.state
+    counts = {"contact": state != OPEN, "stick": state == STICK, "slip": state == SLIP}
+    return {name: int(np.sum(points)) for name, points in counts.items()}
+
+
 def contact_places(result, label: str) -> np.ndarray:
     """Undeformed places of the points that may touch, shape (k, 2), mm."""
     return result.term(label).where.points.at(result.particles)
@@ -169,6 +193,16 @@ def stage_place(seal, fraction: float) -> np.ndarray | None:
     return here - _waypoints(motion)[stage]
 
 
+def stage_travel(seal, fraction: float) -> float:
+    """Travel of the leading profile since its stage began after any share of the load steps, in the
+    first stage counted from ``before_touch``, mm; NaN without profiles."""
+    place = stage_place(seal, fraction)
+    if place is None:
+        return float("nan")
+    first = fraction <= leading_motion(seal).steps[0]
+    return float(np.hypot(*place[:2])) - seal.before_touch * first
+
+
 def _waypoints(motion) -> np.ndarray:
     return np.column_stack([motion.positions, np.degrees(motion.angles)])
 
@@ -179,10 +213,11 @@ def _coordinates(motion, number) -> np.ndarray:
     return rows * (1.0, 1.0, np.degrees(1.0))
 
 
-def courses(motion: Motion, n_steps: int) -> tuple[Course, ...]:
+def courses(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, ...]:
     """The first ``n_steps`` nominal steps of a motion, divided where its direction changes.
 
-    There and back along one line is one course, so that loading and unloading share an axis.
+    There and back along one line is one course, so that loading and unloading share an axis. The first
+    travel is counted from ``before`` (mm) after its start.
     """
     waypoints, ends = _waypoints(motion), np.concatenate([[0], np.cumsum(motion.steps)])
     groups = []
@@ -203,7 +238,8 @@ def courses(motion: Motion, n_steps: int) -> tuple[Course, ...]:
         unit = unit / (np.linalg.norm(unit) or 1.0)
         moved = _coordinates(motion, range(steps.start, steps.stop)) - waypoints[stages[0]]
         numbers = tuple(s + 1 for s in stages if ends[s] < n_steps)
-        found.append(Course(steps, numbers, moved @ unit, turns))
+        begin = 0.0 if turns or stages[0] else -before
+        found.append(Course(steps, numbers, moved @ unit + begin, turns, begin))
     return tuple(found)
 
 
@@ -226,6 +262,9 @@ def key_steps(result) -> list[int]:
     stages, ends = (1, step_shares(n)) if motion is None else (motion.steps.size, motion.ends)
     parts = 4 if stages == 1 else 2 if stages <= MIDDLES else 1
     wanted = np.arange(1, stages * parts + 1) / parts
+    if result.seal.before_touch:  # of the way from the first touch on
+        share = result.seal.before_touch / np.hypot(*np.diff(motion.positions[:2], axis=0)[0])
+        wanted[:parts] = share + (1.0 - share) * wanted[:parts]
     # of two that are as near the earlier one, whatever the rounding
     nearest = np.round(np.abs(ends[:, None] - wanted), 9).argmin(axis=0)
     return np.unique(np.minimum(nearest, done - 1)).tolist()
@@ -238,8 +277,8 @@ def caption(result, step: int) -> str:
         return f"step {step + 1} of {result.seal.n_steps}"
     (stage,) = stage_of(motion, np.array([step]))
     way = _coordinates(motion, [step])[0] - _waypoints(motion)[stage - 1]
-    travel, turn = np.hypot(*way[:2]), way[2]
-    words = [f"travel {travel:.3g} mm"] if travel else []
+    travel, turn = stage_travel(result.seal, step + 1.0), way[2]
+    words = [f"travel {travel:.3g} mm"] if np.hypot(*way[:2]) else []
     words += [f"turn {turn:.3g}°"] if turn else []
     head = [f"stage {stage}"] if len(motion.steps) > 1 else []
     return ", ".join([*head, *(words or ["at rest"])])

@@ -1,5 +1,6 @@
 """A seal analysed: from design parameters to the path and its measures, without OpenMDAO."""
 
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -17,12 +18,14 @@ from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import penalty_error, profiles
 from seal_mdao.seals.checks import findings
-from seal_mdao.seals.instabilities import Instability, instabilities, stage_travel
+from seal_mdao.seals.instabilities import Instability, instabilities
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
 
 FACTOR_MEMORY = 2.0
 """GiB for factors that are kept for sensitivities."""
+KNOWN_PLACES = 256
+"""Measures whose places are remembered, those that were asked for last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +33,7 @@ class SealResult:
     """One design of a seal, analysed.
 
     What concerns the path is there for a path that ended early too; what concerns its end then raises
-    ``LoadPathError``.
+    ``LoadPathError``. The measures of the seal are attributes by their names: ``result.gap_square_sum``.
 
     Attributes
     ----------
@@ -39,11 +42,25 @@ class SealResult:
     path : PathResult
     boundary_offsets : ndarray
         mm; None when the result was computed from particles.
+    placed : tuple of Measure
+        Measures that are taken at other places than those of this seal's nominal design (``at``).
     """
 
     seal: Seal
     path: PathResult = field(repr=False)
     boundary_offsets: np.ndarray | None = None
+    placed: tuple = ()
+
+    def __getattr__(self, name: str):
+        if name.startswith("_") or "seal" not in self.__dict__:
+            raise AttributeError(name)
+        try:
+            self.seal.measures((name,))
+        except ValueError as error:
+            raise AttributeError(f"the result has no {name!r}: {error}") from None
+        measure = self.measure(name)
+        values = self.value(measure)
+        return float(values[0]) if measure.scalar else values
 
     @property
     def converged(self) -> bool:
@@ -105,9 +122,57 @@ class SealResult:
         """Where equilibrium lost its stability on the path, in order."""
         return instabilities(self)
 
+    @property
+    def is_nominal(self) -> bool:
+        """Whether this is the nominal seal, in which measures have their places."""
+        same = self.seal.key == self.seal.as_drawn().key
+        return same and np.array_equal(self.particles, self.seal.drawn_particles)
+
+    @property
+    def reaction(self) -> np.ndarray:
+        """Force of the seal on the leading profile [horizontal, vertical], shape (n_steps, 2), N/m."""
+        return self.path.reaction(profiles.leading_contact(self.seal).label)
+
+    @property
+    def contact(self):
+        """What the contact with the leading profile answers at the end of the path."""
+        return self.response(profiles.leading_contact(self.seal).label)
+
+    @property
+    def max_penetration(self) -> float:
+        """Deepest penetration of all profiles at the end of the path, mm."""
+        gaps = [self.response(own.label).gap.min() for own in profiles.contacts(self.seal)]
+        return float(max(0.0, -min(gaps, default=0.0)))
+
+    @property
+    def area(self) -> float:
+        """Area of the section, mm^2.
+
+        Raises
+        ------
+        ValueError
+            For a result computed from particles, which may be of no design.
+        """
+        if self.boundary_offsets is None:
+            raise ValueError(
+                "a result computed from particles has no boundary offsets; the area of its cells is "
+                "path.discretization.weights.sum()"
+            )
+        return self.seal.area(self.boundary_offsets)[0]
+
+    @property
+    def travel(self) -> np.ndarray:
+        """``travel_at`` of every completed nominal step, shape (n_steps,), mm."""
+        return np.array([self.travel_at(step.fraction) for step in self.path.nominal_steps])
+
     def travel_at(self, fraction: float) -> float:
-        """Travel of the first profile that moves since its stage began, mm."""
-        return stage_travel(self, fraction)
+        """Travel of the first profile that moves since its stage began, in the first one counted from
+        ``Seal.before_touch``, mm; NaN without profiles."""
+        return profiles.stage_travel(self.seal, fraction)
+
+    def steps_at(self, travels) -> list[int]:
+        """Nominal steps whose travel is nearest to ``travels`` (mm), each once, in order."""
+        return sorted({int(np.argmin(np.abs(self.travel - travel))) for travel in travels})
 
     def require_possible(self) -> None:
         """Raise ``LoadPathError`` for a path that was not completed, or whose end cannot be meant."""
@@ -125,6 +190,7 @@ class SealResult:
             return ""
         done, damped = len(self.path.nominal_steps), self.path.damped
         lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
+        lost += f" The last of them was at {self.caption(done - 1)}." if done else ""
         return (
             f"the load path could not be completed at {self.path.failure}; {done} of "
             f"{self.seal.n_steps} load steps converged.{lost} {damped + '. ' if damped else ''}"
@@ -193,8 +259,28 @@ class SealResult:
         return profiles.caption(self, step)
 
     def measures(self, measures=None) -> tuple:
-        """Measures with their places, as ``frozen_measures`` gives them."""
-        return frozen_measures(self.seal, measures)
+        """Measures with their places, as ``frozen_measures`` gives them.
+
+        Those that take places from the nominal seal ask for its analysis, once for a seal, unless this
+        is the nominal seal, or has been given them (``at``).
+        """
+        chosen = _chosen(self.seal, measures)
+        placed = {measure.name: measure for measure in self.placed}
+        own = {name: self.seal.measures((name,))[0] for name in placed}
+        chosen = [placed[m.name] if m == own.get(m.name) else m for m in chosen]
+        return frozen_measures(self.seal, chosen, self._nominal)
+
+    def _nominal(self, seal: Seal) -> "SealResult":
+        return self if self.is_nominal else analyze(seal)
+
+    def measure(self, name: str) -> Measure:
+        """One of the seal's measures with its places."""
+        return self.measures((name,))[0]
+
+    def at(self, measures) -> "SealResult":
+        """The same result with the seal's measures of these names at their places, such as those of
+        another seal's nominal design, ``result.at(nominal.measures())``."""
+        return replace(self, placed=tuple(measures))
 
     def value(self, measure: Measure) -> np.ndarray:
         """Values of a measure with frozen places, shape (m,)."""
@@ -212,7 +298,7 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
         The seal's standard ones when left out; names are those that the seal knows.
     analysis : callable, optional
         ``analysis(seal)`` gives the result of the drawn seal, where a measure takes its places from
-        it; ``analyze`` when left out.
+        it; ``analyze`` when left out. Places that are known are not looked for again.
 
     Raises
     ------
@@ -221,15 +307,42 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
     LoadPathError
         When the path of the drawn seal cannot be completed, and a measure takes places from it.
     """
+    chosen = _chosen(seal, measures)
+    if not any(measure.takes_places for measure in chosen):
+        return chosen
+    drawn = seal.as_drawn()
+    wanted = {measure: (drawn.key, measure) for measure in chosen if measure.takes_places}
+    if any(key not in _places for key in wanted.values()):
+        nominal = (analyze if analysis is None else analysis)(drawn)
+        if not nominal.converged:
+            names = ", ".join(repr(measure.name) for measure in wanted)
+            raise LoadPathError(
+                f"measures ({names}) have the places that the nominal seal gives them, but there "
+                f"{nominal.failure}",
+                nominal,
+            )
+        for measure in (*wanted, *seal.measures()):  # those of always are asked for next
+            if measure.takes_places:
+                _places[drawn.key, measure] = measure.frozen(nominal)
+    for key in wanted.values():
+        _places.move_to_end(key)
+    found = tuple(_places[wanted[m]] if m.takes_places else m for m in chosen)
+    while len(_places) > KNOWN_PLACES:
+        _places.popitem(last=False)
+    return found
+
+
+_places = OrderedDict()
+"""Measures with their places by the nominal seal and the measure without: the same seal has the same."""
+
+
+def _chosen(seal: Seal, measures) -> tuple:
+    """Measures of a seal, of which some are given by their names."""
     chosen = []
     for measure in seal.measures() if measures is None else measures:
         chosen += seal.measures((measure,)) if isinstance(measure, str) else [measure]
         values.instance("a measure", chosen[-1], Measure)
-    if not any(measure.takes_places for measure in chosen):
-        return tuple(chosen)
-    drawn = (analyze if analysis is None else analysis)(seal.as_drawn())
-    drawn.require_converged()
-    return tuple(m.frozen(drawn) if m.takes_places else m for m in chosen)
+    return tuple(chosen)
 
 
 def is_empty(measure: Measure, seal: Seal) -> bool:
@@ -275,8 +388,8 @@ def analyze(
         by its estimate (``TooLargeError``; ``analysis.cost``).
     """
     values.instance("seal", seal, Seal)
-    return seal.completed(
-        analyzed_with(analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback)
+    return analyzed_with(
+        analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback
     )
 
 
@@ -314,4 +427,4 @@ def analyze_particles(
     terms = seal.terms()
     problem = PathProblem(discretize(seal.body, particles, terms), terms, seal.imposed())
     path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback)
-    return seal.result(path, boundary_offsets)
+    return SealResult(seal, path, boundary_offsets)

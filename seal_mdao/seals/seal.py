@@ -31,6 +31,9 @@ class Seal:
         Parameters that ``with_parameters`` takes and that can be differentiated.
     inputs : tuple of str
         Those of the scalars that are always inputs of an OpenMDAO component.
+    before_touch : float
+        Travel of the leading profile from which pictures and curves count, that of the first touch of
+        the drawn seal where it is known, mm.
     """
 
     drawn_particles: np.ndarray
@@ -40,10 +43,7 @@ class Seal:
     newton: NewtonOptions
     scalars: dict
     inputs: tuple = ()
-
-    def result(self, path, boundary_offsets=None):
-        """The ``SealResult`` of a path."""
-        raise NotImplementedError
+    before_touch: float = 0.0
 
     def terms(self) -> tuple:
         """Definitions of all terms of equilibrium, in the order in which they are summed."""
@@ -87,6 +87,16 @@ class Seal:
         """
         raise NotImplementedError
 
+    def with_placements(self) -> "Seal":
+        """The seal with parameters that place every profile: ``<label>_x``, ``<label>_y`` (mm) and
+        ``<label>_angle`` (degrees about its pivot), zero where they are drawn.
+
+        They move a profile along its whole path; a sample whose profile would begin inside of the seal
+        begins farther back (``seals.clear_start``). A seal that has parameters of its own for that, as
+        the door seal has ``door_shift``, ``door_angle`` and ``depth``, stays as it is.
+        """
+        return self
+
     def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
         """Area of the section, mm^2, and its gradient with respect to the offsets.
 
@@ -123,13 +133,6 @@ class Seal:
     def cautions(self) -> tuple[str, ...]:
         """What is known to make the results of this seal inaccurate, a line each."""
         return ()
-
-    def completed(self, result, analysis=None):
-        """A result with what the seal still has to say to it.
-
-        ``analysis(seal)`` gives the result of the drawn seal, where that is wanted.
-        """
-        return result
 
     @property
     def n_offsets(self) -> int:

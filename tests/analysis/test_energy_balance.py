@@ -10,7 +10,7 @@ from seal_mdao.contact.friction import OPEN, SLIP
 def work(result):
     """Work of the door by the trapezoidal rule, at every nominal step."""
     force = np.concatenate([[0.0], result.reaction[:, 1]])
-    down = -np.diff(np.concatenate([[result.seal.start], result.door_positions]))
+    down = np.diff(result.travel, prepend=-result.seal.before_touch)
     return np.cumsum(0.5 * (force[1:] + force[:-1]) * down)
 
 

@@ -90,7 +90,7 @@ def test_the_first_critical_travel_converges_with_the_cloud():
 
 
 def test_both_branches_are_one_until_there(swayed, upright):
-    places = np.flatnonzero(swayed.door_travel < swayed.critical_points[0].travel)
+    places = np.flatnonzero(swayed.travel < swayed.critical_points[0].travel)
     assert places.size > 40
     for place in places:
         one, other = swayed.path.nominal_steps[place], upright.path.nominal_steps[place]
@@ -170,7 +170,7 @@ def test_the_path_does_not_depend_on_the_number_of_steps(corner_x):
         # in the load step of a jump one path may have jumped and the other not
         away = np.ones(len(difference), bool)
         for point in (*other.critical_points, *fine.critical_points):
-            away &= np.abs(other.door_travel - point.travel) > 0.11
+            away &= np.abs(other.travel - point.travel) > 0.11
         assert away.sum() > 0.6 * len(away)
         # the same equilibria: Newton's tolerance is left
         assert np.abs(difference[away]).max() < 1e-6 * scale

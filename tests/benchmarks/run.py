@@ -208,7 +208,7 @@ def shares(largest):
         repeats = 3 if rays * layers < 5000 else 1
         analysis = best(lambda seal=seal: sm.analyze(seal), repeats)
         result = sm.analyze(seal, keep_factors=True)
-        _ = result.points  # chosen once for a seal, with an analysis of the drawn seal
+        _ = result.measures()  # their places once for a seal, with an analysis of the drawn seal
         for method in ("direct", "adjoint"):
             time_of = best(lambda r=result, m=method: sm.differentiate(r, method=m), repeats)
             rows[f"{method} / analysis, {rays} x {layers} particles"] = time_of / analysis

@@ -5,7 +5,7 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.seals.door.measures import FURTHER, STANDARD, measure_points
+from seal_mdao.seals.door.measures import FURTHER, STANDARD
 
 NAMES = tuple(measure.name for measure in FURTHER)
 PARAMETERS = ("door_radius", "normal_penalty", "tangent_penalty", "friction", "c10", "c01", "depth")
@@ -40,7 +40,6 @@ def test_the_measures_of_always_do_not_change_with_the_further_ones(random_desig
 
 def test_values_of_the_drawn_seal(drawn):
     """The norm bounds the stress, the patches press, the curve ends at the reaction."""
-    points = measure_points(drawn.seal)
     stress = drawn.stress_field().max()
     assert stress <= measured(drawn, "stress_norm")[0] <= 1.1 * stress
     left, right = measured(drawn, "patch_pressure")
@@ -48,7 +47,7 @@ def test_values_of_the_drawn_seal(drawn):
     assert 0.5 * deepest < max(left, right) <= deepest
     assert min(left, right) > 5.0
     curve = measured(drawn, "reaction_curve")
-    assert points.curve == (2.0, 4.0, 6.0, 8.0, 10.0)
+    assert drawn.measure("reaction_curve").travels == (2.0, 4.0, 6.0, 8.0, 10.0)
     assert curve[-1] == drawn.reaction[-1, 1]
     # seven points 0.99 mm apart: their sum is the trapezoidal rule
     assert measured(drawn, "gap_square_integral")[0] == pytest.approx(

@@ -113,7 +113,7 @@ def test_an_opening_beside_the_nominal_one_is_measured():
     offsets = np.zeros(seal.n_offsets)
     offsets[7:10] = (-0.25, -0.35, -0.25)
     moved = sm.analyze(seal, offsets)
-    measured, opened = nominal.points.gap, open_between(moved, "door")
+    measured, opened = nominal.measure("gap").points, open_between(moved, "door")
     outside = np.setdiff1d(opened, measured)
     assert outside.size
     assert value(moved, MEASURES[5].frozen(nominal)) >= (moved.contact.gap[outside] ** 2).sum()

@@ -28,7 +28,7 @@ def test_values_lie_at_the_travels_whatever_the_load_steps(coarse, drawn):
     for result in (coarse, drawn):
         (curve,) = result.measures(("reaction_curve",))
         assert curve.travels == CURVE_TRAVELS
-        travel = np.concatenate([[-0.5], result.door_travel])
+        travel = np.concatenate([[-0.5], result.travel])
         force = np.concatenate([[0.0], result.reaction[:, 1]])
         expected = np.interp(CURVE_TRAVELS, travel, force)
         np.testing.assert_allclose(result.value(curve), expected, rtol=1e-11)
@@ -38,7 +38,7 @@ def test_values_lie_at_the_travels_whatever_the_load_steps(coarse, drawn):
 def test_both_components_at_travels_of_the_users_choice(coarse):
     values = coarse.value(BOTH).reshape(3, 2)
     for component in (0, 1):
-        expected = np.interp(BOTH.travels, coarse.door_travel, coarse.reaction[:, component])
+        expected = np.interp(BOTH.travels, coarse.travel, coarse.reaction[:, component])
         np.testing.assert_allclose(values[:, component], expected, rtol=1e-10)
 
 
@@ -51,7 +51,7 @@ def test_travels_stay_where_they_are_when_the_depth_is_an_input(tmp_path):
     problem.set_val("depth", 8.0)
     problem.run_model()
     result = sm.analyze(COARSE.with_(depth=8.0))
-    expected = np.interp(curve.travels, result.door_travel, result.reaction[:, 1])
+    expected = np.interp(curve.travels, result.travel, result.reaction[:, 1])
     np.testing.assert_allclose(problem.get_val("reaction_curve"), expected, rtol=1e-10)
     problem.set_val("depth", 3.0)
     with pytest.raises(om.AnalysisError, match="requested at 4 mm of travel"):

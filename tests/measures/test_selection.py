@@ -1,14 +1,13 @@
 """Where the measures are taken: local maxima, opened points, frozen for all designs of a model."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.measures.selection import boundary_peaks, local_maxima, opened_points
-from seal_mdao.seals.door.measures import measure_points
+from seal_mdao.seals.door.measures import STANDARD
+from seal_mdao.seals.profiles import contact_counts
 from seal_mdao.seals.result import analyze_particles
 
 
@@ -72,32 +71,29 @@ def test_on_a_closed_boundary_the_longest_open_part_is_outside(state, expected):
 
 def test_points_of_the_drawn_seal(drawn, drawn_model):
     """Seven stresses at boundary particles that are local maxima, gaps where the middle opens."""
-    points, grid = measure_points(drawn_model), drawn_model.grid
-    assert len(points.stress) == 7
+    (stresses,), (gaps,) = drawn.measures(("von_mises",)), drawn.measures(("gap",))
+    grid, gaps = drawn_model.grid, np.array(gaps.points)
+    assert len(stresses.points) == 7
     outer, inner = grid.free_outer, grid.particle(np.arange(58), 0)
     stress = drawn.stress_field()
-    for particle in points.stress:
+    for particle in stresses.points:
         row = inner if particle in inner else outer
         place = int(np.flatnonzero(row == particle)[0])
         assert stress[particle] > stress[row[place - 1]]
         assert stress[particle] > stress[row[(place + 1) % len(row)]]
-    assert np.all(np.diff(stress[points.stress]) < 0.0)
-    assert np.all(np.diff(points.gap) == 1)
-    assert np.all(drawn.contact.gap[points.gap] > 0.0)
-    assert drawn.contact.gap[points.gap[0] - 1] < 0.0
-    assert drawn.contact.gap[points.gap[-1] + 1] < 0.0
+    assert np.all(np.diff(stress[list(stresses.points)]) < 0.0)
+    assert np.all(np.diff(gaps) == 1)
+    assert np.all(drawn.contact.gap[gaps] > 0.0)
+    assert drawn.contact.gap[gaps[0] - 1] < 0.0
+    assert drawn.contact.gap[gaps[-1] + 1] < 0.0
 
 
 def test_points_are_frozen_for_all_designs_of_a_model(drawn, random_design):
-    assert random_design.points is measure_points(drawn.seal)
-    for name in ("stress", "gap"):
-        np.testing.assert_array_equal(
-            getattr(random_design.points, name), getattr(drawn.points, name)
-        )
-    np.testing.assert_array_equal(random_design.gap, random_design.contact.gap[drawn.points.gap])
-    np.testing.assert_array_equal(
-        random_design.von_mises, random_design.stress_field()[drawn.points.stress]
-    )
+    assert random_design.measures() == drawn.measures()
+    gaps = list(drawn.measure("gap").points)
+    np.testing.assert_array_equal(random_design.gap, random_design.contact.gap[gaps])
+    stresses = list(drawn.measure("von_mises").points)
+    np.testing.assert_array_equal(random_design.von_mises, random_design.stress_field()[stresses])
 
 
 def test_gap_square_sum_is_the_sum_of_the_squares(drawn, random_design):
@@ -119,7 +115,7 @@ def test_contact_grows_then_opens_in_the_middle(drawn):
     """One patch until about half way; at the end two with open points between."""
     states = np.array([response.state for response in drawn.path.at_nominal("door")])
     patches = [np.sum(np.diff((state != OPEN).astype(int)) == 1) for state in states]
-    travel = drawn.door_travel
+    travel = drawn.travel
     splits = travel[np.flatnonzero(np.array(patches) >= 2)[0]]
     assert 4.0 < splits < 7.0
     assert patches[-1] == 2
@@ -127,16 +123,16 @@ def test_contact_grows_then_opens_in_the_middle(drawn):
 
 
 def test_contact_counts_add_up(drawn):
-    counts = drawn.contact_counts
+    counts = contact_counts(drawn.contact)
     assert counts["contact"] == counts["stick"] + counts["slip"]
     assert counts["contact"] == np.sum(drawn.contact.gap < 0.0)
 
 
-def test_points_of_a_path_that_fails_are_refused():
-    with pytest.raises(sm.LoadPathError):
-        measure_points(
-            sm.door_seal(newton=sm.NewtonOptions(max_iterations=2, max_cuts=0, damped_iterations=0))
-        )
+def test_places_of_a_nominal_seal_that_fails_are_refused():
+    newton = sm.NewtonOptions(max_iterations=2, max_cuts=0, damped_iterations=0)
+    result = sm.analyze(sm.door_seal(newton=newton))
+    with pytest.raises(sm.LoadPathError, match=r"'von_mises', 'gap'.*the nominal seal gives them"):
+        result.measures()
 
 
 def test_area_is_that_between_the_splines_alone(drawn):
@@ -149,29 +145,45 @@ def test_area_is_that_between_the_splines_alone(drawn):
     assert cells == pytest.approx(drawn.area, rel=(2 * np.pi / 58) ** 2 / 6)
 
 
-def test_measures_start_no_analysis(monkeypatch):
-    """The paths are followed in ``analyze``, that of the drawn seal once for a model."""
+def paths_followed(monkeypatch):
+    """What ``solve_path`` is called for from now on."""
+    from seal_mdao.seals import result
+
+    followed, solve = [], result.solve_path
+    monkeypatch.setattr(result, "solve_path", lambda *a: followed.append(a[0]) or solve(*a))
+    return followed
+
+
+def test_one_design_is_analysed_and_the_nominal_seal_once_when_places_are_asked_for(monkeypatch):
     model, offsets = sm.door_seal(depth=0.5, n_steps=10, friction=0.21), np.full(25, 0.01)
+    followed = paths_followed(monkeypatch)
     first, second = (sm.analyze(model, scale * offsets) for scale in (1.0, 2.0))
-
-    def refuse(*arguments):
-        raise AssertionError("a load path is followed")
-
-    monkeypatch.setattr("seal_mdao.seals.result.solve_path", refuse)
-    for result in (first, second):
-        assert result.points is measure_points(model)
-        assert result.von_mises.shape == result.points.stress.shape
+    assert len(followed) == 2
+    for result in (first, second, first):
+        assert result.von_mises.shape == (7,)
         assert result.gap_square_sum >= 0.0
+        assert len(followed) == 3
 
 
-def test_the_drawn_seal_chooses_the_points_itself(monkeypatch):
-    model = sm.door_seal(depth=0.5, n_steps=10, friction=0.22)
-    drawn = sm.analyze(model)
-    monkeypatch.setattr("seal_mdao.seals.door.door_seal.measure_points", None)
-    assert len(drawn.points.stress) == 7
+def test_the_nominal_seal_chooses_the_places_itself(monkeypatch):
+    drawn = sm.analyze(sm.door_seal(depth=0.5, n_steps=10, friction=0.22))
+    followed = paths_followed(monkeypatch)
+    assert len(drawn.measure("von_mises").points) == 7
+    assert not followed
 
 
-def test_points_of_a_design_whose_drawn_seal_fails_are_refused(random_design):
-    bare = replace(random_design, frozen_points=None)
-    with pytest.raises(sm.LoadPathError, match="drawn seal"):
-        _ = bare.von_mises
+def test_places_of_another_seal_are_taken_as_given(monkeypatch, drawn):
+    offsets = np.full(25, 0.01)
+    result = sm.analyze(sm.door_seal(depth=0.5, n_steps=10, friction=0.23), offsets)
+    followed = paths_followed(monkeypatch)
+    moved = result.at(drawn.measures())
+    assert moved.measures() == drawn.measures()
+    assert moved.measures((STANDARD[0],)) == drawn.measures(("von_mises",))
+    stresses = list(drawn.measure("von_mises").points)
+    np.testing.assert_array_equal(moved.von_mises, result.stress_field()[stresses])
+    assert not followed
+
+
+def test_what_is_no_measure_is_no_attribute(drawn):
+    with pytest.raises(AttributeError, match=r"no 'gap_sum'.*von_mises"):
+        _ = drawn.gap_sum

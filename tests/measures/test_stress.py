@@ -47,7 +47,7 @@ def test_stress_of_a_homogeneous_deformation_is_uniform(drawn):
 
 def test_derivative_with_respect_to_the_deformation_gradient(drawn, rng):
     """Through the coefficients d: a directional derivative by five points."""
-    points, d = drawn.points.stress, drawn.end.d
+    points, d = np.array(drawn.measure("von_mises").points), drawn.end.d
     table = drawn.path.discretization.table_at(points).table
     direction = rng.standard_normal(d.shape)
     _, by_gradient, _ = stress_of(drawn, d, points)
@@ -67,7 +67,7 @@ def test_undeformed_particles_have_no_stress_and_no_derivative(drawn):
 
 
 def test_derivative_with_respect_to_the_constants(drawn):
-    points, d, h = drawn.points.stress, drawn.end.d, 1e-2
+    points, d, h = np.array(drawn.measure("von_mises").points), drawn.end.d, 1e-2
     constants = {"c10": 80.0, "c01": 20.0, "bulk_modulus": 80_000.0}
     stress, _, found = stress_of(drawn, d, points)
     assert set(found) == set(constants)

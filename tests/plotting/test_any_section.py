@@ -110,7 +110,7 @@ def test_triangles_and_holes_make_loops():
     loops = field.boundary_loops(cells, of_cell)
     areas = sorted(polygon_area(places[loop])[0] for loop in loops)
     assert areas == pytest.approx([-1.0, 8.5])
-    triangles = places[field._triangles(of_cell)]
+    triangles = places[field._triangles(field._quads(of_cell))]
     u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     area = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
     assert area.min() > 0.0

@@ -11,7 +11,7 @@ from matplotlib.contour import ContourSet
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.plotting import section
-from seal_mdao.plotting.gap import boundary_coordinate
+from seal_mdao.plotting.contact import arc_length
 from seal_mdao.recording.recorded_optimization import Constraint, RecordedOptimization
 from seal_mdao.seals.profiles import contacts
 
@@ -26,7 +26,7 @@ def drawn_somewhere(axes, points):
 
 
 def test_no_window_system_is_touched(drawn, tmp_path):
-    path = plotting.save(plotting.reaction_curve(drawn), tmp_path / "new" / "reaction.png", dpi=50)
+    path = plotting.save(plotting.load_deflection(drawn), tmp_path / "new" / "reaction.png", dpi=50)
     assert matplotlib.image.imread(path).std() > 0.01
     pyplot = sys.modules.get("matplotlib.pyplot")
     assert pyplot is None or pyplot.get_fignums() == []
@@ -35,7 +35,7 @@ def test_no_window_system_is_touched(drawn, tmp_path):
 def test_deformed_shapes_share_one_scale_and_equal_aspect(drawn):
     figure = plotting.deformed_shapes(drawn, drawn.steps_at([5.0, 10.0]))
     panels = [axes for axes in figure.axes if axes.get_title()]
-    assert [axes.get_title() for axes in panels] == ["door travel 5.0 mm", "door travel 10.0 mm"]
+    assert [axes.get_title() for axes in panels] == ["travel 5 mm", "travel 10 mm"]
     contours = [
         child for axes in panels for child in axes.get_children() if isinstance(child, ContourSet)
     ]
@@ -66,23 +66,20 @@ def test_door_is_a_body_outside_the_seal(drawn):
     body = section.profile_body(drawn, door, drawn.seal.n_steps)
     inside = shapely.contains_xy(body.buffer(-5e-3), drawn.deformed())  # beyond the penetration
     assert not inside.any()
-    assert shapely.contains_xy(body, 0.0, drawn.door_positions[-1] + 1.0)
+    assert shapely.contains_xy(body, 0.0, 9.5 - drawn.travel[-1] + 1.0)
 
 
 def test_reaction_is_drawn_against_travel(drawn):
-    axes = plotting.reaction_curve(drawn).axes[0]
+    axes = plotting.load_deflection(drawn).axes[0]
     for component in (0, 1):
-        assert drawn_somewhere(
-            axes, np.column_stack([drawn.door_travel, drawn.reaction[:, component]])
-        )
+        force = np.append(0.0, drawn.reaction[:, component])
+        assert drawn_somewhere(axes, np.column_stack([np.append(-0.5, drawn.travel), force]))
 
 
 def test_gap_profile_shows_the_open_points(drawn):
     axes = plotting.gap_profile(drawn, (5.0,)).axes[0]
-    s = boundary_coordinate(drawn)
-    assert np.all(np.diff(s) < 0.0)
-    assert s[np.argmax(drawn.particles[drawn.seal.grid.free_outer][:, 1])] == 0.0
-    opened = np.column_stack([s, drawn.contact.gap])[drawn.points.gap]
+    s = arc_length(drawn, "door")
+    opened = np.column_stack([s, drawn.contact.gap])[list(drawn.measure("gap").points)]
     markers = [line for line in axes.get_lines() if line.get_label() == "open"]
     shown = np.column_stack(markers[0].get_data())
     assert all(np.any(np.all(np.isclose(shown, point), axis=1)) for point in opened)
@@ -177,4 +174,4 @@ def test_stress_levels_are_round_and_cover_the_peak():
 def test_flat_door_is_drawn_up_to_the_end_of_its_path():
     result = sm.analyze(sm.door_seal(door="flat", depth=2.0, n_steps=5))
     figure = plotting.deformed_shapes(result, result.steps_at([2.0]))
-    assert figure.axes[0].get_title() == "door travel 2.0 mm"
+    assert figure.axes[0].get_title() == "travel 2 mm"

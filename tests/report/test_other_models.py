@@ -152,7 +152,7 @@ def test_every_seal_is_shown(two_seals):
     text, data = shapes(two_seals)
     assert data["seals"] == ["sharp", "blunt"]
     assert len(data["others"]) == 1
-    doors = [part["paths"][0]["door"] for part in (data["shapes"], data["others"][0])]
+    doors = [part["paths"][0]["profiles"] for part in (data["shapes"], data["others"][0])]
     assert doors[0] != doors[1]
     for name, radius in (("sharp", "3.5"), ("blunt", "4.5")):
         table = text.partition(f"First and last design of {name}, from")[2].partition("</table>")[0]

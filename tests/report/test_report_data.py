@@ -12,12 +12,13 @@ import pytest
 from penalty_warnings import further_warnings
 
 import seal_mdao as sm
+from seal_mdao.measures.selection import opened_points
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.report import tables
 from seal_mdao.report.page import status
 from seal_mdao.report.shapes import FULL, Pictures
 from seal_mdao.report.write import DESIGNS, chosen_points, write_report
-from seal_mdao.seals.profiles import contacts, nominal_pressure, true_pressure
+from seal_mdao.seals.profiles import contact_counts, contacts, nominal_pressure, true_pressure
 
 
 def unpacked(text, *shape):
@@ -61,25 +62,38 @@ def test_history_is_that_of_the_recorder_file(seal_page, history):
 
 def test_frames_are_the_deformed_sections(seal_page, ends):
     shapes = seal_page.data["shapes"]
-    size = shapes["around"] * shapes["across"]
     for path, result in zip(shapes["paths"], ends, strict=True):
-        frames = unpacked(path["frames"], 21, size, 3)
-        grid = result.seal.grid
         # a watched point is a particle: its stress and its place are those of the analysis
-        for index, particle in zip(shapes["watched"], result.points.stress, strict=True):
-            for step in (10, 20):
-                x, y, stress = frames[step, index]
+        watched = result.measure("von_mises").points
+        for step in (10, 20):
+            frame = path["frames"][step]
+            points = unpacked(frame["points"], -1, 3)
+            for beside, particle in zip(shapes["watched"], watched, strict=True):
+                x, y, stress = points[beside[1]]
                 place = np.array([x, y]) * shapes["length"]
                 assert place == pytest.approx(result.deformed(step)[particle], abs=1e-3)
                 exact = result.stress_field(step)[particle]
                 assert stress * shapes["stress"] == pytest.approx(exact, abs=0.02)
-        contact = frames[20, shapes["contact"], :2] * shapes["length"]
-        assert contact == pytest.approx(result.contact.x, abs=1e-3)
-        assert len(shapes["contact"]) == len(grid.free_outer)
-        assert np.abs(frames).max() <= FULL
-        assert path["travel"] == pytest.approx(result.door_travel, abs=1e-6)
-        assert np.array(path["reaction"]) == pytest.approx(result.reaction, abs=1e-4)
+            assert np.abs(points).max() <= FULL
+            check_contact(shapes, frame, result.path.at_nominal("door")[step])
+            (pose,) = frame["poses"]
+            assert pose == pytest.approx([0.0, 9.5 - result.travel[step], 1.0, 0.0], abs=1e-6)
+        (curves,) = path["curves"]
+        assert curves["words"] == "travel (mm)"
+        assert curves["along"] == pytest.approx(result.travel, abs=1e-6)
+        assert np.array(curves["reaction"]) == pytest.approx(result.reaction, abs=1e-4)
+        assert path["captions"] == [result.caption(step) for step in range(21)]
         assert path["completed"] is True
+
+
+def check_contact(shapes, frame, answer):
+    """The dots are the points that touch, and those that stand open between them."""
+    opened = opened_points(answer.state)
+    shown = np.union1d(np.flatnonzero(answer.state), opened)
+    dots = unpacked(frame["touching"], -1, 2) * shapes["length"]
+    assert dots == pytest.approx(answer.x[shown], abs=1e-3)
+    marks = ["3" if k in opened else str(answer.state[k]) for k in shown]
+    assert list(frame["marks"]) == marks
 
 
 def test_pressure_carries_the_vertical_force(ends):
@@ -100,7 +114,7 @@ def test_pressure_carries_the_vertical_force(ends):
 
 def test_all_pictures_share_one_scale(seal_page, ends):
     shapes = seal_page.data["shapes"]
-    peaks = [max(path["peak"]) for path in shapes["paths"]]
+    peaks = [max(frame["peak"] for frame in path["frames"]) for path in shapes["paths"]]
     assert max(peaks) <= shapes["top"] < 1.25 * max(peaks)
     assert peaks[0] >= ends[0].stress_field().max() - 0.01
     assert shapes["stress"] == pytest.approx(shapes["top"] / FULL)
@@ -114,13 +128,15 @@ def test_refined_seal_has_pictures_of_the_same_size():
         for k in (1, 2)
     )
     data = [Pictures(result, result, [result]).as_data() for result in (coarse, fine)]
-    assert data[0]["around"] == data[1]["around"] == 116
-    assert data[0]["across"] == data[1]["across"] == 5
-    size = 116 * 5
+    assert len(data[0]["quads"]) == len(data[1]["quads"]) == 116 * 4
     for shapes, result in zip(data, (coarse, fine), strict=True):
-        frame = unpacked(shapes["designs"][0]["frame"], size, 3)
-        contact = frame[shapes["contact"], :2] * shapes["length"]
-        assert contact == pytest.approx(result.contact.x, abs=1e-3)
+        (design,) = shapes["designs"]
+        assert len(unpacked(design["frame"]["points"], -1, 3)) == 116 * 5
+        assert [len(loop) for loop in shapes["loops"]] == [116, 116]
+        boundary = unpacked(design["boundary"], -1, 2) * shapes["length"]
+        radius = np.unique(np.hypot(*boundary.T).round(1))
+        assert (radius[0], radius[-1]) == (7.5, 10.0)  # the hole, the corners of the base
+        check_contact(shapes, design["frame"], result.contact)
 
 
 def test_table_of_limits(history):
@@ -138,11 +154,13 @@ def test_table_of_limits(history):
 
 
 def test_table_of_measures(history, ends):
-    rows = {row[0]: row[1:] for row in cells(tables.analysis_table(*ends, history.objective))}
+    rows = {
+        row[0]: row[1:] for row in cells(tables.analysis_table(*ends, history.seals[0].measures))
+    }
     start, end = ends
     assert rows["sum of squared gaps"] == rows["the same, as recorded"]
-    assert rows["vertical force on the door"][1] == f"{end.reaction[-1, 1]:.4g}"
-    assert rows["contact points in contact"][0] == str(start.contact_counts["contact"])
+    assert rows["vertical force on the profile"][1] == f"{end.reaction[-1, 1]:.4g}"
+    assert rows["contact points in contact"][0] == str(contact_counts(start.contact)["contact"])
     assert rows["patches in contact"][0] == "2"
     assert rows["largest gap between contacts"][0] == f"{start.gap.max():.4g}"
     assert rows["area of the section"][0] == "109"

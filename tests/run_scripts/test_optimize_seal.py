@@ -121,6 +121,20 @@ def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
     assert "--overwrite" in capsys.readouterr().err
 
 
+def test_history_is_drawn_from_the_recorder_file_alone(stopped, tmp_path, run_script, capsys):
+    out, *_ = stopped
+    code, s = run_script("plot_history", tmp_path, out / "cases.sql")
+    assert code == 0
+    assert s["objective"]["name"] == "section_area"
+    assert len(s["largest_gap_mm"]["door"]) == 2
+    for name in ("objective_history", "constraint_history", "designs", "start", "optimum"):
+        assert (tmp_path / f"{name}.png").is_file()
+    assert "section area: " in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        run_script("optimize_door_seal", tmp_path, "--restart", out / "cases.sql")
+    assert "does not hold the settings of a door seal" in capsys.readouterr().err
+
+
 def test_a_continued_run_has_the_load_steps_that_were_chosen(
     tmp_path, run_script, monkeypatch, capsys
 ):

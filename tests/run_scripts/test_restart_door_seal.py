@@ -148,7 +148,7 @@ def test_files_that_cannot_be_continued(tmp_path, run_script, optimised, capsys)
     messages = {
         "text.sql": "not a file of an OpenMDAO recorder",
         "empty.sql": "not a file of an OpenMDAO recorder",
-        "other.sql": "does not hold the settings of a seal",
+        "other.sql": "does not hold the settings of a door seal",
         "version.sql": "not those of this version's door seal",
         "nowhere.sql": "is not a file",
     }

@@ -10,7 +10,6 @@ import pytest
 from coarse_seal import written
 
 import seal_mdao as sm
-from seal_mdao.tolerances.placement import placeable
 
 QUICK = ("--n-steps", 21, "--depth", 8.0, "--workers", 0)
 FRICTION = '[vary.friction]\ndistribution = "uniform"\nlow = 0.2\nhigh = 0.3\n'
@@ -77,7 +76,7 @@ def test_options_of_the_door_seal_are_not_for_a_seal_file(run_script, tmp_path, 
 def test_study_of_a_seal_file_with_a_profile_that_is_displaced(run_script, tmp_path):
     pytest.importorskip("netgen")
     file, tolerances = written(tmp_path), tmp_path / "tolerances.toml"
-    seal = placeable(sm.build_seal(sm.read_seal_file(file)))
+    seal = sm.build_seal(sm.read_seal_file(file)).with_placements()
     placed = [name for name in seal.scalars if name.endswith("_x")]
     assert placed
     tolerances.write_text(

@@ -12,7 +12,6 @@ from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.scenarios.task import SealTask
 from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.seal import Seal
-from seal_mdao.tolerances.placement import placeable
 
 BLOCK = """
 [material.rubber]
@@ -55,7 +54,7 @@ def made(tmp_path_factory):
     def make(stages=DOWN, start=5.0) -> Seal:
         text = BLOCK.replace("start = [0.0, 5.0]", f"start = [0.0, {start}]")
         (folder / "seal.toml").write_text(text % stages)
-        return placeable(sm.build_seal(folder / "seal.toml"))
+        return sm.build_seal(folder / "seal.toml").with_placements()
 
     return make
 

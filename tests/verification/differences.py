@@ -6,8 +6,7 @@ import numpy as np
 
 from seal_mdao.dsa.sensitivity import Sensitivities
 from seal_mdao.seals.door.door_seal import DOOR, DoorSeal
-from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.seals.result import analyze, analyze_particles
+from seal_mdao.seals.result import SealResult, analyze, analyze_particles
 from verification.estimates import Estimate, fitted, most_certain, nothing, plateau
 
 STEPS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
@@ -35,23 +34,23 @@ class Design:
         values[parameter] += change
         return Design(self.model, values)
 
-    def analyze(self, **options) -> DoorSealResult:
+    def analyze(self, **options) -> SealResult:
         radius = {"door_radius": self.values[-1]}
         return analyze(self.model, self.values[:-1], radius, **options)
 
 
-def beside(result: DoorSealResult, offsets, parameters=None) -> DoorSealResult:
+def beside(result: SealResult, offsets, parameters=None) -> SealResult:
     """The analysis of another design, with the measures at the places of ``result``."""
     seal = result.seal.with_parameters(parameters or {})
-    return analyze_particles(seal, seal.particles(offsets), offsets).at(result.points)
+    return analyze_particles(seal, seal.particles(offsets), offsets).at(result.measures())
 
 
-def perturbed(result: DoorSealResult, name: str, step: float) -> DoorSealResult:
+def perturbed(result: SealResult, name: str, step: float) -> SealResult:
     """The analysis with one parameter, by its name, changed by ``step``; measures at the same places.
 
     Parameters
     ----------
-    result : DoorSealResult
+    result : SealResult
         Computed from boundary offsets.
     name : str
         ``boundary_offsets[i]`` or a scalar of the seal.
@@ -63,22 +62,22 @@ def perturbed(result: DoorSealResult, name: str, step: float) -> DoorSealResult:
     return beside(result, offsets, {name: result.seal.scalars[name].value + step})
 
 
-def contact_states(result: DoorSealResult) -> np.ndarray:
+def contact_states(result: SealResult) -> np.ndarray:
     """Stick, slip and open points at all steps of a path, cut ones included, shape (steps, k)."""
     return np.array([response.state for response in result.path.responses(DOOR)])
 
 
-def same_sequence(a: DoorSealResult, b: DoorSealResult) -> bool:
+def same_sequence(a: SealResult, b: SealResult) -> bool:
     """Whether two paths have the same stick, slip and open points at all their steps."""
     return np.array_equal(contact_states(a), contact_states(b))
 
 
-def measure_names(result: DoorSealResult) -> list[str]:
+def measure_names(result: SealResult) -> list[str]:
     """Names of the measures in the order of ``measure_values``; particles in the names."""
-    gaps = result.term(DOOR).where.points.anchors[result.points.gap]
+    gaps = result.term(DOOR).where.points.anchors[list(result.measure("gap").points)]
     return [
         "area",
-        *(f"von_mises_{p}" for p in result.points.stress),
+        *(f"von_mises_{p}" for p in result.measure("von_mises").points),
         "gap_square_sum",
         "reaction_x",
         "reaction_y",
@@ -86,7 +85,7 @@ def measure_names(result: DoorSealResult) -> list[str]:
     ]
 
 
-def measure_values(result: DoorSealResult) -> np.ndarray:
+def measure_values(result: SealResult) -> np.ndarray:
     """All measures of a converged result, shape (m,)."""
     parts = (
         result.area, result.von_mises, result.gap_square_sum, result.reaction[-1], result.gap,
@@ -94,7 +93,7 @@ def measure_values(result: DoorSealResult) -> np.ndarray:
     return np.concatenate([np.atleast_1d(part) for part in parts])
 
 
-def measure_rates(result: DoorSealResult, sensitivities: Sensitivities) -> np.ndarray:
+def measure_rates(result: SealResult, sensitivities: Sensitivities) -> np.ndarray:
     """Their derivatives with respect to offsets and door radius, shape (m, P)."""
     area = np.append(result.seal.area(result.boundary_offsets)[1], 0.0)
     names = "von_mises", "gap_square_sum", "reaction", "gap"
@@ -127,7 +126,7 @@ class Differences:
     Parameters
     ----------
     design : Design
-    base : DoorSealResult
+    base : SealResult
         Its analysis.
     parameter : int
     noise : ndarray, shape (m,)

@@ -8,8 +8,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.measures.selection import touching_stretch
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
-from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.seals.result import analyze
+from seal_mdao.seals.result import SealResult, analyze
 from seal_mdao.terms.points import edge_points
 from verification.flat_door_reference import REACTION, at_its_travels
 from verification.pressed_elements import FLAT
@@ -53,9 +52,9 @@ def _flat_curve(changes) -> np.ndarray:
     return at_travels(drawn(**{"door": "flat", "n_steps": STEPS, **changes}))
 
 
-def at_travels(result: DoorSealResult) -> np.ndarray:
+def at_travels(result: SealResult) -> np.ndarray:
     """Vertical reaction at the travels of the reference, N/m, shape (5,)."""
-    return at_its_travels(result.door_travel, result.reaction[:, 1])
+    return at_its_travels(result.travel, result.reaction[:, 1])
 
 
 def worst_error(**changes) -> float:
@@ -63,7 +62,7 @@ def worst_error(**changes) -> float:
     return float(np.abs(flat_errors(**changes)).max())
 
 
-def boundary_gaps(result: DoorSealResult, per_side: int = 8) -> np.ndarray:
+def boundary_gaps(result: SealResult, per_side: int = 8) -> np.ndarray:
     """Gaps at the end along the outer boundary, ``per_side`` points between neighbouring particles.
 
     The shape functions are evaluated there, so that a gap between two particles is not overlooked.
@@ -83,13 +82,13 @@ def boundary_gaps(result: DoorSealResult, per_side: int = 8) -> np.ndarray:
     return problem.responses[1].gap
 
 
-def largest_opened_gap(result: DoorSealResult) -> float:
+def largest_opened_gap(result: SealResult) -> float:
     """Largest gap between the first and the last place in contact along the outer boundary, mm."""
     gap = boundary_gaps(result)
     return float(gap[touching_stretch(gap <= 0.0)].max())
 
 
-def drawn(**changes) -> DoorSealResult:
+def drawn(**changes) -> SealResult:
     """The drawn seal, analysed; under the corner door unless ``changes`` say otherwise."""
     result = analyze(door_seal(**changes))
     result.require_converged()

@@ -7,8 +7,7 @@ from scipy.spatial import cKDTree
 
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.seals.door.door_seal import DOOR, door_seal
-from seal_mdao.seals.door.result import DoorSealResult
-from seal_mdao.seals.result import analyze
+from seal_mdao.seals.result import SealResult, analyze
 from verification.flat_door_reference import BOUNDARY, REACTION
 
 LEVELS = ((58, 3), (116, 5), (174, 7))
@@ -66,12 +65,12 @@ def flat_level(rays: int, layers: int) -> FlatLevel:
     """Both errors on one particle discretisation, 105 steps."""
     result = analyze(door_seal(rays=rays, layers=layers, door="flat"))
     result.require_converged()
-    at = np.argmin(np.abs(result.door_travel - REACTION[:, :1]), axis=1)
+    at = np.argmin(np.abs(result.travel - REACTION[:, :1]), axis=1)
     error = result.reaction[at, 1] / REACTION[:, 1] - 1.0
     return FlatLevel(rays, layers, error, _boundary_error(result))
 
 
-def _boundary_error(result: DoorSealResult) -> float:
+def _boundary_error(result: SealResult) -> float:
     mirrored = BOUNDARY * [-1.0, 1.0, -1.0, 1.0]
     undeformed, deformed = np.hsplit(np.vstack([BOUNDARY, mirrored]), 2)
     outer = result.seal.grid.free_outer

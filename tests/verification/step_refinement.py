@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.seals.door.door_seal import door_seal
-from seal_mdao.seals.door.measures import measure_points
 from seal_mdao.seals.result import analyze
 
 STEPS = (50, 100, 200, 400)
@@ -78,7 +77,7 @@ def refine_steps(friction_history: str, steps=STEPS, **changes) -> StepStudy:
         The last one serves as the reference of ``StepStudy.errors``.
     """
     model = door_seal(friction_history=friction_history, **changes)
-    frozen = measure_points(door_seal(**changes)).gap
+    frozen = list(analyze(door_seal(**changes)).measure("gap").points)
     reaction, gap = [], []
     for n in steps:
         end = analyze(model.with_(n_steps=int(n))).contact

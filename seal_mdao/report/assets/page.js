@@ -42,48 +42,82 @@ function slider(name, count, first, show, pause) {
   return move;
 }
 
-// ---- both designs under the closing door ----
+// ---- both designs along the path ----
+
+// The numbers of a picture, unpacked.
+const frame = ({ points, touching, marks, poses, peak }, profiles) => ({ points: unpack(points), touching: unpack(touching), marks, poses, peak, profiles });
 
 function closing() {
-  const { paths, around, across } = shapes, size = 3 * around * across;
-  const views = ["start-shape", "end-shape"].map((id) => new ShapeView(place(id), shapes));
-  const frames = paths.map((path) => unpack(path.frames));
-  const [start, end] = paths, names = ["start", "end"], colors = ["var(--start)", "var(--end)"], dashes = ["6 3", ""];
-  const touched = (path) => path.arc.filter((_, k) => path.state.some((s) => s[k] !== "0"));
-  const arcs = paths.flatMap(touched), margin = 1.5;
+  const { paths } = shapes, names = ["start", "end"], [start, end] = paths;
+  const views = names.map((name) => new ShapeView(place(`${name}-shape`), shapes));
+  const frames = paths.map((path) => path.frames.map((own) => frame(own, path.profiles)));
+  const longest = start.frames.length >= end.frames.length ? start : end;
+  let curves = null, at = longest.frames.length - 1, profile = 0;
+  stressScale();
+  units([["pressure", "kPa"], ["gap", "mm"], ["reaction", "N/m"]]);
+  const show = (index) => {
+    at = index;
+    paths.forEach((path, i) => {
+      const k = Math.min(index, path.frames.length - 1), held = k < index ? " (path ends here)" : "", own = path.curves[profile];
+      const touching = own ? `, ${[...own.state[k]].filter((s) => "12".includes(s)).length} points in contact, ${readable(own.reaction[k][1], 3)} N/m` : "";
+      const text = `peak ${readable(path.frames[k].peak, 3)} kPa${touching}${held}`;
+      views[i].draw(frames[i][k], null, `Deformed section of the ${names[i]} design with von Mises stress at ${minus(path.captions[k])}: ${text}`);
+      place(`${names[i]}-text`).textContent = text;
+    });
+    if (curves) curves.show(index);
+    place("step-value").textContent = minus(longest.captions[index]);
+  };
+  const choose = (chosen) => {
+    profile = chosen;
+    curves = profileCurves(paths.map((path) => path.curves[chosen]), paths.indexOf(longest));
+    show(at);
+  };
+  if (start.curves.length) {
+    profileChoice(start.curves.map((own) => own.name), choose);
+    choose(0);
+  } else {
+    place("curves").hidden = true;
+  }
+  slider("step", longest.frames.length, at, show, 60);
+  return views;
+}
+
+// Charts of one profile of both designs; show(index) takes them to a load step.
+function profileCurves(both, longest) {
+  const names = ["start", "end"], colors = ["var(--start)", "var(--end)"], dashes = ["6 3", ""];
+  ["pressure", "gap", "reaction"].forEach((id) => place(id).replaceChildren());
+  const touched = (own) => own.arc.filter((_, k) => own.state.some((s) => s[k] !== "0"));
+  const found = both.flatMap(touched), arcs = found.length ? found : both.flatMap((own) => own.arc);
+  const size = Math.max(...both.flatMap((own) => own.arc)), margin = 0.03 * size;
   const along = { label: "arc length (mm)", low: Math.min(...arcs) - margin, high: Math.max(...arcs) + margin };
-  const highest = Math.max(...paths.flatMap((path) => path.pressure.flat()));
-  const open = paths.flatMap((path) => path.gap.flatMap((gaps, i) => { const o = opened(path.state[i]); return gaps.filter((_, k) => o[k]); }));
+  const highest = Math.max(...both.flatMap((own) => own.pressure.flat()));
+  const open = both.flatMap((own) => own.gap.flatMap((gaps, i) => gaps.filter((_, k) => own.state[i][k] === "3")));
   const widest = Math.max(0.02, ...open);
-  const series = (key) => paths.map((path, i) => ({ name: names[i], x: path.arc, values: path[key][0], color: colors[i], dash: dashes[i], dots: 2.4 }));
+  const series = (key) => both.map((own, i) => ({ name: names[i], x: own.arc, values: own[key][0], color: colors[i], dash: dashes[i], dots: 2.4 }));
   const pressure = new LineChart(place("pressure"), { name: "True contact pressure", x: along, y: { label: "kPa", low: 0, high: 1.08 * highest || 1 }, series: series("pressure") });
   const gap = new LineChart(place("gap"), { name: "Normal gap", x: along, y: { label: "mm", low: -0.12 * widest, high: 1.15 * widest }, series: series("gap") });
   const forces = [];
   for (const [component, word, dash] of [[1, "vertical", ""], [0, "horizontal", "2 3"]]) {
-    paths.forEach((path, i) => forces.push({ name: `${word}, ${names[i]}`, x: path === start ? undefined : path.travel, values: path.reaction.map((r) => r[component]), color: colors[i], dash: dash || dashes[i] }));
+    both.forEach((own, i) => forces.push({ name: `${word}, ${names[i]}`, x: i === longest ? undefined : own.along, values: own.reaction.map((r) => r[component]), color: colors[i], dash: dash || dashes[i] }));
   }
-  const longest = start.travel.length >= end.travel.length ? start : end;
-  if (longest === end) forces.forEach((s, k) => { s.x = k % 2 ? undefined : start.travel; });
-  const reaction = new LineChart(place("reaction"), { name: "Force on the door", x: { label: "door travel (mm)", values: longest.travel }, y: { label: "N/m" }, series: forces });
-  units([["pressure", "kPa"], ["gap", "mm"], ["reaction", "N/m"]]);
-  stressScale();
-  const show = (index) => {
-    paths.forEach((path, i) => {
-      const k = Math.min(index, path.travel.length - 1), held = k < index ? " (path ends here)" : "";
-      const frame = { points: frames[i].subarray(size * k, size * (k + 1)), door: path.door, position: path.position[k], state: path.state[k] };
-      const touching = [...path.state[k]].filter((s) => s !== "0").length;
-      const text = `peak ${readable(path.peak[k], 3)} kPa, ${touching} points in contact, ${readable(path.reaction[k][1], 3)} N/m${held}`;
-      views[i].draw(frame, null, `Deformed section of the ${names[i]} design with von Mises stress at door travel ${readable(path.travel[k], 3)} mm: ${text}`);
-      place(`${names[i]}-text`).textContent = text;
-    });
-    const at = (path, key) => path[key][Math.min(index, path.travel.length - 1)];
-    pressure.set(paths.map((path) => at(path, "pressure")));
-    gap.set(paths.map((path) => at(path, "gap")));
-    reaction.cursor(index);
-    place("step-value").textContent = `${readable(longest.travel[index], 3)} mm after first touch of the drawn seal`;
+  const { name, words, along: values } = both[longest];
+  const reaction = new LineChart(place("reaction"), { name: `Force on ${name}`, x: { label: words, values }, y: { label: "N/m" }, series: forces });
+  return {
+    show(index) {
+      const at = (own, key) => own[key][Math.min(index, own.along.length - 1)];
+      pressure.set(both.map((own) => at(own, "pressure")));
+      gap.set(both.map((own) => at(own, "gap")));
+      reaction.cursor(index);
+    },
   };
-  slider("step", longest.travel.length, longest.travel.length - 1, show, 60);
-  return views;
+}
+
+// Which of several profiles the charts are of.
+function profileChoice(names, choose) {
+  const choice = place("profile");
+  names.forEach((name, i) => choice.append(new Option(name, i)));
+  place("profile-label").hidden = names.length < 2;
+  choice.addEventListener("change", () => choose(Number(choice.value)));
 }
 
 function units(pairs) {
@@ -158,16 +192,15 @@ function caption(id, text) {
 }
 
 function designs() {
-  const frames = shapes.designs.map((d) => ({ ...d, points: unpack(d.frame) }));
-  const drawn = shapes.designs.map((d) => ({ points: unpack(d.drawn), across: 2, width: 2, stressed: false, door: d.door }));
+  const frames = shapes.designs.map((d) => frame(d.frame, d.profiles));
+  const drawn = shapes.designs.map((d) => ({ boundary: unpack(d.boundary), profiles: d.profiles, poses: d.begin, ghosts: shapes.designs[0].profiles }));
   const views = [new ShapeView(place("design-drawn"), shapes), new ShapeView(place("design-shape"), shapes)];
-  const lifted = shapes.paths[0].position[0];
   const show = (index, text) => {
     let k = 0;
     shapes.numbers.forEach((number, i) => { if (number <= index) k = i; });
     const aside = shapes.numbers[k] === index ? "" : ` (shape of ${shapes.numbers[k]})`;
-    views[0].draw({ ...drawn[k], position: lifted, doorGhost: drawn[0].door }, drawn[0], `Undeformed section at ${text}${aside}, start dashed`);
-    views[1].draw(frames[k], frames[0], `Deformed section under the closed door at ${text}${aside}: peak stress ${readable(frames[k].peak, 3)} kPa`);
+    views[0].draw(drawn[k], drawn[0], `Undeformed section at ${text}${aside}, start dashed`);
+    views[1].draw(frames[k], frames[0], `Deformed section at the end of the path at ${text}${aside}: peak stress ${readable(frames[k].peak, 3)} kPa`);
     place("design-text").textContent = `peak ${readable(frames[k].peak, 3)} kPa; dashed: start${aside}`;
   };
   return { views, show };

@@ -1,4 +1,4 @@
-// Sections on a canvas: stress, outline, door, base, contact.
+// Sections on a canvas: stress, outline, rigid profiles, what is held, contact.
 
 function unpack(text) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
@@ -7,14 +7,9 @@ function unpack(text) {
   return numbers;
 }
 
-// Stretch of open points between the first and the last one in contact.
-function opened(state) {
-  const first = state.search(/[12]/), last = Math.max(state.lastIndexOf("1"), state.lastIndexOf("2"));
-  return [...state].map((s, i) => s === "0" && first >= 0 && i > first && i < last);
-}
-
 /* Draws frames of one seal.
-   frame: {points: Int16Array of x, y, stress per point, door: [[x, y]], position: [x, y], state: "0012.."} */
+   frame: {points: Int16Array of x, y, stress per point, profiles: [{face, body}], poses: [[x, y, cos, sin]],
+   touching: Int16Array of x, y per contact point, marks: "1132.."}; boundary: Int16Array of x, y in place of points */
 class ShapeView {
   constructor(canvas, shapes) {
     Object.assign(this, { canvas, shapes, subdivide: 3 });
@@ -45,84 +40,101 @@ class ShapeView {
   draw(frame, ghost, name) {
     this.last = [frame, ghost, name];
     this.prepare();
-    this.drawDoor(frame);
-    this.drawBase();
+    this.drawProfiles(frame);
+    this.drawHeld();
     if (ghost) this.outline(ghost, "--ghost", 1.2, [5, 4]);
-    if (frame.stressed === false) this.fillWall(frame);
+    if (frame.boundary) this.fillSection(frame);
     else this.drawStress(frame.points);
-    this.outline(frame, "--outline", frame.stressed === false ? 1.8 : 1);
-    if (frame.state) this.drawContact(frame);
-    if (frame.stressed !== false) this.drawWatched(frame.points);
+    this.outline(frame, "--outline", frame.boundary ? 1.8 : 1);
+    if (frame.marks) this.drawContact(frame);
+    if (!frame.boundary) this.drawWatched(frame.points);
     this.canvas.setAttribute("aria-label", name);
   }
 
-  path(points) {
+  path(points, more = false) {
     const { context } = this;
-    context.beginPath();
+    if (!more) context.beginPath();
     points.forEach(([x, y], i) => (i ? context.lineTo(this.px(x), this.py(y)) : context.moveTo(this.px(x), this.py(y))));
   }
 
-  drawDoor({ door, position, doorGhost }) {
-    if (!door) return;
-    const { context } = this, moved = door.map(([x, y]) => [x + position[0], y + position[1]]);
-    this.path([...moved, [moved[moved.length - 1][0], 1e3], [moved[0][0], 1e3]]);
-    context.fillStyle = this.color("--door");
-    context.fill();
-    this.path(moved);
-    context.strokeStyle = this.color("--door-line");
-    context.lineWidth = 1.6;
-    context.stroke();
-    if (!doorGhost) return;
-    this.path(doorGhost.map(([x, y]) => [x + position[0], y + position[1]]));
-    context.strokeStyle = this.color("--ghost");
-    context.setLineDash([5, 4]);
-    context.stroke();
-    context.setLineDash([]);
+  // A profile's points where a pose puts them.
+  placed(points, [x, y, cos, sin]) { return points.map(([u, v]) => [x + cos * u - sin * v, y + sin * u + cos * v]); }
+
+  drawProfiles({ profiles, poses, ghosts }) {
+    const { context } = this;
+    profiles.forEach(({ face, body }, i) => {
+      body.forEach((ring, k) => this.path(this.placed(ring, poses[i]), k > 0));
+      context.fillStyle = this.color("--door");
+      context.fill("evenodd");
+      this.path(this.placed(face, poses[i]));
+      context.strokeStyle = this.color("--door-line");
+      context.lineWidth = 1.6;
+      context.stroke();
+      if (!ghosts) return;
+      this.path(this.placed(ghosts[i].face, poses[i]));
+      context.strokeStyle = this.color("--ghost");
+      context.setLineDash([5, 4]);
+      context.stroke();
+      context.setLineDash([]);
+    });
   }
 
-  drawBase() {
-    const { context } = this, [left, right, y] = this.shapes.base;
+  // Held stretches of the boundary, the section on their left, hatched on their right.
+  drawHeld() {
+    const { context } = this, depth = 0.03 * (this.shapes.high[0] - this.shapes.low[0]);
     context.strokeStyle = this.color("--soft");
-    context.lineWidth = 1;
-    for (let x = left - 0.6; x < right + 0.6; x += 0.5) {
-      this.path([[x, y - 0.6], [x + 0.5, y]]);
+    for (const line of this.shapes.held) {
+      context.lineWidth = 1;
+      for (let k = 1; k < line.length; k++) {
+        const [[x, y], [u, v]] = [line[k - 1], line[k]], size = Math.hypot(u - x, v - y) || 1, count = Math.ceil(size / (0.8 * depth));
+        const [s, t] = [(depth * (u - x)) / size, (depth * (v - y)) / size];
+        for (let i = 0; i <= count; i++) {
+          const [a, b] = [x + ((u - x) * i) / count, y + ((v - y) * i) / count];
+          this.path([[a, b], [a - 0.7 * s + t, b - 0.7 * t - s]]);
+          context.stroke();
+        }
+      }
+      context.lineWidth = 1.6;
+      this.path(line);
       context.stroke();
     }
-    context.lineWidth = 1.6;
-    this.path([[left - 0.8, y], [right + 0.8, y]]);
-    context.stroke();
   }
 
   drawStress(points) {
-    const { around, across, length, colours } = this.shapes, { context, subdivide: n } = this;
-    const last = colours.length - 1, corner = (i, j) => 3 * ((i % around) * across + j);
+    const { quads, length, colours } = this.shapes, { context, subdivide: n } = this;
+    const last = colours.length - 1;
     const mix = (a, b, c, d, s, t, k) => (1 - s) * ((1 - t) * points[a + k] + t * points[b + k]) + s * ((1 - t) * points[c + k] + t * points[d + k]);
     context.lineWidth = 0.7;
-    for (let i = 0; i < around; i++) {
-      for (let j = 0; j < across - 1; j++) {
-        const at = [corner(i, j), corner(i, j + 1), corner(i + 1, j), corner(i + 1, j + 1)];
-        for (let s = 0; s < n; s++) {
-          for (let t = 0; t < n; t++) {
-            const level = mix(...at, (s + 0.5) / n, (t + 0.5) / n, 2) / 32000;
-            context.fillStyle = context.strokeStyle = colours[Math.max(0, Math.min(last, Math.round(level * last)))];
-            context.beginPath();
-            for (const [u, v] of [[s, t], [s + 1, t], [s + 1, t + 1], [s, t + 1]]) {
-              context.lineTo(this.px(mix(...at, u / n, v / n, 0) * length), this.py(mix(...at, u / n, v / n, 1) * length));
-            }
-            context.closePath();
-            context.fill();
-            context.stroke();
+    for (const [a, b, c, d] of quads) {
+      const at = [3 * a, 3 * b, 3 * d, 3 * c];
+      for (let s = 0; s < n; s++) {
+        for (let t = 0; t < n; t++) {
+          const level = mix(...at, (s + 0.5) / n, (t + 0.5) / n, 2) / 32000;
+          context.fillStyle = context.strokeStyle = colours[Math.max(0, Math.min(last, Math.round(level * last)))];
+          context.beginPath();
+          for (const [u, v] of [[s, t], [s + 1, t], [s + 1, t + 1], [s, t + 1]]) {
+            context.lineTo(this.px(mix(...at, u / n, v / n, 0) * length), this.py(mix(...at, u / n, v / n, 1) * length));
           }
+          context.closePath();
+          context.fill();
+          context.stroke();
         }
       }
     }
   }
 
-  // Inner and outer boundary of a frame, whose rows have `across` points of `width` numbers.
-  rings({ points, across = this.shapes.across, width = 3 }) {
-    const { around, length } = this.shapes, rows = Array.from({ length: around }, (_, i) => i * across);
-    const place = (k) => [points[k] * length, points[k + 1] * length];
-    return [0, across - 1].map((j) => rows.map((row) => place(width * (row + j))));
+  // Closed boundaries of a frame.
+  rings({ points, boundary }) {
+    const { loops, length } = this.shapes;
+    let first = 0;
+    return loops.map((loop) => {
+      const ring = loop.map((point, i) => {
+        const [from, k] = boundary ? [boundary, 2 * (first + i)] : [points, 3 * point];
+        return [from[k] * length, from[k + 1] * length];
+      });
+      first += loop.length;
+      return ring;
+    });
   }
 
   outline(frame, color, line, dash = []) {
@@ -138,13 +150,12 @@ class ShapeView {
     context.setLineDash([]);
   }
 
-  fillWall(frame) {
-    const { context } = this, [inner, outer] = this.rings(frame);
-    this.path([...outer, outer[0], inner[0], ...inner.reverse()]);
-    context.closePath();
+  fillSection(frame) {
+    const { context } = this;
+    this.rings(frame).forEach((ring, k) => this.path([...ring, ring[0]], k > 0));
     context.globalAlpha = 0.16;
     context.fillStyle = this.color("--accent");
-    context.fill();
+    context.fill("evenodd");
     context.globalAlpha = 1;
   }
 
@@ -153,13 +164,13 @@ class ShapeView {
     return [this.px(points[3 * index] * length), this.py(points[3 * index + 1] * length)];
   }
 
-  drawContact({ points, state }) {
-    const { context } = this, open = opened(state);
-    this.shapes.contact.forEach((index, k) => {
-      if (state[k] === "0" && !open[k]) return;
+  // Filled where a point touches, hollow where it stands open between others that do.
+  drawContact({ touching, marks }) {
+    const { context } = this, { length } = this.shapes;
+    [...marks].forEach((mark, k) => {
       context.beginPath();
-      context.arc(...this.place(points, index), 3.1, 0, 2 * Math.PI);
-      context.fillStyle = open[k] ? this.color("--paper") : this.color("--touch");
+      context.arc(this.px(touching[2 * k] * length), this.py(touching[2 * k + 1] * length), 3.1, 0, 2 * Math.PI);
+      context.fillStyle = this.color(mark === "3" ? "--paper" : "--touch");
       context.fill();
       context.strokeStyle = this.color("--outline");
       context.lineWidth = 0.9;
@@ -168,27 +179,28 @@ class ShapeView {
   }
 
   drawWatched(points) {
-    const { context } = this, { across, watched } = this.shapes;
+    const { context } = this, { watched } = this.shapes;
     context.font = "600 11px system-ui, sans-serif";
     context.textAlign = "center";
     context.textBaseline = "middle";
-    watched.forEach((index, k) => {
-      const [x, y] = this.place(points, index), row = Math.floor(index / across) * across, outer = index % across !== 0;
-      const [ix, iy] = this.place(points, row), [ox, oy] = this.place(points, row + across - 1);
-      const size = Math.hypot(ox - ix, oy - iy) || 1, way = (outer ? 1 : -1) / size;
+    watched.forEach((beside, k) => {
+      const index = beside[beside.length >> 1], [x, y] = this.place(points, index);
+      const [ax, ay] = this.place(points, beside[0]), [bx, by] = this.place(points, beside[beside.length - 1]);
+      // on screen, where y points down: the section is on the right of a to b
+      const size = Math.hypot(bx - ax, by - ay) || 1, [u, v] = [-(by - ay) / size, (bx - ax) / size];
       context.fillStyle = context.strokeStyle = this.color("--ink");
       context.lineWidth = 1;
-      context.beginPath();
+      this.context.beginPath();
       context.moveTo(x, y);
-      context.lineTo(x + 7 * way * (ox - ix), y + 7 * way * (oy - iy));
+      context.lineTo(x + 7 * u, y + 7 * v);
       context.stroke();
-      context.fillText(String(k + 1), x + 14 * way * (ox - ix), y + 14 * way * (oy - iy));
+      context.fillText(String(k + 1), x + 14 * u, y + 14 * v);
     });
   }
 
   // The stress under the pointer, as the canvas' title.
   point(event) {
-    if (!this.last || this.last[0].stressed === false) return;
+    if (!this.last || this.last[0].boundary) return;
     const box = this.canvas.getBoundingClientRect(), { points } = this.last[0];
     let best = -1, least = 8;
     for (let k = 0; k < points.length / 3; k++) {

@@ -1,7 +1,6 @@
 """The door seal: one frozen object that decides everything but its shape parameters."""
 
 import json
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 
@@ -13,15 +12,13 @@ from seal_mdao.contact.friction import FRICTION_HISTORIES, ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.equilibrium.linear_solver import SOLVERS
-from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.motion import Motion, increases_to_one, straight_motion
 from seal_mdao.geometry.profile import PROFILE_EXTENT, RigidProfile
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.cells import GAUSS_POINTS, kernel_supports
 from seal_mdao.seals.choice import choose
 from seal_mdao.seals.door.area import section_area
-from seal_mdao.seals.door.measures import BY_NAME, DOOR, STANDARD, measure_points
-from seal_mdao.seals.door.result import DoorSealResult
+from seal_mdao.seals.door.measures import BY_NAME, DOOR, STANDARD
 from seal_mdao.seals.door.section import RingGrid, Section
 from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
 from seal_mdao.seals.door.splines import BoundarySplines, design_velocity
@@ -297,6 +294,10 @@ class DoorSeal(Seal):
     inputs = ("door_radius",)
 
     @property
+    def before_touch(self) -> float:
+        return self.start - self.section.outer_radius
+
+    @property
     def radius(self) -> float:
         """Corner radius of this design, mm."""
         return float(self.drawn_door_radius if self.door_radius is None else self.door_radius)
@@ -463,19 +464,6 @@ class DoorSeal(Seal):
             raise ValueError(
                 f"the settings are not those of this version's door seal: {error}"
             ) from error
-
-    def result(self, path, boundary_offsets=None) -> DoorSealResult:
-        return DoorSealResult(self, path, boundary_offsets)
-
-    def completed(self, result: DoorSealResult, analysis=None) -> DoorSealResult:
-        """The result with the places of its measures, from an analysis of the drawn seal."""
-        if result.is_drawn or not result.converged:
-            return result
-        with suppress(LoadPathError):  # told when the measures are asked for
-            drawn = self.as_drawn()
-            points = measure_points(drawn) if analysis is None else analysis(drawn).points
-            return result.at(points)
-        return result
 
     @property
     def key(self):

@@ -1,23 +1,10 @@
-"""The measures of the door seal and where they are taken: chosen once on the drawn seal, then frozen."""
+"""The measures of the door seal."""
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
-import numpy as np
-
-from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.contact import Gap, GapSquareIntegral, GapSquareSum, Reaction
 from seal_mdao.measures.contact_pressure import ContactPressure
-from seal_mdao.measures.selection import (
-    boundary_peaks,
-    contact_patches,
-    opened_points,
-    touching_stretch,
-)
-from seal_mdao.measures.stress import STRESS_COUNT, StressNorm, VonMises
-from seal_mdao.seals.result import analyze
-from seal_mdao.seals.seal import Seal
-from seal_mdao.values import instance
+from seal_mdao.measures.stress import StressNorm, VonMises
 
 DOOR = "door"
 """Label of the contact with the door."""
@@ -44,7 +31,7 @@ class ReactionCurve(Reaction):
     text = "Force of the seal on the door at door travels from the first touch of the drawn seal."
 
     def before(self, seal):
-        return seal.start - seal.section.outer_radius
+        return seal.before_touch
 
     @property
     def takes_places(self):
@@ -70,81 +57,6 @@ FURTHER = (
 BY_NAME = {measure.name: measure for measure in (*STANDARD, *FURTHER)}
 
 
-@dataclass(frozen=True, eq=False)
-class MeasurePoints:
-    """Frozen places of the measures.
-
-    Attributes
-    ----------
-    stress : ndarray of int
-        Particles at which the von Mises stress is a measure.
-    gap : ndarray of int
-        Contact points whose normal gap is a measure.
-    stretch : ndarray of int
-        Contact points from the first to the last one in contact.
-    patches : tuple of ndarray of int
-        All contact points, divided in the middle of the opened stretch.
-    curve : tuple of float
-        Door travels at which the reaction is a measure, mm.
-    """
-
-    stress: np.ndarray
-    gap: np.ndarray
-    stretch: np.ndarray
-    patches: tuple
-    curve: tuple
-
-
-def measure_points(seal) -> MeasurePoints:
-    """Places of the measures, from an analysis of the drawn seal, once for a seal.
-
-    Raises
-    ------
-    LoadPathError
-        When the drawn seal's path cannot be completed.
-    """
-    instance("seal", seal, Seal)
-    return _points_of(seal.as_drawn())
-
-
-@lru_cache(maxsize=64)
-def _points_of(seal) -> MeasurePoints:
-    return analyze(seal).points
-
-
-def chosen_points(drawn) -> MeasurePoints:
-    """Peaks of the stress, the opened stretch and the patches at the end of the drawn seal's path."""
-    grid, state = drawn.seal.grid, drawn.contact.state
-    inner = grid.particle(np.arange(grid.rays), 0)
-    rows = [(grid.free_outer, False), (inner, True)]
-    return MeasurePoints(
-        boundary_peaks(rows, drawn.stress_field(), STRESS_COUNT), opened_points(state),
-        touching_stretch(state != OPEN), contact_patches(state), curve_travels(drawn.seal),
-    )  # fmt: skip
-
-
 def curve_travels(seal) -> tuple:
     """Those of ``CURVE_TRAVELS`` that the door reaches."""
     return tuple(travel for travel in CURVE_TRAVELS if travel <= seal.depth)
-
-
-def measures_at(points: MeasurePoints, measures) -> tuple:
-    """Measures of the door seal with the places ``points``."""
-    return tuple(_at(points, measure) for measure in measures)
-
-
-def _at(points: MeasurePoints, measure):
-    if not measure.takes_places:
-        return measure
-    if isinstance(measure, GapSquareSum):
-        return replace(measure, base=_at(points, measure.base))
-    if isinstance(measure, ReactionCurve):
-        return replace(measure, travels=points.curve)
-    places = {
-        VonMises: ("points", points.stress), Gap: ("points", points.gap),
-        GapSquareIntegral: ("nominal", points.stretch),
-    }  # fmt: skip
-    if isinstance(measure, ContactPressure):
-        return replace(measure, patches=tuple(tuple(patch.tolist()) for patch in points.patches))
-    name, values = places[type(measure)]
-    return replace(measure, **{name: tuple(values.tolist())})

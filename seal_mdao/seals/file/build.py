@@ -11,6 +11,7 @@ from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.seals.choice import choose
+from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.edges import stretch_order
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
@@ -81,6 +82,17 @@ def build_seal(
     if isinstance(file, str | Path):
         file = read_seal_file(file)
     values.instance("file", file, SealFile)
+    seal = built(file, callback, step_ends, penalties)
+    return seal.made_from(description(file, seal))
+
+
+def built(
+    file: SealFile,
+    callback: Callable | None = None,
+    step_ends: Sequence[float] | None = None,
+    penalties: Mapping[str, float] | None = None,
+) -> OutlineSeal:
+    """As ``build_seal``, of a file that was read; the seal does not know what it was made from."""
     seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
     try:
         if penalties is not None:

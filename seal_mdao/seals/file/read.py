@@ -12,6 +12,7 @@ from seal_mdao.seals.file.contact_points import (
     check_contact_points,
     with_contact_points,
 )
+from seal_mdao.seals.file.described import note_contents
 from seal_mdao.seals.file.fluids import check_cavities, check_fluids, check_names
 from seal_mdao.seals.file.load_steps import check_steps, with_steps
 from seal_mdao.seals.file.measures import check_measures
@@ -41,7 +42,9 @@ def read_seal_file(path) -> SealFile:
     """
     path = Path(path)
     try:
-        return _read(_parsed(path), path)
+        file = _read(_parsed(path), path)
+        note_contents(file)
+        return file
     except SealFileError as error:
         raise SealFileError(f"{path}: {error}") from None
 

@@ -1,0 +1,79 @@
+"""Seals from their ``settings``, as recorder files keep them."""
+
+import json
+import tomllib
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.file.build import built
+from seal_mdao.seals.file.described import FILE, named_in, unpacked
+from seal_mdao.seals.file.read import read_seal_file
+from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.outline.seal import OutlineSeal
+from seal_mdao.seals.seal import Seal
+
+
+def seal_of(text: str) -> Seal:
+    """The seal whose ``settings`` these are.
+
+    Raises
+    ------
+    ValueError
+        When they are not those of a seal of this version.
+    """
+    try:
+        settings = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"the settings are not those of a seal: {error}") from error
+    if not (isinstance(settings, dict) and FILE in settings):
+        return DoorSeal.from_settings(text)
+    seal = _seal_of_file(settings)
+    try:
+        if settings.get("placements"):
+            seal = seal.with_placements()
+        if "rooms" in settings:
+            seal = seal.with_rooms(settings["rooms"])
+        return seal.with_parameters(settings.get("parameters", {}))
+    except (TypeError, AttributeError) as error:
+        raise ValueError(f"the settings are not those of a seal: {error}") from error
+
+
+def _seal_of_file(found: dict) -> OutlineSeal:
+    """The seal of a ``description``."""
+    try:
+        with TemporaryDirectory() as folder:
+            for name, packed in found["beside"].items():
+                if Path(name).name != name:
+                    raise ValueError(f"{name!r} is not the name of a file")
+                (Path(folder) / name).write_bytes(unpacked(packed))
+            path = Path(folder) / "seal.toml"
+            path.write_text(found[FILE], encoding="utf-8")
+            if any(name not in found["beside"] for name in named_in(tomllib.loads(found[FILE]))):
+                raise ValueError("a file beside it is missing")
+            file = read_seal_file(path)
+            seal = built(file, **_all_chosen(found["chosen"], file))
+            return seal.made_from({key: found[key] for key in (FILE, "beside", "chosen")})
+    except (TypeError, KeyError, AttributeError, ValueError, SealFileError) as error:
+        raise ValueError(
+            f"the settings are not those of a seal file of this version: {error}"
+        ) from error
+
+
+def _all_chosen(chosen: dict, file: SealFile) -> dict:
+    """What was chosen for a file, when it is all that the file leaves open: nothing is analysed here."""
+    left_open = {"step_ends": file.step_tolerance is not None, "penalties": file.open_penalties}
+    if set(chosen) != {name for name, is_open in left_open.items() if is_open}:
+        raise ValueError("load steps or penalties that were chosen are missing")
+    return chosen
+
+
+def described(settings: dict) -> dict:
+    """Settings for reading: the tables of a seal file, what was chosen and changed of it."""
+    if FILE not in settings:
+        return settings
+    others = {
+        key: value for key, value in settings.items() if key not in (FILE, "beside") and value
+    }
+    return tomllib.loads(settings[FILE]) | others
