@@ -2,9 +2,10 @@
 
 Penalties come first, on a coarse path: where the estimated error of a measure (``penalty_error``), the
 penetration or the elastic slip in stick is above the tolerance, they are raised by the ratio of the
-two. Then the steps are halved, all of them first and later those in which the last two paths drift
-apart, until what the halving changes is below the tolerance. Steps and penalties are attributes of the
-seal afterwards: functions of the design stay smooth.
+two, those of profiles first, then those of self-contact. Then the steps are halved, all of them first
+and later those in which the last two paths drift apart, until what the halving changes is below the
+tolerance. Steps and penalties are attributes of the seal afterwards: functions of the design stay
+smooth.
 """
 
 from collections.abc import Callable, Collection
