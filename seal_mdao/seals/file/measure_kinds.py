@@ -27,7 +27,7 @@ from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.work import FrictionWork, ProfileWork
 from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import AtPlaces, MeasureTable, OfProfile, Places, kind
-from seal_mdao.seals.file.table import key, known
+from seal_mdao.seals.file.schema import key, known
 
 _AXES = {"x": 0, "y": 1}
 Patches = many(Places, "a list of such lists, one for every patch")

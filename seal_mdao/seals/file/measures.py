@@ -11,7 +11,7 @@ from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file import measure_kinds  # noqa: F401
 from seal_mdao.seals.file.measure_table import KINDS, MeasureTable
-from seal_mdao.seals.file.table import chosen_by, suggestion
+from seal_mdao.seals.file.schema import chosen_by, suggestion
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 
 AnyMeasure = chosen_by("type", KINDS)
