@@ -8,7 +8,7 @@ from seal_mdao.seals.file.edge_tables import DesignTable, SelfContactTable
 from seal_mdao.seals.file.fluids import CavityTable, FluidTable
 from seal_mdao.seals.file.laws import FIT_TABLES, LAW_TABLES, LawTable
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
-from seal_mdao.seals.file.measure_table import KINDS, MeasureTable
+from seal_mdao.seals.file.measure_kinds import KINDS, MeasureTable
 from seal_mdao.seals.file.optimization import Constraint, OptimizeTable
 from seal_mdao.seals.file.profiles import ProfileTable, StageTable
 from seal_mdao.seals.file.schema import Table

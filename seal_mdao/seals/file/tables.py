@@ -12,8 +12,8 @@ from seal_mdao.seals.file.edge_tables import DesignTable, SelfContactTable
 from seal_mdao.seals.file.fluids import CavityTable, FluidTable
 from seal_mdao.seals.file.laws import Materials
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
+from seal_mdao.seals.file.measure_kinds import AnyMeasure
 from seal_mdao.seals.file.measure_table import MeasureTable
-from seal_mdao.seals.file.measures import AnyMeasure
 from seal_mdao.seals.file.optimization import OptimizeTable
 from seal_mdao.seals.file.profiles import ProfileTable
 from seal_mdao.seals.file.schema import key, rows
