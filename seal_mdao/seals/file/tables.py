@@ -1,4 +1,8 @@
-"""What a seal file has, and what it decides."""
+"""What a seal file has, and what it decides.
+
+Materials are found by name in ``materials.by_name.LAWS`` (their tables follow from the fields of the
+laws), types of measures in ``measure_table.KINDS``, which ``kind`` fills.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
