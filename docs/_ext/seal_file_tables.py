@@ -4,23 +4,23 @@ from pathlib import Path
 
 from code_reference import markdown_table
 
+from seal_mdao.seals.file.edge_tables import DesignTable, SelfContactTable
 from seal_mdao.seals.file.fluids import CavityTable, FluidTable
 from seal_mdao.seals.file.laws import FIT_TABLES, LAW_TABLES, LawTable
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
-from seal_mdao.seals.file.measure_table import KINDS, MeasureTable
-from seal_mdao.seals.file.moving import DesignTable, SelfContactTable
+from seal_mdao.seals.file.measure_kinds import KINDS, MeasureTable
 from seal_mdao.seals.file.optimization import Constraint, OptimizeTable
 from seal_mdao.seals.file.profiles import ProfileTable, StageTable
-from seal_mdao.seals.file.section import (
+from seal_mdao.seals.file.schema import Table
+from seal_mdao.seals.file.section_table import (
     HoleTable,
     OuterTable,
     RaysTable,
     RegionTable,
     WrittenSection,
 )
-from seal_mdao.seals.file.segments import ArcTable, CircleTable
+from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
 from seal_mdao.seals.file.supports import FixedTable, SymmetryTable
-from seal_mdao.seals.file.table import Table
 
 TABLES = {
     "material": LawTable, "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,

@@ -10,7 +10,7 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.scenarios.variation import KINDS, VALUE, Variation
 from seal_mdao.seals.file.forms import Names, number, one_of
-from seal_mdao.seals.file.table import Table, checked, chosen_by, key, known, table, table_of
+from seal_mdao.seals.file.schema import Table, checked, chosen_by, key, known, table, table_of
 from seal_mdao.tolerances.boundary import BoundaryTolerance
 from seal_mdao.tolerances.distributions import DISTRIBUTIONS
 from seal_mdao.tolerances.tolerances import Tolerance, Tolerances

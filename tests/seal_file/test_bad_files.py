@@ -2,13 +2,20 @@
 
 import re
 import tomllib
+from datetime import date
+from functools import reduce
+from math import inf, nan
+from operator import getitem
 from pathlib import Path
 
 import pytest
 from json_check import fits
+from pydantic import TypeAdapter
 
 import seal_mdao as sm
 from seal_mdao.seals.file.json_schema import json_schema
+from seal_mdao.seals.file.schema import checked
+from seal_mdao.seals.file.tables import Written
 
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 ARC = "arc = { start = [4.0, 0.0], through = [0.0, 14.0], end = [-4.0, 0.0] }"
@@ -423,6 +430,35 @@ def test_what_a_file_cannot_say_is_refused_in_one_line(tmp_path, name, refusing_
     if "not valid TOML" not in words:  # editors see what is wrong in the form, and nothing else
         of_a_form = OF_A_FORM.search(str(caught.value)) is not None and name not in FINER
         assert fits(tomllib.loads(text), SCHEMA, SCHEMA) != of_a_form
+
+
+WRONG = (
+    3, -1.5, True, nan, inf, 10**400, "", "x", "\0gap", [], [1], [[1]], ["a"], [{}], {}, {"a": 1},
+    [{"type": "gap"}], {"law": "yeoh", "data": 3}, date(2000, 1, 1),
+)  # fmt: skip
+
+
+def places(given, before=()):
+    """Keys that lead to every value of a file."""
+    for key, own in given.items() if isinstance(given, dict) else enumerate(given):
+        yield (*before, key)
+        if isinstance(own, dict | list):
+            yield from places(own, (*before, key))
+
+
+@pytest.mark.parametrize("wrong", WRONG, ids=lambda wrong: repr(wrong)[:20])
+def test_any_value_anywhere_gives_one_line_or_is_read(wrong):
+    lines = []
+    for *before, last in places(tomllib.loads(BULB)):
+        given = tomllib.loads(BULB)
+        reduce(getitem, before, given)[last] = wrong
+        try:
+            checked(TypeAdapter(Written), given)
+        except sm.SealFileError as error:
+            lines.append(str(error))
+    assert len(lines) > 50
+    assert max(map(len, lines)) < 600
+    assert "\n" not in "".join(lines)
 
 
 def test_files_that_are_none(tmp_path):

@@ -8,9 +8,9 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.seals.file.laws import FIT_TABLES, LAW_TABLES
-from seal_mdao.seals.file.measure_table import KINDS
+from seal_mdao.seals.file.measure_kinds import KINDS
 from seal_mdao.seals.file.read import TABLES
-from seal_mdao.seals.file.table import Table
+from seal_mdao.seals.file.schema import Table
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "seal_file.md").read_text(encoding="utf-8")

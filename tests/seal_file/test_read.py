@@ -18,7 +18,7 @@ from seal_mdao.measures.contact import GapSquareSum, OpenGapSquareSum
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.stress import LargestVonMises, VonMises
 from seal_mdao.seals.file.laws import LAW_TABLES
-from seal_mdao.seals.file.measure_table import KINDS
+from seal_mdao.seals.file.measure_kinds import KINDS
 from seal_mdao.seals.file.measures import measure_of
 from seal_mdao.seals.file.optimization import Constraint
 from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of

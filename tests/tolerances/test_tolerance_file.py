@@ -28,6 +28,7 @@ def test_those_of_the_door_fit_the_door_seal():
     [
         ("", "nothing varies"),
         ("vary = 3", r"each written \[vary.name\]"),
+        ("[vary]\na = 3", r"\[vary.a\] must be one table, got 3"),
         ("[bounds]\nx = 1", "bounds"),
         ("[vary.a", "this is not TOML"),
         (FRICTION.replace('"uniform"', '"even"'), r"\[vary.friction\].*distribution"),

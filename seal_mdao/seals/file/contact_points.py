@@ -5,7 +5,7 @@ from dataclasses import replace
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.edges import check_edges, contour_of
 from seal_mdao.seals.file.profiles import ProfileTable
-from seal_mdao.seals.file.section import SectionTable
+from seal_mdao.seals.file.section_table import SectionTable
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.wall_grid import SCHEMES
 

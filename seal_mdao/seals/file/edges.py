@@ -1,7 +1,7 @@
 """Edges that a seal file names, one by one or as a stretch of the boundary."""
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.table import known
+from seal_mdao.seals.file.schema import known
 from seal_mdao.seals.outline.section import Contour, Outline
 
 

@@ -10,7 +10,7 @@ from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE
 from seal_mdao.seals.file.edges import check_edges, contour_of, stretch_order
 from seal_mdao.seals.file.forms import Form, Name, Names, Text, number, one_of, whole
 from seal_mdao.seals.file.load_steps import MOST_STEPS
-from seal_mdao.seals.file.table import Table, key, table
+from seal_mdao.seals.file.schema import Table, key, table
 
 MOST_PRESSURE = 1e9
 """kPa."""

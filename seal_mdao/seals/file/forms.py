@@ -73,13 +73,13 @@ def many(one, allowed: str, least: int = 1, most: int | None = None):
     return Annotated[tuple[one, ...], Field(min_length=least, max_length=most), Form(allowed)]
 
 
-def point(most: float | None = None, unit: str = "mm"):
+def point(most: float | None = None):
     """A point, with coordinates up to ``most`` in size."""
     bounds = {} if most is None else {"minimum": -most, "maximum": most}
     own = Annotated[Number, Field(ge=bounds.get("minimum"), le=most)]
     size = "" if most is None else f", at most {most:g} in size"
     form = {"type": "array", "items": {"type": "number"} | bounds, "minItems": 2, "maxItems": 2}
-    allowed = Form(f"a point [x, y] of two numbers{size} ({unit})")
+    allowed = Form(f"a point [x, y] of two numbers{size} (mm)")
     return Annotated[tuple[own, own], WithJsonSchema(form), allowed]
 
 

@@ -22,7 +22,7 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
-from seal_mdao.seals.file.table import LINE, Table, chosen_by, key, table, table_of
+from seal_mdao.seals.file.schema import LINE, Table, chosen_by, key, table, table_of
 from seal_mdao.values import shown
 
 MODULI = {"c10", "c01", "c20", "c30", "mu", "shear_modulus", "bulk_modulus"}

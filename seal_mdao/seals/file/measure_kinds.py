@@ -26,8 +26,15 @@ from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.work import FrictionWork, ProfileWork
 from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
-from seal_mdao.seals.file.measure_table import AtPlaces, MeasureTable, OfProfile, Places, kind
-from seal_mdao.seals.file.table import key, known
+from seal_mdao.seals.file.measure_table import (
+    KINDS,
+    AtPlaces,
+    MeasureTable,
+    OfProfile,
+    Places,
+    kind,
+)
+from seal_mdao.seals.file.schema import chosen_by, key, known
 
 _AXES = {"x": 0, "y": 1}
 Patches = many(Places, "a list of such lists, one for every patch")
@@ -303,3 +310,7 @@ class DisplacementTable(MeasureTable):
 
 def _nearest(point, particles) -> int:
     return int(np.hypot(*(particles - point).T).argmin())
+
+
+AnyMeasure = chosen_by("type", KINDS)
+"""A table of any type."""

@@ -10,7 +10,7 @@ import numpy as np
 from seal_mdao.errors import SealFileError
 from seal_mdao.measures.measure import Measure
 from seal_mdao.seals.file.forms import Form, Name, Text, many, one_of, whole
-from seal_mdao.seals.file.table import Table, key, known, table
+from seal_mdao.seals.file.schema import Table, key, known, table
 
 Places = many(whole(0, 10**6), "a list of numbers of particles, from 0 on")
 TypeName = Annotated[str, Form("the name of a type")]

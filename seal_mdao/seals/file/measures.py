@@ -9,13 +9,10 @@ from seal_mdao.measures.contact import BetweenContacts, Gap
 from seal_mdao.measures.contact_pressure import ContactPressure
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.stress import VonMises
-from seal_mdao.seals.file import measure_kinds  # noqa: F401
-from seal_mdao.seals.file.measure_table import KINDS, MeasureTable
-from seal_mdao.seals.file.table import chosen_by, suggestion
+from seal_mdao.seals.file.measure_kinds import KINDS
+from seal_mdao.seals.file.measure_table import MeasureTable
+from seal_mdao.seals.file.schema import suggestion
 from seal_mdao.seals.outline.cloud_file import GivenCloud
-
-AnyMeasure = chosen_by("type", KINDS)
-"""A table of any type."""
 
 
 def implied_measure(where: str, key: str, name: str, declared, profiles):

@@ -5,7 +5,7 @@ from pydantic import model_validator
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.forms import Text, number
 from seal_mdao.seals.file.measures import implied_measure
-from seal_mdao.seals.file.table import Table, key, rows, table
+from seal_mdao.seals.file.schema import Table, key, rows, table
 
 
 @table

@@ -11,8 +11,8 @@ from seal_mdao.geometry.motion import Motion, Stage, staged_motion
 from seal_mdao.geometry.profile import Pieces, RigidProfile, rigid_profile
 from seal_mdao.seals.file.forms import Friction, Name, Names, Penalty, number, one_of, point
 from seal_mdao.seals.file.load_steps import Steps
-from seal_mdao.seals.file.segments import KINDS, PieceTable, SegmentTable
-from seal_mdao.seals.file.table import Table, key, rows, table
+from seal_mdao.seals.file.schema import Table, key, rows, table
+from seal_mdao.seals.file.segment_tables import KINDS, PieceTable, SegmentTable
 from seal_mdao.seals.outline.chain import checked_chain
 from seal_mdao.seals.outline.crossings import check_simple
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Line, Spline

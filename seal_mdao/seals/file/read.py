@@ -13,15 +13,15 @@ from seal_mdao.seals.file.contact_points import (
     with_contact_points,
 )
 from seal_mdao.seals.file.described import note_contents
+from seal_mdao.seals.file.edge_tables import check_designs, check_self_contact
 from seal_mdao.seals.file.fluids import check_cavities, check_fluids, check_names
 from seal_mdao.seals.file.load_steps import check_steps, with_steps
 from seal_mdao.seals.file.measures import check_measures
-from seal_mdao.seals.file.moving import check_designs, check_self_contact
 from seal_mdao.seals.file.optimization import with_implied
-from seal_mdao.seals.file.section import check_section
+from seal_mdao.seals.file.schema import checked, suggestion
+from seal_mdao.seals.file.section_table import check_section
 from seal_mdao.seals.file.start import check_start
 from seal_mdao.seals.file.supports import check_bodies_held, check_supports
-from seal_mdao.seals.file.table import checked, suggestion
 from seal_mdao.seals.file.tables import SealFile, Written
 
 TABLES = tuple(Written.model_fields)

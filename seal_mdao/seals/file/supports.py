@@ -5,8 +5,8 @@ import numpy as np
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.edges import check_edges
 from seal_mdao.seals.file.forms import Names, many, one_of
+from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.file.start import LOOK, ROUNDING
-from seal_mdao.seals.file.table import Table, key, table
 
 TOUCHING = 1e-9
 """Gap of a profile that touches the section at the start, over its size."""

@@ -1,4 +1,8 @@
-"""What a seal file has, and what it decides."""
+"""What a seal file has, and what it decides.
+
+Materials are found by name in ``materials.by_name.LAWS`` (their tables follow from the fields of the
+laws), types of measures in ``measure_table.KINDS``, which ``kind`` fills.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,17 +12,17 @@ from pydantic import BaseModel, ConfigDict
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.choice import PENALTY_TOLERANCE
+from seal_mdao.seals.file.edge_tables import DesignTable, SelfContactTable
 from seal_mdao.seals.file.fluids import CavityTable, FluidTable
 from seal_mdao.seals.file.laws import Materials
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
+from seal_mdao.seals.file.measure_kinds import AnyMeasure
 from seal_mdao.seals.file.measure_table import MeasureTable
-from seal_mdao.seals.file.measures import AnyMeasure
-from seal_mdao.seals.file.moving import DesignTable, SelfContactTable
 from seal_mdao.seals.file.optimization import OptimizeTable
 from seal_mdao.seals.file.profiles import ProfileTable
-from seal_mdao.seals.file.section import SectionTable, WrittenSection
+from seal_mdao.seals.file.schema import key, rows
+from seal_mdao.seals.file.section_table import SectionTable, WrittenSection
 from seal_mdao.seals.file.supports import FixedTable, SymmetryTable
-from seal_mdao.seals.file.table import key, rows
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 
 SELF_CONTACT = "self_contact"

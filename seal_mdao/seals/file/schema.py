@@ -33,9 +33,10 @@ ROWS = "rows"
 """Type of the error of what is no list of tables."""
 LINE = "line"
 """Type of an error that is a complete line."""
-LABELS = {"profile": "({0!r})", "section.outer": "(edge {0!r})", "section.hole": "(edge {0!r})"}
-"""How rows are called beside their number, by the texts of their ``NAMING`` keys."""
-NAMING = {"profile": "name", "section.outer": "edge", "section.hole": "edge"}
+LABELS = {
+    "profile": ("name", ""), "section.outer": ("edge", "edge "), "section.hole": ("edge", "edge "),
+}  # fmt: skip
+"""What rows are called beside their number: the key that says it, and a word before its text."""
 NAMED = ("material", "vary")
 """Tables that hold tables with names of their own."""
 _TAG = "\0"
@@ -157,8 +158,8 @@ def chosen_by(name: str, classes: dict, tag=None):
     texts = tuple(dict.fromkeys(own.partition(":")[0] for own in classes))
 
     def find(given):
-        if not isinstance(given, dict):
-            return _TAG + getattr(given, name, "")
+        if not isinstance(given, dict):  # refused by any class
+            return _TAG + next(iter(classes))
         if not isinstance(given.get(name), str) or given[name] not in texts:
             return None
         return _TAG + (given[name] if tag is None else tag(given))
@@ -190,10 +191,10 @@ def _line(error: dict, given: dict) -> str:
     names = [own for own in loc if isinstance(own, str)]
     if error["type"] == "table":
         written = f", written [{names[0]}]" if isinstance(value, list) and len(names) == 1 else ""
-        return f"{place(loc, given)} must be one table{written}, got {shown(value)}"
+        return f"{_place(loc, given)} must be one table{written}, got {shown(value)}"
     if error["type"] == "choice":
         loc, value = (*loc, context["key"]), value.get(context["key"], PydanticUndefined)
-    before = place(loc[:-1], given)
+    before = _place(loc[:-1], given)
     where, name = f"{before}: " if before else "", loc[-1] if loc else ""
     if value is PydanticUndefined:
         return f"{where}the key {name!r} is missing; it must be {context['allowed']}"
@@ -204,7 +205,7 @@ def _line(error: dict, given: dict) -> str:
     if error["type"] == LINE:
         return context["line"]
     if isinstance(value, dict):  # of a table by itself
-        where, name = "", place(loc, given)
+        where, name = "", _place(loc, given)
     return f"{where}{name}: {context['error']}"
 
 
@@ -214,14 +215,14 @@ def _no_rows(name: str, value) -> str:
     return f"{name} must be a list of tables, each written [[{name}]], got {shown(value)}"
 
 
-def place(loc: tuple, given) -> str:
+def _place(loc: tuple, given) -> str:
     """The table at a place of pydantic: ``[[profile]] 1 ('door'): [[profile.stage]] 2``."""
     words, names = [], []
     for step in loc:
         if isinstance(given, dict | list):
             given = given.get(step) if isinstance(given, dict) else given[step]
         if isinstance(step, int):
-            words[-1] = row_name(".".join(names), step + 1, given)
+            words[-1] = _row_name(".".join(names), step + 1, given)
             if len(words) > 1 and not words[-2].startswith("[["):  # [section] of [[section.outer]]
                 del words[-2]
         else:
@@ -232,11 +233,11 @@ def place(loc: tuple, given) -> str:
     return ": ".join(words)
 
 
-def row_name(name: str, number: int, given) -> str:
+def _row_name(name: str, number: int, given) -> str:
     """A row of a list of tables: ``[[profile]] 1 ('door')``."""
-    own = given.get(NAMING.get(name)) if isinstance(given, dict) else None
-    label = f" {LABELS[name].format(own)}" if isinstance(own, str) else ""
-    return f"[[{name}]] {number}{label}"
+    key_, word = LABELS.get(name, ("", ""))
+    own = given.get(key_) if isinstance(given, dict) else None
+    return f"[[{name}]] {number}" + (f" ({word}{own!r})" if isinstance(own, str) else "")
 
 
 def known(where: str, key: str, name: str, names, what: str) -> None:

@@ -10,8 +10,8 @@ from pydantic import AfterValidator, model_validator
 
 from seal_mdao.errors import GeometryError, SealFileError
 from seal_mdao.seals.file.forms import Point, Points, Text, number, one_of, whole
-from seal_mdao.seals.file.segments import PieceTable
-from seal_mdao.seals.file.table import Table, key, known, rows, table
+from seal_mdao.seals.file.schema import Table, key, known, rows, table
+from seal_mdao.seals.file.segment_tables import PieceTable
 from seal_mdao.seals.outline.chain import ROUNDING
 from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud

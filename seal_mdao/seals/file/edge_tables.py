@@ -3,7 +3,7 @@
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.edges import check_edges
 from seal_mdao.seals.file.forms import Friction, Names, Penalty, number, whole
-from seal_mdao.seals.file.table import Table, key, table
+from seal_mdao.seals.file.schema import Table, key, table
 
 MOST_PARAMETERS = 1000
 
