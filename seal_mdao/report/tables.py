@@ -160,9 +160,8 @@ def measures(result: DoorSealResult) -> list[tuple[str, str, float]]:
 
 def _penalty_error(result: DoorSealResult, name: str) -> float:
     """Relative, in percent; nan where it is not known."""
-    if not result.converged or name not in result.penalty_error:
-        return math.nan
-    return 100.0 * result.penalty_error[name].relative
+    found = result.penalty_error.get(name) if result.converged else None
+    return 100.0 * found.relative if found is not None and found.estimable else math.nan
 
 
 def _area(result: DoorSealResult) -> float:
