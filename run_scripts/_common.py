@@ -17,6 +17,7 @@ import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.door.door_seal import ACCURACIES
+from seal_mdao.seals.penalty_error import not_estimable
 from seal_mdao.standard_streams import make_writable
 
 SEAL_OPTIONS = (
@@ -229,24 +230,29 @@ def print_warnings(result, label: str = "", further=()) -> None:
 
 
 def penalty_table(result) -> dict | None:
-    """Estimated errors by the contact penalties for summary.json; None for a path not completed."""
+    """Estimated errors by the contact penalties for summary.json; None for a path not completed.
+
+    In place of a number there is the reason where an error is not estimable.
+    """
     if not result.converged:
         return None
     return {
         name: {"error": found.error[0] if found.error.size == 1 else found.error,
                "relative": found.relative}
+        if found.estimable
+        else {"error": None, "relative": None, "failure": not_estimable({name: found})}
         for name, found in result.penalty_error.items()
     }  # fmt: skip
 
 
 def print_penalty_errors(result) -> None:
     """The largest of them, in a line; nothing without contact."""
-    found = result.penalty_error
-    if found:
-        name = max(found, key=lambda name: abs(found[name].relative))
-        print(
-            f"estimated error by contact penalties: at most {abs(found[name].relative):.2%} ({name})"
-        )
+    errors = result.penalty_error
+    found = {name: abs(error.relative) for name, error in errors.items() if error.estimable}
+    parts = [f"at most {max(found.values()):.2%} ({max(found, key=found.get)})"] if found else []
+    parts += [unknown for unknown in [not_estimable(errors)] if unknown]
+    if parts:
+        print(f"estimated error by contact penalties: {'; '.join(parts)}")
 
 
 def print_critical_points(result) -> None:

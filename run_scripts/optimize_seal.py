@@ -40,6 +40,7 @@ from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
+from seal_mdao.seals.penalty_error import not_estimable
 from seal_mdao.seals.result import frozen_measures
 
 
@@ -49,13 +50,13 @@ def main(arguments) -> int:
     if arguments.restart:
         arguments.restart = arguments.out / CASES
         optimizer, chosen = continued(arguments.restart, file, arguments)
-    seal = seal_of(file, chosen)
+    kept = KeptAnalyses()
+    seal = seal_of(file, chosen, kept)
     cases = recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
     announce(seal)
-    kept = KeptAnalyses()
     with LoadStepProgress(seal) as progress:
         with file_errors(arguments.file):
             problem = file_problem(
@@ -152,12 +153,13 @@ def gap_figures(gaps: dict) -> list[tuple[str, str, str]]:
 
 def penalty_figures(result) -> list[tuple[str, str, str]]:
     """The largest error by the contact penalties as name, value and explanation; nothing without it."""
-    if not result.converged or not result.penalty_error:
+    errors = result.penalty_error if result.converged else {}
+    found = [abs(error.relative) for error in errors.values() if error.estimable]
+    if not found:
         return []
-    largest = max(abs(found.relative) for found in result.penalty_error.values())
-    return [
-        ("error by penalties", f"{largest:.2%}", "estimated, of the measures of the last design")
-    ]
+    unknown = not_estimable(errors)
+    text = "estimated, of the measures of the last design" + (f"; {unknown}" if unknown else "")
+    return [("error by penalties", f"{max(found):.2%}", text)]
 
 
 def write_best(file, seal, offsets, kept: KeptAnalyses, out: Path) -> tuple[str, dict | None]:

@@ -185,6 +185,7 @@ def _penalty_errors(result: SealResult) -> dict:
     return {
         f"error of {label(name)} by contact penalties, estimated": ("%", 100.0 * error.relative)
         for name, error in result.penalty_error.items()
+        if error.estimable
     }
 
 

@@ -1,11 +1,13 @@
 """Load steps and contact penalties by tolerance: chosen once on the nominal seal, then frozen.
 
-Penalties come first, on a coarse path: where the estimated error of a measure (``penalty_error``), the
-penetration or the elastic slip in stick is above the tolerance, they are raised by the ratio of the
-two, those of profiles first, then those of self-contact. Then the steps are halved, all of them first
-and later those in which the last two paths drift apart, until what the halving changes is below the
-tolerance. Steps and penalties are attributes of the seal afterwards: functions of the design stay
-smooth.
+A coarse path comes first. Where its estimated error of a measure by the penalties (``penalty_error``),
+the penetration or the elastic slip in stick is above the tolerance, the next path has penalties that
+are higher by the ratio of the two. That path has the steps that are given, or where they are chosen
+each step halved; then those are halved in which the last two paths drift apart, until what the halving
+changes is below the tolerance. What a change of the penalties does to measures is taken off by its
+estimate, what else it does to the path counts as an error of the steps. The last path is the analysis
+of the nominal seal with all that was chosen, so ``KeptAnalyses`` save making it again. Steps and
+penalties are attributes of the seal afterwards: functions of the design stay smooth.
 """
 
 from collections.abc import Callable, Collection
@@ -28,7 +30,7 @@ from seal_mdao.seals.seal import Seal
 
 STEP_TOLERANCE = 5e-3
 PENALTY_TOLERANCE = 1e-3
-COARSE = 10
+COARSE = 12
 """Equal load steps of the first path, at the least."""
 MOST = 8
 """Times as many steps as the first path that there may be while paths still fail."""
@@ -36,7 +38,7 @@ ROUNDS = 10
 CORRECTIONS = 4
 """Times that the penalties are raised, at the most."""
 COSTLY = 2.0
-"""Times the iterations that a path with higher penalties may take."""
+"""Times the iterations for each load step that a path with higher penalties may take."""
 SURPLUS = 1.5
 """Factor on the ratio of error to tolerance by which a penalty is raised."""
 RELATIVE_ROUNDING = 1e-10
@@ -71,16 +73,17 @@ class Choice(NamedTuple):
 class _Analyses:
     """Analyses in a row, whose number is reported to a callback with a method ``begin_analysis``."""
 
-    def __init__(self, callback: Callable | None):
+    def __init__(self, callback: Callable | None, kept):
         self.callback, self.number = callback, 0
         self.report = getattr(callback, "begin_analysis", None)
+        self.analysis = analyze if kept is None else kept.analyze
 
     def __call__(self, seal: Seal, more: int) -> SealResult:
         """Analyse a seal; at least ``more`` analyses follow."""
         self.number += 1
         if self.report is not None:
             self.report(self.number, self.number + more, seal.n_steps)
-        return analyze(seal, keep_factors=True, callback=self.callback)
+        return self.analysis(seal, keep_factors=True, callback=self.callback)
 
 
 def choose(
@@ -90,6 +93,7 @@ def choose(
     names: Collection[str] = (),
     coarse: int = COARSE,
     callback: Callable | None = None,
+    kept=None,
 ) -> Choice:
     """The seal with load steps and penalties within tolerances.
 
@@ -109,6 +113,8 @@ def choose(
         Called with each ``ConvergedStep`` that completes a nominal step. Its method
         ``begin_analysis``, where it has one, is called before every analysis with its number, the
         number that there will be at the least, and its load steps.
+    kept : KeptAnalyses, optional
+        Makes the analyses and keeps them.
 
     Raises
     ------
@@ -122,7 +128,10 @@ def choose(
     ):  # fmt: skip
         if tolerance is not None:
             values.real(name, tolerance, above=0.0, high=1.0)
-    wanted, run = frozenset(names if penalty_tolerance is not None else ()), _Analyses(callback)
+    wanted, run = (
+        frozenset(names if penalty_tolerance is not None else ()),
+        _Analyses(callback, kept),
+    )
     names = frozenset(p.name for p in penalties_of(seal) if p.name in wanted)
     begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
     ends, result = _first_path(seal, begun, run, more=1)
@@ -133,15 +142,16 @@ def choose(
         return Choice(
             seal, tuple(np.arange(1.0, seal.n_steps + 1.0)), _values(seal, names), None, None
         )
-    for group in _groups(seal, names):
-        result = _with_penalties(result, group, penalty_tolerance, run)
-    error, left = None, relative_error(result, names) if names else None
-    chosen = _own(seal.with_parameters(_values(result.seal, names))) if names else seal
     if step_tolerance is None:
-        ends = np.arange(1.0, seal.n_steps + 1.0)
+        chosen, ends, error = seal, np.arange(1.0, seal.n_steps + 1.0), None
+        for group in _groups(seal, names):
+            chosen, result = _with_penalties(chosen, result, group, penalty_tolerance, run)
     else:
-        ends, result, error = _with_steps(chosen, ends, result, step_tolerance, run)
+        ends, result, error = _with_steps(
+            seal, ends, result, step_tolerance, names, penalty_tolerance, run
+        )
         chosen = result.seal
+    left = relative_error(result, names) if names else None
     return Choice(chosen, tuple(ends.tolist()), _values(chosen, names), error, left)
 
 
@@ -177,7 +187,7 @@ def _values(seal: Seal, names) -> dict[str, float]:
 
 
 def _groups(seal: Seal, names) -> list[frozenset]:
-    """Penalties that are raised together: those of rigid contacts, then those of self-contact, which
+    """Penalties that are raised by one factor: those of rigid contacts, then those of self-contact, which
     begin with other ratios to the body and are refused for other reasons."""
     rigid = {contact.label for contact in contacts(seal)}
     first = frozenset(p.name for p in penalties_of(seal) if p.name in names and p.contact in rigid)
@@ -186,38 +196,56 @@ def _groups(seal: Seal, names) -> list[frozenset]:
 
 def relative_error(result: SealResult, names) -> float:
     """By how much the penalties ``names`` err: the largest relative error that they leave together in a
-    measure, penetration or elastic slip in stick over the largest displacement."""
+    measure, penetration or elastic slip in stick over the largest displacement.
+
+    Measures whose error is not estimable, for contact is about to part, have no part in it where there
+    are others.
+    """
     errors = penalty_errors(result).values()
+    errors = [error for error in errors if error.estimable] or errors
     return max(compliance(result, names), *(error.part(names) for error in errors))
 
 
-def _with_penalties(result: SealResult, names, tolerance: float, run) -> SealResult:
-    """The path again with ``names`` raised until their error is within the tolerance.
+def _with_penalties(seal: Seal, result: SealResult, names, tolerance: float | None, run):
+    """The seal in its own steps with ``names`` raised until their error is within the tolerance, and the
+    path that shows it; ``result`` is a coarse path.
 
-    All of them by one factor: the ratio of tangential to normal penalty decides over the first
-    increment of a point that comes into contact, which is an error of the load steps. The last path
-    where a higher penalty fails or takes ``COSTLY`` times the iterations, or where rounding bounds it.
+    The last seal where higher penalties take too long (``_too_costly``), or where rounding bounds them.
     """
     for _ in range(CORRECTIONS):
         raised = _raised(result, names, tolerance)
         if not raised:
-            return result
-        again = run(_own(result.seal.with_parameters(raised)), 1)
-        iterations = again.newton_iterations.sum()
-        if not again.converged or iterations > COSTLY * result.newton_iterations.sum():
-            return result
-        result = again
-    return result
+            break
+        stiffer = _own(seal.with_parameters(raised))
+        again = run(stiffer, 0)
+        if _too_costly(again, result):
+            break
+        seal, result = stiffer, again
+    return seal, result
+
+
+def _too_costly(result: SealResult, before: SealResult) -> bool:
+    """Whether a path with higher penalties fails, or takes ``COSTLY`` times the iterations for each
+    load step."""
+    iterations, others = (path.newton_iterations.mean() for path in (result, before))
+    return not result.converged or iterations > COSTLY * others
 
 
 def _raised(result: SealResult, names, tolerance: float) -> dict[str, float]:
-    """Higher values of the penalties where they err by more than the tolerance."""
-    excess, highest = relative_error(result, names) / tolerance, most_penalty(result.seal)
-    before = _values(result.seal, names)
-    factor = min(SURPLUS * excess, highest / max(before.values()))
-    # two significant digits, for whoever reads them
-    raised = {name: float(f"{value * factor:.2g}") for name, value in before.items()}
-    return raised if excess > 1.0 and all(raised[name] > before[name] for name in before) else {}
+    """Higher values of the penalties where they err by more than the tolerance.
+
+    All of a group by one factor: the ratio of tangential to normal penalty decides over the first
+    increment of a point that comes into contact, which is an error of the load steps.
+    """
+    found, highest = {}, most_penalty(result.seal)
+    for group in _groups(result.seal, names):
+        excess, before = relative_error(result, group) / tolerance, _values(result.seal, group)
+        factor = min(SURPLUS * excess, highest / max(before.values()))
+        # two significant digits, for whoever reads them
+        raised = {name: float(f"{value * factor:.2g}") for name, value in before.items()}
+        if excess > 1.0 and all(raised[name] > before[name] for name in before):
+            found |= raised
+    return found
 
 
 def most_penalty(seal: Seal) -> float:
@@ -238,24 +266,31 @@ def _own(seal: Seal) -> Seal:
 # ---- load steps ----
 
 
-def _with_steps(seal, ends, coarse: SealResult, tolerance: float, run):
-    """Ends of load steps within the tolerance, the path in them, and their estimated error.
+def _with_steps(seal, ends, coarse: SealResult, tolerance, names, penalty_tolerance, run):
+    """Ends of load steps and penalties within their tolerances, the path with them, and the estimated
+    error by the steps.
 
-    The error of a path is estimated by what the last halving changed, for it falls at least like the
-    length of the steps; that of steps which were not halved again by their part in the drift before.
+    The error of a path is estimated by what the last division changed, for it falls at least like the
+    length of the steps; that of steps which were not divided again by their part in the drift before.
     """
-    error, drift = np.inf, np.ones(len(ends))
-    for number in range(ROUNDS):
-        split = drift >= drift.mean() if number else np.ones(len(ends), bool)
-        finer = halved(ends, split)
-        fine = run(seal.with_ends(finer), 0)
+    error, drift, corrections = np.inf, np.ones(len(ends)), CORRECTIONS
+    for _ in range(ROUNDS):
+        raised = _raised(coarse, names, penalty_tolerance) if corrections else {}
+        if error <= tolerance and not raised:
+            return ends, coarse, error
+        parts = _parts(error, drift, tolerance)
+        finer = divided(ends, parts)
+        stiffer = _own(seal.with_parameters(raised)) if raised else seal
+        fine = run(stiffer.with_ends(finer), 0)
+        if raised and _too_costly(fine, coarse):
+            stiffer, corrections = seal, 1
+            fine = run(seal.with_ends(finer), 0)
         fine.require_converged()
-        at = np.searchsorted(finer, ends)
-        left = 0.0 if split.all() else error * drift[~split].sum() / drift.sum()
-        error = left + difference(coarse, fine, at)
-        if error <= tolerance:
-            return finer, fine, error
-        drift = _drift_of_parts(drift, drifts(coarse, fine, at), split)
+        seal, corrections = stiffer, corrections - bool(raised)
+        at, whole = np.cumsum(parts) - 1, parts == 1
+        left = error * drift[whole].sum() / drift.sum() if whole.any() else 0.0
+        error = left + difference(coarse, fine, at, by_penalties=bool(raised))
+        drift = np.repeat(np.where(whole, drift, 0.5 * drifts(coarse, fine, at)), parts)
         ends, coarse = finer, fine
     raise ValueError(
         f"load steps within {tolerance:g} were not found: {len(ends)} of them still err by {error:.2g}; "
@@ -263,37 +298,37 @@ def _with_steps(seal, ends, coarse: SealResult, tolerance: float, run):
     )
 
 
-def _drift_of_parts(before: np.ndarray, measured: np.ndarray, split: np.ndarray) -> np.ndarray:
-    """Drift of the steps after some were split: half of what was measured for either part, and that of
-    before for those that were not."""
-    kept = np.where(split, 0.5 * measured, before)
-    return np.repeat(kept, np.where(split, 2, 1))
+def _parts(error: float, drift: np.ndarray, tolerance: float) -> np.ndarray:
+    """Into how many parts to divide every load step: two where it drifts by no less than the mean."""
+    split = (drift >= drift.mean()) & (error > tolerance)
+    return np.where(split, 2, 1)
 
 
-def divided(ends: np.ndarray, parts: int) -> np.ndarray:
-    """Every step divided in equal parts; the old ends are kept bit for bit."""
+def divided(ends: np.ndarray, parts) -> np.ndarray:
+    """Every step divided in equal parts, as many for all or for each; the old ends are kept bit for
+    bit."""
+    parts = np.broadcast_to(parts, len(ends))
     starts = np.concatenate([[0.0], ends[:-1]])
-    share = np.arange(1, parts + 1) / parts
-    new = starts[:, None] + (ends - starts)[:, None] * share
-    new[:, -1] = ends
-    return new.ravel()
+    found = [
+        np.append(start + (end - start) * np.arange(1, n) / n, end)
+        for start, end, n in zip(starts, ends, parts, strict=True)
+    ]
+    return np.concatenate(found)
 
 
-def halved(ends: np.ndarray, split: np.ndarray) -> np.ndarray:
-    """Ends of the steps with some of them (a mask) divided in two."""
-    starts = np.concatenate([[0.0], ends[:-1]])
-    return np.sort(np.concatenate([ends, 0.5 * (starts + ends)[split]]))
-
-
-def difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> float:
+def difference(
+    coarse: SealResult, fine: SealResult, at: np.ndarray, by_penalties: bool = False
+) -> float:
     """Largest relative difference of two paths, in measures at the end and forces along the path.
 
     Parameters
     ----------
     at : ndarray of int, shape (n_steps of coarse,)
         Nominal steps of ``fine`` that end where those of ``coarse`` do.
+    by_penalties : bool
+        Whether the penalties differ too; what they do to measures by its estimate is not counted.
     """
-    return max(measure_difference(coarse, fine), force_difference(coarse, fine, at))
+    return max(measure_difference(coarse, fine, by_penalties), force_difference(coarse, fine, at))
 
 
 def drifts(coarse: SealResult, fine: SealResult, at: np.ndarray) -> np.ndarray:
@@ -316,12 +351,23 @@ def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> fl
     return max(found)
 
 
-def measure_difference(coarse: SealResult, fine: SealResult) -> float:
+def measure_difference(coarse: SealResult, fine: SealResult, by_penalties: bool = False) -> float:
     """Largest difference of a measure over its scale (``scale_of``), at the places of ``fine``."""
-    worst = 0.0
-    for measure in standard_measures(fine):
+    worst, measures = 0.0, standard_measures(fine)
+    known = _changes_by_penalties(coarse, fine, measures) if by_penalties else {}
+    for measure in measures:
         scale = scale_of(measure, fine)
         if scale > 0.0:
-            apart = np.abs(coarse.value(measure) - fine.value(measure)).max(initial=0.0)
-            worst = max(worst, float(apart / scale))
+            apart = coarse.value(measure) - fine.value(measure) - known.get(measure.name, 0.0)
+            worst = max(worst, float(np.abs(apart).max(initial=0.0) / scale))
     return worst
+
+
+def _changes_by_penalties(coarse: SealResult, fine: SealResult, measures) -> dict:
+    """What different penalties do to measures, estimated: c/w of ``coarse`` minus that of ``fine``."""
+    one, other = (penalty_errors(result, measures) for result in (coarse, fine))
+    return {
+        name: one[name].error - other[name].error
+        for name in one
+        if one[name].estimable and other[name].estimable
+    }

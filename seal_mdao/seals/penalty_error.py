@@ -25,6 +25,8 @@ SMALL = 0.01
 """Fraction of its largest value along the path below which a measure is as good as zero at the end."""
 WARNED, CURED = 0.01, 0.001
 """Relative error of a measure from which on a warning is given, and what its advice leaves of it."""
+VALID = 0.5
+"""Largest relative error that a linear estimate can be trusted with, to a factor of two or so."""
 
 
 class Penalty(NamedTuple):
@@ -79,8 +81,18 @@ class PenaltyError:
     scale: float
 
     @property
+    def estimable(self) -> bool:
+        """Whether the error is small enough for a linear estimate, at most ``VALID`` of the scale.
+
+        A contact that is about to part by itself has next to no pressure, so its width changes with the
+        penalty at any rate.
+        """
+        return abs(self.relative) <= VALID
+
+    @property
     def relative(self) -> float:
-        """Of the value with the largest error; negative where the measure is too small."""
+        """Of the value with the largest error; negative where the measure is too small. Without meaning
+        where the error is not ``estimable``."""
         if not self.error.size or not self.scale > 0.0:
             return 0.0
         return float(self.error[np.abs(self.error).argmax()] / self.scale)
@@ -199,13 +211,32 @@ def _elastic_slip(term, response) -> float:
     return float(np.abs(slips).max(initial=0.0))
 
 
+def not_estimable(errors: dict[str, PenaltyError]) -> str:
+    """Which measures have no estimate, in words; empty where all have one."""
+    names = ", ".join(name for name, found in errors.items() if not found.estimable)
+    return f"{names} not estimable: contact is about to part" if names else ""
+
+
 def warnings_of(result) -> tuple[str, ...]:
-    """A line about the measures that the penalties change by more than ``WARNED``, if there are any."""
+    """A line about the measures that the penalties change by more than ``WARNED``, and one about those
+    whose error has no estimate, if there are any."""
     large = {
-        name: found for name, found in result.penalty_error.items() if abs(found.relative) > WARNED
+        name: found
+        for name, found in result.penalty_error.items()
+        if abs(found.relative) > WARNED and found.estimable
     }
-    if not large:
-        return ()
+    lines = [] if not large else [_large_errors(result, large)]
+    unknown = not_estimable(result.penalty_error)
+    if unknown:
+        lines.append(
+            f"error by contact penalties of {unknown}, or the penalties are far too small; analyse "
+            "once more with ten times the penalties and compare"
+        )
+    return tuple(lines)
+
+
+def _large_errors(result, large: dict[str, PenaltyError]) -> str:
+    """By how much and in which direction measures err, and which penalties would cure it."""
     changes = ", ".join(
         f"{name} {100.0 * abs(found.relative):.2g} % too {'small' if found.relative < 0.0 else 'large'}"
         for name, found in large.items()
@@ -218,5 +249,5 @@ def warnings_of(result) -> tuple[str, ...]:
             cures.append(f"{penalty.name} = {penalty.value:.2g} (at least {wanted:.1g})")
     return (
         f"the contact gives way to its pressure, which makes {changes}, as estimated; use larger "
-        f"penalties, in kPa/mm: {', '.join(cures)}",
+        f"penalties, in kPa/mm: {', '.join(cures)}"
     )

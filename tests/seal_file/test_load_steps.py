@@ -87,6 +87,26 @@ def test_a_smaller_tolerance_takes_more_steps_where_they_are_needed(bulb, tmp_pa
     assert lengths(tight).max() >= 2.0 * lengths(tight).min()
 
 
+@pytest.mark.parametrize("text", [OPEN, COARSE], ids=["steps and penalties", "penalties"])
+def test_the_last_path_of_the_choice_is_the_analysis_of_the_nominal_seal(text, tmp_path):
+    """Bit for bit, so it is not made again; and the choice takes at most three paths."""
+    file, kept, new = read(tmp_path, text), sm.KeptAnalyses(), []
+    seal = sm.build_seal(file, kept=kept)
+    made = kept.made
+    assert made <= 3
+    one = kept.analyze(seal, keep_factors=True, callback=new.append)
+    assert kept.made == made
+    assert not new
+    other = sm.analyze(sm.build_seal(file, **chosen_for(file, seal)), keep_factors=True)
+    for a, b in zip(one.path.steps, other.path.steps, strict=True):
+        np.testing.assert_array_equal(a.d, b.d)
+        assert a.residuals == b.residuals
+    measures = one.measures()
+    rates = [sm.differentiate(r, ("c10",), measures, "adjoint").rows for r in (one, other)]
+    for measure in measures:
+        np.testing.assert_array_equal(*(found[measure.name] for found in rates))
+
+
 def test_they_are_the_seal_s_own_whatever_its_design(bulb, tmp_path):
     _, seal, seen = bulb
     assert seen >= COARSE_STEPS + seal.n_steps
@@ -183,7 +203,7 @@ def test_a_path_that_ends_early_is_told_with_what_was_computed(tmp_path, monkeyp
     with pytest.raises(sm.LoadPathError, match="could not be completed") as caught:
         sm.build_seal(read(tmp_path, LIMITED.replace("[0.0, -6.0]", "[0.0, -9.0]")))
     result = caught.value.result
-    assert 0 < len(result.path.nominal_steps) < 10 == result.seal.n_steps
+    assert 0 < len(result.path.nominal_steps) < 12 == result.seal.n_steps
 
 
 def test_where_a_path_fails_more_load_steps_are_tried(tmp_path, monkeypatch):
@@ -195,9 +215,9 @@ def test_where_a_path_fails_more_load_steps_are_tried(tmp_path, monkeypatch):
         return cut_short(result) if len(tried) < 3 else result
 
     monkeypatch.setattr("seal_mdao.seals.choice.analyze", failing)
-    assert sm.build_seal(read(tmp_path, OPEN)).n_steps == 80
-    # twice cut short; then the penalties are raised once, then the steps are halved
-    assert tried == [10, 20, 40, 40, 80]
+    assert sm.build_seal(read(tmp_path, OPEN)).n_steps == 96
+    # twice cut short; then the penalties are raised and the steps are halved
+    assert tried == [12, 24, 48, 96]
 
 
 def cut_short(result):

@@ -13,7 +13,6 @@ from seal_mdao.seals.choice import (
     choose,
     divided,
     force_difference,
-    halved,
     measure_difference,
 )
 from seal_mdao.seals.door.door_seal import DoorSeal
@@ -71,9 +70,9 @@ def test_derivatives_with_unequal_steps(chosen, rng):
     )
 
 
-def test_halving_keeps_the_ends():
+def test_division_keeps_the_ends():
     ends = np.array([0.3, 0.5, 1.0])
-    np.testing.assert_allclose(halved(ends, np.array([False, False, True])), [0.3, 0.5, 0.75, 1.0])
+    np.testing.assert_allclose(divided(ends, [1, 1, 2]), [0.3, 0.5, 0.75, 1.0])
     assert set(ends) <= set(divided(ends, 4))
 
 

@@ -12,7 +12,7 @@ from seal_mdao.measures.contact import Reaction
 from seal_mdao.seals.choice import PENALTY_TOLERANCE, choose, most_penalty, relative_error
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.export import write_design
-from seal_mdao.seals.penalty_error import penalties_of, penalty_errors
+from seal_mdao.seals.penalty_error import VALID, PenaltyError, penalties_of, penalty_errors
 
 FOLDED_LIP = Path(__file__).parents[1] / "contact" / "folded_lip.toml"
 """Its self-contact has penalties of 2000 and 500 kPa/mm."""
@@ -143,6 +143,40 @@ def test_soft_penalties_are_reported_with_direction_and_cure(tmp_path):
     assert "% too small" in text
     assert "plate_normal_penalty = 1e+04 (at least " in text
     assert "plate_tangent_penalty = 1e+02 (at least " in text
+
+
+def test_an_error_that_a_linear_estimate_does_not_give_is_not_estimable(solid):
+    """Pressed by a hair: a width that hardly begins; a force beside it has its estimate still."""
+    result = sm.analyze(solid, keep_factors=True)
+    width = result.penalty_error["contact_width"]
+    parting = replace(width, error=np.full(1, 2.0 * width.scale))
+    result.penalty_error["contact_width"] = parting
+    assert not parting.estimable
+    (text,) = (text for text in result.warnings if "penalties" in text)
+    assert "contact_width not estimable: contact is about to part" in text
+    assert "200" not in text
+    force = result.penalty_error["reaction"]
+    assert force.estimable
+    assert PenaltyError(np.array([-VALID]), {}, 1.0).estimable
+    assert not PenaltyError(np.array([-1.01 * VALID]), {}, 1.0).estimable
+
+
+def test_measures_without_an_estimate_do_not_raise_penalties(solid, monkeypatch):
+    """Whatever the penalty, the width of a contact that is about to part changes with it."""
+    names = {"plate_normal_penalty", "plate_tangent_penalty"}
+    result = sm.analyze(solid, keep_factors=True)
+    before = relative_error(result, names)
+
+    def parting(result):
+        errors = penalty_errors(result)
+        width = errors["contact_width"]
+        parts = dict.fromkeys(names, np.full(1, width.scale))
+        return errors | {
+            "contact_width": replace(width, error=sum(parts.values()), by_penalty=parts)
+        }
+
+    monkeypatch.setattr("seal_mdao.seals.choice.penalty_errors", parting)
+    assert relative_error(result, names) <= before
 
 
 def test_one_penalty_that_is_given_stays(tmp_path):

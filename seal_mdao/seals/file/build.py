@@ -47,6 +47,7 @@ def build_seal(
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
+    kept=None,
 ) -> OutlineSeal:
     """The seal of a file: its cloud, terms, design and measures.
 
@@ -66,6 +67,9 @@ def build_seal(
         Ends of load steps that have been chosen before, in stages, in place of a choice.
     penalties : mapping of str to float, optional
         Penalties that have been chosen before, by the names of their parameters, kPa/mm.
+    kept : KeptAnalyses, optional
+        Makes the analyses of the choice. The last is that of the seal that is returned, so
+        ``kept.analyze(seal)`` does not make it again.
 
     Raises
     ------
@@ -104,7 +108,9 @@ def built(
             seal, tolerance = seal.with_ends(step_ends), None
         if tolerance is None and not names:
             return seal
-        return choose(seal, tolerance, file.penalty_tolerance, names, callback=callback).seal
+        return choose(
+            seal, tolerance, file.penalty_tolerance, names, callback=callback, kept=kept
+        ).seal
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
 
