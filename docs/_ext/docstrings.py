@@ -7,6 +7,8 @@ section become literal blocks.
 
 import re
 
+from seal_mdao.seals.file.schema import Table
+
 UNDERLINE = re.compile(r"-{3,}")
 LITERAL = re.compile(r"(``.+?``)")
 STAR_NAME = re.compile(r"\*{1,2}\w+$")
@@ -48,6 +50,19 @@ def process(app, what, name, obj, options, lines) -> None:
     lines[:] = rewritten(lines)
 
 
+def table_keys(app, what, name, obj, options, lines) -> None:
+    """Keys of the tables of seal files as attributes, from what their classes say of them."""
+    if isinstance(obj, type) and issubclass(obj, Table) and obj.entries():
+        lines += ["Attributes", "----------"]
+        for field, own in obj.__pydantic_fields__.items():
+            form = obj.allowed(own.alias or field)
+            lines += [
+                f"{field} : {form}",
+                f"    {own.description[0].upper()}{own.description[1:].rstrip('.')}.",
+                "",
+            ]
+
+
 def quiet_types(app, what, name, obj, options, lines) -> None:
     """Types that are phrases, such as "ndarray, shape (n, 2)", as text without references."""
     for i, line in enumerate(lines):
@@ -63,6 +78,7 @@ def skip(app, what, name, obj, skipped, options):
 
 
 def setup(app):
+    app.connect("autodoc-process-docstring", table_keys, priority=300)
     # before napoleon (500), which turns the sections into field lists
     app.connect("autodoc-process-docstring", process, priority=400)
     app.connect("autodoc-process-docstring", quiet_types, priority=600)

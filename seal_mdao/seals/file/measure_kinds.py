@@ -207,7 +207,8 @@ class ReactionTable(OfProfile):
         return self
 
     @property
-    def single(self):  # unless there is a list of travels
+    def single(self) -> bool:
+        """Unless there is a list of travels."""
         return not isinstance(self.travel, tuple)
 
     def settled(self, where, profiles):
@@ -285,7 +286,8 @@ class VonMisesTable(MeasureTable):
         return self
 
     @property
-    def single(self):  # of the complete section
+    def single(self) -> bool:
+        """Of the complete section, not at chosen particles."""
         return all(own is None for own in (self.at, self.count, self.places))
 
     def measure(self, particles):
