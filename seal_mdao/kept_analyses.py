@@ -77,7 +77,15 @@ class KeptAnalyses:
                 self._make_room(key, result)
         if result.converged:
             self._results[key] = result
-        return replace(result, boundary_offsets=boundary_offsets)
+        return replace(result, seal=seal, boundary_offsets=boundary_offsets)
+
+    def carry_over(self, old, new) -> None:
+        """Keep the analyses of a seal whose key was ``old`` for its key ``new``."""
+        for store in (self._results, self._sizes):
+            for key in [key for key in store if key[0] == old]:
+                store[new, key[1]] = store.pop(key)
+        if self._newest is not None and self._newest[0] == old:
+            self._newest = new, self._newest[1]
 
     def _make_room(self, key, result: SealResult) -> None:
         """For a new result; the one before it loses its factors."""

@@ -187,8 +187,8 @@ def _values(seal: Seal, names) -> dict[str, float]:
 
 
 def _groups(seal: Seal, names) -> list[frozenset]:
-    """Penalties that are raised by one factor: those of rigid contacts, then those of self-contact, which
-    begin with other ratios to the body and are refused for other reasons."""
+    """Penalties that are raised by one factor: those of rigid contacts, then those of self-contact,
+    which begin with other ratios to the body and are refused for other reasons."""
     rigid = {contact.label for contact in contacts(seal)}
     first = frozenset(p.name for p in penalties_of(seal) if p.name in names and p.contact in rigid)
     return [group for group in (first, frozenset(names) - first) if group]

@@ -86,8 +86,12 @@ def build_seal(
     if isinstance(file, str | Path):
         file = read_seal_file(file)
     values.instance("file", file, SealFile)
-    seal = built(file, callback, step_ends, penalties)
-    return seal.made_from(description(file, seal))
+    seal = built(file, callback, step_ends, penalties, kept)
+    key = seal.key
+    seal = seal.made_from(description(file, seal))
+    if kept is not None:
+        kept.carry_over(key, seal.key)
+    return seal
 
 
 def built(
@@ -95,6 +99,7 @@ def built(
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
+    kept=None,
 ) -> OutlineSeal:
     """As ``build_seal``, of a file that was read; the seal does not know what it was made from."""
     seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
