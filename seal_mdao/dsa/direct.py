@@ -110,7 +110,7 @@ class DirectSweep:
         if sum(own.count for own in passed if own is not None) > self.rates.count:
             return self._carried(terms, self._solved(step, terms, found, load)[1])
         for index, (term, own) in enumerate(zip(terms, passed, strict=True)):
-            if own is not None and own.count:
+            if own is not None:
                 # Lambda = K^-T B^T G,  z = G^T B d' = -Lambda^T f'
                 adjoints = solve_transposed(self.problem, step, term.loads_of(own))
                 found[index] = term.passed(found[index], own, -adjoints.T @ load)

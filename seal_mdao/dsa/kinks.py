@@ -72,7 +72,7 @@ def _passes_on(path: PathResult, term, kinks: Kinks, step, following) -> np.ndar
     for other in path.problem.terms:
         linearized = other.linearization(step, following, False)
         passed = linearized.passed_on(following)
-        if passed is not None and passed.count:
+        if passed is not None:
             columns.append(linearized.loads_of(passed))
     if not columns:
         return np.zeros(len(kinks.touching), bool)

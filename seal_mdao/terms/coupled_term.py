@@ -6,6 +6,7 @@ sensitivities are done here. What couples all points through one number, such as
 of rank one.
 """
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -158,22 +159,29 @@ class CoupledTerm(TermAtPoints):
     def output_count(self) -> int:
         return self.output_places
 
-    def linearization(self, step, following=None, measured=True) -> LinearizedPoints:
+    @cached_property
+    def spaces(self) -> tuple:
+        """How the rows and columns of a ``LocalMap`` are laid out."""
         k, h, o = len(self.where), self.history_size, len(self.output_names)
-        rows = AllPoints(Outputs, ((k, 2), (k, h), (self.output_places, o)))
-        columns = AllPoints(Inputs, ((k, 2), (k, h), (k, 1), (1, len(self.names)), (k, 2)))
+        return (
+            AllPoints(Outputs, ((k, 2), (k, h), (self.output_places, o))),
+            AllPoints(Inputs, ((k, 2), (k, h), (k, 1), (1, len(self.names)), (k, 2))),
+        )
+
+    def linearization(self, step, following=None, measured=True) -> LinearizedPoints:
         response, before = step.responses[self.place], step.before[self.place]
-        local = self.linearize(response, step.fraction, before)
-        return LinearizedPoints(self, step, Linearization(np.arange(k), local, rows, columns))
+        matrix, every = self.linearize(response, step.fraction, before), np.arange(len(self.where))
+        law = Linearization(every, matrix, *self.spaces)
+        used = np.empty(0, int)
+        if following is not None:
+            used = self.uses_history(following.responses[self.place])
+        return LinearizedPoints(self, step, law, used)
 
     def acting(self, response) -> np.ndarray:
         return response.loaded
 
-    def passed_on(self, law: Linearization, step, following) -> PassedOn | None:
+    def passed_on(self, law: Linearization, used, step, following) -> PassedOn:
         """H: the variables of the history that the next step uses; G = (dh+/dx)^T H."""
-        used = self.uses_history(following.responses[self.place])
-        if not used.size:
-            return None
         chosen = law.rows.zeros(len(self.where), used.size)
         chosen.history.reshape(-1, used.size)[used, np.arange(used.size)] = 1.0
         return PassedOn((law.T @ chosen).x, chosen.history)

@@ -28,6 +28,8 @@ class Inputs(NamedTuple):
         Rates; seeds are (s or 1, n, P), to be summed.
     reference : ndarray, shape (s, 2, P)
         X; seeds are (s, 0, P) where the law does not depend on it.
+    array : ndarray, optional
+        The one of which the others are views.
     """
 
     x: np.ndarray
@@ -35,6 +37,7 @@ class Inputs(NamedTuple):
     measure: np.ndarray
     parameters: np.ndarray
     reference: np.ndarray
+    array: np.ndarray | None = None
 
 
 class Outputs(NamedTuple):
@@ -46,32 +49,48 @@ class Outputs(NamedTuple):
     history : ndarray, shape (s, h, P)
     outputs : ndarray, shape (s, o, P)
         Of terms at points that act on each other (places, o, P).
+    array : ndarray, optional
+        The one of which the others are views.
     """
 
     force: np.ndarray
     history: np.ndarray
     outputs: np.ndarray
+    array: np.ndarray | None = None
 
 
-class PointByPoint(NamedTuple):
-    """``Inputs`` or ``Outputs`` as one array (s, rows, P): the rows of every point by themselves."""
+class PointByPoint:
+    """``Inputs`` or ``Outputs`` as one array (s, rows, P): the rows of every point by themselves.
 
-    kind: type
-    widths: tuple
+    Parameters
+    ----------
+    kind : type
+        ``Inputs`` or ``Outputs``.
+    widths : tuple of int
+        Rows of each of its fields.
+    """
+
+    def __init__(self, kind: type, widths: tuple):
+        self.kind, self.size = kind, sum(widths)
+        self.slices = [slice(*ends) for ends in pairwise(accumulate(widths, initial=0))]
 
     def joined(self, values) -> np.ndarray:
-        s = len(values[0])
-        return np.concatenate([
-            np.broadcast_to(part[..., :width, :], (s, width, part.shape[-1]))
-            for part, width in zip(values, self.widths, strict=True)
-        ], axis=1)  # fmt: skip
+        if values.array is not None:
+            return values.array
+        rows = np.empty((len(values[0]), self.size, values[0].shape[2]))
+        for part, at in zip(values, self.slices, strict=False):
+            rows[:, at] = part[..., : at.stop - at.start, :]
+        return rows
 
     def split(self, rows: np.ndarray):
-        ends = pairwise(accumulate(self.widths, initial=0))
-        return self.kind(*(rows[:, first:last] for first, last in ends))
+        return self.kind(*[rows[:, at] for at in self.slices], rows)
 
     def zeros(self, s: int, count: int):
-        return self.split(np.zeros((s, sum(self.widths), count)))
+        return self.split(np.zeros((s, self.size, count)))
+
+    def add(self, values, points, total) -> None:
+        """Add those of the ``points`` to ``total`` of all points."""
+        total.array[points] += values.array
 
     def of_places(self, matrix: np.ndarray, x: np.ndarray):
         """The product of a linearisation's columns for x with ``x`` (s, 2, P)."""
@@ -85,15 +104,22 @@ class AllPoints(NamedTuple):
     shapes: tuple
 
     def joined(self, values) -> np.ndarray:
-        return np.concatenate([part.reshape(-1, part.shape[-1]) for part in values])
+        if values.array is not None:
+            return values.array
+        return np.concatenate([part.reshape(-1, part.shape[-1]) for part in values[:-1]])
 
     def split(self, rows: np.ndarray):
         ends = pairwise(accumulate((a * b for a, b in self.shapes), initial=0))
         parts = zip(self.shapes, ends, strict=True)
-        return self.kind(*(rows[i:j].reshape(*shape, rows.shape[1]) for shape, (i, j) in parts))
+        views = (rows[i:j].reshape(*shape, rows.shape[1]) for shape, (i, j) in parts)
+        return self.kind(*views, rows)
 
     def zeros(self, s: int, count: int):
         return self.split(np.zeros((sum(a * b for a, b in self.shapes), count)))
+
+    def add(self, values, points, total) -> None:
+        """Add to ``total``."""
+        total.array[:] += values.array
 
     def of_places(self, matrix: "LocalMap", x: np.ndarray):
         """The product of a linearisation's columns for x with ``x`` (s, 2, P)."""

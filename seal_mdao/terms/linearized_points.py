@@ -26,7 +26,7 @@ from seal_mdao.terms.point_rates import (
     add_shape_seeds,
     add_transposed,
 )
-from seal_mdao.terms.point_rows import PointDesign
+from seal_mdao.terms.point_rows import PointDesign, PointDesignSeeds
 from seal_mdao.terms.term import LinearizedTerm
 
 
@@ -68,14 +68,15 @@ class LinearizedPoints(LinearizedTerm):
     step : ConvergedStep
     law : Linearization
         At the points that matter at the step.
+    used : ndarray of int
+        Points, or variables of the history, that the next step uses.
     """
 
-    def __init__(self, term, step, law: Linearization):
-        self.term, self.step, self.law, self.points = term, step, law, law.points
+    def __init__(self, term, step, law: Linearization, used: np.ndarray):
+        self.term, self.step, self.law, self.used = term, step, law, used
+        self.points, self.layout = law.points, term.discretization.layout
         self.response, self.table = step.responses[term.place], term.table.table
-        layout = term.discretization.layout
-        self.equations, self.every = layout.equations, layout.every_component.equations
-        self.size = layout.n_equations + 1
+        self.equations = self.layout.equations
 
     # ---- products with rates ----
 
@@ -84,7 +85,7 @@ class LinearizedPoints(LinearizedTerm):
         # x' = X' + B' d, and B d' of imposed displacements
         add_displacement_rates(self.table, points, design.phi, self.step.d, x)
         if held is not None:
-            add_field(self.table, points, self.every, held, x)
+            add_field(self.table, points, self.layout.every_component.equations, held, x)
         self.given = Inputs(
             x, history[points], design.measure[points], design.parameters, design.x[points]
         )
@@ -107,7 +108,8 @@ class LinearizedPoints(LinearizedTerm):
             # as in ``solved``: h+' = L_h (x' + G z, ...)
             self.given.x[:] += passed.places @ values
             return self.law @ self.given
-        return found._replace(history=found.history + passed.history @ values)
+        found.history[:] += passed.history @ values
+        return found
 
     def history_rates(self, found: Outputs) -> np.ndarray:
         out = np.zeros((len(self.term.where), *found.history.shape[1:]))
@@ -116,15 +118,17 @@ class LinearizedPoints(LinearizedTerm):
 
     # ---- what the next step uses ----
 
-    def passed_on(self, following) -> PassedOn:
-        return self.term.passed_on(self.law, self.step, following)
+    def passed_on(self, following) -> PassedOn | None:
+        if not self.used.size:
+            return None
+        return self.term.passed_on(self.law, self.used, self.step, following)
 
     def loads_of(self, passed: PassedOn) -> np.ndarray:
         return self._spread(passed.places)
 
     def _spread(self, x_bar) -> np.ndarray:
         """B^T x_bar, shape (n_equations + 1, M)."""
-        out = np.zeros((self.size, x_bar.shape[2]))
+        out = np.zeros((self.layout.n_equations + 1, x_bar.shape[2]))
         add_transposed(self.table, self.points, self.equations, np.ascontiguousarray(x_bar), out)
         return out
 
@@ -142,18 +146,17 @@ class LinearizedPoints(LinearizedTerm):
         _fill(seeds, taken, which)
         return self._spread((self.law.T @ seeds).x)
 
-    def pull_back(self, seeds: Outputs, adjoints, mix, design: PointDesign, held_bar):
+    def pull_back(self, seeds: Outputs, adjoints, mix, design: PointDesignSeeds, held_bar):
         points, table = self.points, self.table
+        history_bar = np.zeros((len(self.term.where), *seeds.history.shape[1:]))
+        if not points.size:
+            return history_bar
         # s_bar = -B lambda
         at_points = np.zeros((points.size, 2, len(mix)))
         add_field(table, points, self.equations, adjoints, at_points)
         seeds.force[:] -= at_points @ mix
         taken = self.law.T @ seeds
-        design.x[points] += taken.x
-        if taken.reference.shape[1]:
-            design.x[points] += taken.reference
-        design.measure[points] += taken.measure
-        design.parameters[:] += taken.parameters.sum(axis=0)
+        self.law.columns.add(taken, points, design.law)
         # B_bar = x_bar d^T - s (B lambda)^T
         x_bar = np.ascontiguousarray(taken.x)
         add_shape_seeds(
@@ -161,8 +164,7 @@ class LinearizedPoints(LinearizedTerm):
             design.phi,
         )  # fmt: skip
         if held_bar is not None:
-            add_transposed(table, points, self.every, x_bar, held_bar)
-        history_bar = np.zeros((len(self.term.where), *taken.history.shape[1:]))
+            add_transposed(table, points, self.layout.every_component.equations, x_bar, held_bar)
         history_bar[points] = taken.history
         return history_bar
 

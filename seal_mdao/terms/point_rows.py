@@ -6,21 +6,22 @@ import numpy as np
 
 from seal_mdao.rkpm.tables import table_seeds
 from seal_mdao.rkpm.transformed import TableRates
+from seal_mdao.terms.linearization import Inputs
 
 
 class PointDesign(NamedTuple):
-    """Rates of what a design moves at k points, or seeds on it, in P columns.
+    """Rates of what a design moves at k points, in P columns.
 
     Attributes
     ----------
-    phi : TableRates, or ndarray, shape (phi.size, P)
-        Of the rows B: rates B', or seeds.
+    phi : TableRates
+        B'.
     x : ndarray, shape (k, 2, P)
-        Of the undeformed places X.
+        X' of the undeformed places.
     measure : ndarray, shape (k, 1, P)
-        Of the weights w.
+        w' of the weights.
     parameters : ndarray, shape (n, P)
-        Of the scalar parameters theta.
+        theta' of the scalar parameters.
     """
 
     phi: TableRates
@@ -29,37 +30,51 @@ class PointDesign(NamedTuple):
     parameters: np.ndarray
 
 
+class PointDesignSeeds(NamedTuple):
+    """Seeds of M measures on what a design moves at k points; summed over the steps.
+
+    Attributes
+    ----------
+    phi : ndarray, shape (phi.size, M)
+        On B.
+    law : Inputs
+        On what the law takes.
+    """
+
+    phi: np.ndarray
+    law: Inputs
+
+    @property
+    def parameters(self) -> np.ndarray:
+        """On the scalar parameters, shape (n, M)."""
+        return self.law.parameters.sum(axis=0)
+
+
 class PointRows:
-    """Rows B of material points, and their design derivatives.
+    """Rows B of the points of a term, and their design derivatives.
 
     Parameters
     ----------
-    where : MaterialPoints
-    names : tuple of str
-        Scalar parameters of the term.
-    discretization : Discretization
-    place : int
-        Which of the discretisation's tables holds the rows.
+    term : TermAtPoints
     """
 
-    def __init__(self, where, names, discretization, place: int):
-        self.where, self.names, self.place = where, names, place
-        self.discretization, self.table = discretization, discretization.tables[place]
+    def __init__(self, term):
+        self.term, self.where, self.table = term, term.where, term.table
+        self.discretization = term.discretization
 
     def rates(self, shape, rates) -> PointDesign:
         """Rates for the parameters of ``rates``; ``shape`` are the ``DiscretizationRates``."""
         particles, velocity = self.discretization.particles, rates.velocity
         measure = self.where.length_rates(particles, velocity)[:, None]
-        x, parameters = self.where.velocity(velocity), rates.of(self.names)
-        return PointDesign(shape.tables[self.place], x, measure, parameters)
+        x, parameters = self.where.velocity(velocity), rates.of(self.term.names)
+        return PointDesign(shape.tables[self.term.place], x, measure, parameters)
 
-    def no_seeds(self, count: int, wanted=()) -> PointDesign:
+    def no_seeds(self, count: int, wanted=()) -> PointDesignSeeds:
         """Zero seeds of ``count`` measures, to be added to."""
-        k, n = len(self.where), len(self.names)
-        shapes = (self.table.table.phi.size,), (k, 2), (k, 1), (n,)
-        return PointDesign(*(np.zeros((*shape, count)) for shape in shapes))
+        phi = np.zeros((self.table.table.phi.size, count))
+        return PointDesignSeeds(phi, self.term.spaces[1].zeros(len(self.where), count))
 
-    def pull_back(self, seeds: PointDesign, particles_bar):
+    def pull_back(self, seeds: PointDesignSeeds, particles_bar):
         """Transpose of ``rates``: add to ``particles_bar`` (n, 2, M) what the seeds come to there.
 
         Returns
@@ -67,9 +82,11 @@ class PointRows:
         ndarray, shape (c, u, M)
             Seeds on the essential transformation.
         """
-        disc, none = self.discretization, np.empty((0, particles_bar.shape[2]))
-        self.where.add_length_seeds(disc.particles, seeds.measure[:, 0], particles_bar)
-        self.where.add_point_seeds(seeds.x, particles_bar)
+        disc, none, law = self.discretization, np.empty((0, particles_bar.shape[2])), seeds.law
+        # x = X + B d, and X itself
+        x_bar = law.x + law.reference if law.reference.shape[1] else law.x
+        self.where.add_length_seeds(disc.particles, law.measure[:, 0], particles_bar)
+        self.where.add_point_seeds(x_bar, particles_bar)
         return table_seeds(
             disc.cloud, self.table, seeds.phi, none, particles_bar, disc.transformation
         )

@@ -5,6 +5,7 @@ the point's inputs; everything else (assembly, tangent, history, direct and adjo
 respect to shape and parameters) is done here, once for rigid contact, loads, foundations and others.
 """
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -107,7 +108,7 @@ class PointTerm(TermAtPoints):
 
     # ---- the contract of a term ----
 
-    @property
+    @cached_property
     def spaces(self) -> tuple:
         """How a local linearisation's rows and columns are laid out."""
         h, reference = self.history_size, 2 if self.uses_reference else 0
@@ -119,7 +120,7 @@ class PointTerm(TermAtPoints):
     @property
     def local_shape(self) -> tuple:
         """Rows and columns of a local linearisation."""
-        return tuple(sum(space.widths) for space in self.spaces)
+        return tuple(space.size for space in self.spaces)
 
     def add(self, d, raw, fraction, history, force, values):
         return self.assembled(self.respond(self.deformed(raw), fraction, history), force, values)
@@ -150,23 +151,26 @@ class PointTerm(TermAtPoints):
     # ---- sensitivities ----
 
     def linearization(self, step, following=None, measured=True) -> LinearizedPoints:
-        response, points = step.responses[self.place], np.arange(len(self.where))
-        if not measured:
-            matters = response.branch != 0
-            if following is not None:
-                matters[self.uses_history(following.responses[self.place])] = True
-            points = np.flatnonzero(matters)
-        local = self.linearize(response, step.fraction, step.before[self.place], points)
-        return LinearizedPoints(self, step, Linearization(points, local, *self.spaces))
+        response, used = step.responses[self.place], np.empty(0, int)
+        if following is not None:
+            used = self.uses_history(following.responses[self.place])
+        matters = np.ones(len(self.where), bool) if measured else response.branch != 0
+        matters[used] = True
+        points, local = np.flatnonzero(matters), np.empty((0, *self.local_shape))
+        if points.size:
+            local = self.linearize(response, step.fraction, step.before[self.place], points)
+        return LinearizedPoints(self, step, Linearization(points, local, *self.spaces), used)
 
     def acting(self, response) -> np.ndarray:
         return response.branch
 
-    def passed_on(self, law: Linearization, step, following) -> PassedOn:
+    def passed_on(self, law: Linearization, used, step, following) -> PassedOn | None:
         """G: the directions in which the next step uses displacements of a point, at most two each; of
         all displacements of a step no more is wanted. H = (dh+/dx) G."""
         responses = step.responses[self.place], following.responses[self.place]
         points, directions = self.handed_on(*responses, law.matrix, law.points)
+        if not points.size:
+            return None
         places = np.zeros((law.points.size, 2, points.size))
         places[np.searchsorted(law.points, points), :, np.arange(points.size)] = directions
         return PassedOn(places, law.of_places(places).history, are_places=True)

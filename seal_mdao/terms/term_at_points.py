@@ -48,7 +48,7 @@ class TermAtPoints(Term):
 
     @cached_property
     def basis(self) -> PointRows:
-        return PointRows(self.where, self.names, self.discretization, self.place)
+        return PointRows(self)
 
     @property
     def output_count(self) -> int:
