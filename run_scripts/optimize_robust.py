@@ -62,7 +62,8 @@ NOMINAL = "nominal.sql"
 
 
 def main(arguments) -> int:
-    subject, kept = subject_of(arguments), KeptAnalyses()
+    kept = KeptAnalyses()
+    subject = subject_of(arguments, kept)
     seal, tolerances, task, goal = subject.seal, subject.tolerances, subject.task, subject.goal
     with checked_arguments():
         scenarios = goal.scenarios(tolerances, seal, arguments.scenarios, arguments.seed)
@@ -124,20 +125,22 @@ class Subject:
     file: sm.SealFile | None = None
 
 
-def subject_of(arguments) -> Subject:
+def subject_of(arguments, kept: KeptAnalyses) -> Subject:
     """The door seal, or that of a seal file, with its tolerances and its nominal analysis."""
     with checked_arguments():
         goal = RobustGoal(
             arguments.minimize, arguments.deviations, arguments.band, widen=arguments.widen
         )
-    return door_of(arguments, goal) if arguments.file is None else file_seal_of(arguments, goal)
+    of = door_of if arguments.file is None else file_seal_of
+    return of(arguments, goal, kept)
 
 
-def door_of(arguments, goal: RobustGoal) -> Subject:
+def door_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
+    """The door seal under problem (71)."""
     seal = with_room(seal_from(arguments))
     tolerances = tolerances_for(seal, arguments.tolerances or OF_THE_DOOR)
     with checked_arguments():
-        task = door_task(nominal_result(seal), goal)
+        task = door_task(nominal_result(seal, kept), goal)
     pressure, reaction = task.sampled
     low, high = band = reaction.lower, reaction.upper
     least = " and ".join(f"{value:.3g}" for value in pressure.lower)
@@ -155,7 +158,8 @@ def door_of(arguments, goal: RobustGoal) -> Subject:
     return Subject(seal, tolerances, goal, task, limits, said)
 
 
-def file_seal_of(arguments, goal: RobustGoal) -> Subject:
+def file_seal_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
+    """The seal of a file under its ``[optimize]``."""
     wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "accuracy", "band", "nominal")))
     if wrong:
         raise WrongArgumentError(f"--{wrong[0].replace('_', '-')} is for the door seal alone")
@@ -165,7 +169,7 @@ def file_seal_of(arguments, goal: RobustGoal) -> Subject:
     with file_errors(arguments.file):
         seal = with_room(seal_of(file).with_placements())
         require_problem(file, seal)
-        task = file_task(file, seal, nominal_result(seal))
+        task = file_task(file, seal, nominal_result(seal, kept))
     tolerances = tolerances_for(seal, arguments.tolerances)
     limits = tuple(
         SampledLimit(f"share_{own.measure}_{number}", _said(own), own.measure, own.kept)
@@ -181,14 +185,16 @@ def _said(limit: RobustLimit) -> str:
     return f"{label(limit.measure)} {' and '.join(words)}"
 
 
-def nominal_result(seal) -> sm.SealResult:
+def nominal_result(seal, kept) -> sm.SealResult:
+    """The nominal seal, analysed behind a progress bar."""
     with LoadStepProgress(seal) as progress:
-        drawn = sm.analyze(seal, callback=progress)
+        drawn = kept.analyze(seal, callback=progress)
     drawn.require_converged()
     return drawn
 
 
 def tolerances_for(seal, path) -> Tolerances:
+    """The tolerances of a file, which have to fit the seal."""
     found = read_tolerances(path)
     with checked_arguments():
         found.middle(seal).check(seal)
@@ -206,6 +212,7 @@ def write_comparison(out: Path, cases: Path, designs, subject: Subject, kept) ->
 
 
 def measure_of(subject: Subject, name: str):
+    """A measure of the optimisation with its places."""
     measures = frozen_measures(subject.seal, subject.task.measures)
     return next(measure for measure in measures if measure.name == name)
 

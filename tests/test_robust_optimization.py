@@ -6,7 +6,18 @@ from scipy.special import ndtr
 
 import seal_mdao as sm
 from seal_mdao.optimization import PRESSURE_SHARE, STRESS_SHARE
-from seal_mdao.robust_optimization import COST, GOALS, RobustGoal, drawn_numbers, robust_problem
+from seal_mdao.robust_optimization import (
+    COST,
+    DRAWING,
+    GOALS,
+    MEAN,
+    SHARE,
+    RobustGoal,
+    RobustLimit,
+    RobustTask,
+    drawn_numbers,
+    robust_problem,
+)
 from seal_mdao.scenarios.variation import Variation
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_room
@@ -98,3 +109,44 @@ def test_room_is_enough_for_a_boundary_that_is_off(seal):
     assert sm.analyze(roomy, offsets).path.steps
     ends = [own.motion.coordinates(own.n_steps) for own in (seal, roomy)]
     np.testing.assert_array_equal(*ends)
+
+
+def test_limits_hold_where_they_are_asked_for():
+    """Of a share of all cars the low quantile keeps to the lower limit, the high one to the upper."""
+    goal = RobustGoal(widen=1.0)
+    both = RobustLimit("reaction", SHARE, 40.0, 80.0, entry=1)
+    assert both.outputs(goal) == [
+        ("reaction_q2_5", {"lower": 40.0, "ref": 80.0, "indices": [1]}),
+        ("reaction_q97_5", {"upper": 80.0, "ref": 80.0, "indices": [1]}),
+    ]
+    assert RobustLimit("width", SHARE, lower=2.0).outputs(goal) == [
+        ("width_q2_5", {"lower": 2.0, "ref": 2.0})
+    ]
+    assert RobustLimit("width", MEAN, upper=0.0).outputs(goal) == [
+        ("width_mean", {"upper": 0.0, "ref": 1.0})
+    ]
+    assert RobustLimit("norm", DRAWING, upper=3.0).outputs(goal) == [
+        ("norm_scenarios", {"upper": 3.0, "ref": 3.0, "indices": [0]})
+    ]
+    values = np.array([[0.0, 50.0], [60.0, 90.0], [60.0, 40.0]])
+    assert both.kept(values).tolist() == [True, False, True]
+    floors = RobustLimit("pressure", MEAN, np.array([1.0, 45.0]))
+    assert floors.kept(values).tolist() == [False, True, False]
+
+
+def test_an_output_that_is_limited_twice_has_two_names(seal, tolerances, tmp_path):
+    goal = RobustGoal()
+    limits = (
+        RobustLimit("reaction", SHARE, upper=80.0, entry=1),
+        RobustLimit("reaction", SHARE, 1.0),
+    )
+    again = RobustLimit("reaction", SHARE, upper=9.0, entry=0)
+    task = RobustTask(
+        COST, 1.0, (COST, "reaction"), {"boundary_offsets": {"upper": 0.5}}, (*limits, again)
+    )
+    scenarios = goal.scenarios(tolerances, seal, 2, 0)
+    problem = robust_problem(seal, scenarios, goal, task, workers=0, work_dir=tmp_path)
+    problem.final_setup()
+    found = problem.model.get_constraints()
+    assert len(found) == 3
+    assert [meta["alias"] is None for meta in found.values()] == [True, True, False]

@@ -22,7 +22,7 @@ import seal_mdao as sm
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.measures.measure import Measure
-from seal_mdao.seals.door.measures import BY_NAME, STANDARD
+from seal_mdao.seals.door.measures import FURTHER, STANDARD
 from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.result import frozen_measures
 
@@ -129,8 +129,9 @@ def measures() -> str:
     seal = sm.door_seal()
     head = ["name", "always there", "values", "units", "meaning"]
     rows = []
-    for measure in frozen_measures(seal, tuple(BY_NAME)):
-        always = "yes" if BY_NAME[measure.name] in STANDARD else ""
+    always_there = {measure.name for measure in STANDARD}
+    for measure in frozen_measures(seal, (*STANDARD, *FURTHER)):
+        always = "yes" if measure.name in always_there else ""
         size = str(measure.size(seal))
         rows.append([_literal(measure.name), always, size, _literal(measure.units), measure.text])
     return markdown_table(head, rows)

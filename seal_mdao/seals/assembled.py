@@ -119,11 +119,7 @@ class AssembledSeal(Seal):
         return None if imposed is None else self._applied(imposed)
 
     def with_parameters(self, values: dict) -> "AssembledSeal":
-        unknown = [name for name in values if name not in self.scalars]
-        if unknown:
-            raise ValueError(
-                f"unknown parameter {unknown[0]!r}; known are {', '.join(self.scalars)}"
-            )
+        self.check_parameters(values)
         other = replace(self, changed=self.changed | dict(values))
         other.__dict__["_origin"] = self._origin
         other.__dict__["description"] = self.description
@@ -183,15 +179,6 @@ class AssembledSeal(Seal):
     def area(self, offsets):
         value, by_particles = cells_area(self.body.cells, self.moved(offsets))
         return value, np.tensordot(self.design_velocity, by_particles, 2)
-
-    def measures(self, names=()) -> tuple:
-        known = {measure.name: measure for measure in self.standard}
-        unknown = [name for name in names if name not in known]
-        if unknown:
-            raise ValueError(
-                f"unknown measure {unknown[0]!r}; this seal's own are: {', '.join(known) or 'none'}"
-            )
-        return tuple(known[name] for name in names) if names else self.standard
 
     @cached_property
     def _origin(self):

@@ -34,6 +34,9 @@ class Seal:
     before_touch : float
         Travel of the leading profile from which pictures and curves count, that of the first touch of
         the drawn seal where it is known, mm.
+    standard, further : tuple of Measure
+        Measures that an OpenMDAO component has unless others are asked for, and others that the seal
+        knows by their names.
     """
 
     drawn_particles: np.ndarray
@@ -44,6 +47,8 @@ class Seal:
     scalars: dict
     inputs: tuple = ()
     before_touch: float = 0.0
+    standard: tuple = ()
+    further: tuple = ()
 
     def terms(self) -> tuple:
         """Definitions of all terms of equilibrium, in the order in which they are summed."""
@@ -114,7 +119,15 @@ class Seal:
         ValueError
             For a name that the seal does not know.
         """
-        raise NotImplementedError
+        if not names:
+            return self.standard
+        known = {measure.name: measure for measure in (*self.standard, *self.further)}
+        _check_known("measure", names, known)
+        return tuple(known[name] for name in names)
+
+    def check_parameters(self, names) -> None:
+        """Raise ValueError for a scalar parameter that the seal does not have."""
+        _check_known("parameter", names, self.scalars)
 
     def settings(self) -> str:
         """The seal as JSON, from which it can be made again; empty where that is not possible."""
@@ -165,3 +178,10 @@ class Seal:
         if bad.size:
             raise ValueError(f"boundary_offsets[{bad[0]}] is not a finite number")
         return offsets
+
+
+def _check_known(what: str, names, known) -> None:
+    """Raise ValueError for a name of a measure or parameter that is not known."""
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"unknown {what} {unknown[0]!r}; known are {', '.join(known) or 'none'}")

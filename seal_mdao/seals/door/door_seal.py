@@ -18,7 +18,7 @@ from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.cells import GAUSS_POINTS, kernel_supports
 from seal_mdao.seals.choice import choose
 from seal_mdao.seals.door.area import section_area
-from seal_mdao.seals.door.measures import BY_NAME, DOOR, STANDARD
+from seal_mdao.seals.door.measures import DOOR, FURTHER, STANDARD
 from seal_mdao.seals.door.section import RingGrid, Section
 from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
 from seal_mdao.seals.door.splines import BoundarySplines, design_velocity
@@ -292,6 +292,8 @@ class DoorSeal(Seal):
     # ---- scalar parameters ----
 
     inputs = ("door_radius",)
+    standard = STANDARD
+    further = FURTHER
 
     @property
     def before_touch(self) -> float:
@@ -316,10 +318,7 @@ class DoorSeal(Seal):
         return self._same_body(replace(self, door_radius=None))
 
     def with_parameters(self, values: dict) -> "DoorSeal":
-        unknown = [name for name in values if name not in self.scalars]
-        _require(
-            not unknown, f"unknown parameter {unknown[:1]}; known are {', '.join(self.scalars)}"
-        )
+        self.check_parameters(values)
         constants = {name: values[name] for name in self.material.names if name in values}
         others = {name: value for name, value in values.items() if name not in constants}
         if "door_radius" in others:
@@ -471,11 +470,6 @@ class DoorSeal(Seal):
 
     def area(self, offsets):
         return section_area(self.splines, offsets)
-
-    def measures(self, names=()) -> tuple:
-        unknown = [name for name in names if name not in BY_NAME]
-        _require(not unknown, f"unknown measure {unknown[:1]}; known are {', '.join(BY_NAME)}")
-        return tuple(BY_NAME[name] for name in names) if names else STANDARD
 
     @property
     def shape(self) -> CornerDoor | FlatDoor:

@@ -54,7 +54,6 @@ FURTHER = (
     ReactionCurve(),
 )  # fmt: skip
 """Optional measures."""
-BY_NAME = {measure.name: measure for measure in (*STANDARD, *FURTHER)}
 
 
 def curve_travels(seal) -> tuple:
