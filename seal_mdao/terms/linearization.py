@@ -92,10 +92,6 @@ class PointByPoint:
         """Add those of the ``points`` to ``total`` of all points."""
         total.array[points] += values.array
 
-    def of_places(self, matrix: np.ndarray, x: np.ndarray):
-        """The product of a linearisation's columns for x with ``x`` (s, 2, P)."""
-        return self.split(matrix[:, :, :2] @ x)
-
 
 class AllPoints(NamedTuple):
     """``Inputs`` or ``Outputs`` as one array (rows, P): all places, all histories, ..."""
@@ -120,11 +116,6 @@ class AllPoints(NamedTuple):
     def add(self, values, points, total) -> None:
         """Add to ``total``."""
         total.array[:] += values.array
-
-    def of_places(self, matrix: "LocalMap", x: np.ndarray):
-        """The product of a linearisation's columns for x with ``x`` (s, 2, P)."""
-        rows = x.reshape(-1, x.shape[2])
-        return self.split(matrix.first_columns(len(rows)) @ rows)
 
 
 class LocalMap(NamedTuple):
@@ -151,9 +142,6 @@ class LocalMap(NamedTuple):
         """The transpose, named as that of arrays."""
         return LocalMap(self.sparse.T, self.right.T, self.left.T)
 
-    def first_columns(self, count: int) -> "LocalMap":
-        return LocalMap(self.sparse[:, :count], self.left, self.right[:, :count])
-
 
 class Linearization(NamedTuple):
     """L of some points of a term at one converged step.
@@ -179,10 +167,6 @@ class Linearization(NamedTuple):
     def T(self) -> "Linearization":
         """The transpose, from seeds on what is given to seeds on what is taken."""
         return Linearization(self.points, self.matrix.mT, self.columns, self.rows)
-
-    def of_places(self, x: np.ndarray) -> Outputs:
-        """``L @`` rates x' (s, 2, P) of the places alone."""
-        return self.rows.of_places(self.matrix, x)
 
 
 class PassedOn(NamedTuple):

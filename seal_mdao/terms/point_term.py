@@ -173,4 +173,5 @@ class PointTerm(TermAtPoints):
             return None
         places = np.zeros((law.points.size, 2, points.size))
         places[np.searchsorted(law.points, points), :, np.arange(points.size)] = directions
-        return PassedOn(places, law.of_places(places).history, are_places=True)
+        of_history = law.rows.split(law.matrix[:, :, :2]).history
+        return PassedOn(places, of_history @ places, are_places=True)
