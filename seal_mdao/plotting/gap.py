@@ -1,4 +1,4 @@
-"""Normal gap along the outer boundary at the end of the path."""
+"""Figure of the normal gap along the outer boundary at the end of the path."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,11 +13,11 @@ from seal_mdao.seals.door.result import DoorSealResult
 NEIGHBOURS = 3
 """Open points shown beyond either end of the contact."""
 LEAST_SCALE = 0.02
-"""Gap that the vertical axis shows at least, mm."""
+"""Least upper limit of the vertical axis, mm."""
 
 
 def boundary_coordinate(result: DoorSealResult) -> np.ndarray:
-    """Undeformed arc length of the contact points along the outer boundary, shape (k,), mm.
+    """Compute the undeformed arc length of contact points along the outer boundary, shape (k,), mm.
 
     Counted from the highest point of the undeformed boundary, positive to the right.
     """
@@ -29,14 +29,14 @@ def boundary_coordinate(result: DoorSealResult) -> np.ndarray:
 
 @styled
 def gap_profile(result: DoorSealResult, earlier=()) -> Figure:
-    """Normal gap of the contact points around the contact, open stretch shaded.
+    """Plot the normal gap of the contact points around the contact, gap regions shaded.
 
     Parameters
     ----------
     result : DoorSealResult
         Complete, or up to the step at which the path ended.
     earlier : sequence of float
-        Door travels (mm) at which the gap is drawn as a thin line as well.
+        Door travels (mm) at which the gap is also plotted, as thin lines.
 
     Returns
     -------
@@ -52,6 +52,7 @@ def gap_profile(result: DoorSealResult, earlier=()) -> Figure:
     axes.plot(s[shown], end.gap[shown], color=GREY, linewidth=1.2, zorder=3)
     _draw_states(axes, s, end, shown)
     axes.axhline(0.0, color="black", linewidth=1.0, zorder=2)
+    # scale by the gaps between contacts, not by the far larger ones beyond the contact
     highest = max([LEAST_SCALE, *end.gap[opened]])
     axes.set_ylim(-0.18 * highest, 1.45 * highest)
     axes.set_xlim(s[shown].min() - 0.5, s[shown].max() + 0.5)
@@ -68,12 +69,14 @@ def _shown_points(state: np.ndarray) -> np.ndarray:
     touching = np.flatnonzero(state != OPEN)
     if touching.size == 0:
         return np.arange(state.size)
+    # from the first to the last contact point, and NEIGHBOURS open points beyond
     first = max(touching[0] - NEIGHBOURS, 0)
     return np.arange(first, min(touching[-1] + NEIGHBOURS + 1, state.size))
 
 
 def _shade_open(axes: Axes, s: np.ndarray, opened: np.ndarray) -> None:
-    """Shade every stretch of neighbouring open points, half a spacing beyond its ends."""
+    """Shade every gap region, half a spacing beyond its end points."""
+    # runs of consecutive indices; an end lies halfway to the adjacent contact point
     for run in np.split(opened, np.flatnonzero(np.diff(opened) > 1) + 1):
         if run.size:
             ends = 0.5 * (s[run[0] - 1] + s[run[0]]), 0.5 * (s[run[-1]] + s[run[-1] + 1])
@@ -105,9 +108,10 @@ def _draw_states(axes: Axes, s: np.ndarray, end, shown: np.ndarray) -> None:
 
 
 def _summary(end, opened: np.ndarray) -> str:
+    # mm to micrometres; g_n < 0 is penetration
     penetration = 1e3 * max(0.0, -end.gap.min())
     if opened.size == 0:
-        return f"no open stretch, deepest penetration {penetration:.1f} µm"
+        return f"no gap region, deepest penetration {penetration:.1f} µm"
     plural = "s" if opened.size > 1 else ""
     return (
         f"{opened.size} open point{plural} (shaded), largest gap {end.gap[opened].max():.3f} mm, "

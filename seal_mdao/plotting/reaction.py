@@ -1,4 +1,4 @@
-"""Reactions of profiles against their travel: compression-load-deflection curves."""
+"""Figures of reactions against travel: compression-load-deflection curves."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -10,13 +10,13 @@ from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.result import SealResult
 
 UNIT_SEAL = 0.1
-"""Length of seal for which engineers quote forces, m."""
+"""Reference length of seal for forces in N per 100 mm, m."""
 COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
 
 
 @styled
 def reaction_curve(result: DoorSealResult) -> Figure:
-    """Both components of the force on the door against door travel from the first touch.
+    """Plot both components of the force on the door against door travel from first contact.
 
     Parameters
     ----------
@@ -31,9 +31,10 @@ def reaction_curve(result: DoorSealResult) -> Figure:
     figure, axes = subplots(width=6.4, height=4.2)
     travel, force = result.door_travel, result.reaction
     draw_forces(axes, travel, force)
+    # step k, from 1, ends at the path parameter k
     lost = [point.fraction for point in result.critical_points]
     mark_critical(axes, lost, np.arange(1, len(travel) + 1), travel, force)
-    axes.set_xlabel("door travel from first touch of the drawn seal (mm)")
+    axes.set_xlabel("door travel from first contact of the nominal seal (mm)")
     axes.set_ylabel("force on the door (N/m)")
     axes.set_xlim(_before_touch(result), 1.1 * max([1e-3, *travel[-1:]]))
     unit_seal_axis(axes)
@@ -45,9 +46,9 @@ def reaction_curve(result: DoorSealResult) -> Figure:
 
 @styled
 def load_deflection(result: SealResult) -> Figure:
-    """Compression-load-deflection curves: force on every profile against its travel.
+    """Plot compression-load-deflection curves: force on every profile against its travel.
 
-    Stages that go there and back along one line share a picture.
+    Loading and unloading along one line share a panel.
 
     Parameters
     ----------
@@ -68,6 +69,7 @@ def load_deflection(result: SealResult) -> Figure:
     for history, course, axes, last in panels:
         along, force = with_start(course, history.force)
         draw_forces(axes, along, force)
+        # path parameters at the start and the step ends of the segment; critical points within it
         ends = np.arange(course.steps.start, course.steps.stop + 1)
         inside = [point.fraction for point in result.critical_points]
         inside = [fraction for fraction in inside if ends[0] < fraction <= ends[-1]]
@@ -79,7 +81,7 @@ def load_deflection(result: SealResult) -> Figure:
 
 
 def draw_forces(axes, travel: np.ndarray, force: np.ndarray) -> None:
-    """Both components of a force (n, 2) against travel (n,), their ends written out."""
+    """Plot both components of a force (n, 2) against travel (n,), final values annotated."""
     axes.axhline(0.0, color="black", linewidth=0.8)
     for component, name, color, style in COMPONENTS:
         axes.plot(travel, force[:, component], color=color, linestyle=style, label=name)
@@ -88,10 +90,10 @@ def draw_forces(axes, travel: np.ndarray, force: np.ndarray) -> None:
 
 
 def mark_critical(axes, fractions, ends, travel: np.ndarray, force: np.ndarray) -> None:
-    """Where stability was lost: ``fractions`` of the path, between the ``ends`` (n,) of load steps."""
+    """Mark loss of stability at path parameters ``fractions``, between the ``ends`` (n,) of steps."""
     if not len(fractions) or not len(travel):
         return
-    # of a step with a jump the force before it
+    # the force before a jump, that of the step end before the critical point
     before = np.clip(np.searchsorted(ends, fractions) - 1, 0, len(ends) - 1)
     axes.plot(
         np.interp(fractions, ends, travel), force[before, 1], linestyle="none", marker="D",
@@ -101,7 +103,7 @@ def mark_critical(axes, fractions, ends, travel: np.ndarray, force: np.ndarray) 
 
 
 def unit_seal_axis(axes) -> None:
-    """N per 100 mm of seal on the right."""
+    """Add an axis in N per 100 mm of seal on the right."""
     right = axes.secondary_yaxis(
         "right", functions=(lambda f: f * UNIT_SEAL, lambda f: f / UNIT_SEAL)
     )
@@ -109,9 +111,11 @@ def unit_seal_axis(axes) -> None:
 
 
 def _before_touch(result: DoorSealResult) -> float:
-    """Travel at which the picture starts: 0, or just before a design touches earlier."""
+    """Compute the lower limit of the travel: 0, or just before a design touches earlier."""
+    # exactly zero before contact: the penalty force of an open point is zero
     touched = np.flatnonzero(np.any(result.reaction != 0.0, axis=1))
     first = max(touched[0] - 1, 0) if touched.size else None
+    # travel counts from first contact of the nominal seal, so earlier contact is negative
     return 0.0 if first is None else min(0.0, result.door_travel[first])
 
 
@@ -124,12 +128,12 @@ def _mark_end(axes, x: float, y: float, color) -> None:
 
 
 def travel_table(result: DoorSealResult) -> np.ndarray:
-    """Door travel (mm) and both force components (N/m) of every step, shape (n_steps, 3)."""
+    """Tabulate door travel (mm) and both force components (N/m) of every step, shape (n_steps, 3)."""
     return np.column_stack([np.round(result.door_travel, 12), result.reaction])
 
 
 def reaction_tables(result: SealResult) -> dict[str, list]:
-    """For every profile rows of stage (from 1), travel in it (mm), Fx, Fy (N/m)."""
+    """Tabulate stage (from 1), travel in it (mm), Fx, Fy (N/m) of every step for every profile."""
     return {
         history.label: [
             [int(stage), round(float(travel), 12), *map(float, force)]
