@@ -24,7 +24,7 @@ LAYERS = 3
 LONGEST = 1.25
 """Longest accepted side of a cell over the spacing."""
 
-SHARES = (1.0, 0.85, 0.7, 0.6)
+FRACTIONS = (1.0, 0.85, 0.7, 0.6)
 """Fractions of the spacing, tried in this order until sides are short enough."""
 
 DENSE = 0.125
@@ -145,7 +145,7 @@ def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list,
         For a section that cannot be filled.
     """
     dense = [b.points for b in sample(lambda x: np.full(len(x), DENSE * spacing))]
-    for fraction in SHARES:
+    for fraction in FRACTIONS:
         at = wall_spacing(dense, fraction * spacing, layers)
         # sampled twice: short sides of the first sampling refine the spacing of the second
         boundaries = sample(_beside_short(sample(at), at))

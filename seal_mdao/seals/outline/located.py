@@ -37,7 +37,7 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
         point is.
     """
     segments = contour.segments
-    number, share, away = _nearest(segments, points)
+    number, fraction, away = _nearest(segments, points)
     worst = int(away.argmax())
     if not away[worst] <= closest:
         raise GeometryError(
@@ -45,9 +45,9 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
             f"{segments[number[worst]].edge!r}, on which it should lie"
         )
     lengths = np.array([segment.length for segment in segments])
-    number, share = _from_beginnings(number, share, lengths, closest)
+    number, fraction = _from_beginnings(number, fraction, lengths, closest)
     starts = np.concatenate([[0.0], np.cumsum(lengths)])
-    arc = starts[number] + share * lengths[number]
+    arc = starts[number] + fraction * lengths[number]
     order = np.roll(np.arange(len(points)), -int(arc.argmin()))
     # sorted from the beginning the arc length must increase strictly: once around, no repetition
     if not (np.diff(arc[order]) > 0.0).all():
@@ -55,47 +55,47 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
             f"the particles along the contour with the edge {segments[0].edge!r} do not follow it once "
             "around"
         )
-    missing = np.setdiff1d(np.arange(len(segments)), number[share == 0.0])
+    missing = np.setdiff1d(np.arange(len(segments)), number[fraction == 0.0])
     if missing.size:
         raise GeometryError(
             f"no particle is at {pair(segments[missing[0]].start)}, where a segment of the edge "
             f"{segments[missing[0]].edge!r} begins"
         )
-    return _boundary(segments, points[order], number[order], share[order], arc[order]), order
+    return _boundary(segments, points[order], number[order], fraction[order], arc[order]), order
 
 
 def _nearest(segments, points):
     """Find segment, fraction of its length and distance of the nearest point for every point."""
     found = [_on(segment, points) for segment in segments]
-    shares, away = (np.array([one[i] for one in found]) for i in (0, 1))
+    fractions, away = (np.array([one[i] for one in found]) for i in (0, 1))
     number, every = away.argmin(axis=0), np.arange(len(points))
-    return number, shares[number, every], away[number, every]
+    return number, fractions[number, every], away[number, every]
 
 
 def _on(segment, points):
     first = np.linspace(0.0, 1.0, _LOOK * segment.sides + 1)
-    places = segment.points(first)
-    share = first[np.hypot(*np.moveaxis(points[:, None] - places, -1, 0)).argmin(axis=1)]
+    candidates = segment.points(first)
+    fraction = first[np.hypot(*np.moveaxis(points[:, None] - candidates, -1, 0)).argmin(axis=1)]
     for _ in range(_STEPS):
         # s <- s + (p - x(s)) . t(s) / L, clipped to the segment
-        along = ((points - segment.points(share)) * segment.tangents(share)).sum(axis=1)
-        share = np.clip(share + along / segment.length, 0.0, 1.0)
-    return share, np.hypot(*(points - segment.points(share)).T)
+        along = ((points - segment.points(fraction)) * segment.tangents(fraction)).sum(axis=1)
+        fraction = np.clip(fraction + along / segment.length, 0.0, 1.0)
+    return fraction, np.hypot(*(points - segment.points(fraction)).T)
 
 
-def _from_beginnings(number, share, lengths, closest):
+def _from_beginnings(number, fraction, lengths, closest):
     """Assign points at the end of a segment to the beginning of the next one."""
-    share = np.where(share * lengths[number] <= closest, 0.0, share)
-    ends = (1.0 - share) * lengths[number] <= closest
-    return np.where(ends, (number + 1) % len(lengths), number), np.where(ends, 0.0, share)
+    fraction = np.where(fraction * lengths[number] <= closest, 0.0, fraction)
+    ends = (1.0 - fraction) * lengths[number] <= closest
+    return np.where(ends, (number + 1) % len(lengths), number), np.where(ends, 0.0, fraction)
 
 
-def _boundary(segments, points, number, share, arc) -> Boundary:
+def _boundary(segments, points, number, fraction, arc) -> Boundary:
     before, after = np.empty((2, *points.shape))
     for i, segment in enumerate(segments):
         here = number == i
-        before[here] = after[here] = segment.tangents(share[here])
-    corner = share == 0.0
+        before[here] = after[here] = segment.tangents(fraction[here])
+    corner = fraction == 0.0
     last = np.array([segment.tangents([1.0])[0] for segment in segments])
     # at a corner the tangent before is the end tangent of the preceding segment
     before[corner] = last[number[corner] - 1]

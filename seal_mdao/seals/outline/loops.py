@@ -31,8 +31,8 @@ def loops(segments, names, join: float) -> list[tuple]:
     ends = np.array([end for segment in segments for end in (segment.start, segment.end)])
     node = _nodes(ends, join)
     at = defaultdict(list)
-    for number, shared in enumerate(node):
-        at[shared].append(number)
+    for number, joint in enumerate(node):
+        at[joint].append(number)
     _check_nodes(ends, at, names)
     found, left = [], set(range(len(segments)))
     while left:

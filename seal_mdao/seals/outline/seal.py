@@ -193,29 +193,20 @@ def outline_seal(
         For a boundary that cannot be filled.
     """
     known = stretches(boundaries)
-    checked_names(fixed, known, "fixed")
-    checked_names([name for name, _ in planes], known, "planes")
-    for contact in contacts:
-        checked_names(contact.edges, known, f"profile {contact.label!r}")
-    if touching is not None:
-        checked_names(touching.edges, known, touching.label)
-    for fluid in fluids:
-        checked_names(fluid.edges, known, fluid.label)
+    named = [(fixed, "fixed"), ([name for name, _ in planes], "planes")]
+    named += [(contact.edges, f"profile {contact.label!r}") for contact in contacts]
+    named += [(term.edges, term.label) for term in (touching, *fluids) if term is not None]
+    for names, what in named:
+        checked_names(names, known, what)
     # stretches index points of the loops; edges the particles of the cloud
     filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
         for name, stretch in known.items()
     }
-    # displacement is fixed in both components on fixed edges, in one on planes
-    prescribed = np.zeros(filled.particles.shape, bool)
-    for name in fixed:
-        prescribed[edges[name].particles] = True
-    for name, component in planes:
-        prescribed[edges[name].particles, component] = True
     if kernels is None:
         kernels = spacing.kernels if isinstance(spacing, Rays | GivenCloud) else Kernels()
-    body = _body(filled, kernels, prescribed, edges)
+    body = _body(filled, kernels, _prescribed(filled, edges, fixed, planes), edges)
     # design velocity V = dX/db: on the boundary by B-splines, extended to the inside
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
@@ -231,6 +222,17 @@ def outline_seal(
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, kernels=kernels,
         cuts=tuple(np.asarray(cut, float) for cut in cuts),
     )  # fmt: skip
+
+
+def _prescribed(filled: OutlineCloud, edges, fixed, planes) -> np.ndarray:
+    """Mark prescribed displacement components, shape (n, 2)."""
+    # both components on fixed edges, the normal one on planes
+    prescribed = np.zeros(filled.particles.shape, bool)
+    for name in fixed:
+        prescribed[edges[name].particles] = True
+    for name, component in planes:
+        prescribed[edges[name].particles, component] = True
+    return prescribed
 
 
 def _filled(boundaries, spacing, cuts):
