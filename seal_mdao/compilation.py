@@ -1,14 +1,14 @@
-"""How kernels are compiled, where they are kept, and a word to the user while numba compiles them.
+"""Compile kernels with numba, cache them on disk, and announce compilation to the user.
 
-Most of the time goes to what surrounds a kernel. So those that only other kernels call get no
-wrappers for calls from Python (``internal``), none gets one for calls from C, and Python's search for
-cycles of garbage rests.
+Most of the compilation time goes to the wrappers of a kernel. So kernels that only other kernels call
+get no wrapper for calls from Python (``internal``), none gets one for calls from C, and Python's cyclic
+garbage collector is off meanwhile.
 
-Numba files a compiled kernel under its own source file. After an upgrade that is not enough: a kernel
-whose file stayed the same would go on with the old code of the kernels it calls, and types that have
-moved cannot be read back. So there is a folder for every state of the sources. It lies in the user's
-cache, not beside the modules: pip leaves files that it did not bring when it removes a package, and
-Python takes what is left for a package without a word.
+Numba caches a compiled kernel by its own source file. After an upgrade that is not enough: a kernel
+whose file is unchanged would continue to use the old code of the kernels it calls, and types that have
+moved cannot be unpickled. So there is a cache folder for every state of the sources. It lies in the
+user's cache, not beside the modules: pip leaves files that it did not install when it removes a package,
+and Python imports the remaining folder as a namespace package.
 """
 
 import atexit
@@ -36,41 +36,42 @@ MESSAGE = (
     "seal_mdao: compiling its kernels (10 to 20 s, longer when busy); later runs find them ..."
 )
 ANNOUNCED = "SEAL_MDAO_COMPILATION_ANNOUNCED"
-"""Set in the environment by the process that wrote the message; those it starts write none."""
+"""Environment variable set by the process that printed the message; its child processes print none."""
 
 DAMAGED = "seal_mdao: {path} of its compiled kernels is damaged; it is compiled again ..."
 DAMAGE_ANNOUNCED = "SEAL_MDAO_DAMAGE_ANNOUNCED"
-"""The same of this message."""
+"""Environment variable set by the process that printed ``DAMAGED``."""
 
 PACKAGE = Path(__file__).parent
 KERNEL_FOLDERS = (
     "contact", "equilibrium", "geometry", "loads", "materials", "rkpm", "structure", "terms",
 )  # fmt: skip
-"""Folders of the package with compiled functions and all that these call."""
+"""Folders of the package with compiled functions and everything that these call."""
 FOLDER_PREFIX = "seal_mdao-"
 ABANDONED = 7 * 24 * 3600.0
-"""Seconds after which kernels of other sources are deleted."""
+"""Seconds after which cached kernels of other sources are deleted."""
 
 
 @cache
 def sources_key() -> str:
-    """Digest of the sources of all kernels, of this module, and of numba's version."""
+    """Compute a digest of the sources of all kernels, of this module, and of numba's version."""
     files = (path for name in KERNEL_FOLDERS for path in (PACKAGE / name).glob("*.py"))
-    files = [Path(__file__), *sorted(files)]  # this one says how compiled kernels are written
+    files = [Path(__file__), *sorted(files)]  # this module defines the format on disk
     text = numba.__version__.encode() + b"".join(path.read_bytes() for path in files)
     return hashlib.sha256(text).hexdigest()[:16]
 
 
 @cache
 def cache_base() -> Path:
-    """Folder for kernels of all states of the sources.
+    """Return the cache folder for kernels of all states of the sources.
 
-    The one of NUMBA_CACHE_DIR, else the user's cache; where that cannot be written, a temporary one
-    that is deleted at the end of the process, with one warning.
+    NUMBA_CACHE_DIR, else the user's cache; where that is not writable, a temporary folder that is
+    deleted at the end of the process, with one warning.
     """
     base = Path(config.CACHE_DIR) if config.CACHE_DIR else user_cache_path("seal_mdao")
     try:
         base.mkdir(parents=True, exist_ok=True)
+        # permissions alone do not show whether a folder is writable (read-only mounts, quotas)
         tempfile.TemporaryFile(dir=base).close()
     except OSError:
         return _temporary_base(base)
@@ -78,9 +79,10 @@ def cache_base() -> Path:
 
 
 def _temporary_base(refused: Path) -> Path:
-    """A folder for this process and those that it starts."""
+    """Create a cache folder for this process and its child processes."""
     folder = tempfile.mkdtemp(prefix="seal_mdao-kernels-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    # child processes inherit the folder by the environment
     os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = folder
     warnings.warn(
         f"the cache folder {refused} is not writable: the kernels of seal_mdao are compiled again in "
@@ -91,14 +93,14 @@ def _temporary_base(refused: Path) -> Path:
 
 
 class KernelLocator(_CacheLocator):
-    """Numba's files of a kernel of this package, in the folder of this state of the sources."""
+    """Location of numba's cache files of a kernel: the folder of this state of the sources."""
 
     def __init__(self, py_func, py_file: str):
         self._py_func, self._part = py_func, Path(py_file).parent.relative_to(PACKAGE)
 
     @classmethod
     def from_function(cls, py_func, py_file):
-        """The locator of a function of this package, None for others: numba asks the next one."""
+        """Return the locator of a function of this package, None for others (numba tries the next)."""
         return cls(py_func, py_file) if py_file.startswith(f"{PACKAGE}{os.sep}") else None
 
     def get_cache_path(self):
@@ -108,19 +110,21 @@ class KernelLocator(_CacheLocator):
         return sources_key()
 
     def get_disambiguator(self):
+        # two kernels of one name in a module differ by their first line
         return str(self._py_func.__code__.co_firstlineno)
 
     def ensure_cache_path(self):
+        # a new state of the sources is the time to delete old ones
         if not os.path.isdir(self.get_cache_path()):
             _delete_abandoned()
         super().ensure_cache_path()
 
 
 class KernelFiles(IndexDataCacheFile):
-    """Numba's files of a kernel of this package, each behind a digest of its content.
+    """Numba's cache files of a kernel of this package, each preceded by a digest of its content.
 
-    Numba loads whatever it finds, and a damaged file ends in an error of pickle, or of the machine code.
-    Here such a file counts as missing, so that the kernel is compiled again and the file replaced.
+    Numba loads files unchecked, and a damaged one raises in pickle or crashes in the machine code. Here
+    such a file counts as missing, so that the kernel is compiled again and the file replaced.
     """
 
     def _load_index(self):
@@ -143,11 +147,12 @@ class KernelFiles(IndexDataCacheFile):
 
 
 def _content(path: str):
-    """What a file of a kernel holds; None when it is not there, or damaged."""
+    """Read the content of a cache file; None where it is missing or damaged."""
     try:
         content = Path(path).read_bytes()
     except OSError:
         return None
+    # layout: digest of fixed size, then the pickled content; compared before it is unpickled
     size = len(_digest(b""))
     if _digest(content[size:]) != content[:size]:
         _announce_damage(path)
@@ -160,19 +165,20 @@ def _digest(packed: bytes) -> bytes:
 
 
 def _announce_damage(path: str) -> None:
-    """Write one line about the first damaged file, in place of the message that kernels are compiled."""
+    """Print one line about the first damaged file, instead of the message on compilation."""
     if DAMAGE_ANNOUNCED not in os.environ:
         os.environ[DAMAGE_ANNOUNCED] = os.environ[ANNOUNCED] = "1"
         print(DAMAGED.format(path=path), file=sys.stderr, flush=True)
 
 
 def _files(cache_path: str, filename_base: str, source_stamp) -> IndexDataCacheFile:
-    """Files of a kernel of this package, or those of numba for the functions of others."""
+    """Return the cache files of a kernel: ``KernelFiles`` for this package, else those of numba."""
     kind = KernelFiles if source_stamp == sources_key() else IndexDataCacheFile
     return kind(cache_path, filename_base, source_stamp)
 
 
 def _delete_abandoned() -> None:
+    """Delete cache folders that have not changed for ``ABANDONED`` seconds."""
     for folder in cache_base().glob(FOLDER_PREFIX + "*"):
         with suppress(OSError):  # another process may be deleting it
             if time.time() - folder.stat().st_mtime > ABANDONED:
@@ -180,10 +186,11 @@ def _delete_abandoned() -> None:
 
 
 class _Compilation(event.Listener):
-    """Around what numba compiles: the message when it is the first kernel of this package, and a rest
-    for the search for garbage, which would go over all that numba has made again and again."""
+    """Listener of numba's compilations: print the message at the first kernel of this package, and
+    switch off the garbage collector, which would traverse all of numba's objects repeatedly."""
 
     def __init__(self):
+        # depth: a kernel compiles those it calls; collects: whether to switch the collector on again
         self.depth, self.collects = 0, False
 
     def on_start(self, event):
@@ -200,23 +207,24 @@ class _Compilation(event.Listener):
         self.depth -= 1
         if self.depth == 0 and self.collects:
             if gc.get_freeze_count() == 0:
-                # all that is new goes to the oldest generation as it is, not through the younger ones
+                # moves all new objects to the oldest generation at once, without traversing them
                 gc.freeze()
                 gc.unfreeze()
             gc.enable()
 
 
-# Kernels of this package are kept where ``KernelLocator`` says, in ``KernelFiles``: this comes before
-# the first of them.
+# Register the location and the files of the cache for kernels of this package; this must run before the
+# first of them is defined.
 CacheImpl._locator_classes.insert(0, KernelLocator)
 caching.IndexDataCacheFile = _files
 event.register("numba:compile", _Compilation())
 
+# error_model numpy: division by zero gives inf or nan without a branch at every division
 compiled = numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 """Decorator of a kernel."""
 
 internal = register_jitable(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-"""Decorator of what only kernels call; called from Python it is not compiled."""
+"""Decorator of functions called by kernels only; called from Python they are not compiled."""
 
 inlined = numba.njit(cache=True, error_model="numpy", inline="always", no_cfunc_wrapper=True)
-"""Decorator of what is written into the kernels that call it."""
+"""Decorator of functions inlined into the kernels that call them."""

@@ -1,4 +1,4 @@
-"""Analyses that are kept, so that nothing is analysed twice."""
+"""Cache of analyses, so that no design is analysed twice."""
 
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass, replace
@@ -11,34 +11,34 @@ from seal_mdao.seals.result import SealResult, analyze_particles, analyzed_with
 from seal_mdao.seals.seal import Seal
 
 KEPT_MEMORY = 0.5
-"""GiB for kept analyses without their factors: some 190 of the door seal."""
-
+"""GiB for cached analyses without their factors: some 190 of the door seal."""
 
 MOST_MEMORY = 1e6
-"""GiB."""
+"""Largest memory that can be set, GiB."""
 
 
 class KeptAnalyses:
-    """Analyses by all that they depend on: the seal with its parameters, and the particles.
+    """Cache of analyses by all their inputs: the seal with its parameters, and the particles.
 
-    The same inputs give the same bits, so a kept analysis is what a new one would be. Only completed
-    paths are kept, the newest with the factors of its tangents, the others without: the sensitivities
-    make them again. What was looked at least recently goes first when the memory is full.
+    The same inputs give the same bits, so a cached analysis equals a new one. Only completed paths are
+    cached, the newest with the factors of its tangents, the others without: the sensitivities factorise
+    again. The least recently used analysis is removed first when the memory is full.
 
     Parameters
     ----------
     memory : float
-        GiB, 0 to 1e6; the newest analysis stays whatever its size.
+        GiB, 0 to 1e6; the newest analysis is cached whatever its size.
 
     Attributes
     ----------
     made : int
-        Analyses that were made.
+        Number of analyses computed, not found in the cache.
     """
 
     def __init__(self, memory: float = KEPT_MEMORY):
         self.made = 0
         self._memory = values.real("memory of KeptAnalyses, GiB,", memory, 0.0, MOST_MEMORY) * 2**30
+        # dicts in order of use, the least recently used first; _newest: key of the one with factors
         self._results, self._sizes, self._newest = {}, {}, None
 
     def analyze(
@@ -64,8 +64,12 @@ class KeptAnalyses:
         factor_memory: float = 0.0,
         callback: Callable | None = None,
     ) -> SealResult:
-        """As ``seals.result.analyze_particles``; ``callback`` hears of analyses that are made."""
+        """Analyse particles as ``seals.result.analyze_particles`` does, through the cache.
+
+        ``callback`` is called in analyses that are computed.
+        """
         particles = np.ascontiguousarray(particles, float)
+        # the bits of all inputs; offsets only label the result, they act through the particles
         key = seal.key, particles.tobytes()
         result = self._results.pop(key, None)
         if result is None:
@@ -74,7 +78,8 @@ class KeptAnalyses:
                 seal, particles, factor_memory=factor_memory, callback=callback
             )
             if result.converged:
-                self._make_room(key, result)
+                self._free_memory(key, result)
+        # removed above and inserted again: now the most recently used
         if result.converged:
             self._results[key] = result
         return replace(result, seal=seal, boundary_offsets=boundary_offsets)
@@ -87,8 +92,8 @@ class KeptAnalyses:
         if self._newest is not None and self._newest[0] == old:
             self._newest = new, self._newest[1]
 
-    def _make_room(self, key, result: SealResult) -> None:
-        """For a new result; the one before it loses its factors."""
+    def _free_memory(self, key, result: SealResult) -> None:
+        """Free memory for a new result; the one before it loses its factors."""
         if self._newest in self._results:
             self._results[self._newest] = without_factors(self._results[self._newest])
         self._newest, self._sizes[key] = key, held_bytes(without_factors(result).path)
@@ -98,12 +103,13 @@ class KeptAnalyses:
 
 
 def held_bytes(record) -> int:
-    """Bytes of the arrays in records of records."""
+    """Sum the bytes of all arrays in nested dataclasses, lists and tuples."""
     if isinstance(record, np.ndarray):
         return record.nbytes
     if isinstance(record, list | tuple):
         return sum(map(held_bytes, record))
     if isinstance(record, PathProblem):
+        # not a dataclass; its terms refer to arrays of the discretisation
         return held_bytes((record.discretization, record.values, record.forces))
     if is_dataclass(record):
         return sum(held_bytes(getattr(record, f.name)) for f in fields(record))
@@ -111,6 +117,6 @@ def held_bytes(record) -> int:
 
 
 def without_factors(result: SealResult) -> SealResult:
-    """The same analysis; sensitivities make the factors of its tangents again."""
+    """Return the analysis without the factors of its tangents, which sensitivities compute again."""
     steps = [replace(step, factor=None) for step in result.path.steps]
     return replace(result, path=replace(result.path, steps=steps))

@@ -1,4 +1,4 @@
-"""Meshes in files, with the library meshio (extra ``vtk``)."""
+"""Helpers for mesh files with the library meshio (extra ``vtk``)."""
 
 from importlib import import_module
 
@@ -8,12 +8,12 @@ MISSING = "meshes and VTU files need meshio, which is not installed: pip install
 
 
 def library():
-    """meshio.
+    """Import meshio.
 
     Raises
     ------
     ImportError
-        Without it.
+        Where meshio is not installed.
     """
     try:
         return import_module("meshio")
@@ -22,25 +22,26 @@ def library():
 
 
 def flat(points: np.ndarray) -> np.ndarray:
-    """Points or vectors (n, 2) in the plane z = 0, shape (n, 3)."""
+    """Extend points or vectors (n, 2) by z = 0, shape (n, 3)."""
     return np.column_stack([points, np.zeros(len(points))])
 
 
 def cell_blocks(cells: np.ndarray, values: np.ndarray | None = None) -> list[tuple]:
-    """Quadrilaterals and triangles of cells (m, 4), in which a triangle repeats a corner.
+    """Split cells (m, 4), in which triangles repeat a corner, into blocks of meshio.
 
     Parameters
     ----------
     cells : ndarray of int, shape (m, 4)
     values : ndarray, shape (m,), optional
-        Of the cells; their numbers unless given.
+        Values of the cells; their indices if left out.
 
     Returns
     -------
     list of (str, ndarray, ndarray)
-        Kind as meshio calls it, corners, values.
+        Cell type of meshio, corners, values; no empty blocks.
     """
     values = np.arange(len(cells)) if values is None else values
+    # a corner equal to the one before it is the repeated one of a triangle
     repeated = cells == np.roll(cells, 1, axis=1)
     triangular = repeated.any(axis=1)
     triangles = cells[triangular][~repeated[triangular]].reshape(-1, 3)

@@ -9,34 +9,34 @@ from seal_mdao.seals.seal import Seal
 
 
 def hidden() -> bool | None:
-    """What tqdm takes as ``disable``: None, which shows a bar on terminals only, but in Jupyter; True
+    """Return the option ``disable`` of tqdm: None (a bar on terminals only), False in Jupyter, True
     where standard error is closed."""
     if sys.stderr is None:
         return True
+    # IPython is looked up, not imported: without it there is no notebook
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     return False if type(shell).__name__ == "ZMQInteractiveShell" else None
 
 
 class LoadStepProgress:
-    """A tqdm bar that counts load steps; hand it to ``analyze`` or ``SealGroup`` as ``callback``.
+    """Progress bar (tqdm) over load steps; pass it to ``analyze`` or ``SealGroup`` as ``callback``.
 
-    The bar starts again with every new analysis and numbers them. It shows on a terminal and in
-    Jupyter. Elsewhere it is silent, but for a line for every analysis that is announced by
-    ``begin_analysis``.
+    The bar restarts with every analysis and numbers them. It is shown on a terminal and in Jupyter.
+    Elsewhere only ``begin_analysis`` prints a line for every analysis.
 
     Parameters
     ----------
     seal : Seal or None
-        Gives the number of load steps; None where that is not the same in all analyses.
+        Gives the number of load steps; None where that differs between analyses.
     label : str
-        What the bar says before the number of the analysis.
+        Text before the number of the analysis.
     n_analyses : int, optional
-        How many analyses there will be, when that is known.
+        Number of analyses, if known.
 
     Attributes
     ----------
     analyses : int
-        Analyses that have begun.
+        Number of analyses begun.
     """
 
     def __init__(self, seal: Seal | None, label: str = "analysis", n_analyses: int | None = None):
@@ -47,7 +47,8 @@ class LoadStepProgress:
         self._last, self._damped = None, False
 
     def __call__(self, step: ConvergedStep) -> None:
-        """Note one completed load step."""
+        """Advance the bar by one completed load step."""
+        # step numbers that do not increase begin a new analysis
         if self._last is None or step.nominal <= self._last:
             self.analyses += 1
             self._bar.reset()
@@ -56,16 +57,17 @@ class LoadStepProgress:
             self._damped = False
             self._bar.set_postfix_str("", refresh=False)
         self._last = step.nominal
+        # nominal steps count from 0; the bar advances by the difference to what it shows
         self._bar.update(step.nominal + 1 - self._bar.n)
 
     def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
-        """Announce an analysis of a row that has at least ``of`` of them, in ``n_steps`` load steps."""
+        """Announce analysis ``number`` of at least ``of``, with ``n_steps`` load steps."""
         self._of, self._bar.total = f" of {of}", n_steps
         if self._bar.disable:
             print(f"{self._label}, {number} of {of} ...", file=sys.stderr, flush=True)
 
     def damped(self, iteration: int, residual: float) -> None:
-        """Note an iteration of damped motion, which may take thousands of them within a step."""
+        """Show an iteration of damped motion, which may take thousands of them within a step."""
         if iteration % 50 == 0:
             self._damped = True
             self._bar.set_postfix_str(f"damped motion {iteration}, residual {residual:.1e}")

@@ -1,4 +1,4 @@
-"""Values that users give, checked: one line that names what was wrong and what is allowed."""
+"""Check values given by users; one-line errors say what was wrong and what is allowed."""
 
 import math
 from numbers import Integral, Real
@@ -7,21 +7,21 @@ import numpy as np
 
 
 def real(name: str, value, low=-math.inf, high=math.inf, *, above=None, below=None) -> float:
-    """A finite number as a float.
+    """Check a finite real number within bounds and return it as a float.
 
     Parameters
     ----------
     name : str
-        What the error calls it.
+        Name of the value in the error.
     low, high : float
-        Smallest and largest value that is allowed.
+        Smallest and largest allowed value.
     above, below : float, optional
-        Bounds that are not allowed themselves.
+        Bounds that are excluded.
 
     Raises
     ------
     ValueError
-        When it is no number, not finite, or out of bounds.
+        For a value that is no number, not finite, or out of bounds.
     """
     number = _as_float(value)
     allowed = number is not None and math.isfinite(number) and low <= number <= high
@@ -37,7 +37,8 @@ def real(name: str, value, low=-math.inf, high=math.inf, *, above=None, below=No
 
 
 def _as_float(value) -> float | None:
-    """A real number as a float, infinite where it is too large for one; None for anything else."""
+    """Convert a real number to a float, infinite where it overflows; None for anything else."""
+    # bool is a subclass of int, but True is no length or modulus
     if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
         return None
     try:
@@ -47,6 +48,7 @@ def _as_float(value) -> float | None:
 
 
 def _range(low, high, above, below) -> str:
+    # exclusive bounds take precedence in the text
     words = []
     if above is not None:
         words.append(f"above {above:.12g}")
@@ -60,12 +62,12 @@ def _range(low, high, above, below) -> str:
 
 
 def integer(name: str, value, low: int, high: int | None = None) -> int:
-    """An integer from ``low`` to ``high``; booleans are none.
+    """Check an integer from ``low`` to ``high`` (not a boolean) and return it.
 
     Raises
     ------
     ValueError
-        When it is none, or out of bounds.
+        For a value that is no integer, or out of bounds.
     """
     is_one = isinstance(value, Integral) and not isinstance(value, bool | np.bool_)
     if not is_one or value < low or (high is not None and value > high):
@@ -75,12 +77,12 @@ def integer(name: str, value, low: int, high: int | None = None) -> int:
 
 
 def one_of(name: str, value, choices: tuple) -> str:
-    """One of some words.
+    """Check that a string is one of the ``choices`` and return it.
 
     Raises
     ------
     ValueError
-        When it is not.
+        For any other value.
     """
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} must be one of {choices}, got {shown(value)}")
@@ -88,12 +90,12 @@ def one_of(name: str, value, choices: tuple) -> str:
 
 
 def flag(name: str, value) -> bool:
-    """True or False; nothing else stands for them.
+    """Check a boolean and return it; 0 and 1 are refused.
 
     Raises
     ------
     ValueError
-        When it is something else.
+        For any other value.
     """
     if not isinstance(value, bool | np.bool_):
         raise ValueError(f"{name} must be True or False, got {shown(value)}")
@@ -101,12 +103,12 @@ def flag(name: str, value) -> bool:
 
 
 def instance(name: str, value, kind: type) -> None:
-    """Refuse what is not of a class.
+    """Check that a value is an instance of a class.
 
     Raises
     ------
     TypeError
-        With the class that it has to be of.
+        With the required class.
     """
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
@@ -114,19 +116,19 @@ def instance(name: str, value, kind: type) -> None:
 
 
 def callback(name: str, value) -> None:
-    """Refuse what is neither None nor can be called.
+    """Check that a value is callable or None.
 
     Raises
     ------
     TypeError
-        When it is something else.
+        For any other value.
     """
     if value is not None and not callable(value):
         raise TypeError(f"{name} must be callable or None, got {shown(value)}")
 
 
 def numbers(name: str, values) -> np.ndarray:
-    """Real numbers as an array of floats of any shape.
+    """Convert real numbers to an array of floats of any shape.
 
     Raises
     ------
@@ -137,7 +139,7 @@ def numbers(name: str, values) -> np.ndarray:
         array = np.asarray(values)
     except ValueError:
         raise ValueError(f"{name} must be numbers in lists of one length") from None
-    if array.dtype == object:  # fractions and integers too large for any other type
+    if array.dtype == object:  # fractions, and integers beyond 64 bits
         found = [_as_float(value) for value in array.ravel()]
         if None not in found:
             return np.array(found, float).reshape(array.shape)
@@ -147,12 +149,12 @@ def numbers(name: str, values) -> np.ndarray:
 
 
 def array(name: str, given, shape: tuple[int, ...]) -> np.ndarray:
-    """Finite real numbers as a new array of floats of a shape.
+    """Check finite real numbers of a given shape and return a new array of floats.
 
     Raises
     ------
     ValueError
-        For another shape, numbers that are not finite, and what ``numbers`` refuses.
+        For another shape, numbers that are not finite, and values that ``numbers`` refuses.
     """
     found = np.array(numbers(name, given))
     require(found.shape == shape, f"{name} must have shape {shape}, got {found.shape}")
@@ -161,22 +163,22 @@ def array(name: str, given, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def require(condition, message: str) -> None:
-    """Refuse what does not fulfil a condition.
+    """Raise ValueError with a message unless a condition holds.
 
     Raises
     ------
     ValueError
-        With the message.
+        With ``message``.
     """
     if not condition:
         raise ValueError(message)
 
 
 def shown(value) -> str:
-    """A value in an error message, in one line of some length."""
+    """Format a value for an error message: one line of at most 60 characters."""
     try:
         text = " ".join(repr(value).split())
-    except ValueError:  # an integer with too many digits, or in it
+    except ValueError:  # an integer of more digits than Python converts, or one inside a container
         bits = f"an integer of {value.bit_length()} bits" if isinstance(value, int) else ""
         return bits or f"a {type(value).__name__} with an integer of too many digits"
     return text if len(text) <= 60 else f"{text[:57]}..."

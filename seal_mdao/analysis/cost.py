@@ -1,17 +1,17 @@
-"""Time and memory of an analysis, estimated before any of it is spent.
+"""Estimate time and memory of an analysis before it starts.
 
-What grows fastest is the number of particles n_c that a background cell sees: the tangent of a cell has
-(2 n_c)^2 entries. With n particles, m cells and q quadrature points in each, a load step takes
+The number of particles n_c in the supports of a background cell matters most: the tangent of a cell
+has (2 n_c)^2 entries. With n particles, m cells and q quadrature points in each, a load step takes
 
 - q m n_c^2 times ``ENTRY_SECONDS``: assembly of the tangent, some 30 operations an entry,
-- n times ``PARTICLE_SECONDS``: forces, histories and everything else that is done once a particle,
+- n times ``PARTICLE_SECONDS``: forces, histories and all other work once a particle,
 - (n n_c)^1.5 times ``FACTOR_SECONDS``: factorisation by nested dissection, whose largest front has
   about sqrt(n n_c) unknowns, some 40 operations each,
 
 and the shape functions before the first one take m n_c times ``PAIR_SECONDS``. The constants were fitted
 to seals of 174 to 12 180 particles with 15 to 49 of them a cell and 4 or 16 quadrature points, on a core
-that does some 3e9 of these operations a second; they are good to a factor of two or three. Cut steps and
-damped motion come on top.
+of some 3e9 operations a second; they are accurate to a factor of two or three. Cut steps and damped
+motion are not included.
 """
 
 import math
@@ -28,21 +28,22 @@ from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.errors import TooLargeError
 
 ENTRY_SECONDS, PARTICLE_SECONDS, FACTOR_SECONDS = 5e-9, 1.5e-5, 1.3e-8
-"""Of a load step, as above."""
+"""Seconds for each unit of work of a load step, as above."""
 PAIR_SECONDS = 2.5e-5
-"""Of the shape functions."""
+"""Seconds for the shape functions of a pair (cell, particle)."""
 ENTRY_BYTES, VALUE_BYTES, PARTICLE_BYTES, STEP_BYTES = 35, 96, 30_000, 60
-"""For each pair of particles a cell; quadrature point and particle a cell; particle; particle a step."""
+"""Bytes for each: pair of particles in a cell; quadrature point and particle in a cell; particle;
+particle and step."""
 LONG = 60.0
-"""Seconds from which on an analysis is announced."""
+"""Seconds above which an analysis is announced."""
 MOST_HOURS = 24.0
-"""Estimated hours from which on an analysis is refused; ``HOURS`` in the environment changes it."""
+"""Estimated hours above which an analysis is refused; environment variable ``HOURS`` changes it."""
 HOURS = "SEAL_MDAO_MAX_HOURS"
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What an analysis takes.
+    """Estimated time and memory of an analysis.
 
     Attributes
     ----------
@@ -59,7 +60,7 @@ class Cost:
 
 
 def duration(seconds: float) -> str:
-    """Seconds in the unit in which they are read."""
+    """Format seconds in a readable unit."""
     for unit, size in (("days", 86_400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * size:
             return f"{seconds / size:.3g} {unit}"
@@ -71,9 +72,11 @@ _ANNOUNCED = WeakKeyDictionary()
 
 
 def _cells_in_sight(body: Body, particles: np.ndarray) -> int:
-    """How many particles all cells see together, by their middles."""
+    """Estimate the number of pairs (cell, particle in its support), m n_c; cached for each body."""
     if body not in _SEEN:
         corners = particles[body.cells]
+        # a particle counts for the cells with centres within its support radius and half the
+        # half-diagonal of the largest cell, where some of their quadrature points lie
         middle = corners.mean(axis=1)
         half = np.linalg.norm(corners - middle[:, None], axis=2).max()
         reach = body.support_radius + 0.5 * half
@@ -83,11 +86,13 @@ def _cells_in_sight(body: Body, particles: np.ndarray) -> int:
 
 
 def analysis_cost(body: Body, particles: np.ndarray, n_steps: int) -> Cost:
-    """Time and memory of ``n_steps`` load steps of a body."""
+    """Estimate time and memory of ``n_steps`` load steps of a body."""
     pairs, n, q = _cells_in_sight(body, particles), body.n_particles, body.cell_map.n_points
+    # sight = n_c, pairs = m n_c, entries = m n_c^2
     sight = pairs / len(body.cells)
     entries = pairs * sight
     step = ENTRY_SECONDS * q * entries + PARTICLE_SECONDS * n + FACTOR_SECONDS * (n * sight) ** 1.5
+    # slots and values of the cells' tangents; shape functions and gradients; data by particle
     memory = ENTRY_BYTES * entries + VALUE_BYTES * q * pairs + (
         PARTICLE_BYTES + STEP_BYTES * n_steps
     ) * n  # fmt: skip
@@ -95,19 +100,19 @@ def analysis_cost(body: Body, particles: np.ndarray, n_steps: int) -> Cost:
 
 
 def machine_memory() -> float:
-    """Memory of this machine, GiB."""
+    """Return the memory of this machine, GiB."""
     import psutil  # here, for it takes longer to import than to ask
 
     return psutil.virtual_memory().total / 2**30
 
 
 def most_hours() -> float:
-    """Hours that an analysis may take by its estimate.
+    """Return the largest estimated time of an analysis that is allowed, hours.
 
     Raises
     ------
     ValueError
-        When the environment has something else than a number.
+        For an environment variable that is not a positive number.
     """
     given = os.environ.get(HOURS, "")
     try:
@@ -120,12 +125,12 @@ def most_hours() -> float:
 
 
 def require_means(cost: Cost, body: Body, n_steps: int) -> None:
-    """Refuse what does not fit into the machine, or takes longer than anybody waits.
+    """Refuse analyses that exceed the memory of the machine or the allowed hours.
 
     Raises
     ------
     TooLargeError
-        With both numbers, and what to do.
+        With estimate, limit and what to change.
     """
     there, hours = machine_memory(), most_hours()
     what = f"the analysis of {body.n_particles} particles in {n_steps} load steps would take about"
@@ -143,7 +148,8 @@ def require_means(cost: Cost, body: Body, n_steps: int) -> None:
 
 
 def announce(cost: Cost, body: Body, n_steps: int, least: float = LONG) -> None:
-    """Write one line before an analysis of at least ``least`` seconds, once for a body and its steps."""
+    """Print one line before an analysis of at least ``least`` seconds, once for each body and number
+    of steps."""
     if cost.seconds < least or n_steps in _ANNOUNCED.setdefault(body, set()):
         return
     _ANNOUNCED[body].add(n_steps)

@@ -1,10 +1,10 @@
-"""The way down from a state that is not stable to the next stable equilibrium, at a fixed loading.
+"""Regularised Newton descent from an unstable state to a stable equilibrium at a fixed loading.
 
-Newton steps with the tangent K + alpha I, alpha as small as makes it positive definite, each halved
-until the force along it has not turned against it: they lead down the potential, and end as Newton's
-method where K itself is positive definite. Where halving does not help, alpha grows for a while.
-The potential is not needed. Under friction, where there is none, the same steps are tried where nothing
-else leads on: alpha is such that the determinant is positive and the step goes against the residual.
+Newton steps s = -(K + alpha I)^-1 r, with the smallest alpha that makes K + alpha I positive definite,
+each halved until the force along it does not oppose it: they descend the potential, and end as Newton's
+method where K itself is positive definite. Where halving does not suffice, alpha grows temporarily.
+The potential itself is not evaluated. Under friction, where there is none, the same steps are tried as a
+last resort: alpha makes the determinant positive and the step oppose the residual.
 
 J. Nocedal and S. J. Wright, Numerical Optimization, 2nd ed., Springer 2006, section 3.4.
 """
@@ -19,15 +19,15 @@ from seal_mdao.analysis.pseudo_time import FAR
 from seal_mdao.analysis.result import Status
 from seal_mdao.equilibrium.modes import nearest_mode
 
-# Shift over the size of the negative eigenvalue, and by how much it grows while it is too small.
+# Shift alpha over |lowest eigenvalue|, and its growth factor while it is too small.
 ENOUGH, MORE = 2.0, 4.0
-# A step is halved until the force against it is at most that share of the force that drove it.
+# A step s is halved until r(d + t s) . s <= -TURNED r(d) . s: largest opposing force along it.
 TURNED = 0.5
 HALVINGS = 12
-# Where that is not enough the shift is so many times larger, and at first that share of the mean
-# diagonal entry; with every step that is, it falls again. From SLOWEST on it is given up.
+# Where halving fails alpha is multiplied by RISE, from FIRST times the mean diagonal entry on; each
+# accepted step multiplies it by FALL. Above SLOWEST times the mean diagonal entry descent is given up.
 RISE, FIRST, FALL, SLOWEST = 10.0, 1e-9, 0.2, 1e3
-# From that relative residual on full Newton steps of a stable state are taken as they are.
+# Below that relative residual full Newton steps of a stable state are accepted without the test.
 NEAR = 1e-3
 
 
@@ -39,7 +39,7 @@ def descend(
     options: NewtonOptions,
     note: Callable[[int, float], None] | None = None,
 ):
-    """Stable equilibrium below the state ``d``, which must not be an equilibrium itself.
+    """Find a stable equilibrium of lower potential from ``d``, which must not be an equilibrium.
 
     Parameters
     ----------
@@ -49,13 +49,14 @@ def descend(
     Returns
     -------
     status, d, residuals
-        As of ``newton``; MOVED_OFF where the body leaves for ever.
+        As of ``newton``; MOVED_OFF where the body moves away without bound.
     """
     residuals = []
     far = FAR * np.ptp(problem.discretization.particles, axis=0).max()
     problem.begin()
     if not problem.assemble(d, target, history):
         return Status.INVERTED, d, ()
+    # least: lower bound of alpha, 0 unless halving has failed
     first = FIRST * np.abs(problem.values[problem.discretization.layout.storage.diagonal()]).mean()
     (residual, size, rounding), least = problem.residual(), 0.0
     try:
@@ -70,15 +71,19 @@ def descend(
                 return Status.CONVERGED, d, tuple(residuals)
             if np.abs(d).max() > far:
                 return Status.MOVED_OFF, d, tuple(residuals)
+            # (K + alpha I) s = -r
             step = -factor.solve(residual)
-            share = _share(problem, d, step, residual, target, history, stable and size < NEAR)
-            least = (
-                RISE * max(shift, first) if not share else FALL * least if least > first else 0.0
+            taken = _step_length(
+                problem, d, step, residual, target, history, stable and size < NEAR
             )
+            least = (
+                RISE * max(shift, first) if not taken else FALL * least if least > first else 0.0
+            )
+            # first / FIRST is the mean diagonal entry
             if least > SLOWEST * first / FIRST:
                 break
-            d = d + share * problem.discretization.layout.gather(step)
-            problem.begin()  # no sliding point is held for its direction before
+            d = d + taken * problem.discretization.layout.gather(step)
+            problem.begin()  # no sliding point is forced to stick for its earlier direction
             problem.assemble(d, target, history)
             residual, size, rounding = problem.residual()
     except np.linalg.LinAlgError:
@@ -87,14 +92,24 @@ def descend(
 
 
 def _definite(problem: PathProblem, least: float, residual, first: float):
-    """Factor of the assembled tangent, shifted where it is not positive definite and by ``least``;
-    whether it is so without a shift; the shift."""
+    """Factorise K + alpha I, alpha >= ``least`` and such that it is positive definite.
+
+    Returns
+    -------
+    factor : Factor
+    stable : bool
+        Whether K is positive definite and not shifted.
+    shift : float
+        alpha.
+    """
     storage, values = problem.discretization.layout.storage, problem.values.copy()
     factor, shift = problem.factorize(check=True), least
     stable = factor.positive
     if stable and not least:
         return factor, True, 0.0
     if not stable and problem.symmetric:
+        # alpha = ENOUGH |lambda|, lambda the negative eigenvalue nearest to zero; more negative ones
+        # are found by the loop below, which enlarges alpha until the factor is positive definite
         lowest = nearest_mode(factor, storage.n, True, negative=True)[0]
         shift = max(shift, ENOUGH * abs(lowest))
     shift = max(shift, first)
@@ -102,20 +117,24 @@ def _definite(problem: PathProblem, least: float, residual, first: float):
         problem.values[:] = values
         problem.values[storage.diagonal()] += shift
         factor = problem.factorize(check=True)
+        # unsymmetric: positive determinant, and s . r = -r . (K + alpha I)^-1 r < 0
         if factor.positive and (problem.symmetric or residual @ factor.solve(residual) > 0.0):
             return factor, False, shift
         shift *= MORE
 
 
-def _share(problem, d, step, residual, target, history, whole: bool) -> float:
-    """How much of a step is taken: the whole one near the end, if no point is turned inside out; 0 where
-    no share of it leads down."""
-    driven, way, share = residual @ step, problem.discretization.layout.gather(step), 1.0
+def _step_length(problem, d, step, residual, target, history, full: bool) -> float:
+    """Find the step length t in {1, 1/2, 1/4, ...} by backtracking; 0 where none descends.
+
+    With ``full`` the first one without inverted quadrature points, without a test of the force.
+    """
+    driven, increment, length = residual @ step, problem.discretization.layout.gather(step), 1.0
     for _ in range(HALVINGS):
         problem.begin()
-        if problem.assemble_forces(d + share * way, target, history) and (
-            whole or problem.residual()[0] @ step <= -TURNED * driven
+        # curvature condition on the slope of the potential: r(d + t s) . s <= -TURNED r(d) . s
+        if problem.assemble_forces(d + length * increment, target, history) and (
+            full or problem.residual()[0] @ step <= -TURNED * driven
         ):
-            return share
-        share *= 0.5
+            return length
+        length *= 0.5
     return 0.0

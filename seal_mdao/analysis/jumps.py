@@ -1,9 +1,9 @@
 """Detect increments that end on another branch of equilibria than the one the path was on.
 
 Newton's method may converge to an equilibrium that the body does not reach quasi-statically: a lip that
-a rod bends springs back a few increments too early, in equilibrium all the same. Energy shows it. Along
-a path of equilibria the work of the loading goes into stored energy and friction; at a jump energy is
-left over, which a real body turns into motion, sound and heat:
+a rod bends springs back a few increments too early, in equilibrium all the same. The energy balance
+detects it. Along a path of equilibria the work of the loading is stored or dissipated by friction; at a
+jump energy is released, which a real body turns into motion, sound and heat:
 
     released = work of the loading - change of the stored energy - work of friction.
 
@@ -19,7 +19,7 @@ from seal_mdao.analysis.result import ConvergedStep
 
 # Fraction of the increment that the predictor may miss where the tangent describes the increment.
 SMALL_BEND = 0.03
-# Fraction of the body's size from which on a displacement is large where nothing is predicted.
+# Fraction of the body's size above which a displacement is large where nothing is predicted.
 FAR_AWAY = 0.01
 
 
@@ -44,8 +44,11 @@ def released_energy(problem: PathProblem, d, last: ConvergedStep, target: float)
     work : float
         Largest work of the loading, in amount, with the forces at either end of the increment, mJ/m.
     """
-    held = [problem.held_work(at, last.fraction, target) for at in (last.d, d)]
-    released, work = min(held), max(map(abs, held))
+    # work of the prescribed displacements with the forces at both ends of the increment:
+    # the smaller one bounds the released energy, the larger one in amount bounds the work
+    prescribed = [problem.held_work(at, last.fraction, target) for at in (last.d, d)]
+    released, work = min(prescribed), max(map(abs, prescribed))
+    # released = sum over terms of (work of the loading - stored energy - friction), bounded below
     for term, before, now in zip(problem.terms, last.responses, problem.responses, strict=True):
         own, own_work = term.released_energy(last, before, d, now, target)
         released, work = released + own, work + own_work
@@ -62,7 +65,7 @@ def jumped(problem: PathProblem, d, guess, last: ConvergedStep, target: float) -
     - more energy is released than the loading exchanged with the body: on a path of equilibria both
       tend to zero with the increment, the work linearly and the error of the bound faster.
 
-    Increments that the predictor meets to ``SMALL_BEND`` are described by the tangent and not looked at.
+    Increments that the predictor meets to ``SMALL_BEND`` are described by the tangent and not checked.
     """
     missed, ahead = np.abs(d - guess).max(), np.abs(guess - last.d).max()
     if missed <= SMALL_BEND * ahead:

@@ -1,10 +1,10 @@
-"""Pseudo-transient continuation: the way to equilibrium where Newton's method cycles or diverges.
+"""Pseudo-transient continuation: equilibrium where Newton's method cycles or diverges.
 
-Where the last sticking points begin to slide the seal may lose its stability for a moment: the
-tangent of the sliding seal is indefinite, and Newton's method is sent back to stick, for ever. The
-seal itself slides on to the next equilibrium, and so does the overdamped motion alpha d' = -residual
-that is followed here with implicit Euler steps. The damping alpha falls with the residual, so the
-last iterations are Newton's, and what they find is equilibrium under the same forces.
+Where the last sticking points begin to slide the seal may lose its stability temporarily: the tangent
+of the sliding seal is indefinite, and Newton's method returns to stick again and again. The seal itself
+slides to the next equilibrium, and so does the overdamped motion alpha d' = -r(d), integrated here with
+implicit Euler steps (K + alpha I) dd = -r. The damping alpha falls with the residual, so the last
+iterations are Newton's and converge to equilibrium under the same forces.
 
 C. T. Kelley and D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM J. Numer.
 Anal. 35, 1998.
@@ -20,12 +20,13 @@ from seal_mdao.analysis.result import Status
 
 # First damping over the mean diagonal entry of the tangent.
 FIRST_DAMPING = 1e-4
-# The damping falls to no less than this share in an iteration, and rises to no more than that.
+# Bounds of the factor alpha_k+1 / alpha_k = |r_k+1| / |r_k| (switched evolution relaxation).
 FALL, RISE = 0.3, 2.0
-# An iteration whose residual is that large, and that many times the last one, is made again.
+# A step is rejected where the relative residual exceeds LARGE and GROWTH times the one before; it is
+# repeated with STRONGER times the damping.
 LARGE, GROWTH = 0.5, 3.0
 STRONGER = 4.0
-# A body that has moved that many times its own size moves off for ever.
+# Displacement over the size of the body beyond which it moves away without bound.
 FAR = 1.5
 
 
@@ -37,7 +38,7 @@ def relax(
     options: NewtonOptions,
     note: Callable[[int, float], None] | None = None,
 ):
-    """Equilibrium at a fixed loading by damped motion.
+    """Find equilibrium at a fixed loading by damped motion (pseudo-transient continuation).
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ def relax(
     Returns
     -------
     status, d, residuals
-        As of ``newton``; MOVED_OFF where the body leaves for ever.
+        As of ``newton``; MOVED_OFF where the body moves away without bound.
     """
     try:
         return _follow(problem, d, target, history, options, note)
@@ -56,7 +57,7 @@ def relax(
 
 
 def ending(status: Status, options: NewtonOptions) -> str:
-    """How damped motion ended that did not find equilibrium, and what can be done; a sentence."""
+    """Describe how damped motion ended without equilibrium, and what can be done; a sentence."""
     if options.damped_iterations == 0:
         return ""
     if status is Status.MOVED_OFF:
@@ -76,19 +77,21 @@ def _follow(problem, d, target, history, options, note):
     far = FAR * np.ptp(problem.discretization.particles, axis=0).max()
     problem.begin()
     for number in range(options.damped_iterations):
-        upright = problem.assemble(d, target, history)
+        evaluated = problem.assemble(d, target, history)
         if damping is None:
-            if not upright:
+            if not evaluated:
                 return Status.INVERTED, d, ()
+            # alpha_0 = FIRST_DAMPING mean |K_ii|
             damping = FIRST_DAMPING * np.abs(problem.values[diagonal]).mean()
         residual, size, rounding = problem.residual()
-        if not upright or (residuals and not size <= max(LARGE, GROWTH * residuals[-1])):
-            # from the same place again, more slowly
+        if not evaluated or (residuals and not size <= max(LARGE, GROWTH * residuals[-1])):
+            # rejected, or an inverted point: from the last accepted d again with larger alpha
             damping *= STRONGER
             problem.assemble(before, target, history)
             residual = problem.residual()[0]
         else:
             if residuals:
+                # alpha_k+1 = alpha_k |r_k+1| / |r_k|, within FALL and RISE
                 damping *= np.clip(size / residuals[-1], FALL, RISE)
             residuals.append(size)
             before = d
@@ -99,6 +102,7 @@ def _follow(problem, d, target, history, options, note):
             if converged(problem, size, rounding, options):
                 problem.factorize(check=True)
                 return Status.CONVERGED, d, tuple(residuals)
+        # implicit Euler step: d <- d - (K + alpha I)^-1 r
         problem.values[diagonal] += damping
         d = before - layout.gather(problem.factorize().solve(residual))
     return Status.NOT_CONVERGED, before, tuple(residuals)

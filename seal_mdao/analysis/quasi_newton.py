@@ -1,13 +1,13 @@
-"""Iterations that reuse the factor of the last converged tangent, for large clouds.
+"""Quasi-Newton iterations that reuse the factor of the last converged tangent, for large clouds.
 
-There a factorisation costs dozens of solutions. The old tangent K0 alone is a poor one, for rubber
-hardly changes its volume: the motions that K0 takes for free of volume change no longer are once
-the body has turned by a hundredth. Its factor is therefore
+There a factorisation costs dozens of solutions. The old tangent K0 alone is a poor approximation, for
+rubber is nearly incompressible: motions that preserve the volume to K0 no longer do so after a rotation
+of the body by 0.01. Its factor is therefore
 
-- carried along with the deformation since: with f the deformation gradient from the last converged
-  step to the predictor, du -> f du maps motions without volume change of the one onto those of the
-  other, exactly where f is uniform, so f K0^-1 f^T stands for the inverse of the tangent;
-- corrected for the contact points whose state is another at the predictor (Sherman-Morrison-Woodbury);
+- pushed forward with the deformation since: with f the deformation gradient from the last converged
+  step to the predictor, du -> f du maps volume-preserving motions of the one state onto those of the
+  other, exactly where f is uniform, so f K0^-1 f^T approximates the inverse of the tangent;
+- corrected for the contact points whose state differs at the predictor (Sherman-Morrison-Woodbury);
 - improved by Broyden's method in its limited-memory form: C. T. Kelley, Solving Nonlinear Equations
   with Newton's Method, SIAM 2003, chapter 4; M. S. Engelman, G. Strang, K.-J. Bathe, The application
   of quasi-Newton methods in fluid mechanics, Int. J. Numer. Methods Eng. 17, 1981.
@@ -24,34 +24,34 @@ from seal_mdao.equilibrium.corrected_factor import CorrectedFactor
 from seal_mdao.equilibrium.equations import TangentLayout
 from seal_mdao.structure.deformation import particle_gradients
 
-# Most need 6 to 10 iterations; what is not halved within PATIENCE of them will not converge soon.
+# Most increments need 6 to 10 iterations; without halving of the residual in PATIENCE they are given up.
 LIMIT, PATIENCE = 25, 6
-# Each point that touches or slips anew costs two solutions.
+# Each point that newly touches or slips costs two solutions.
 MOST_NEW_CONTACTS = 10
 
 
 class Reuse:
-    """Whether old factors are worth a try: after n failures in a row 2^(n-1) - 1 solutions go without.
+    """Back-off rule for old factors: n failures in a row suppress the next 2^(n-1) - 1 tries.
 
-    Large load steps mostly change too much for them, and what was tried is lost.
+    In large load steps the tangent mostly changes too much, and failed iterations are lost time.
     """
 
     def __init__(self):
-        self.failures, self.rests = 0, 0
+        self.failures, self.skips = 0, 0
 
     def is_due(self) -> bool:
-        """Asked before every solution."""
-        self.rests -= 1
-        return self.rests < 0
+        """Return whether to try old factors; called before every solution."""
+        self.skips -= 1
+        return self.skips < 0
 
     def learn(self, converged: bool) -> None:
-        """Told after every try."""
+        """Record the outcome; called after every try."""
         self.failures = 0 if converged else self.failures + 1
-        self.rests = 2 ** max(self.failures - 1, 0) - 1
+        self.skips = 2 ** max(self.failures - 1, 0) - 1
 
 
 class CarriedFactor:
-    """f K0^-1 f^T: the inverse of an old tangent, carried along with a deformation.
+    """f K0^-1 f^T: the inverse of an old tangent, pushed forward with a deformation.
 
     Parameters
     ----------
@@ -65,22 +65,26 @@ class CarriedFactor:
         self.factor, self.gradients, self.layout = factor, gradients, layout
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
+        # f^T r at every particle, then K0^-1, then f
         back = np.einsum("pji,pj->pi", self.gradients, self.layout.gather(rhs))
         old = self.layout.gather(self.factor.solve(self.layout.reduce(back)))
         return self.layout.reduce(np.einsum("pij,pj->pi", self.gradients, old))
 
 
 class BroydenSteps:
-    """Broyden's update of a fixed approximate inverse, kept as the steps that were made."""
+    """Broyden's update of a fixed approximate inverse, stored as the steps taken."""
 
     def __init__(self):
         self.steps, self.squares = [], []
 
     def next(self, step: np.ndarray) -> np.ndarray:
-        """The step to make in place of ``step``, that of the fixed approximate inverse."""
+        """Return the step of the updated inverse from ``step`` = B_0^-1 r, that of the fixed one."""
         steps, squares = self.steps, self.squares
-        for made, then, square in zip(steps, steps[1:], squares, strict=False):
-            step = step + then * ((made @ step) / square)
+        # product of rank-one updates (Kelley 2003, chapter 4): with the steps s_0, ..., s_n and
+        # z = B_0^-1 r,  z <- z + s_k+1 (s_k . z) / |s_k|^2 for k = 0, ..., n - 1, then
+        # s_n+1 = z / (1 - (s_n . z) / |s_n|^2)
+        for made, following, square in zip(steps, steps[1:], squares, strict=False):
+            step = step + following * ((made @ step) / square)
         if steps:
             step = step / (1.0 - (steps[-1] @ step) / squares[-1])
         steps.append(step)
@@ -89,7 +93,7 @@ class BroydenSteps:
 
 
 def _gradients(problem: PathProblem, d: np.ndarray) -> np.ndarray:
-    """Deformation gradients at the particles, shape (n, 2, 2)."""
+    """Compute deformation gradients at the particles, shape (n, 2, 2)."""
     disc, out = problem.discretization, np.empty((*d.shape, 2))
     raw = disc.transformation.coefficients(d)
     particle_gradients(disc.cells.raw, disc.body.cells, raw, out)
@@ -97,24 +101,29 @@ def _gradients(problem: PathProblem, d: np.ndarray) -> np.ndarray:
 
 
 def _new_contacts(problem: PathProblem, last: ConvergedStep) -> list | None:
-    """Terms at single points, with the points on another branch than in the factorised tangent; None
-    where a term that couples points is on another one."""
+    """List terms at single points with the points on another branch than in the factorised tangent.
+
+    None where a term that couples points, as self-contact, has changed its branch.
+    """
     found = []
-    for term, now, then in zip(problem.terms, problem.responses, last.responses, strict=True):
-        points = np.flatnonzero(now.branch != then.branch)
+    for term, now, before in zip(problem.terms, problem.responses, last.responses, strict=True):
+        points = np.flatnonzero(now.branch != before.branch)
         if points.size and term.couples_points:
             return None
         if points.size:
-            found.append((term, points, (now.tangent - then.tangent)[points]))
+            # D: change of the 2 x 2 tangents of these points
+            found.append((term, points, (now.tangent - before.tangent)[points]))
     return found
 
 
 def _inverse(problem: PathProblem, d, last: ConvergedStep, changed: list):
-    """Approximate inverse of the tangent at ``d``, where the forces were assembled."""
+    """Build the approximate inverse of the tangent at ``d``, where the forces were assembled."""
+    # f = F(d) F(d_n)^-1
     since = _gradients(problem, d) @ np.linalg.inv(_gradients(problem, last.d))
     carried = CarriedFactor(problem.factor, since, problem.discretization.layout)
     if not changed:
         return carried
+    # K0 + P D P^T: P unit loads in x and y at the changed points, D their blocks
     columns = [load for term, points, _ in changed for load in unit_loads(problem, term, points)]
     blocks = [tangent for _, _, tangents in changed for tangent in tangents]
     return CorrectedFactor(carried, np.array(columns), block_diag(*blocks))
@@ -123,9 +132,9 @@ def _inverse(problem: PathProblem, d, last: ConvergedStep, changed: list):
 def quasi_newton(
     problem: PathProblem, d, target: float, last: ConvergedStep, options: NewtonOptions
 ):
-    """Iterations at a fixed loading with the factor of the last converged tangent.
+    """Iterate to equilibrium at a fixed loading with the factor of the last converged tangent.
 
-    They need the forces only; the tangent is assembled and factorised once, where they converged.
+    Iterations need the forces only; the tangent is assembled and factorised once, after convergence.
 
     Parameters
     ----------
@@ -138,7 +147,7 @@ def quasi_newton(
     -------
     status, d, residuals
         As of ``newton``, with the factor left in ``problem``; NOT_CONVERGED also where Newton's
-        method promises to be faster.
+        method is expected to be faster.
     """
     layout = problem.discretization.layout
     inverse = None
@@ -173,9 +182,9 @@ def quasi_newton(
 
 
 def _factorize(problem, d, target, last) -> Status:
-    """Factorise the tangent where the iterations converged; the forces stay, bit for bit.
+    """Factorise the tangent where the iterations converged; the forces keep their bits.
 
-    A symmetric one tells at every step whether it is stable, which rough factors do not.
+    A symmetric one is checked for stability at every step, which needs factors in double precision.
     """
     problem.assemble(d, target, last.after)
     try:

@@ -1,4 +1,4 @@
-"""What a load path leaves behind."""
+"""Results of a load path: converged steps and status."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -10,12 +10,12 @@ from seal_mdao.terms.point_assembly import interpolate
 
 
 class Status(Enum):
-    """How a load path, or one Newton solution, ended."""
+    """Status with which a load path, or one Newton solution, ended."""
 
     CONVERGED = "converged"
     NOT_CONVERGED = "Newton did not converge within the allowed iterations"
     DIVERGED = "the residual is not a finite number"
-    INVERTED = "a quadrature point is turned inside out (det F <= 0)"
+    INVERTED = "a quadrature point is inverted (det F <= 0)"
     SINGULAR = "the tangent is singular"
     MOVED_OFF = "the body moves off for ever"
     UNSTABLE = "equilibrium is not stable"
@@ -24,7 +24,7 @@ class Status(Enum):
 
 @dataclass(frozen=True, eq=False)
 class ConvergedStep:
-    """One converged (sub)step: all that the next step and the sensitivities need.
+    """One converged (sub)step: the data for the next step and the sensitivities.
 
     Attributes
     ----------
@@ -35,11 +35,11 @@ class ConvergedStep:
     d : ndarray, shape (n, 2)
         Generalised displacements.
     before : tuple
-        History of every term with which the step began.
+        History of every term at the beginning of the step.
     responses : tuple of Response
-        What every term answered.
+        Response of every term at ``d``.
     iterations : int
-        Iterations that were needed, quasi-Newton ones and those of an attempt given up included.
+        Number of iterations, quasi-Newton ones and those of attempts given up included.
     residuals : tuple of float
         Relative residual before each iteration, and at the end.
     factor : object
@@ -60,11 +60,11 @@ class ConvergedStep:
 
     @property
     def after(self) -> tuple:
-        """History of every term that the step hands on."""
+        """History of every term that passes to the next step."""
         return tuple(response.history for response in self.responses)
 
     def same_branches(self, other: "ConvergedStep") -> bool:
-        """Whether every term is on the branch on which it was at another step."""
+        """Return whether every term is on the same branch (contact state) as at another step."""
         return all(
             np.array_equal(mine.branch, its.branch)
             for mine, its in zip(self.responses, other.responses, strict=True)
@@ -82,17 +82,17 @@ class PathResult:
     start : ConvergedStep
         The undeformed state, in which the history begins.
     steps : list of ConvergedStep
-        All converged steps in order, with the parts of those that could not be solved as one.
+        All converged steps in order, those of cut steps included.
     status : Status
         CONVERGED, or why the last attempt failed.
     step_cuts : int
-        How often a step was halved.
+        Number of times a step was halved.
     failure : str
-        Empty, or where the path ended and in what state.
+        Empty, or the path parameter and state at which the path ended.
     damped : str
-        Empty, or how damped motion ended there; a sentence without its full stop.
+        Empty, or how damped motion ended there; a sentence without full stop.
     critical_points : tuple of CriticalPoint
-        Where equilibrium lost its stability, in order.
+        Points at which equilibrium lost its stability, in order.
     """
 
     problem: object = field(repr=False)
@@ -119,6 +119,7 @@ class PathResult:
     @property
     def newton_iterations(self) -> np.ndarray:
         """Iterations of every nominal step, those of its cut parts included, shape (n_steps,)."""
+        # cut steps (nominal = -1) count towards the nominal step that completes them
         counts, running = [], 0
         for step in self.steps:
             running += step.iterations
@@ -128,31 +129,32 @@ class PathResult:
         return np.array(counts, int)
 
     def place(self, label: str) -> int:
-        """Which of the responses of a step is that of the term ``label``."""
+        """Return the index of the term ``label`` among the responses of a step."""
         return self.problem.terms.index(self.problem.term(label))
 
     def responses(self, label: str) -> list:
-        """Answers of one term at all converged steps, cut ones included."""
-        place = self.place(label)
-        return [step.responses[place] for step in self.steps]
+        """List the responses of one term at all converged steps, cut ones included."""
+        index = self.place(label)
+        return [step.responses[index] for step in self.steps]
 
     def at_nominal(self, label: str) -> list:
-        """Answers of one term at the nominal steps."""
-        place = self.place(label)
-        return [step.responses[place] for step in self.nominal_steps]
+        """List the responses of one term at the nominal steps."""
+        index = self.place(label)
+        return [step.responses[index] for step in self.nominal_steps]
 
     def reaction(self, label: str) -> np.ndarray:
-        """Sum of the forces of a term's points at every nominal step, shape (n_steps, 2), N/m."""
+        """Sum the forces of a term's points at every nominal step, shape (n_steps, 2), N/m."""
         return np.array([response.total for response in self.at_nominal(label)]).reshape(-1, 2)
 
     def displacement(self, step: int = -1) -> np.ndarray:
-        """Physical displacements u(X_J) at all particles of a nominal step, shape (n, 2)."""
+        """Compute physical displacements u(X_J) at all particles of a nominal step, shape (n, 2), mm."""
+        # u(X_J) = sum_I Phi_I(X_J) d_I
         out = np.empty_like(self.discretization.particles)
         interpolate(self.discretization.everywhere.table, self.nominal_steps[step].d, out)
         return out
 
     @cached_property
     def largest_displacement(self) -> float:
-        """Largest displacement of a particle at a nominal step, mm: how far the body was squeezed."""
+        """Largest displacement of a particle over all nominal steps, mm."""
         steps = range(len(self.nominal_steps))
         return max((float(np.hypot(*self.displacement(k).T).max()) for k in steps), default=0.0)

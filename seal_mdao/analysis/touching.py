@@ -1,12 +1,13 @@
-"""Points that begin to touch, for the predictor: Euler's knows the forces of the last step only.
+"""Correction of the predictor for points that begin to touch.
 
-It leads many points into a profile of which few touch in the end, and Newton's method begins with all
-of them pressed in. So what such points do is found first, with the body as linear as at the last
-converged step, with tangent K, and their own laws f as they are:
+The Euler predictor moves many points into a profile of which few touch in the end, and Newton's method
+would start with all of them in penetration. The contact forces of these points are therefore found
+first, with the body linearised at the last converged step (tangent K) and the points' own laws f:
 
     u = -K^-1 P^T r,    r = f(x + P u),    P: shape functions at these points,
 
-a small problem for the forces r, by Newton's method. From there none or few change their state.
+a small nonlinear problem for the forces r, solved by Newton's method. Few points change their state
+after that.
 """
 
 from typing import NamedTuple
@@ -18,7 +19,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep
 
 MOST_ITERATIONS = 30
-# Relative, of a prediction.
+# Relative residual of that small problem.
 TOLERANCE = 1e-8
 
 
@@ -31,8 +32,10 @@ class _Points(NamedTuple):
 
 
 def unit_loads(problem: PathProblem, term, points: np.ndarray) -> list:
-    """Loads (n_equations,) of unit forces in x and y at points (m,) of a term, one after the other."""
+    """Assemble loads (n_equations,) of unit forces at points (m,) of a term: x, y of the first, ..."""
     layout, loads = problem.discretization.layout, []
+    # column of P: force e_i at one point, through its shape functions; branch 1 marks the only
+    # point with a force
     for point in points:
         branch, force = np.zeros(len(term.where), int), np.zeros((len(term.where), 2))
         branch[point] = 1
@@ -45,19 +48,19 @@ def unit_loads(problem: PathProblem, term, points: np.ndarray) -> list:
 
 
 def _respond(problem: PathProblem, term, d, target: float, history):
-    """What a term at single points answers; its force goes nowhere."""
-    raw, nowhere = problem.discretization.transformation.coefficients(d), np.empty(0)
+    """Evaluate the response of a term at single points; its assembled force is discarded."""
+    raw, no_tangent = problem.discretization.transformation.coefficients(d), np.empty(0)
     force = np.zeros(problem.discretization.layout.force_size)
-    return term.add(d, raw, target, history, force, nowhere)
+    return term.add(d, raw, target, history, force, no_tangent)
 
 
 def _new_points(problem: PathProblem, d, target: float, last: ConvergedStep) -> list[_Points]:
-    """Points that touch at ``d`` and did not at the last step, of all terms at single points."""
+    """List points that touch at ``d`` and did not at the last step, of all terms at single points."""
     found = []
-    for term, history, then in zip(problem.terms, last.after, last.responses, strict=True):
+    for term, history, before in zip(problem.terms, last.after, last.responses, strict=True):
         if not term.couples_points:
             now = _respond(problem, term, d, target, history)
-            points = np.flatnonzero((now.branch != 0) & (then.branch == 0))
+            points = np.flatnonzero((now.branch != 0) & (before.branch == 0))
             if points.size:
                 found.append(_Points(term, history, points))
     return found
@@ -66,7 +69,7 @@ def _new_points(problem: PathProblem, d, target: float, last: ConvergedStep) -> 
 def at_rest_where_it_touches(
     problem: PathProblem, guess, target: float, last: ConvergedStep
 ) -> np.ndarray:
-    """The predictor ``guess`` (n, 2), moved to where the points that begin to touch are at rest.
+    """Correct the predictor ``guess`` (n, 2) to equilibrium of the points that begin to touch.
 
     Parameters
     ----------
@@ -76,7 +79,7 @@ def at_rest_where_it_touches(
     Returns
     -------
     ndarray, shape (n, 2)
-        ``guess`` itself where no point begins to touch, or where they come to no rest.
+        ``guess`` itself where no point begins to touch, or Newton's method does not converge.
     """
     problem.begin()
     new = _new_points(problem, guess, target, last)
@@ -84,6 +87,7 @@ def at_rest_where_it_touches(
         return guess
     layout = problem.discretization.layout
     loads = np.array([load for own in new for load in unit_loads(problem, own.term, own.points)])
+    # moved = K^-1 P^T and the compliance P K^-1 P^T of the points
     moved = problem.factor.solve(np.ascontiguousarray(loads.T))
     compliance = loads @ moved
     problem.begin()
@@ -93,10 +97,12 @@ def at_rest_where_it_touches(
         both = list(zip(new, responses, strict=True))
         force = np.concatenate([now.force[own.points].ravel() for own, now in both])
         tangent = block_diag(*(block for own, now in both for block in now.tangent[own.points]))
+        # residual r - f(x + P u(r)); tangent of f: df/dx
         off = r - force
         if np.linalg.norm(off) <= TOLERANCE * max(np.linalg.norm(force), np.linalg.norm(r)):
             return d
         try:
+            # with u = -K^-1 P^T r:  (1 + df/dx P K^-1 P^T) dr = -(r - f)
             r = r - np.linalg.solve(np.eye(r.size) + tangent @ compliance, off)
         except np.linalg.LinAlgError:
             return guess

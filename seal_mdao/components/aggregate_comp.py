@@ -1,4 +1,4 @@
-"""Mean, deviation, worst cases and quantiles of measures over scenarios."""
+"""Component for mean, deviation, extremes and quantiles of measures over scenarios."""
 
 from functools import partial
 
@@ -13,7 +13,7 @@ ALWAYS = {
     "highest": (aggregates.highest, "Smooth largest value (KS)"),
     "lowest": (aggregates.lowest, "Smooth smallest value (KS)"),
 }
-"""By the ending of the output's name: function and description."""
+"""Function and description by the suffix of the output's name."""
 
 
 class AggregateComp(om.ExplicitComponent):
@@ -21,7 +21,7 @@ class AggregateComp(om.ExplicitComponent):
 
     Of the input ``<measure>_scenarios`` (S, m): ``<measure>_mean``, ``_std``, ``_highest``, ``_lowest``,
     and ``_q95`` for the quantile 0.95, each (m,). Rows that are NaN, scenarios that failed, are left
-    out; ``share_failed`` is how many those are.
+    out; ``share_failed`` is their fraction.
     """
 
     def initialize(self):
@@ -30,11 +30,12 @@ class AggregateComp(om.ExplicitComponent):
         self.options.declare("quantiles", default=(), desc="Levels between 0 and 1.")
 
     def setup(self):
+        # every function returns the aggregate (m,) and its derivatives (S, m)
         self._functions = dict(ALWAYS)
         for level in self.options["quantiles"]:
             own = partial(aggregates.quantile, level=level)
             self._functions[quantile_name(level)] = own, f"Smooth {100 * level:g} % quantile"
-        self.add_output("share_failed", val=0.0, desc="Share of scenarios that failed.")
+        self.add_output("share_failed", val=0.0, desc="Fraction of scenarios that failed.")
         for name, shape in self.options["shapes"].items():
             units = self.options["units"][name]
             self.add_input(f"{name}_scenarios", shape=shape, units=units)
@@ -43,6 +44,7 @@ class AggregateComp(om.ExplicitComponent):
 
     def setup_partials(self):
         for name, (scenarios, count) in self.options["shapes"].items():
+            # output j depends on entries (s, j) of all scenarios s: flat index s m + j, row j
             rows = np.tile(np.arange(count), scenarios)
             for ending in self._functions:
                 self.declare_partials(
@@ -54,26 +56,28 @@ class AggregateComp(om.ExplicitComponent):
     def compute(self, inputs, outputs):
         for name in self.options["shapes"]:
             values = inputs[f"{name}_scenarios"]
-            there = _there(values)
+            completed = _completed(values)
             for ending, (function, _) in self._functions.items():
-                outputs[f"{name}_{ending}"] = function(values[there])[0]
-
-        outputs["share_failed"] = 1.0 - np.mean(there)
+                outputs[f"{name}_{ending}"] = function(values[completed])[0]
+        # a scenario fails in all measures: they have the same NaN rows
+        outputs["share_failed"] = 1.0 - np.mean(completed)
 
     def compute_partials(self, inputs, partials):
         for name, shape in self.options["shapes"].items():
             values = inputs[f"{name}_scenarios"]
-            there = _there(values)
+            completed = _completed(values)
             for ending, (function, _) in self._functions.items():
+                # partials of failed scenarios are zero; complex values in complex step
                 gradient = np.zeros(shape, values.dtype)
-                gradient[there] = function(values[there])[1]
+                gradient[completed] = function(values[completed])[1]
                 partials[f"{name}_{ending}", f"{name}_scenarios"] = gradient.ravel()
 
 
 def quantile_name(level: float) -> str:
-    """Ending of the output's name: q95 for 0.95, q97_5 for 0.975."""
+    """Return the suffix of the output's name: q95 for 0.95, q97_5 for 0.975."""
     return f"q{100 * level:.10g}".replace(".", "_")
 
 
-def _there(values) -> np.ndarray:
+def _completed(values) -> np.ndarray:
+    """Return whether every scenario was completed, shape (S,)."""
     return ~np.isnan(values).any(axis=1)

@@ -1,4 +1,4 @@
-"""Area of the section."""
+"""Component for the area of the section."""
 
 import openmdao.api as om
 
@@ -7,8 +7,9 @@ from seal_mdao.components.options import add_boundary_offsets
 from seal_mdao.seals.seal import Seal
 
 CHECK_STEP = 1e-2
-"""Of ``check_partials``, mm. Complex steps of any size are exact here, and central differences as well,
-which OpenMDAO takes without ``setup(force_alloc_complex=True)``."""
+"""Step of ``check_partials``, mm. The area is a polynomial of degree two in the offsets: complex steps
+of any size are exact, and so are central differences, which OpenMDAO uses without
+``setup(force_alloc_complex=True)``."""
 
 
 class AreaComp(om.ExplicitComponent):
@@ -32,6 +33,7 @@ class AreaComp(om.ExplicitComponent):
     def compute(self, inputs, outputs):
         seal, offsets = self.options["seal"], inputs["boundary_offsets"]
         with admissible_design():
+            # limits apply to the real part; the imaginary part carries the complex step
             seal.check_offsets(offsets.real)
         outputs["area"] = seal.area(offsets)[0]
 

@@ -1,4 +1,4 @@
-"""Designs that cannot be analysed, as OpenMDAO's drivers expect them: as ``AnalysisError``."""
+"""Translate failures of designs to OpenMDAO's ``AnalysisError``, which drivers can handle."""
 
 from contextlib import contextmanager
 
@@ -12,18 +12,20 @@ def analysis_errors():
     """Raise AnalysisError for a design that cannot be analysed or measured."""
     try:
         yield
+    # only failures of the design; anything else is a fault and stops the run
     except (GeometryError, LoadPathError) as error:
         raise om.AnalysisError(str(error)) from error
 
 
 @contextmanager
 def admissible_design():
-    """Raise AnalysisError for values that the seal does not admit, which are ValueError elsewhere.
+    """Raise AnalysisError for inadmissible values, which raise ValueError elsewhere.
 
-    While a model runs they come from a driver or from a component upstream, so the driver has to step
-    back; only the checks of values belong inside, for a ValueError of anything else is a fault.
+    While a model runs they come from a driver or from a component upstream, so the driver has to reduce
+    its step; use it around checks of values only, for any other ValueError is a fault.
     """
     try:
         yield
+    # outside a running model the same ValueError reaches the user unchanged
     except ValueError as error:
         raise om.AnalysisError(f"the design is not admissible: {error}") from error

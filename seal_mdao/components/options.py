@@ -1,4 +1,4 @@
-"""Options and inputs that several components share."""
+"""Options and inputs common to several components."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
 CONTACT_OPTIONS = (
     "seal", "measures", "parameters", "sensitivity", "factor_memory", "kept", "callback",
 )  # fmt: skip
-"""What a group hands to its contact component."""
+"""Options that a group passes to its contact component."""
 
 
 def declare_seal_options(options) -> None:
@@ -24,7 +24,7 @@ def declare_seal_options(options) -> None:
         "factor_memory",
         default=FACTOR_MEMORY,
         check_valid=_check_memory,
-        desc="GiB for factors of converged tangents; those beyond are made again for the partials.",
+        desc="GiB for factors of converged tangents; those beyond are computed again for the partials.",
     )
     options.declare(
         "kept",
@@ -32,7 +32,7 @@ def declare_seal_options(options) -> None:
         allow_none=True,
         types=KeptAnalyses,
         recordable=False,
-        desc="Where analyses are looked up and kept; only the last one is when left out.",
+        desc="Cache of analyses; by default the last one only.",
     )
     options.declare(
         "callback",
@@ -45,19 +45,19 @@ def declare_seal_options(options) -> None:
 
 
 def declare_measures(options) -> None:
-    """Declare which outputs there are."""
+    """Declare the option that selects the outputs."""
     options.declare(
         "measures",
         default=None,
         allow_none=True,
         recordable=False,
         check_valid=_check_measures,
-        desc="Outputs: measures, or names of those that the seal knows; its standard ones for None.",
+        desc="Outputs: measures, or names of measures of the seal; its standard ones for None.",
     )
 
 
 def declare_settings(options) -> None:
-    """Declare what a group tells of its seal to recorder files."""
+    """Declare the option with which a group records the settings of its seal."""
     options.declare(
         SETTINGS_OPTION,
         default="",
@@ -67,7 +67,7 @@ def declare_settings(options) -> None:
 
 
 def declare_parameters(options) -> None:
-    """Declare which scalar parameters are inputs, and how partials are made."""
+    """Declare the scalar parameters that are inputs, and the method of the partials."""
     options.declare(
         "parameters",
         default=(),
@@ -78,7 +78,7 @@ def declare_parameters(options) -> None:
         "sensitivity",
         default="auto",
         values=METHODS,
-        desc="Method of the partials: auto takes the one with fewer right-hand sides.",
+        desc="Method of the partials: auto selects the one with fewer right-hand sides.",
     )
 
 
@@ -104,8 +104,9 @@ def check_parameters(seal: Seal, names) -> None:
 
 
 def check_outputs(seal: Seal, measures, taken=()) -> None:
-    """Raise ValueError where no measure has a value, or one has a name that is ``taken`` by an input or
-    another output."""
+    """Raise ValueError where no measure has a value, or where the name of one is ``taken`` by another
+    variable."""
+    # measures may be empty, as gaps of a closed contact; OpenMDAO needs at least one output
     if not any(measure.size(seal) for measure in measures):
         raise ValueError(
             "option 'measures': there is no measure with a value, so no output; name at least one (None "
@@ -120,6 +121,7 @@ def check_outputs(seal: Seal, measures, taken=()) -> None:
 
 
 def _check_names(name, value):
+    # a string is a sequence of one-letter names: refuse it with a clear message
     if isinstance(value, str):
         raise ValueError(f"option {name!r} must be a sequence of names, got the string {value!r}")
     if len(set(value)) < len(value):
@@ -134,6 +136,7 @@ def _check_measures(name, value):
     wrong = [item for item in value if not isinstance(item, str | Measure)]
     if wrong:
         raise ValueError(f"option {name!r} holds {wrong[0]!r}, which is no measure")
+    # names of measures become names of outputs, so they must differ
     names = [item if isinstance(item, str) else item.name for item in value]
     twice = {item for item in names if names.count(item) > 1}
     if twice:

@@ -1,21 +1,21 @@
-"""Checks of dense partials along random directions, for components whose evaluations take long."""
+"""Base component with checks of dense partials along random directions, for slow evaluations."""
 
 import numpy as np
 import openmdao.api as om
 
 SMALLEST = 0.3
-"""Of the random numbers along scalar inputs, in -1 to 1: rounding spoils differences of less. Of k
-inputs no more than 1/k, which is soon found."""
+"""Least amount of the random numbers in -1 to 1 along scalar inputs: smaller ones leave differences
+dominated by rounding. With k inputs no more than 1/k, so that few draws suffice."""
 
 
 class RandomDirectionsComp(om.ExplicitComponent):
     """Compare partials with differences along random directions in ``check_partials``.
 
-    With ``directional=True`` OpenMDAO takes the direction of all ones, unless a component is matrix
+    With ``directional=True`` OpenMDAO uses the direction of all ones, unless a component is matrix
     free. For particles that is a translation, along which errors of opposite sign cancel. This
-    component is matrix free during the check only: OpenMDAO draws random directions then, and
-    compares products of the partials with them, forward and reverse. In totals its partials are a
-    Jacobian as any other, which may be assembled.
+    component is matrix free during the check only: OpenMDAO then draws random directions and compares
+    products of the partials with them, forward and reverse. In totals its partials are an ordinary
+    Jacobian, which may be assembled.
     """
 
     def __init__(self, **kwargs):
@@ -24,12 +24,13 @@ class RandomDirectionsComp(om.ExplicitComponent):
         self._checked = {}
 
     def set_check_partial_options(self, wrt, *args, **kwargs):
-        """Set options of ``check_partials``; ``directional`` is always True, as OpenMDAO asks of all
-        inputs alike."""
+        """Set options of ``check_partials``; ``directional`` is always True, for OpenMDAO requires
+        one value for all inputs."""
         super().set_check_partial_options(wrt, *args, **kwargs | {"directional": True})
 
     def check_partials(self, *args, **kwargs):
         """Check the partials as ``Component.check_partials`` does of a component that is matrix free."""
+        # compute_partials once at the point of the check, then products with its table
         self.matrix_free = True
         self._avoid_small_directions()
         try:
@@ -42,10 +43,12 @@ class RandomDirectionsComp(om.ExplicitComponent):
         return data, worst
 
     def _avoid_small_directions(self):
-        """Draw until NumPy's generator is where it gives no small number to a scalar input."""
+        """Advance NumPy's generator until the next draw has no small number for a scalar input."""
         shapes = [data["shape"] for data in self.get_io_metadata("input", ["shape"]).values()]
         least = min(SMALLEST, 1.0 / len(shapes))
         while True:
+            # trial draw in the order of OpenMDAO's inputs; once accepted the state is restored, so that
+            # OpenMDAO draws the same numbers
             state = np.random.get_state()
             drawn = [2.0 * np.random.random(np.prod(shape, dtype=int)) - 1.0 for shape in shapes]
             if all(part.size > 1 or abs(part[0]) >= least for part in drawn):
@@ -53,9 +56,10 @@ class RandomDirectionsComp(om.ExplicitComponent):
                 return
 
     def compute_jacvec_product(self, inputs, d_inputs, d_outputs, mode):
-        """Multiply the partials with a direction of the inputs ("fwd") or of the outputs ("rev")."""
+        """Multiply the partials by a direction of the inputs ("fwd") or of the outputs ("rev")."""
         if not self._checked:
             self.compute_partials(inputs, self._checked)
+        # fwd: df = J dx;  rev: dx = J^T df
         for (of, wrt), table in self._checked.items():
             matrix = np.atleast_2d(table)
             if mode == "fwd":

@@ -11,10 +11,11 @@ from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.seals.result import analyze, frozen_measures
 
 PARTICLE_STEP = 2e-6
-"""Of ``check_partials`` along a random direction of all particle coordinates, mm. Values are rounded to
-some 1e-11 of themselves, and a direction that changes from particle to particle bends them more."""
+"""Step of ``check_partials`` along a random direction of all particle coordinates, mm. Values have a
+relative rounding error of some 1e-11, and directions that differ between neighbouring particles have a
+large truncation error."""
 PARAMETER_STEP = 2e-5
-"""Of ``check_partials`` in a scalar parameter, relative; times a random number of 0.3 to 1."""
+"""Relative step of ``check_partials`` in a scalar parameter, times a random number of 0.3 to 1."""
 BESIDE = ("particles", "boundary_offsets", "area")
 """Variables of this component, and of those beside it in a ``SealGroup``."""
 
@@ -22,12 +23,12 @@ BESIDE = ("particles", "boundary_offsets", "area")
 class RkpmContactComp(RandomDirectionsComp):
     """Frictional contact of a seal: particles and scalar parameters in, measures of the path out.
 
-    The load path always starts from the undeformed state. The last converged path is kept, or more of
-    them with the option ``kept``; partials at any other point solve it again first.
+    The load path always starts from the undeformed state. The last converged path is cached, or more of
+    them with the option ``kept``; partials at any other point first solve the path again.
 
-    A design that cannot be analysed, and values that the seal does not admit (a radius that is not
-    positive, NaN), raise ``AnalysisError`` and leave NaN in all outputs, and in the
-    partials at that very point: a driver that goes on records no values of another design.
+    A design that cannot be analysed, and inadmissible values (a radius that is not positive, NaN),
+    raise ``AnalysisError`` and leave NaN in all outputs, and in the partials at that point: a driver
+    that continues records no values of another design.
     ``check_partials`` takes central differences along random directions of the particles and of every
     parameter. Complex step is refused.
     """
@@ -40,9 +41,11 @@ class RkpmContactComp(RandomDirectionsComp):
         check_parameters(seal, self.options["parameters"])
         kept = self.options["kept"]
         self._failed = None
+        # a cache without memory still holds the newest analysis, with its factors
         self._kept = KeptAnalyses(memory=0.0) if kept is None else kept
         analysis = analyze if kept is None else kept.analyze
         self._measures = frozen_measures(seal, self.options["measures"], analysis)
+        # inputs that the seal always has, then those of the option, each once
         self._parameters = tuple(dict.fromkeys((*seal.inputs, *self.options["parameters"])))
         check_outputs(seal, self._measures, (*BESIDE, *self._parameters))
         self.add_input(
@@ -52,7 +55,7 @@ class RkpmContactComp(RandomDirectionsComp):
             value, units, text = seal.scalars[name]
             self.add_input(name, val=value, units=units, desc=text)
         for measure in self._measures:
-            # OpenMDAO has no outputs of size zero: a drawn seal without an open stretch has no gap
+            # OpenMDAO has no outputs of size zero: a nominal seal without gap region has no gap
             if measure.size(seal):
                 self.add_output(
                     measure.name, shape=measure.size(seal), units=measure.units, desc=measure.text
@@ -72,7 +75,7 @@ class RkpmContactComp(RandomDirectionsComp):
         try:
             values = self._values(inputs)
         except Exception as error:
-            # what the last design has left would pass for values of this one in a recorder file
+            # else recorder files would show values of the last design for this one
             for name in outputs:
                 outputs[name] = np.nan
             if isinstance(error, om.AnalysisError):
@@ -82,6 +85,7 @@ class RkpmContactComp(RandomDirectionsComp):
             outputs[name] = value
 
     def compute_partials(self, inputs, partials):
+        # no path, no derivative: NaN, which optimisers recognise
         if self._has_failed(inputs):
             for measure in self._measures:
                 for name in (
@@ -95,15 +99,16 @@ class RkpmContactComp(RandomDirectionsComp):
         for name, by_measure in gradient.items():
             for measure, rows in by_measure.items():
                 if rows.size:
+                    # rows (m, n, 2) of the particles are flat (m, 2 n) in OpenMDAO
                     partials[measure, name] = rows.reshape(len(rows), -1)
 
     def _has_failed(self, inputs) -> bool:
-        """Whether the design failed here, or before the analysis, which leaves NaN (``SealGroup``)."""
+        """Return whether the design failed here, or upstream, where NaN particles result."""
         failed = self._failed is not None and self._failed == _bytes(inputs)
         return failed or np.isnan(inputs["particles"]).all()
 
     def _values(self, inputs) -> dict:
-        """Values of the measures by name."""
+        """Evaluate the measures by name."""
         result = self._analysis(inputs)
         seal = self.options["seal"]
         with analysis_errors():
@@ -116,6 +121,7 @@ class RkpmContactComp(RandomDirectionsComp):
                 "are exact: leave it outside of groups that approximate with method='cs', or "
                 "approximate with method='fd'"
             )
+        # values checked first: inadmissible ones are a failure of the design, not of the code
         values = {name: float(inputs[name][0]) for name in self._parameters}
         with admissible_design():
             seal = self.options["seal"].with_parameters(values)
@@ -135,7 +141,7 @@ def _check_finite(particles) -> None:
     bad = np.flatnonzero(~np.isfinite(particles).all(axis=1))
     if bad.size:
         x, y = particles[bad[0]]
-        raise ValueError(f"particles[{bad[0]}] = ({x}, {y}) is not a finite place")
+        raise ValueError(f"particles[{bad[0]}] = ({x}, {y}) is not finite")
 
 
 def _bytes(inputs) -> bytes:

@@ -23,15 +23,15 @@ from seal_mdao.seals.seal import Seal
 
 POLICIES = ("raise", "leave_out")
 LEAST_LEFT = 2
-"""Scenarios without which there is no standard deviation."""
+"""Least number of completed scenarios, for the standard deviation."""
 CHECK_STEP = 1e-5
-"""Of ``check_partials``: offsets in mm, parameters relative."""
+"""Step of ``check_partials``: offsets in mm, parameters relative."""
 
 
 def declare_scenario_options(options) -> None:
-    """Declare what the component and the group around it share."""
+    """Declare the options common to the component and its group."""
     options.declare("seal", types=Seal, recordable=False, desc="The seal.")
-    options.declare("scenarios", types=Scenarios, recordable=False, desc="What varies, and how.")
+    options.declare("scenarios", types=Scenarios, recordable=False, desc="Varied parameters.")
     declare_measures(options)
     declare_parameters(options)
     options.declare(
@@ -54,12 +54,12 @@ def declare_scenario_options(options) -> None:
 class ScenarioComp(RandomDirectionsComp):
     """Measures of one design in S scenarios.
 
-    Inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs, those of ``parameters``; what a
-    scenario replaces, shifts or multiplies is their value. Outputs: ``<measure>_scenarios``, (S, m);
+    Inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs, those of ``parameters``; a scenario
+    replaces, shifts or multiplies their values. Outputs: ``<measure>_scenarios``, (S, m);
     rows of scenarios that failed and are left out are NaN, and their partials zero.
 
-    Values and partials are made together, for making partials alone would repeat the analyses.
-    Processes are started with the first evaluation and stay until this one ends.
+    Values and partials are computed together, for partials alone would repeat the analyses. Processes
+    are started with the first evaluation and run until this process ends.
     """
 
     def initialize(self):
@@ -68,6 +68,7 @@ class ScenarioComp(RandomDirectionsComp):
     def setup(self):
         seal, scenarios = self.options["seal"], self.options["scenarios"]
         check_parameters(seal, self.options["parameters"])
+        # all errors of the options are raised here, before processes are started
         scenarios.check(seal)
         measures = frozen_measures(seal, self.options["measures"])
         inputs = dict.fromkeys((*seal.inputs, *self.options["parameters"]))
@@ -95,7 +96,7 @@ class ScenarioComp(RandomDirectionsComp):
             self.set_check_partial_options(wrt=name, step_calc="rel_avg", **check)
 
     def _check_admissible(self):
-        """Raise ValueError for numbers that the seal cannot have, before anything is analysed."""
+        """Raise ValueError for inadmissible scenarios before anything is analysed."""
         scenarios, design = self.options["scenarios"], self._design({})
         for number in range(len(scenarios)):
             try:
@@ -104,7 +105,7 @@ class ScenarioComp(RandomDirectionsComp):
                 raise ValueError(f"scenario {number}: {error}") from error
 
     def _design(self, inputs) -> dict:
-        """Scalar parameters of the design by name, those that only scenarios vary among them."""
+        """Collect the scalar parameters of the design, those varied by scenarios only included."""
         seal = self._task.seal
         return {
             name: float(inputs[name][0]) if name in inputs else float(seal.scalars[name].value)
@@ -115,7 +116,7 @@ class ScenarioComp(RandomDirectionsComp):
         found = self._evaluated(inputs)
         too_many = self._too_many(found.failures)
         if too_many:
-            # what the last design has left would pass for values of this one in a recorder file
+            # else recorder files would show values of the last design for this one
             for name in outputs:
                 outputs[name] = np.nan
             raise om.AnalysisError(too_many)
@@ -126,11 +127,12 @@ class ScenarioComp(RandomDirectionsComp):
         found, task = self._evaluated(inputs), self._task
         gradients = found.gradients * (np.nan if self._too_many(found.failures) else 1.0)
         n = task.seal.n_offsets
-        places = {"boundary_offsets": slice(0, n)} | {
+        # columns of the gradients: boundary offsets first, then the scalar parameters of the task
+        columns_of = {"boundary_offsets": slice(0, n)} | {
             name: slice(n + task.parameters.index(name), n + task.parameters.index(name) + 1)
             for name in self._named
         }
-        for name, columns in places.items():
+        for name, columns in columns_of.items():
             parts = task.by_measure(np.moveaxis(gradients[:, :, columns], 2, 0))
             for measure, part in parts.items():  # (columns, S, m)
                 partials[f"{measure}_scenarios", name] = part.reshape(len(part), -1).T
@@ -142,6 +144,7 @@ class ScenarioComp(RandomDirectionsComp):
                 "are exact: approximate with method='fd' where that is needed"
             )
         offsets, design = np.array(inputs["boundary_offsets"], float), self._design(inputs)
+        # values and partials of one point come from one evaluation, identified by its inputs' bits
         key = offsets.tobytes(), tuple(design.values())
         if self._last is None or self._last[0] != key:
             scenarios = self.options["scenarios"]
@@ -149,7 +152,7 @@ class ScenarioComp(RandomDirectionsComp):
         return self._last[1]
 
     def _too_many(self, failures) -> str:
-        """What to say where more scenarios failed than the policy allows; else empty."""
+        """Return the message if more scenarios failed than the policy allows; else empty."""
         failed = [number for number, text in enumerate(failures) if text]
         if not failed:
             return ""
@@ -161,7 +164,7 @@ class ScenarioComp(RandomDirectionsComp):
 
 
 def _workers(options) -> int | Processes | Executor:
-    """The option as what stays from one evaluation to the next."""
+    """Convert the option ``workers`` to an object that persists between evaluations."""
     chosen = options["workers"]
     chosen = usual_workers() if chosen is None else chosen
     return Processes(chosen) if isinstance(chosen, int) and chosen else chosen

@@ -1,4 +1,4 @@
-"""One design of a seal in many scenarios: their measures, and what they say together."""
+"""Group for one design of a seal in many scenarios: measures and their aggregates."""
 
 import openmdao.api as om
 
@@ -12,7 +12,7 @@ from seal_mdao.seals.seal import SETTINGS_OPTION
 from seal_mdao.values import real
 
 SHARED = ("seal", "scenarios", "measures", "parameters", "sensitivity", "failed", "workers")
-"""What the group hands to its scenario component."""
+"""Options that the group passes to its scenario component."""
 
 
 class ScenarioGroup(om.Group):
@@ -44,9 +44,12 @@ class ScenarioGroup(om.Group):
     def setup(self):
         seal, scenarios = self.options["seal"], self.options["scenarios"]
         self.options[SETTINGS_OPTION] = seal.settings()
+        # selections by the nominal analysis are made once, so that outputs keep their sizes;
+        # empty measures have no outputs
         measures = frozen_measures(seal, self.options["measures"])
         measures = tuple(measure for measure in measures if not is_empty(measure, seal))
         shared = {name: self.options[name] for name in SHARED} | {"measures": measures}
+        # no feedback between the components: each runs once
         self.nonlinear_solver = RunOnce()
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
         self.add_subsystem("scenarios", ScenarioComp(**shared), promotes=["*"])
@@ -56,6 +59,7 @@ class ScenarioGroup(om.Group):
             quantiles=tuple(self.options["quantiles"]),
         )
         self.add_subsystem("aggregates", aggregate, promotes=["*"])
+        # several components promote these inputs: one default for all
         for name in seal.inputs:
             value, units, _ = seal.scalars[name]
             self.set_input_defaults(name, value, units=units)

@@ -1,4 +1,4 @@
-"""Geometry, area and contact analysis wired together."""
+"""Group of geometry, area and contact analysis."""
 
 import openmdao.api as om
 
@@ -16,8 +16,8 @@ class SealGroup(om.Group):
     Promoted inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs (``door_radius`` of the
     door seal) and those named in ``parameters``. Promoted outputs: ``particles`` (mm), ``area``
     (mm**2), and the measures: of the door seal ``von_mises`` (kPa), ``gap`` (mm), ``gap_square_sum``
-    (mm**2), ``reaction`` (N/m) unless ``measures`` says otherwise. Without an opened stretch in the
-    drawn seal there is no ``gap``, and ``gap_square_sum`` is zero. A design that cannot be analysed
+    (mm**2), ``reaction`` (N/m) unless ``measures`` says otherwise. Without a gap region in the
+    nominal seal there is no ``gap``, and ``gap_square_sum`` is zero. A design that cannot be analysed
     raises ``AnalysisError`` and leaves NaN in all of them.
     """
 
@@ -28,11 +28,13 @@ class SealGroup(om.Group):
     def setup(self):
         seal = self.options["seal"]
         self.options[SETTINGS_OPTION] = seal.settings()
+        # no feedback between the components: each runs once
         self.nonlinear_solver = RunOnce()
         self.add_subsystem("geometry", SplineGeometryComp(seal=seal), promotes=["*"])
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
         chosen = {name: self.options[name] for name in CONTACT_OPTIONS}
         self.add_subsystem("contact", RkpmContactComp(**chosen), promotes=["*"])
+        # several components promote these inputs: one default for all
         for name in seal.inputs:
             value, units, _ = seal.scalars[name]
             self.set_input_defaults(name, value, units=units)

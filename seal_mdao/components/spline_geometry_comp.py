@@ -1,4 +1,4 @@
-"""Boundary offsets to particles."""
+"""Component from boundary offsets to particles."""
 
 import numpy as np
 import openmdao.api as om
@@ -8,16 +8,17 @@ from seal_mdao.components.options import add_boundary_offsets
 from seal_mdao.seals.seal import Seal
 
 CHECK_STEP = 1e-2
-"""Of ``check_partials``, mm. Complex steps of any size are exact here, and central differences as well,
-which OpenMDAO takes without ``setup(force_alloc_complex=True)``."""
+"""Step of ``check_partials``, mm. Particles are linear in the offsets: complex steps of any size are
+exact, and so are central differences, which OpenMDAO uses without
+``setup(force_alloc_complex=True)``."""
 
 
 class SplineGeometryComp(om.ExplicitComponent):
     """Particles of a seal from the offsets of its boundaries.
 
-    particles = drawn particles + sum_p boundary_offsets[p] V_p, linear, with the design velocity V
-    of Eq. (48) as constant sparse partials. Complex step works as well. Offsets that the seal does not
-    admit raise ``AnalysisError``.
+    particles = nominal particles + sum_p boundary_offsets[p] V_p, linear, with the design velocity V
+    of Eq. (48) as constant sparse partials. Complex step works as well. Inadmissible offsets raise
+    ``AnalysisError``.
     """
 
     def initialize(self):
@@ -31,6 +32,7 @@ class SplineGeometryComp(om.ExplicitComponent):
         )
 
     def setup_partials(self):
+        # J = V^T, (2 n, P); boundary parameters move few particles, so only entries that are not zero
         velocity = self.options["seal"].design_velocity
         jacobian = velocity.reshape(len(velocity), -1).T
         rows, cols = np.nonzero(jacobian)
@@ -43,4 +45,5 @@ class SplineGeometryComp(om.ExplicitComponent):
         seal, offsets = self.options["seal"], inputs["boundary_offsets"]
         with admissible_design():
             seal.check_offsets(offsets.real)
+        # X = X_0 + sum_p b_p V_p
         outputs["particles"] = seal.moved(offsets)

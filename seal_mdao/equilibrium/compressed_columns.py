@@ -7,7 +7,7 @@ from seal_mdao.equilibrium.storage import Scheme
 
 
 class CompressedColumns:
-    """Compressed columns of a matrix whose pattern is symmetric; see ``equilibrium.storage``.
+    """Compressed sparse columns (CSC) of a matrix with symmetric pattern (``equilibrium.storage``).
 
     Attributes
     ----------
@@ -30,22 +30,25 @@ class CompressedColumns:
         return Scheme(pointers=self.pointers, indices=self.indices)
 
     def factorize_roughly(self, values):
-        """As ``factorize``, unless a storage has a faster way."""
+        """Factorise as ``factorize`` does, unless a storage has a faster method."""
         return self.factorize(values)
 
     def diagonal(self):
-        """Where the diagonal entries are, shape (n,)."""
+        """Return the indices of the diagonal entries, shape (n,)."""
+        # row = column; every column has its diagonal entry, for all couplings include themselves
         columns = np.repeat(np.arange(self.n), np.diff(self.pointers))
         return np.flatnonzero(self.indices == columns)
 
 
 def rounding(diagonal: np.ndarray) -> float:
-    """What rounding makes of an eigenvalue that is zero, where the body is free to move."""
+    """Estimate the rounding error n eps max |K_ii| of a zero eigenvalue (rigid motion)."""
     return diagonal.size * np.finfo(float).eps * float(np.abs(diagonal).max())
 
 
 def dof_pattern(equations, n, coupling):
-    """Column pointers and sorted rows of the dof pattern of a particle coupling pattern."""
+    """Build column pointers and sorted row indices of the equations from coupled particles."""
+    # each pair of coupled particles gives a 2 x 2 block (component i of rows, k of columns);
+    # prescribed components (-1) have no equation
     coupling = coupling.tocoo()
     rows, columns = [], []
     for i in range(2):

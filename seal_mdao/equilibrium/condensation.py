@@ -14,14 +14,14 @@ from seal_mdao.compilation import compiled
 
 
 class Condensation(NamedTuple):
-    """Rows and columns of the constrained particles, and where their products with T go.
+    """Rows and columns of the constrained particles, and the slots of their products with T.
 
     Attributes
     ----------
     matrix : ndarray, shape (c, u)
         T.
     constrained_at, union_at : ndarray of int, shapes (c,), (u,)
-        Places of the constrained particles and of the union among the ``v`` coupled particles.
+        Indices of the constrained particles and of the union among the ``v`` coupled particles.
     union_equations : ndarray of int, shape (2, u)
     union_slots : ndarray of int, shape (2, u, 2, v)
         Slots of the rows of the union, (component, particle) both.
@@ -44,10 +44,11 @@ class Condensation(NamedTuple):
 
 @compiled
 def condense_force(condensation, force):
-    """Add T^T f_C of the raw ``force`` (n_equations + 2 c + 1) to its equations; the last collects
-    imposed components."""
+    """Add T^T f_C of the raw ``force`` (n_equations + 2 c + 1) to its equations; the last entry
+    collects prescribed components."""
     c, u = condensation.matrix.shape
     for i in range(2):
+        # f~_U,i += T^T f_C,i for each component i; f_C behind the equations, flat (component, particle)
         at = condensation.first_equation + i * c
         for b in range(u):
             pulled = 0.0
@@ -58,10 +59,10 @@ def condense_force(condensation, force):
 
 @compiled
 def condense_tangent(condensation, values):
-    """Add T^T K_C. N and K_.C T to the tangent buffer, from the rows and columns kept aside; the rows
-    are changed.
+    """Add T^T K_C. N and K_.C T to the tangent, from the rows and columns stored aside.
 
-    Loops where ``np.dot`` would do: that takes a second more to compile.
+    The rows stored aside are overwritten. Explicit loops, for ``np.dot`` takes a second more to
+    compile.
     """
     matrix, at_c, at_u = condensation.matrix, condensation.constrained_at, condensation.union_at
     c, u = matrix.shape
@@ -69,8 +70,9 @@ def condense_tangent(condensation, values):
     row = np.empty(v)
     for i in range(2):
         for k in range(2):
-            # rows (component, constrained; component, coupled), columns the other way round
+            # rows aside are flat (i, constrained; k, coupled), columns (k, coupled; i, constrained)
             first = condensation.first_row + (2 * i * c + k) * v
+            # (K_C. N): columns of C are carried to the union, K_CU += K_CC T, K_CC = 0
             for a in range(c):
                 own = values[first + 2 * a * v : first + (2 * a + 1) * v]
                 for b in range(c):
@@ -79,6 +81,7 @@ def condense_tangent(condensation, values):
                 for b in range(c):
                     for j in range(u):
                         own[at_u[j]] += row[b] * matrix[b, j]
+            # K~_U. += T^T (K_C. N)
             for j in range(u):
                 for b in range(v):
                     row[b] = 0.0
@@ -88,6 +91,7 @@ def condense_tangent(condensation, values):
                         row[b] += factor * own[b]
                 for b in range(v):
                     values[condensation.union_slots[i, j, k, b]] += row[b]
+            # K~_.U += K_.C T; rows of C are done above, so their slots are the dump
             first = condensation.first_column + (2 * k * v + i) * c
             for a in range(v):
                 for j in range(u):

@@ -1,4 +1,4 @@
-"""Which particles are coupled: through cells, through single points, through pairs of points."""
+"""Sparsity pattern of the tangent: particles coupled through cells, points and pairs of points."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from seal_mdao.rkpm.shape_functions import ShapeTable
 
 
 class Link(NamedTuple):
-    """Points of one term that may act on each other.
+    """Pairs of points of one term that may act on each other, as in self-contact.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class Link(NamedTuple):
 
     @property
     def partners(self) -> csr_array:
-        """Pattern of the pairs, every point with itself included, shape (k, k)."""
+        """Symmetric pattern 1 + P + P^T of the pairs, shape (k, k)."""
         k = self.table.n_groups
         ones = np.ones(len(self.pairs), np.int32)
         between = csr_array((ones, (self.pairs[:, 0], self.pairs[:, 1])), shape=(k, k))
@@ -33,9 +33,11 @@ class Link(NamedTuple):
 
 
 def _seen(table, n_particles: int, raw=None) -> csr_array:
-    """Which particles every group sees, those with ``raw`` zero left out, shape (groups, n)."""
+    """Build the incidence S (groups, n) of groups and particles, without those with ``raw`` zero."""
+    # flat list of (group, particle) from the compressed rows of the table
     group, particle = np.repeat(np.arange(table.n_groups), np.diff(table.start)), table.neighbours
     if raw is not None:
+        # constrained particles are left out: the transformation carries them to the union
         kept = raw[particle] > 0
         group, particle = group[kept], particle[kept]
     ones = np.ones(group.size, np.int32)
@@ -43,7 +45,8 @@ def _seen(table, n_particles: int, raw=None) -> csr_array:
 
 
 def coupled_particles(transformation: EssentialTransformation, tables, links=()) -> np.ndarray:
-    """Sorted particles that share a group or a pair with a constrained one, and the union."""
+    """List the particles that share a group or a pair with a constrained one, and the union."""
+    # everything that shares a row or a column with C, so that T^T K_C. and K_.C T have slots
     found = [transformation.union]
     for table in tables:
         group = np.repeat(np.arange(table.n_groups), np.diff(table.start))
@@ -54,13 +57,14 @@ def coupled_particles(transformation: EssentialTransformation, tables, links=())
         n = int(max(link.table.neighbours.max(), transformation.union.max())) + 1
         sees, constrained = _seen(link.table, n), np.zeros(n, np.int32)
         constrained[transformation.constrained] = 1
+        # points that see C, then their partners, then all particles that these see
         reached = link.partners @ (sees @ constrained) > 0
         found.append(np.flatnonzero(sees.T @ reached.astype(np.int32)))
     return np.unique(np.concatenate(found))
 
 
 def couplings(n_particles: int, tables, transformation, links=()):
-    """Particles coupled with constrained ones, and the pattern of all couplings.
+    """Find the particles coupled with constrained ones, and the pattern of all couplings.
 
     Parameters
     ----------
@@ -81,14 +85,17 @@ def couplings(n_particles: int, tables, transformation, links=()):
         coupled = coupled_particles(transformation, tables, links)
         raw = np.ones(n_particles, np.int32)
         raw[transformation.constrained] = 0
+        # K~_U. = T^T K_C. N fills the block of union x coupled, and its transpose
         rows = np.repeat(transformation.union, coupled.size)
         columns = np.tile(coupled, transformation.union.size)
         clique = csr_array((np.ones(rows.size, np.int32), (rows, columns)), shape=pattern.shape)
         pattern = pattern + clique + clique.T
     for table in tables:
+        # particles of one group are all coupled: S^T S
         sees = _seen(table, n_particles, raw)
         pattern = pattern + sees.T @ sees
     for link in links:
+        # pairs of points couple what both see: S^T (1 + P + P^T) S
         sees = _seen(link.table, n_particles, raw)
         pattern = pattern + sees.T @ (link.partners @ sees)
     pattern = csr_array(pattern)

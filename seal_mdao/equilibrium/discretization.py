@@ -1,4 +1,4 @@
-"""The body that is analysed (what is decided once) and its discretisation for one design."""
+"""The body (independent of the design) and its discretisation for one design."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -36,14 +36,16 @@ class Edge(NamedTuple):
 
     @property
     def sides(self) -> np.ndarray:
-        """Ends of its straight pieces, shape (m, 2)."""
+        """Particles at the ends of its straight sides, shape (m, 2)."""
         following = np.roll(self.particles, -1)
         pairs = np.column_stack([self.particles, following])
         return pairs if self.closed else pairs[:-1]
 
     @property
     def neighbours(self) -> np.ndarray:
-        """The particles before and after each one, itself at an open end, shape (k, 2)."""
+        """Particles before and after each one, itself at the end of an open edge, shape (k, 2)."""
+        # (before, after) of each particle; an end without a neighbour is its own,
+        # so that its tributary length is half of one side
         pairs = np.column_stack([np.roll(self.particles, 1), np.roll(self.particles, -1)])
         if not self.closed:
             pairs[0, 0], pairs[-1, 1] = self.particles[0], self.particles[-1]
@@ -52,7 +54,7 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Everything about the discretised body that no design changes.
+    """Data of the discretised body that are independent of the design.
 
     Attributes
     ----------
@@ -61,12 +63,12 @@ class Body:
     support_radius : ndarray, shape (n,)
         Kernel support of every particle.
     fixed : ndarray of bool, shape (n, 2)
-        Displacement components that are imposed.
+        Prescribed displacement components.
     edges : dict of str to Edge
         Named boundaries.
     drawn : ndarray, shape (n, 2), or None
-        Particles of the drawn body, for which the equations are numbered once. Without them they are
-        numbered for every design.
+        Particles of the nominal body, for which the equations are numbered once. Without them the
+        equations are numbered for every design.
     basis_order : int
         1 linear, 2 quadratic.
     n_gauss : int, or pair of int
@@ -75,8 +77,8 @@ class Body:
     solver : str
         "auto", "banded", "superlu" or "pardiso".
     hidden : ndarray of int, shape (m, 2)
-        Particles, and those that their supports must not reach across a void, as
-        ``rkpm.visibility.hidden_pairs`` of the drawn body finds them.
+        Pairs of particles whose supports must not reach each other across a void
+        (``rkpm.visibility.hidden_pairs`` of the nominal body).
     support_axes : ndarray, shape (n, 2, 2), or None
         Inverse half-widths of product kernels along the two directions of the cells
         (``rkpm.cells.support_axes``); None for round kernels.
@@ -103,11 +105,11 @@ class Body:
 
     @property
     def constrained(self) -> np.ndarray:
-        """Sorted particles with an imposed component."""
+        """Sorted particles with a prescribed component."""
         return np.flatnonzero(self.fixed.any(axis=1))
 
     def edge(self, name: str) -> Edge:
-        """The boundary ``name``.
+        """Return the boundary ``name``.
 
         Raises
         ------
@@ -120,8 +122,9 @@ class Body:
         return self.edges[name]
 
     def edge_points(self, name: str) -> MaterialPoints:
-        """The movable particles of an edge, with half the length of the sides at each."""
+        """Return the free particles of an edge as contact points, with their tributary lengths."""
         edge = self.edge(name)
+        # fully fixed particles carry no unknown; tributary length: half of both adjacent sides
         movable = ~self.fixed[edge.particles].all(axis=1)
         return boundary_particles(edge.particles[movable], edge.neighbours[movable])
 
@@ -131,14 +134,16 @@ class Body:
 
     @cached_property
     def pressure(self) -> PressureSpace:
-        """Functions of the pressure in every column of cells."""
+        """Interpolation functions of the pressure in every column of cells."""
         return through_column(self.column, self.n_gauss)
 
     @cached_property
     def samples(self) -> PointSet:
-        """Points all over the section: particles, middles of the sides of cells, middles of cells."""
+        """Sample points: particles, midpoints of the sides of cells, centres of cells."""
+        # each side once; the repeated corner of a triangle gives no side
         pairs = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
         sides = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+        # each point is the mean of four anchors: X = 1/4 sum_a X_a (repeated where it has fewer)
         particles = np.repeat(np.arange(self.n_particles)[:, None], 4, axis=1)
         anchors = np.vstack([particles, np.tile(sides, 2), self.cells])
         return PointSet(anchors, np.full(anchors.shape, 0.25), 1)
@@ -149,7 +154,7 @@ class Body:
 
     @cached_property
     def equations(self) -> np.ndarray | None:
-        """Equation numbers (n, 2) of the drawn body, which serve all its designs."""
+        """Equation numbers (n, 2) of the nominal body, used for all designs; None without it."""
         if self.drawn is None:
             return None
         cloud, transformation, _ = _essential(self, self.drawn)
@@ -157,7 +162,7 @@ class Body:
         return equation_numbers(self.fixed, [cells.raw], transformation)
 
     def cell_table(self, cloud: Cloud, transformation: EssentialTransformation) -> CellTable:
-        """Weights and shape functions of one design at the quadrature points.
+        """Compute weights and shape functions of one design at the quadrature points.
 
         Raises
         ------
@@ -168,7 +173,7 @@ class Body:
         return build_cell_table(cloud, self.cell_map, self.edge_rule, weights, transformation)
 
     def cloud(self, particles: np.ndarray) -> Cloud:
-        """Particles of one design with the body's kernels; a copy, for a caller may go on with his."""
+        """Combine particles of one design, copied, with the kernels of the body."""
         return Cloud(
             np.array(particles, float, order="C"),
             self.support_radius,
@@ -195,11 +200,11 @@ class Discretization:
     tables : tuple of PointTable or None
         Shape functions at the points of every term.
     couples : tuple of bool
-        Which of them couple the equations.
+        Whether the points of each term couple the equations.
     layout : TangentLayout
-        Equation numbers and where each entry of the tangent goes.
+        Equation numbers and slots of the entries of the tangent.
     first_column : tuple of int
-        Where the tangent's parts of rank one begin that belong to a term.
+        Index of the first rank-one part of the tangent of each term.
     """
 
     body: Body
@@ -214,7 +219,8 @@ class Discretization:
 
     @cached_property
     def scatters(self) -> tuple:
-        """Where the entries of every term's points go; None for a term without points."""
+        """Scatter maps of every term's points; None for a term without points."""
+        # scatter[0] is that of the cells; then one map for each coupling table, in order of the terms
         found = iter(self.layout.scatter[1:])
         return tuple(
             None if table is None else next(found) if couples else self.layout.uncoupled
@@ -232,8 +238,10 @@ class Discretization:
 
     @one_blas_thread
     def table_at(self, which: np.ndarray) -> PointTable:
-        """Shape functions at the particles ``which``, or at ``Body.samples`` beyond them; cached, for
-        measures ask for the same ones again."""
+        """Evaluate shape functions at the particles ``which``, or at ``Body.samples`` beyond them.
+
+        Cached, for measures need the same points again.
+        """
         which = np.asarray(which, int)
         key = which.tobytes()
         if key not in self._tables_at:
@@ -250,25 +258,25 @@ class Discretization:
 
     @cached_property
     def everywhere(self) -> PointTable:
-        """Shape functions at all particles, for displacements and stresses to look at."""
+        """Shape functions at all particles, for physical displacements and stresses."""
         return self.table_at(np.arange(self.body.n_particles))
 
 
 @one_blas_thread
 def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
-    """Shape functions, weights and equations of ``body`` with the given particles.
+    """Discretise ``body`` with given particles: shape functions, weights, equations.
 
     Parameters
     ----------
     terms : sequence of TermDefinition
-        What will act on the body.
+        Definitions of the terms of the residual.
     particles : ndarray, shape (n, 2)
         Undeformed coordinates.
 
     Raises
     ------
     ValueError
-        Coordinates of a wrong number, or not finite.
+        Coordinates of a wrong shape, or not finite.
     GeometryError
         A folded cell, or a point that too few supports cover.
     """
@@ -284,8 +292,10 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     cells = body.cell_table(cloud, transformation)
     tables = tuple(_table_of(term.point_set(), cloud, transformation) for term in terms)
     couples = tuple(term.couples for term in terms)
+    # the pattern of the tangent: cells first, then the points that have a tangent of their own
     coupling = zip(tables, couples, strict=True)
     coupled = [cells.raw, *(table.raw for table, own in coupling if own and table is not None)]
+    # one numbering for all designs where the nominal body is known: same bits, same cost
     equations = body.equations
     if equations is None:
         equations = equation_numbers(body.fixed, coupled, transformation)
@@ -300,21 +310,22 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
 
 
 def _table_of(points, cloud, transformation) -> PointTable | None:
-    """Shape functions at the points of a term: it takes and gives displacements alone."""
+    """Evaluate shape functions, without gradients, at the points of a term."""
     if points is None:
         return None
     return build_table(cloud, points._replace(sloped=False), transformation)
 
 
 def _links(terms, tables) -> list:
-    """What couples points of a term with each other."""
+    """List the pairs of points that act on each other, of all terms that have some."""
     pairs = [term.pairs() for term in terms]
     linked = zip(tables, pairs, strict=True)
     return [Link(table.raw, own) for table, own in linked if own is not None]
 
 
 def _essential(body: Body, particles: np.ndarray):
-    """Particles with their kernels, the essential transformation, and the rows it is made of."""
+    """Build the cloud, the essential transformation T, and the shape functions that T is made of."""
     cloud = body.cloud(particles)
+    # raw Phi_I(X_J) at the constrained particles J: u(X_J) = sum_I Phi_I(X_J) d_I is prescribed
     (rows,) = raw_tables(cloud, single_points(body.constrained)._replace(sloped=False))
     return cloud, essential_transformation(body.constrained, rows.raw), rows

@@ -1,7 +1,9 @@
-"""Equation numbers, and where the entries of the tangent go.
+"""Equation numbers and slots of the entries of the tangent.
 
-The assembly kernels add to one flat buffer through precomputed slots, so they do not know which
-solver is behind. The last entry of the buffer collects what belongs to imposed displacements.
+The assembly kernels add to one flat buffer through precomputed slots, independently of the linear
+solver. The buffer holds, in this order: the stored entries of the solver's format; the rows K_C. and
+the columns K_.C of the constrained particles; the dump, one entry that collects what belongs to
+prescribed displacements; the columns of the rank-one parts, and their sizes.
 """
 
 from dataclasses import dataclass
@@ -19,7 +21,7 @@ from seal_mdao.equilibrium.linear_solver import storage_for
 from seal_mdao.equilibrium.storage import Scheme, Storage
 from seal_mdao.rkpm.sorted_lists import first_not_below
 
-# The band is narrowed by trying that many starting particles in the body, and at its base.
+# Number of starting particles tried in the body, and at its base, to narrow the band.
 SEARCHED_STARTS = 24
 
 
@@ -29,10 +31,10 @@ class Scatter(NamedTuple):
     Attributes
     ----------
     equations : ndarray of int, shape (n, 2)
-        Place of every component in a force buffer: its equation, -1 where it is imposed, those of
+        Index of every component in a force buffer: its equation, -1 where it is prescribed, those of
         constrained particles behind the equations.
     start : ndarray of int, shape (n_groups + 1,)
-        Where the slots of a group begin.
+        Index of the first slot of a group.
     slots : ndarray of int32
         Flat (group, column, row) with local rows and columns ordered (component, neighbour).
     """
@@ -49,7 +51,7 @@ class TangentLayout:
     Attributes
     ----------
     equations : ndarray of int, shape (n, 2)
-        Equation of every displacement component, -1 where it is imposed.
+        Equation of every displacement component, -1 where it is prescribed.
     n_equations, size, force_size : int
         Unknowns, and lengths of the value and the force buffers.
     scatter : tuple of Scatter
@@ -58,9 +60,9 @@ class TangentLayout:
     condensation : Condensation, optional
         None where no particle is constrained.
     places : _Places
-        What decides where an entry goes.
+        Data that determine the slot of an entry.
     n_columns : int
-        Parts of rank one beside the stored pattern: sums over many points, such as the pressure of
+        Rank-one parts beside the stored pattern: sums over many points, such as the pressure of
         trapped air, couple all of their equations.
     """
 
@@ -76,60 +78,64 @@ class TangentLayout:
 
     @property
     def force_scatter(self) -> Scatter:
-        """For forces alone, through transformed shape functions."""
+        """Scatter map for forces alone, with transformed shape functions."""
         return Scatter(self.equations, np.empty(0, int), np.empty(0, np.int32))
 
     @property
     def every_component(self) -> Scatter:
-        """For forces of all components, imposed ones included, particle by particle."""
-        places = np.arange(self.equations.size).reshape(self.equations.shape)
-        return Scatter(places, np.empty(0, int), np.empty(0, np.int32))
+        """Scatter map for forces of all components, prescribed ones included, by particle."""
+        numbers = np.arange(self.equations.size).reshape(self.equations.shape)
+        return Scatter(numbers, np.empty(0, int), np.empty(0, np.int32))
 
     def condense_force(self, force: np.ndarray) -> None:
-        """Bring what the raw shape functions put on constrained particles to the equations."""
+        """Add the forces T^T f_C of the constrained particles to the equations (f~ = N^T f)."""
         if self.condensation is not None:
             condense_force(self.condensation, force)
 
     def condense_tangent(self, values: np.ndarray) -> None:
-        """Bring the rows and columns of constrained particles to the equations."""
+        """Add the rows and columns of the constrained particles to the tangent (K~ = N^T K N)."""
         if self.condensation is not None:
             condense_tangent(self.condensation, values)
+            # rank-one parts s g g^T transform as forces: g~ = N^T g
             for column in self.columns(values)[0]:
                 condense_force(self.condensation, column)
 
     def columns(self, values: np.ndarray):
-        """Views of the parts of rank one in a tangent's buffer: sum of size g g^T.
+        """Return views of the rank-one parts in a tangent's buffer: sum_k s_k g_k g_k^T.
 
         Returns
         -------
         columns : ndarray, shape (n_columns, force_size)
-            g, as forces are assembled.
+            g_k, assembled as forces are.
         sizes : ndarray, shape (n_columns,)
+            s_k.
         """
+        # end of the buffer: n_columns vectors g_k of force_size entries, then the sizes s_k
         end = self.size - self.n_columns
         first = end - self.n_columns * self.force_size
         return values[first:end].reshape(self.n_columns, self.force_size), values[end : self.size]
 
     def factorize(self, values: np.ndarray, symmetric: bool = False):
-        """Factor of the matrix in the buffer ``values``, which may be overwritten by it.
+        """Factorise the matrix in the buffer ``values``, which may be overwritten.
 
-        The factor is good until the buffer is filled again; ``factor.kept()`` stays.
+        The factor is valid until the buffer is filled again; ``factor.kept()`` stays valid.
         """
         return self._with_columns(self.storage.factorize(values, symmetric), values, symmetric)
 
     def factorize_roughly(self, values: np.ndarray):
-        """As ``factorize``, good to some digits where the storage has such a way."""
+        """Factorise in reduced precision where the storage has that, else as ``factorize``."""
         return self._with_columns(self.storage.factorize_roughly(values), values, False)
 
     def _with_columns(self, factor, values, symmetric):
         if not self.n_columns:
             return factor
+        # K + G diag(s) G^T by Sherman-Morrison-Woodbury: the pattern of K stays sparse
         columns, sizes = self.columns(values)
         columns, change = columns[:, : self.n_equations].copy(), np.diag(sizes)
         return CorrectedFactor(factor, columns, change, symmetric)
 
     def pair_slots(self, table, pairs: np.ndarray):
-        """Where the entries of pairs of points go.
+        """Compute the slots of the entries of pairs of points.
 
         Parameters
         ----------
@@ -148,24 +154,27 @@ class TangentLayout:
 
     @property
     def uncoupled(self) -> Scatter:
-        """For forces alone, through raw shape functions."""
+        """Scatter map for forces alone, with raw shape functions."""
         return self.scatter[0]._replace(start=np.empty(0, int), slots=np.empty(0, np.int32))
 
     def reduce(self, nodal: np.ndarray) -> np.ndarray:
-        """Values of particles (n, 2) in the order of the equations."""
+        """Return the free components of particle values (n, 2) in the order of the equations."""
         free = self.equations >= 0
         out = np.empty(self.n_equations)
         out[self.equations[free]] = nodal[free]
         return out
 
     def gather(self, vector: np.ndarray) -> np.ndarray:
-        """Spread a solution (n_equations, ...) to particles (n, 2, ...), zero where imposed."""
+        """Return a solution (n_equations, ...) by particle (n, 2, ...), zero where prescribed."""
+        # equation -1 of prescribed components picks the zero appended at the end
         padded = np.concatenate([vector, np.zeros((1, *vector.shape[1:]))])
         return padded[self.equations]
 
 
 def _half_width(coupling, equations) -> int:
-    """Largest distance between the equations of coupled particles."""
+    """Compute the half-width max |i - j| over the equations i, j of coupled particles."""
+    # the pattern is symmetric, so the largest j - i suffices: highest equation of the one
+    # particle less the lowest of the other; prescribed components (-1) do not count as lowest
     count = np.diff(coupling.indptr)
     highest, free = equations.max(axis=1), equations >= 0
     lowest = np.where(free, equations, equations.max()).min(axis=1)
@@ -174,7 +183,7 @@ def _half_width(coupling, equations) -> int:
 
 
 def _number(fixed, order) -> np.ndarray:
-    """Equations (n, 2) of the particles in the given order, -1 for imposed components."""
+    """Number the free components (n, 2) of the particles in the given order, -1 elsewhere."""
     equations = np.full(fixed.shape, -1)
     free = ~fixed[order]
     rank = np.cumsum(free.ravel()).reshape(free.shape) - 1
@@ -182,13 +191,13 @@ def _number(fixed, order) -> np.ndarray:
     return equations
 
 
-def _spread(places: np.ndarray) -> np.ndarray:
-    """At most ``SEARCHED_STARTS`` of ``places``, evenly."""
-    return places[:: max(1, -(-places.size // SEARCHED_STARTS))]
+def _spread(particles: np.ndarray) -> np.ndarray:
+    """Select at most ``SEARCHED_STARTS`` of the particles at equal distances in the list."""
+    return particles[:: max(1, -(-particles.size // SEARCHED_STARTS))]
 
 
 def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, int]:
-    """Equation numbers that keep the band narrow.
+    """Number the equations so that the band is narrow.
 
     Reverse Cuthill-McKee, and breadth-first orders from starts all over the body and around its
     base: where a ring is tied to a base, the former's own start is far from the best.
@@ -203,17 +212,19 @@ def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, 
     Returns
     -------
     equations : ndarray of int, shape (n, 2)
-        -1 for imposed components.
+        -1 for prescribed components.
     width : int
         Half-width of the band.
     """
     movable = np.flatnonzero(~fixed.all(axis=1))
+    # particles without any free component have no equation and are left out of the graph
     graph = csr_array(coupling[movable][:, movable])
     orders = [reverse_cuthill_mckee(graph, symmetric_mode=True)]
     for start in np.union1d(
         _spread(np.arange(movable.size)), _spread(np.flatnonzero(np.isin(movable, base)))
     ):
         order = breadth_first_order(graph, start, directed=False, return_predecessors=False)
+        # a start reaches one connected body only; with several bodies Cuthill-McKee remains
         if order.size == movable.size:
             orders.append(order)
     numbered = [_number(fixed, movable[order]) for order in orders]
@@ -223,7 +234,7 @@ def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, 
 
 
 class _Places(NamedTuple):
-    """What decides the slot of an entry.
+    """Data that determine the slot of an entry.
 
     Attributes
     ----------
@@ -231,11 +242,11 @@ class _Places(NamedTuple):
         Of ``Scatter``: from ``n_equations`` on they belong to constrained particles.
     n_equations : int
     coupled : ndarray of int, shape (n,)
-        Place among the ``n_coupled`` coupled particles, -1 for others.
+        Index among the ``n_coupled`` coupled particles, -1 for others.
     scheme : Scheme
         Of the storage.
     first_row, first_column, dump : int
-        Where the rows and the columns of constrained particles begin; the last entry.
+        First slots of the rows and of the columns of constrained particles; slot of the dump.
     """
 
     equations: np.ndarray
@@ -251,24 +262,28 @@ class _Places(NamedTuple):
 
 @inlined
 def _stored(places, row, column):
-    """Slot of the entry of two equations."""
+    """Return the slot of the entry (row, column) of two equations."""
     if row < 0 or column < 0:
         return places.dump
     scheme = places.scheme
     if scheme.rows > 0:
+        # LAPACK band with w rows for fill-in: AB[2 w + i - j, j] = K_ij, leading dimension 3 w + 1
         return column * scheme.rows + 2 * scheme.width + row - column
+    # compressed columns: search the row among the sorted rows of the column
     first, end = scheme.pointers[column], scheme.pointers[column + 1]
     return first_not_below(scheme.indices, row, first, end)
 
 
 @inlined
 def _slot(places, p, i, q, k):
-    """Slot of row (particle p, component i) and column (q, k)."""
+    """Return the slot of row (particle p, component i) and column (q, k)."""
     row, column = places.equations[p, i], places.equations[q, k]
     if row >= places.n_equations:
+        # row of a constrained particle: K_C. flat (component, constrained; component, coupled)
         at = (row - places.n_equations) * 2 * places.n_coupled
         return places.first_row + at + k * places.n_coupled + places.coupled[q]
     if column >= places.n_equations:
+        # column of a constrained particle: K_.C flat (component, coupled; component, constrained)
         if row < 0:
             return places.dump
         at = (i * places.n_coupled + places.coupled[p]) * 2 * places.n_constrained
@@ -278,11 +293,12 @@ def _slot(places, p, i, q, k):
 
 @compiled
 def _fill_slots(start, neighbours, pairs, places, begin, slots):
-    """Slots of pairs of groups, the one of the rows and the one of the columns."""
+    """Fill the slots of pairs of groups (rows, columns), flat (pair, column, row)."""
     for m in range(len(pairs)):
         rows = neighbours[start[pairs[m, 0]] : start[pairs[m, 0] + 1]]
         columns = neighbours[start[pairs[m, 1]] : start[pairs[m, 1] + 1]]
         at = begin[m]
+        # local index j = (component, neighbour): component j // n, neighbour j % n
         for j in range(2 * columns.size):
             for i in range(2 * rows.size):
                 slots[at] = _slot(
@@ -293,9 +309,10 @@ def _fill_slots(start, neighbours, pairs, places, begin, slots):
 
 
 def _slots(start, neighbours, pairs, places) -> tuple:
-    """Where the slots of every pair of groups begin, and the slots: flat (pair, column, row), columns
+    """Compute the first slot of every pair of groups, and the slots: flat (pair, column, row), columns
     and rows ordered (component, neighbour)."""
     count = np.diff(start)
+    # a pair with n_r and n_c neighbours has an element matrix of 2 n_r x 2 n_c entries
     sizes = 4 * count[pairs[:, 0]] * count[pairs[:, 1]]
     begin = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
     slots = np.empty(begin[-1], np.int32)
@@ -304,16 +321,16 @@ def _slots(start, neighbours, pairs, places) -> tuple:
 
 
 def equation_numbers(fixed: np.ndarray, tables, transformation=None) -> np.ndarray:
-    """Equation numbers (n, 2) that keep the band of the given raw shape tables narrow.
+    """Number the equations (n, 2) so that the band of the given raw shape tables is narrow.
 
-    They do not depend on the design by necessity: those of the drawn body serve all designs.
+    The numbering of the nominal body is valid for all designs.
     """
     coupled, coupling = couplings(len(fixed), tables, _effective(transformation))
     return number_equations(fixed, coupling, coupled)[0]
 
 
 def _effective(transformation):
-    """The transformation, or None where it constrains no particle."""
+    """Return the transformation, or None where it constrains no particle."""
     if transformation is not None and transformation.constrained.size == 0:
         return None
     return transformation
@@ -322,19 +339,19 @@ def _effective(transformation):
 def tangent_layout(
     equations: np.ndarray, tables, transformation=None, solver: str = "auto", links=(), n_columns=0
 ) -> TangentLayout:
-    """Storage of the tangent, and where everything goes, for the given raw shape tables.
+    """Build the storage of the tangent and all scatter maps for the given raw shape tables.
 
     Parameters
     ----------
     equations : ndarray of int, shape (n, 2)
-        Of ``equation_numbers``; -1 for imposed components.
+        Of ``equation_numbers``; -1 for prescribed components.
     tables : sequence of ShapeTable
     transformation : EssentialTransformation, optional
     solver : {"auto", "banded", "superlu", "pardiso"}
     links : sequence of Link
         Points that act on each other.
     n_columns : int
-        Parts of rank one beside the stored pattern.
+        Rank-one parts beside the stored pattern.
     """
     transformation, constrained = _effective(transformation), np.empty(0, int)
     if transformation is not None:
@@ -343,14 +360,17 @@ def tangent_layout(
     width = _half_width(coupling, equations)
     n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
     storage = storage_for(solver, n, width, equations, coupling)
+    # n equations, c constrained and v coupled particles: K_C. and K_.C have 2 c x 2 v entries each
     places = _Places(
         equations.copy(), n, c, np.full(len(equations), -1), v, storage.scheme, storage.size,
         storage.size + 4 * c * v, storage.size + 8 * c * v,
     )  # fmt: skip
+    # components of constrained particles behind the equations, flat (component, particle)
     places.equations[constrained] = n + np.arange(2 * c).reshape(2, c).T
     places.coupled[coupled] = np.arange(v)
     scatter = []
     for table in tables:
+        # an element matrix couples the neighbours of a group with each other: pairs (g, g)
         with_itself = np.repeat(np.arange(table.n_groups), 2).reshape(-1, 2)
         slots = _slots(table.start, table.neighbours, with_itself, places)
         scatter.append(Scatter(places.equations, *slots))
@@ -359,6 +379,7 @@ def tangent_layout(
         if transformation is None
         else _condensation(transformation, coupled, equations, places)
     )
+    # each rank-one part: a vector of force_size = n + 2 c + 1 entries and its size
     size = places.dump + 1 + n_columns * (n + 2 * c + 2)
     return TangentLayout(
         equations, n, size, n + 2 * c + 1, tuple(scatter), storage, condensation, places, n_columns
@@ -366,8 +387,9 @@ def tangent_layout(
 
 
 def _condensation(transformation, coupled, equations, places) -> Condensation:
-    """Where the products of T with the constrained rows and columns go."""
+    """Compute the slots of the products of T with the constrained rows and columns."""
     union, constrained = transformation.union, transformation.constrained
+    # two artificial groups, the union and the coupled particles: blocks (U, v) and (v, U)
     start = np.array([0, union.size, union.size + coupled.size])
     own, pairs = places._replace(equations=equations), np.array([[0, 1], [1, 0]])
     _, slots = _slots(start, np.concatenate([union, coupled]), pairs, own)
@@ -375,7 +397,7 @@ def _condensation(transformation, coupled, equations, places) -> Condensation:
     # flat (column, row), in the order of ``Condensation``
     union_slots = rows.reshape(2, coupled.size, 2, union.size).transpose(2, 3, 0, 1)
     coupled_slots = columns.reshape(2, union.size, 2, coupled.size).transpose(2, 3, 0, 1).copy()
-    coupled_slots[:, places.coupled[constrained]] = places.dump  # their rows are kept aside
+    coupled_slots[:, places.coupled[constrained]] = places.dump  # their rows are stored aside
     return Condensation(
         np.ascontiguousarray(transformation.matrix), places.coupled[constrained],
         places.coupled[union], np.ascontiguousarray(equations[union].T),

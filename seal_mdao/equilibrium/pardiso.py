@@ -1,8 +1,8 @@
-"""PARDISO of oneMKL by way of pypardiso (extra ``pardiso``), for clouds too wide for a band.
+"""PARDISO of oneMKL through pypardiso (extra ``pardiso``), for clouds too wide for a band.
 
-The ordering is found once for a design; each factorisation then is numerical only. Those for the
-iterations are in single precision, which takes half the time and half the memory to read in every
-solution; their residuals, the tangents that are differentiated and the signs are in double precision.
+The ordering is computed once for a design; each factorisation then is numerical only. Those for the
+iterations are in single precision, which halves time and memory traffic of every solution;
+residuals, the tangents that are differentiated and the signs are in double precision.
 """
 
 import ctypes
@@ -22,31 +22,34 @@ from seal_mdao.equilibrium.compressed_columns import CompressedColumns, rounding
 from seal_mdao.equilibrium.modes import nearest_mode
 from seal_mdao.equilibrium.threads import one_blas_thread
 
-# Phases, and the matrix types: real, structurally symmetric or symmetric positive definite.
+# Phases of a call: analysis, numerical factorisation, solution, release of one factor or of all;
+# matrix types mtype: real, structurally symmetric or symmetric positive definite;
+# indices (from 1) into iparm: solve with the transpose, entries of the factors, single precision.
 ORDER, FACTORIZE, SOLVE, LET_GO, LET_ALL_GO = 11, 22, 33, 0, -1
 STRUCTURALLY_SYMMETRIC, POSITIVE_DEFINITE = 1, 2
 TRANSPOSE, ENTRIES, SINGLE = 12, 18, 28
 TRANSPOSED = 2
 
-# With its own settings PARDISO refines every solution twice, which takes twice the time again and leaves
-# residuals of the same size. With these it does so only where it had to change a pivot: minimum degree
+# With its default settings PARDISO refines every solution twice, which adds twice its time and leaves
+# residuals of the same size. With these it refines only where it perturbed a pivot: minimum degree
 # (nested dissection is as fast with 9,000 unknowns, 5 % faster with 20,000), pivots of at least 1e-13,
-# scaling, matching.
+# scaling, weighted matching.
 SETTINGS = {1: 1, 2: 0, 10: 13, 11: 1, 13: 1}
 
 MOST_FACTORS = 1000
-"""In a handle, which numbers them from 1."""
+"""Number of factors that one handle can hold; they are numbered from 1."""
 
 LIBRARY = "PYPARDISO_MKL_RT"
 """Environment variable with pypardiso's path to MKL."""
 
 WITH_BLAS = ("unopy", "ipyopt")
-"""Modules with a BLAS of their own under the common names. MKL makes its names known to all that is
-loaded after it: bits of an optimisation would hang on whether an analysis had taken PARDISO before."""
+"""Modules with a BLAS of their own under the common symbol names. MKL exports its symbols to every
+library loaded after it: these are loaded first, so that results are bitwise independent of earlier
+PARDISO calls."""
 
 
 def import_pypardiso():
-    """The module, or a one-line ImportError that names the extra."""
+    """Import pypardiso, or raise a one-line ImportError that names the extra."""
     for name in WITH_BLAS:
         with suppress(ImportError):
             import_module(name)
@@ -56,13 +59,13 @@ def import_pypardiso():
         raise ImportError(
             f'the solver "pardiso" needs pypardiso ({error}): pip install "seal_mdao[pardiso]"'
         ) from None
-    # else every handle walks through the whole environment in search of it
+    # without the path every handle searches the complete environment for the library
     os.environ.setdefault(LIBRARY, pypardiso.ps.libmkl._name)
     return pypardiso
 
 
 class PardisoFactor:
-    """One of the factors in a handle, let go with this object if it was kept."""
+    """One of the factors in a handle; its memory is freed with this object if it was ``kept``."""
 
     def __init__(self, handle, matrix, definite=None):
         self.handle, self.matrix, self.definite = handle, matrix, definite
@@ -70,11 +73,12 @@ class PardisoFactor:
 
     @property
     def nbytes(self) -> int:
+        # entries of L and U as PARDISO reports them, and the matrix itself (for the refinement)
         data = self.matrix.data
         return data.itemsize * (int(self.handle.get_iparm(ENTRIES)) + data.size)
 
     def kept(self):
-        """This factor, with a matrix of its own; the next factorisation takes another number."""
+        """Keep this factor valid: copy its matrix; the next factorisation takes another number."""
         if not self.owned:
             self.handle.take_another_number()
             self.matrix, self.owned = self.matrix.copy(), True
@@ -82,17 +86,17 @@ class PardisoFactor:
 
     @cached_property
     def positive(self) -> bool:
-        """Whether a symmetric matrix is positive definite; of another one whether its eigenvalue next
-        to zero is, for PARDISO tells no sign of the determinant."""
+        """Whether a symmetric matrix is positive definite; of another one whether its eigenvalue
+        nearest to zero is positive, for PARDISO reports no sign of the determinant."""
         if self.definite is not None:
             return self.definite
         return nearest_mode(self, self.matrix.shape[0], symmetric=False)[0] > 0.0
 
     def solve(self, rhs, transposed=False):
-        """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
+        """Solve for right-hand sides of shape (n,) or (n, m)."""
         # the stored columns are the rows of the transposed matrix
-        way = {TRANSPOSE: 0 if transposed else TRANSPOSED}
-        return self.handle.run(SOLVE, self.number, self.matrix, np.asfortranarray(rhs), way)
+        setting = {TRANSPOSE: 0 if transposed else TRANSPOSED}
+        return self.handle.run(SOLVE, self.number, self.matrix, np.asfortranarray(rhs), setting)
 
     def __del__(self, ending=sys.is_finalizing):  # ``sys`` may be gone by then
         if self.owned and not ending():
@@ -100,13 +104,13 @@ class PardisoFactor:
 
 
 class RoughFactor:
-    """Factors in single precision.
+    """Factors in single precision, replaced by exact ones where they are kept.
 
     Parameters
     ----------
     factor : PardisoFactor
     exact : callable
-        Makes the factors in double precision.
+        Computes the factors in double precision.
     """
 
     def __init__(self, factor: PardisoFactor, exact: Callable):
@@ -114,25 +118,28 @@ class RoughFactor:
 
     @property
     def nbytes(self) -> int:
-        """Of the exact factors, which are what is kept."""
+        """Memory of the exact factors, which are those that ``kept`` returns."""
         return 2 * self.factor.nbytes
 
     def kept(self):
-        """The exact factors."""
+        """Compute and return the exact factors."""
         return self.exact().kept()
 
     @property
     def positive(self) -> bool:
-        """As the exact factors tell."""
+        """``positive`` of the exact factors."""
         return self.exact().positive
 
     def solve(self, rhs, transposed=False):
-        """Solve for one or several right-hand sides, shape (n,) or (n, m), to some digits."""
+        """Solve in single precision for right-hand sides of shape (n,) or (n, m)."""
         return self.factor.solve(np.asarray(rhs, np.float32), transposed).astype(float)
 
 
 class PardisoStorage(CompressedColumns):
-    """Factorised by PARDISO; every thread has ordered handles of its own, one a kind of factors."""
+    """Compressed columns factorised by PARDISO.
+
+    Every thread has its own handles with their ordering, one for each kind of factors.
+    """
 
     def __init__(self, n, pointers, indices):
         super().__init__(n, pointers, indices)
@@ -141,9 +148,10 @@ class PardisoStorage(CompressedColumns):
         one_blas_thread.find_libraries_again()
 
     def _factorized(self, matrix, kind: int):
-        """A handle with the factor of a matrix, under a number that no kept factor has."""
+        """Factorise a matrix in the handle of its kind, under a number that no kept factor has."""
         handles, name = vars(self._of_thread), f"{kind} {matrix.dtype}"
         handle, nothing = handles.get(name), np.zeros(self.n, matrix.dtype)
+        # the analysis (ordering, symbolic factorisation) depends on the pattern alone: once a handle
         if handle is None or handle.number > MOST_FACTORS:
             handle = handles[name] = _handle_class(self._module)(matrix, kind)
             handle.run(ORDER, handle.number, matrix, nothing)
@@ -151,6 +159,7 @@ class PardisoStorage(CompressedColumns):
         return handle
 
     def _factor(self, values) -> PardisoFactor:
+        # compressed columns of K are compressed rows of K^T; the pattern is symmetric
         matrix = csr_array((values, self.indices, self.pointers), shape=(self.n, self.n))
         try:
             return PardisoFactor(self._factorized(matrix, STRUCTURALLY_SYMMETRIC), matrix)
@@ -170,7 +179,7 @@ class PardisoStorage(CompressedColumns):
 
     @cached_property
     def _lower(self):
-        """Where the entries on and below the diagonal are, and their compressed columns."""
+        """Indices of the entries on and below the diagonal, and their compressed columns."""
         columns = np.repeat(np.arange(self.n), np.diff(self.pointers))
         kept = np.flatnonzero(self.indices >= columns)
         counts = np.bincount(columns[kept], minlength=self.n)
@@ -178,7 +187,7 @@ class PardisoStorage(CompressedColumns):
         return kept, self.indices[kept], pointers
 
     def _is_definite(self, values) -> bool:
-        """Whether a symmetric matrix has a Cholesky factor, but for rounding."""
+        """Return whether a symmetric matrix plus a rounding error has a Cholesky factor."""
         kept, indices, pointers = self._lower
         entries = values[kept]
         # the diagonal entry is the first of a column
@@ -197,14 +206,14 @@ def _integer(value: int):
 
 
 def _address(array: np.ndarray):
-    """Where an array begins."""
+    """Return a pointer to the first entry of an array."""
     # the wrapper declares all numbers as double, whatever precision the library is asked for
     kind = ctypes.c_int32 if array.dtype == np.int32 else ctypes.c_double
     return array.ctypes.data_as(ctypes.POINTER(kind))
 
 
 def _handle_class(module):
-    """PARDISO's handle for one pattern and its factors, which frees MKL's memory when it is dropped."""
+    """Build the class of PARDISO handles: one pattern with its factors, freed with the handle."""
 
     class Handle(module.PyPardisoSolver):
         def __init__(self, matrix, kind: int):
@@ -212,24 +221,25 @@ def _handle_class(module):
             self.number, self._lock, self._unused, self._dropped = 1, Lock(), [], deque()
             self._highest, self._is_free = self.number, False
             settings = SETTINGS if kind == STRUCTURALLY_SYMMETRIC else {}
-            # -1: tell the entries of the factors
+            # -1: report the number of entries of the factors
             settings = settings | {ENTRIES: -1, SINGLE: int(matrix.dtype == np.float32)}
-            for place, value in settings.items():
-                self.set_iparm(place, value)
+            for index, value in settings.items():
+                self.set_iparm(index, value)
+            # Fortran indices from 1; converted once for all calls of this handle
             self._pattern = matrix.indptr + np.int32(1), matrix.indices + np.int32(1)
             self._fixed = [_address(array) for array in (*self._pattern, self.perm)]
             self._iparm, self._messages = _address(self.iparm), _integer(0)
             self._of_library = self.pt.ctypes.data_as(ctypes.POINTER(self._pt_type[0]))
 
         def take_another_number(self) -> None:
-            """For the factors to come: the present ones are kept."""
+            """Reserve the present number; factorisations to come use a free one."""
             with self._lock:
                 self._let_go()
                 self._highest += not self._unused
                 self.number = self._unused.pop() if self._unused else self._highest
 
         def drop(self, number: int) -> None:
-            """Free the memory of factors, now or, where the handle is in use, with the next call."""
+            """Free the memory of factors, at once or, where the handle is in use, with the next call."""
             if self._is_free:  # the collector takes a handle and its factors in any order
                 return
             self._dropped.append(number)
@@ -247,15 +257,15 @@ def _handle_class(module):
                 self._unused.append(number)
 
         def run(self, phase: int, number: int, matrix, rhs, settings=None):
-            """A phase with the factors of a number; the solution where it is one."""
+            """Run a phase with the factors of a number; return the solution of a SOLVE."""
             with self._lock:
                 self._let_go()
-                for place, value in (settings or {}).items():
-                    self.set_iparm(place, value)
+                for index, value in (settings or {}).items():
+                    self.set_iparm(index, value)
                 return self._call(phase, number, matrix, rhs)
 
         def _call(self, phase, number, matrix, rhs):
-            """As of pypardiso, which makes the pattern anew in every call."""
+            """Call MKL as pypardiso does, but without converting the pattern again in every call."""
             x, error = np.zeros_like(rhs), ctypes.c_int32(0)
             n = len(self._pattern[0]) - 1
             numbers = MOST_FACTORS, number, self.mtype, phase, n

@@ -1,14 +1,15 @@
-"""What the path and the sensitivities want of a linear solver."""
+"""Protocols of the linear solvers: storage of the tangent and its factors."""
 
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
+# placeholder of the arrays that a format does not use: kernels get one type of ``Scheme``
 _NONE = np.empty(0, np.int32)
 
 
 class Scheme(NamedTuple):
-    """How a storage arranges entries, for the kernel that finds their slots.
+    """Storage format of a matrix, for the kernel that computes the slots of entries.
 
     Attributes
     ----------
@@ -30,10 +31,9 @@ class Factor(Protocol):
     Attributes
     ----------
     nbytes : int
-        Memory.
-
+        Memory, bytes.
     positive : bool
-        Of a matrix factorised as symmetric whether it is positive definite, of another one whether its
+        Whether a matrix factorised as symmetric is positive definite; of another one whether its
         determinant is positive.
     """
 
@@ -41,24 +41,24 @@ class Factor(Protocol):
     positive: bool
 
     def kept(self) -> "Factor":
-        """One that survives the next factorisation in the same storage."""
+        """Return a factor that stays valid after the next factorisation in the same storage."""
 
     def solve(self, rhs: np.ndarray, transposed: bool = False) -> np.ndarray:
-        """Solve for one or several right-hand sides, shape (n,) or (n, m)."""
+        """Solve for right-hand sides of shape (n,) or (n, m)."""
 
 
 class Storage(Protocol):
-    """Room for the tangent of n equations, and the solver that goes with it.
+    """Storage of the tangent of n equations, with its solver.
 
     Attributes
     ----------
     n, size : int
-        Equations; entries of the buffer.
+        Number of equations, and of stored entries.
     reuses_factors : bool
         Whether a factorisation costs so many solutions that quasi-Newton iterations, which reuse one,
         are to be tried before Newton's.
     tells_sign : bool
-        Whether its factors tell the sign of the determinant at no cost.
+        Whether its factors give the sign of the determinant at no cost.
     scheme : Scheme
     """
 
@@ -69,12 +69,12 @@ class Storage(Protocol):
     scheme: Scheme
 
     def diagonal(self) -> np.ndarray:
-        """Where the diagonal entries are, shape (n,)."""
+        """Return the indices of the diagonal entries, shape (n,)."""
 
     def factorize(self, values: np.ndarray, symmetric: bool = False) -> Factor:
-        """Factor of the matrix in the buffer, which may be overwritten.
+        """Factorise the matrix in the buffer, which may be overwritten.
 
-        A ``symmetric`` one is solved with as any other; its factor knows whether it is definite.
+        A ``symmetric`` one is solved as any other; its factor knows whether it is definite.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class Storage(Protocol):
         """
 
     def factorize_roughly(self, values: np.ndarray) -> Factor:
-        """Factor good to some digits, for quasi-Newton iterations; what it ``kept`` is good to all.
+        """Factorise in reduced precision, for quasi-Newton iterations; ``kept`` gives full precision.
 
-        Asked of those that reuse factors.
+        Called where ``reuses_factors`` holds.
         """

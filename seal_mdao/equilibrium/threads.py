@@ -1,6 +1,6 @@
-"""One BLAS thread while anything is analysed or differentiated.
+"""Limit BLAS to one thread during analyses and sensitivities.
 
-Bands of a few hundred unknowns gain nothing from threads, lose a lot when several runs share a
+Bands of a few hundred unknowns gain nothing from threads, are slowed down when several runs share a
 machine, and their rounding would depend on the number of threads.
 """
 
@@ -12,18 +12,21 @@ from threadpoolctl import ThreadpoolController
 
 
 class OneBlasThread(ContextDecorator):
-    """Limits BLAS to one thread while any thread of the process is inside.
+    """Context manager and decorator that limits BLAS to one thread.
 
-    Most BLAS libraries have one number of threads for the whole process: the first to enter sets
-    it, the last to leave restores what was there before. Where each calling thread has a number of
-    its own, each sets and restores its own. Exceptions and nested calls change nothing of this.
+    Most BLAS libraries have one number of threads for the process: the first thread to enter sets it,
+    the last to leave restores the number before. Where each calling thread has a number of its own,
+    each sets and restores its own. Nested calls and exceptions are allowed for.
     """
 
     def __init__(self):
+        # _inside: threads of the process within the context, guarded by the lock;
+        # _of_process, _of_thread: limits to undo, of libraries with one number a process or a thread
         self._lock, self._inside = Lock(), 0
         self._libraries, self._of_process, self._of_thread = None, [], local()
 
     def __enter__(self):
+        # nested entries of a thread count in ``depth``; only the outermost sets limits
         mine = self._of_thread
         mine.depth = getattr(mine, "depth", 0) + 1
         if mine.depth == 1:
@@ -39,6 +42,7 @@ class OneBlasThread(ContextDecorator):
         if mine.depth > 0:
             return
         with self._lock:
+            # limits of this thread first, then those of the process if it was the last one inside
             _restore(mine.limits)
             self._inside -= 1
             if self._inside == 0:
@@ -47,7 +51,7 @@ class OneBlasThread(ContextDecorator):
                 _take_control(self._libraries)
 
     def find_libraries_again(self) -> None:
-        """Take in a BLAS library that has just been loaded; limited at once for who is inside."""
+        """Include a BLAS library that has just been loaded; limit it at once for threads inside."""
         with self._lock:
             self._libraries = None
             if self._inside:
@@ -65,21 +69,22 @@ class OneBlasThread(ContextDecorator):
 
 
 def _restore(limits: list) -> None:
-    """Undo limits, the last one first, and forget them."""
+    """Undo limits in reverse order and clear the list."""
     while limits:
         limits.pop().restore_original_limits()
 
 
 def _take_control(libraries: ThreadpoolController) -> None:
-    """Let this thread set the number of threads; threadpoolctl may reserve that for another one."""
+    """Allow this thread to set the number of threads, which threadpoolctl may reserve for another."""
     for library in libraries.lib_controllers:
         if hasattr(library, "clear_controlling_thread"):
             library.clear_controlling_thread(force=True)
 
 
 def _split(libraries: ThreadpoolController):
-    """Libraries with one number of threads for the process, and those with one for each thread."""
+    """Split libraries into those with one number of threads a process and those with one a thread."""
     _take_control(libraries)
+    # limit in this thread and look from another one: what it sees limited is shared by the process
     limit = libraries.limit(limits=1)
     with ThreadPoolExecutor(1) as another:
         seen = another.submit(libraries.info).result()
@@ -91,4 +96,4 @@ def _split(libraries: ThreadpoolController):
 
 
 one_blas_thread = OneBlasThread()
-"""The one of this process, as a decorator or in a ``with`` statement."""
+"""The instance of this process, as a decorator or in a ``with`` statement."""

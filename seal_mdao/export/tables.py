@@ -1,4 +1,4 @@
-"""Curves as CSV: every profile along the path, contact along the edges, the boundary of a design."""
+"""Export to CSV: profiles along the path, contact along edges, boundary of a design."""
 
 import csv
 from pathlib import Path
@@ -20,12 +20,12 @@ CURVE_HEADER = (
     "Fx_N_per_100mm", "Fy_N_per_100mm", "deformed_contact_width_mm", "true_peak_pressure_kPa",
     "contact_width_mm", "peak_pressure_kPa",
 )  # fmt: skip
-"""``contact_width_mm`` and ``peak_pressure_kPa`` are the nominal ones, of the undeformed length."""
+"""``contact_width_mm`` and ``peak_pressure_kPa`` are nominal values, per undeformed length."""
 EDGE_HEADER = (
     "step", "arc_length_mm", "X_mm", "Y_mm", "x_mm", "y_mm", "gap_mm", "true_pressure_kPa",
     "pressure_kPa", "state",
 )  # fmt: skip
-"""``pressure_kPa`` is the nominal one, force over undeformed length."""
+"""``pressure_kPa`` is the nominal pressure, force over undeformed length."""
 
 
 def write_curves(result, folder) -> list[Path]:
@@ -37,6 +37,7 @@ def write_curves(result, folder) -> list[Path]:
     """
     written = []
     for history in profile_histories(result):
+        # columns in the order of CURVE_HEADER; 0.1 m of seal: N/m to N per 100 mm
         columns = (
             np.arange(1, len(history.stage) + 1), history.stage, history.travel, history.turn,
             *history.place.T, *history.force.T, *(0.1 * history.force.T), history.width, history.peak,
@@ -48,8 +49,8 @@ def write_curves(result, folder) -> list[Path]:
 
 
 def write_contact(result, folder, steps=None) -> list[Path]:
-    """Write ``contact_NAME.csv`` for every profile: gap, pressures and state of every point that may
-    touch, at nominal ``steps`` from 0 (``result.key_steps()``).
+    """Write ``contact_NAME.csv`` for every profile: gap, pressures and state of every
+    contact point, at nominal ``steps`` from 0 (``result.key_steps()``).
 
     Returns
     -------
@@ -57,15 +58,18 @@ def write_contact(result, folder, steps=None) -> list[Path]:
     """
     steps, written = result.key_steps() if steps is None else steps, []
     for contact in contacts(result.seal):
-        places, rows = contact_places(result, contact.label), []
+        points, rows = contact_places(result, contact.label), []
+        # undeformed arc length from the first contact point
         arc = np.concatenate([[0.0], np.cumsum(side_lengths(result, contact.label))])
         for step in steps:
-            answer = result.path.at_nominal(contact.label)[step]
+            response = result.path.at_nominal(contact.label)[step]
             words = [
-                "open" if s == OPEN else "slip" if s == SLIP else "stick" for s in answer.state
+                "open" if s == OPEN else "slip" if s == SLIP else "stick" for s in response.state
             ]
-            true, nominal = true_pressure(result, contact, step), nominal_pressure(contact, answer)
-            numbers = np.column_stack([arc, places, answer.x, answer.gap, true, nominal])
+            true = true_pressure(result, contact, step)
+            nominal = nominal_pressure(contact, response)
+            # columns in the order of EDGE_HEADER; steps are numbered from 1 in files
+            numbers = np.column_stack([arc, points, response.x, response.gap, true, nominal])
             rows += [(step + 1, *row, word) for row, word in zip(numbers, words, strict=True)]
         path = Path(folder) / f"contact_{contact.label}.csv"
         written.append(_write(path, EDGE_HEADER, rows))
@@ -85,7 +89,8 @@ def write_boundary(seal, offsets, path) -> Path:
     particles, rows = seal.particles(offsets), []
     for name, edge in seal.body.edges.items():
         ring = np.append(edge.particles, edge.particles[:1]) if edge.closed else edge.particles
-        rows += [(name, *drawn, *now) for drawn, now in
+        # nominal and present coordinates; the columns of the file keep the name ``drawn``
+        rows += [(name, *nominal, *now) for nominal, now in
                  zip(seal.drawn_particles[ring], particles[ring], strict=True)]  # fmt: skip
     return _write(Path(path), ("edge", "drawn_x_mm", "drawn_y_mm", "x_mm", "y_mm"), rows)
 
@@ -95,6 +100,8 @@ def _write(path: Path, header, rows) -> Path:
         writer = csv.writer(file)
         writer.writerow(header)
         writer.writerows(
-            [value if isinstance(value, str) else f"{value:.12g}" for value in row] for row in rows
+            # 12 digits: beyond the accuracy of any result, without noise of rounding
+            [value if isinstance(value, str) else f"{value:.12g}" for value in row]
+            for row in rows
         )
     return path

@@ -1,4 +1,4 @@
-"""The deformed section step by step for ParaView, with the library meshio (extra ``vtk``)."""
+"""Export of the deformed section of every load step to ParaView, with meshio (extra ``vtk``)."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.seals.profiles import contacts, nominal_pressure, true_pressure
 
 PRESSURES = ("pressure", "nominal_pressure")
-"""Before the name of a profile: its true and its nominal contact pressure."""
+"""Prefixes of the fields of a profile: true and nominal contact pressure."""
 
 
 def write_vtu_series(result, folder) -> Path:
@@ -25,12 +25,12 @@ def write_vtu_series(result, folder) -> Path:
     result : SealResult
         Complete, or up to the step at which the path ended.
     folder : str or Path
-        Made if need be.
+        Created if missing.
 
     Returns
     -------
     Path
-        ``steps.vtu.series``, which names all files with the number of the step.
+        ``steps.vtu.series``, which lists all files with their step number as time.
 
     Raises
     ------
@@ -54,15 +54,17 @@ def write_vtu_series(result, folder) -> Path:
 
 
 def point_data(result, step: int) -> dict[str, np.ndarray]:
-    """Fields at the particles after a nominal step, by name."""
+    """Compute the fields at the particles after a nominal step, by name."""
     f = result.gradient(step)
     data = {
         "displacement": flat(result.displacement(step)),
         "von_mises": result.stress_field(step),
+        # F = (F11, F12, F21, F22):  J = F11 F22 - F12 F21
         "det_F": f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2],
     }
     for contact in contacts(result.seal):
         response = result.path.at_nominal(contact.label)[step]
+        # pressures at contact points, averaged to the particles for a point field
         values = true_pressure(result, contact, step), nominal_pressure(contact, response)
         for kind, own in zip(PRESSURES, values, strict=True):
             data[f"{kind}_{contact.label}"] = contact.where.mean_at_particles(own, len(f))
@@ -70,7 +72,7 @@ def point_data(result, step: int) -> dict[str, np.ndarray]:
 
 
 def _no_data(result) -> dict[str, np.ndarray]:
-    """The same before the first step."""
+    """Return the fields before the first step: no displacement, F = 1, no pressure."""
     n = len(result.particles)
     data = {"displacement": np.zeros((n, 3)), "von_mises": np.zeros(n), "det_F": np.ones(n)}
     labels = [contact.label for contact in contacts(result.seal)]

@@ -6,6 +6,7 @@ of them work without a display; ``save`` writes one to a file.
 
 from importlib import import_module
 
+# function: module; imported at first use, so that matplotlib is loaded only where figures are made
 _LAZY = {
     "save": "seal_mdao.plotting.style",
     "deformed_shapes": "seal_mdao.plotting.deformation",

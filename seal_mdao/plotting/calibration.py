@@ -7,19 +7,19 @@ from matplotlib.ticker import MaxNLocator
 from seal_mdao.plotting.style import BLUE, GREEN, GREY, VERMILION, styled, subplots
 
 ELLIPSES = ((1.5152, "68 % of cases"), (2.4477, "95 %"))
-"""Radii in standard deviations of regions of two constants, and their probability."""
+"""Radii r in standard deviations of confidence ellipses, and their probability 1 - exp(-r^2 / 2)."""
 
 
 @styled
 def calibration_figure(travel, measured, curves: dict, found, true: dict, noise: float) -> Figure:
-    """Force over travel, loss on the way back, differences, what the data tell about two constants.
+    """Plot force over travel, hysteresis, differences and the confidence region of two constants.
 
     Parameters
     ----------
     travel, measured : ndarray, shape (m,)
-        mm and N/m; readings on the way back at the same travels as on the way in, in reverse.
+        mm and N/m; readings while opening at the same travels as while closing, in reverse order.
     curves : dict of str to ndarray, shape (m,)
-        Computed force by label: where the search began, and last the calibrated one.
+        Computed force by label: at the start of the search, and last the calibrated one.
     found
         With ``names``, ``values`` (2,), ``covariance`` (2, 2) of two constants.
     true : dict of str to float
@@ -36,14 +36,15 @@ def calibration_figure(travel, measured, curves: dict, found, true: dict, noise:
 
 
 LOOKS = ({"color": GREY, "linestyle": "--"}, {"color": BLUE})
-"""Of the curve at the start, and of the calibrated one."""
+"""Line styles of the curve at the start and of the calibrated one."""
 
 
 def _losses(axes, travel, measured, curves):
-    """Force on the way in less that on the way back."""
+    """Plot the force while closing less that while opening."""
     turn = int(np.argmax(travel))
 
     def loss(force):
+        # reading turn - 1 - k while closing is at the travel of reading turn + 1 + k while opening
         return force[:turn] - force[turn + 1 :][::-1]
 
     for (label, force), look in zip(curves.items(), LOOKS, strict=True):
@@ -60,6 +61,7 @@ def _losses(axes, travel, measured, curves):
 def _forces(axes, travel, measured, curves):
     for (label, force), look in zip(curves.items(), LOOKS, strict=True):
         axes.plot(travel, force, label=label, **look)
+    # half of the readings, so that the curves stay visible below them
     every = slice(None, None, 2)
     axes.plot(
         travel[every], measured[every], "o", color=VERMILION, markerfacecolor="none",
@@ -72,6 +74,7 @@ def _forces(axes, travel, measured, curves):
 
 def _differences(axes, travel, measured, force, noise):
     turn = int(np.argmax(travel)) + 1
+    # differences within two standard deviations of the noise are no evidence of a wrong law
     axes.axhspan(-2.0 * noise, 2.0 * noise, color=GREY, alpha=0.15, linewidth=0.0)
     axes.axhline(0.0, color="black", linewidth=0.8)
     away = force - measured
@@ -88,8 +91,9 @@ def _differences(axes, travel, measured, force, noise):
 
 
 def _region(axes, found, true):
-    """Ellipses of equal probability around the constants."""
+    """Plot confidence ellipses around the constants."""
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
+    # p + r L (cos a, sin a) with the covariance C = L L^T: all points of Mahalanobis distance r
     circle = np.linalg.cholesky(found.covariance) @ np.array([np.cos(angle), np.sin(angle)])
     for (radius, label), style in zip(ELLIPSES, ("-", "--"), strict=True):
         x, y = found.values[:, None] + radius * circle

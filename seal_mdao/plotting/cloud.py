@@ -1,4 +1,4 @@
-"""The drawn section: its cloud, its edges by name, and the profiles where they start."""
+"""Figure of the undeformed section: cloud, named edges, and profiles at the start."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,51 +13,53 @@ from seal_mdao.seals.result import SealResult
 
 @styled
 def section_cloud(result: SealResult) -> Figure:
-    """Particles, background cells, edges in colours with their names, and the profiles at the start.
+    """Plot particles, background cells, edges by name, and the profiles at the start.
 
     Parameters
     ----------
     result : SealResult
-        Its undeformed section is drawn.
+        Its undeformed section is plotted.
 
     Returns
     -------
     Figure
     """
-    seal, places = result.seal, result.particles
+    seal, particles = result.seal, result.particles
     fine = field.fine_grid(result, 1)
     faces = [section.profile_face(result, contact, 0.0) for contact in contacts(seal)]
-    low, high = _window(places, faces)
+    low, high = _window(particles, faces)
     width, height = panel_size(low, high)
     figure, axes = subplots(width=1.35 * width + 2.2, height=1.35 * height + 0.6)
-    corners = places[seal.body.cells]
+    corners = particles[seal.body.cells]
+    # one line a cell: axes.plot takes arrays (5 points, m cells) of x and of y
     closed = np.concatenate([corners, corners[:, :1]], axis=1)
     axes.plot(*closed.transpose(2, 1, 0), color="#C9C9C9", linewidth=0.5, zorder=2)
     section.fill_outline(
         axes, field.undeformed(result, fine), fine.loops, facecolor=LIGHT_GREY, alpha=0.25, lw=0
     )
-    axes.plot(*places.T, "o", color="#777777", markersize=_marker(len(places)), zorder=3)
+    axes.plot(*particles.T, "o", color="#777777", markersize=_marker(len(particles)), zorder=3)
     for number, (name, edge) in enumerate(seal.body.edges.items()):
-        line = places[
+        line = particles[
             np.append(edge.particles, edge.particles[:1]) if edge.closed else edge.particles
         ]
         color = CYCLE[number % len(CYCLE)]
         axes.plot(*line.T, color=color, linewidth=2.4, label=name, zorder=4)
-    held = places[seal.body.fixed.any(axis=1)]
-    axes.plot(*held.T, "s", color="black", markersize=3.5, zorder=5, label="held")
+    fixed = particles[seal.body.fixed.any(axis=1)]
+    axes.plot(*fixed.T, "s", color="black", markersize=3.5, zorder=5, label="fixed")
     section.draw_held(axes, result)
     section.draw_profiles(axes, result, 0.0)
     _name_profiles(axes, result, low, high)
     section.frame(axes, low, high)
-    axes.set_title(f"{len(places)} particles, {len(seal.body.cells)} cells", loc="left")
+    axes.set_title(f"{len(particles)} particles, {len(seal.body.cells)} cells", loc="left")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="edges", alignment="left")
     return figure
 
 
 def _name_profiles(axes, result, low, high) -> None:
-    """Names where most of each profile is seen."""
+    """Write the name of each profile inside its visible part."""
     seen = box(*low, *high)
     for contact in contacts(result.seal):
+        # buffer(0) makes the polygon valid for the intersection with the window
         body = section.profile_body(result, contact, 0.0).buffer(0.0).intersection(seen)
         if not body.is_empty:
             axes.text(
@@ -67,12 +69,13 @@ def _name_profiles(axes, result, low, high) -> None:
 
 
 def _marker(count: int) -> float:
-    """Size of the dots: fewer are larger."""
+    """Choose the size of the dots: larger for fewer particles."""
     return float(np.clip(60.0 / np.sqrt(count), 0.8, 3.0))
 
 
-def _window(places, faces):
-    """Around the section and what of the profiles is near it."""
-    low, high = section.window([places], 0.2)
+def _window(particles, faces):
+    """Compute the window around the section and nearby parts of the profiles."""
+    low, high = section.window([particles], 0.2)
+    # profiles extend far beyond the section: only their points within 20 % of its size count
     near = [face[((face >= low) & (face <= high)).all(axis=1)] for face in faces]
-    return section.window([places, *near], 0.1)
+    return section.window([particles, *near], 0.1)

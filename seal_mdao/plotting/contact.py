@@ -1,4 +1,4 @@
-"""Contact of the profiles: pressure along the edges, width and peak over travel."""
+"""Figures of contact: pressure along the edges, width and peak pressure over travel."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -22,14 +22,14 @@ BESIDE = 2
 
 
 def arc_length(result: SealResult, label: str) -> np.ndarray:
-    """Undeformed arc length of the points that may touch from the first of them, shape (k,), mm."""
+    """Compute the undeformed arc length of the contact points from the first one, shape (k,), mm."""
     return np.concatenate([[0.0], np.cumsum(side_lengths(result, label))])
 
 
 @styled
 def contact_pressure(result: SealResult, steps=None) -> Figure:
-    """True contact pressure along the edges that may touch, a picture for every profile, and the nominal
-    one at the end.
+    """Plot the true contact pressure along the contact edges of every profile, and the nominal one at
+    the end.
 
     Parameters
     ----------
@@ -60,7 +60,8 @@ def contact_pressure(result: SealResult, steps=None) -> Figure:
 
 
 def _draw_pressures(axes, result, contact, steps) -> None:
-    s, answers = arc_length(result, contact.label), result.path.at_nominal(contact.label)
+    s, responses = arc_length(result, contact.label), result.path.at_nominal(contact.label)
+    # touched: points with pressure at any of the steps, for the range of the axis
     touched = np.zeros(len(s), bool)
     for number, step in enumerate(steps):
         values, last = true_pressure(result, contact, step), number == len(steps) - 1
@@ -71,10 +72,11 @@ def _draw_pressures(axes, result, contact, steps) -> None:
             label=result.caption(step), zorder=3 if last else 2,
         )  # fmt: skip
     axes.plot(
-        s, nominal_pressure(contact, answers[steps[-1]]), color=GREY, linewidth=1.1,
+        s, nominal_pressure(contact, responses[steps[-1]]), color=GREY, linewidth=1.1,
         label="nominal, at the end", zorder=2,
     )  # fmt: skip
-    state = answers[steps[-1]].state
+    # contact state at the last step, marked on its curve (``values`` of the last pass above)
+    state = responses[steps[-1]].state
     for text, marker, fill, chosen in (
         ("stick", "s", BLUE, (state != OPEN) & (state != SLIP)), ("slip", "^", ORANGE, state == SLIP),
     ):  # fmt: skip
@@ -85,6 +87,7 @@ def _draw_pressures(axes, result, contact, steps) -> None:
                 label=f"{text}, at the end", zorder=4,
             )  # fmt: skip
     axes.axhline(0.0, color="black", linewidth=0.8)
+    # range of the axis: the contact and BESIDE points on either side of it
     at = np.flatnonzero(touched)
     if at.size:
         first, last = max(at[0] - BESIDE, 0), min(at[-1] + BESIDE, len(s) - 1)
@@ -99,9 +102,9 @@ def _draw_pressures(axes, result, contact, steps) -> None:
 
 @styled
 def contact_width(result: SealResult) -> Figure:
-    """Deformed width in contact and highest true pressure of every profile against its travel.
+    """Plot deformed contact width and peak true pressure of every profile against its travel.
 
-    Thin lines are the nominal ones.
+    Thin lines are the nominal values.
 
     Parameters
     ----------
@@ -119,6 +122,7 @@ def contact_width(result: SealResult) -> Figure:
     """
     figure, panels = course_panels(result, "width in contact with {} (mm)")
     for history, course, axes, last in panels:
+        # width on the left axis, peak pressure on a second one, labelled in the last column only
         right = axes.twinx()
         right.spines["right"].set_visible(last)
         right.grid(False)
@@ -134,7 +138,8 @@ def contact_width(result: SealResult) -> Figure:
 
 
 def _both(axes, course, true, nominal, color, style) -> list:
-    """The true values of a course and, as a thin line, the nominal ones."""
+    """Plot the true values of a load-unload segment and, as a thin line, the nominal ones."""
+    # dotted thin line: nominal; the axis starts at zero and leaves 12 % for the legend
     lines = axes.plot(*with_start(course, true), color=color, linestyle=style, zorder=3)
     thin = {"linewidth": 0.8, "alpha": 0.7, "zorder": 2}
     lines += axes.plot(*with_start(course, nominal), color=color, linestyle=":", **thin)

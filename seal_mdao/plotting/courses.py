@@ -1,4 +1,4 @@
-"""Pictures of what happens at the profiles: a row for each, a column for each course of its motion."""
+"""Panels of curves over travel: a row for each profile, a column for each load-unload segment."""
 
 import numpy as np
 
@@ -7,23 +7,25 @@ from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.result import SealResult
 
 WIDTHS = (6.6, 9.0, 11.0)
-"""Of figures with one, two or more columns, inches."""
+"""Widths of figures with one, two or three and more columns, inches."""
 
 
 def course_panels(result: SealResult, text: str):
-    """A figure with axes for every course of every profile; those of a row share their y axis.
+    """Create a figure with axes for every load-unload segment of every profile.
+
+    Axes of a row share their y axis.
 
     Parameters
     ----------
     result : SealResult
     text : str
-        Of the y axes, with a place for the name of the profile.
+        Label of the y axes, with {} for the name of the profile.
 
     Returns
     -------
     figure : Figure
     panels : list of (ProfileHistory, Course, Axes, bool)
-        With whether the axes are the last of their row.
+        The flag marks the last axes of a row.
 
     Raises
     ------
@@ -33,6 +35,7 @@ def course_panels(result: SealResult, text: str):
     histories = profile_histories(result)
     if not histories or not len(histories[0].stage):
         raise ValueError("the result has no profile, or no converged load step to draw")
+    # one grid for all profiles: as many columns as the longest row needs
     columns = max(len(history.courses) for history in histories)
     figure, grid = subplots(
         len(histories), columns, width=WIDTHS[min(columns, len(WIDTHS)) - 1],
@@ -41,6 +44,7 @@ def course_panels(result: SealResult, text: str):
     panels = []
     for history, row in zip(histories, grid, strict=True):
         row[0].set_ylabel(text.format(history.label))
+        # profiles may have different numbers of load-unload segments
         for axes in row[len(history.courses) :]:
             axes.set_visible(False)
         for number, (course, axes) in enumerate(zip(history.courses, row, strict=False), start=1):
@@ -62,7 +66,7 @@ def _label(axes, history, course) -> None:
 
 
 def with_start(course, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Travel (k + 1,) and values (k + 1, ...) of a course with the state in which it begins.
+    """Return travel (k + 1,) and values (k + 1, ...) of a load-unload segment with its initial state.
 
     Parameters
     ----------
@@ -70,6 +74,7 @@ def with_start(course, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     values : ndarray, shape (n, ...)
         At every nominal step; zero before the first.
     """
+    # before[k]: values at the beginning of step k; the segment begins at the end of the step before it
     before = np.concatenate([np.zeros_like(values[:1]), values])
     begun = slice(course.steps.start, course.steps.stop + 1)
     return np.append(course.begin, course.along), before[begun]

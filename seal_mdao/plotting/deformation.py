@@ -7,12 +7,12 @@ from seal_mdao.plotting.style import styled, subplots
 from seal_mdao.seals.result import SealResult
 
 AREA = 16.0
-"""Of the picture of one shape, square inches; long sections get wide ones."""
+"""Area of the panel of one shape, square inches; its aspect ratio is that of the section."""
 
 
 @styled
 def deformed_shapes(result: SealResult, steps=None) -> Figure:
-    """Deformed shapes with von Mises contours in one colour scale, and the rigid profiles.
+    """Plot deformed shapes with von Mises contours in one colour scale, and the rigid profiles.
 
     Parameters
     ----------
@@ -33,12 +33,14 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
     if len(result.path.nominal_steps) == 0:
         raise ValueError("the result has no converged load step to draw")
     steps = result.key_steps() if steps is None else steps
+    # shape functions on the fine grid are evaluated once for all steps (Lagrangian)
     fine = field.fine_grid(result)
     shapes = [field.deformed(result, fine, step) for step in steps]
     scale = section.stress_scale(field.von_mises(result, fine, step) for step in steps)
     low, high = section.window([field.undeformed(result, fine), *shapes])
     width, height = panel_size(low, high)
     columns = min(len(steps), 2 if width > 3.0 else 3)
+    # rounded up
     rows = -(-len(steps) // columns)
     figure, axes = subplots(
         rows, columns, width=max(width * columns + 1.3, 5.0), height=rows * (height + 0.45) + 0.4,
@@ -59,8 +61,9 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
 
 
 def panel_size(low, high) -> tuple[float, float]:
-    """Width and height of the picture of a window, inches."""
+    """Compute width and height of the panel of a window, inches."""
     width, height = high - low
+    # equal area for all aspect ratios, at most 6 by 5 inches
     scale = (AREA / (width * height)) ** 0.5
     scale = min(scale, 6.0 / width, 5.0 / height)
     return scale * width, scale * height

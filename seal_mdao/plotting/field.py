@@ -1,4 +1,4 @@
-"""The meshless fields between the particles: deformed position and stress on a fine grid."""
+"""Meshless fields between the particles: deformed position and stress on a fine grid."""
 
 from dataclasses import dataclass
 
@@ -12,9 +12,9 @@ from seal_mdao.structure.particle_stress import deformation_gradients
 from seal_mdao.terms.point_assembly import interpolate
 
 WANTED = 8000
-"""Points that a picture of a whole section needs, about."""
+"""Approximate number of points for a figure of the complete section."""
 FINEST = 6
-"""Most intervals into which a side of a background cell is divided."""
+"""Largest number of intervals of a side of a background cell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +47,13 @@ class FineGrid:
 
 
 def fine_grid(result: SealResult, divisions: int | None = None) -> FineGrid:
-    """Shape functions of a result's design on a grid finer than its particles.
+    """Evaluate the shape functions of a result's design on a grid finer than its particles.
 
     Parameters
     ----------
     result : SealResult
     divisions : int, optional
-        Intervals into which the sides of cells are divided; chosen by the number of cells when left
-        out.
+        Intervals of the sides of cells; by default chosen by the number of cells.
     """
     disc, cells = result.path.discretization, result.seal.body.cells
     if divisions is None:
@@ -69,34 +68,38 @@ def fine_grid(result: SealResult, divisions: int | None = None) -> FineGrid:
 
 
 def _cell_regions(result) -> np.ndarray:
-    """Number of the material of every cell."""
+    """Return the index of the material of every cell."""
     body = result.term("structure").definition
     return body.per_cell(range(len(body.regions)), len(result.seal.body.cells), int)
 
 
 def _refined(cells, region, n: int):
-    """Points of all cells: the set, the points (m, n + 1, n + 1) of every cell, their regions."""
+    """Divide all cells: point set, indices (m, n + 1, n + 1) of the points of every cell, regions."""
     i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
-    shares = np.stack([(n - i) * (n - j), i * (n - j), i * j, (n - i) * j], axis=-1)
+    # bilinear weights times n^2, integers so that equal points of two cells compare exactly:
+    # N = [(1 - a)(1 - b), a (1 - b), a b, (1 - a) b],  a = i / n, b = j / n
+    weights = np.stack([(n - i) * (n - j), i * (n - j), i * j, (n - i) * j], axis=-1)
     shape = (len(cells), (n + 1) ** 2, 4)
     anchors = np.broadcast_to(cells[:, None, :], shape)
     order = np.argsort(anchors, axis=-1)
     anchors = np.take_along_axis(anchors, order, -1)
-    shares = np.take_along_axis(np.broadcast_to(shares.reshape(1, -1, 4), shape), order, -1).copy()
-    for k in range(1, 4):  # the repeated corner of a triangle
+    weights = np.take_along_axis(
+        np.broadcast_to(weights.reshape(1, -1, 4), shape), order, -1
+    ).copy()
+    for k in range(1, 4):  # the repeated corner of a triangle gets the sum
         same = anchors[..., k] == anchors[..., k - 1]
-        shares[..., k] += np.where(same, shares[..., k - 1], 0)
-        shares[..., k - 1][same] = 0
-    # what has no share does not tell points apart: those of neighbouring cells are the same
-    heaviest = np.take_along_axis(anchors, shares.argmax(axis=-1)[..., None], -1)
-    anchors = np.where(shares > 0, anchors, heaviest)
-    rows = np.concatenate([anchors, shares], axis=-1)
-    order = np.argsort(anchors * (n * n + 1) + shares, axis=-1)
-    rows = np.concatenate([np.take_along_axis(part, order, -1) for part in (anchors, shares)], -1)
+        weights[..., k] += np.where(same, weights[..., k - 1], 0)
+        weights[..., k - 1][same] = 0
+    # anchors of zero weight are replaced, so that points on a side common to two cells are equal
+    heaviest = np.take_along_axis(anchors, weights.argmax(axis=-1)[..., None], -1)
+    anchors = np.where(weights > 0, anchors, heaviest)
+    # anchors sorted, with their weights, give one key a point; the region makes interfaces double
+    order = np.argsort(anchors * (n * n + 1) + weights, axis=-1)
+    rows = np.concatenate([np.take_along_axis(part, order, -1) for part in (anchors, weights)], -1)
     rows = np.concatenate([np.broadcast_to(region[:, None, None], (*shape[:2], 1)), rows], -1)
-    found, place = np.unique(rows.reshape(-1, 9), axis=0, return_inverse=True)
+    found, index = np.unique(rows.reshape(-1, 9), axis=0, return_inverse=True)
     points = PointSet(np.ascontiguousarray(found[:, 1:5]), found[:, 5:] / n**2, 1)
-    return points, place.reshape(len(cells), n + 1, n + 1), found[:, 0]
+    return points, index.reshape(len(cells), n + 1, n + 1), found[:, 0]
 
 
 def _quads(of_cell) -> np.ndarray:
@@ -113,11 +116,12 @@ def _triangles(quads) -> np.ndarray:
 
 
 def boundary_loops(cells: np.ndarray, of_cell: np.ndarray) -> tuple:
-    """Points along every closed boundary of cells (m, 4), from the points (m, n + 1, n + 1) of all."""
+    """Trace closed boundaries of cells (m, 4) as loops of their points (m, n + 1, n + 1)."""
     along = [of_cell[:, :, 0], of_cell[:, -1, :], of_cell[:, ::-1, -1], of_cell[:, 0, ::-1]]
     sides = {}
     for k in range(4):
         for a, b, points in zip(cells[:, k], cells[:, (k + 1) % 4], along[k], strict=True):
+            # a side met in the opposite direction before is inside and cancels
             if a != b and sides.pop((b, a), None) is None:
                 sides[a, b] = points[:-1]
     following = {a: (b, points) for (a, b), points in sides.items()}
@@ -133,22 +137,23 @@ def boundary_loops(cells: np.ndarray, of_cell: np.ndarray) -> tuple:
 
 
 def undeformed(result: SealResult, fine) -> np.ndarray:
-    """Undeformed coordinates of the fine grid, shape (k, 2), mm."""
+    """Compute undeformed coordinates of the fine grid, shape (k, 2), mm."""
     return fine.points.at(result.particles)
 
 
 def deformed(result: SealResult, fine, step: int = -1) -> np.ndarray:
-    """Deformed coordinates of the fine grid after a nominal step, shape (k, 2), mm."""
+    """Compute deformed coordinates of the fine grid after a nominal step, shape (k, 2), mm."""
+    # x = X + sum_I Phi_I(X) d_I
     u = np.empty((len(fine.points.anchors), 2))
     interpolate(fine.table.table, result.path.nominal_steps[step].d, u)
     return undeformed(result, fine) + u
 
 
 def von_mises(result: SealResult, fine, step: int = -1) -> np.ndarray:
-    """Von Mises stress on the fine grid after a nominal step, shape (k,), kPa.
+    """Compute the von Mises stress on the fine grid after a nominal step, shape (k,), kPa.
 
-    Beyond the limit of its law, which quadrature points do not pass but others may, a material has none:
-    there it is the highest of all others.
+    Points between quadrature points may exceed the limit of a material law, where it gives no stress;
+    they get the highest stress of all other points.
     """
     f = deformation_gradients(fine.table.table, result.path.nominal_steps[step].d)
     square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
@@ -159,5 +164,5 @@ def von_mises(result: SealResult, fine, step: int = -1) -> np.ndarray:
 
 
 def triangulation(coordinates: np.ndarray, fine: FineGrid) -> Triangulation:
-    """Triangulation of the fine grid at the given coordinates (k, 2)."""
+    """Build the triangulation of the fine grid at the given coordinates (k, 2)."""
     return Triangulation(*coordinates.T, fine.triangles)

@@ -1,4 +1,4 @@
-"""Test data, a fitted law and the differences between them."""
+"""Figure of test data, a fitted law and their differences."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ CURVE_POINTS = 200
 
 @styled
 def material_fit(fit: Fit, others: dict | None = None) -> Figure:
-    """Nominal stress of every mode against stretch, and the differences below it.
+    """Plot nominal stress against stretch and the differences for every mode.
 
     Parameters
     ----------
@@ -26,11 +26,12 @@ def material_fit(fit: Fit, others: dict | None = None) -> Figure:
     Returns
     -------
     Figure
-        A column for every mode. Differences as shares of the readings, or in kPa when the fit was
-        absolute; a third row with the free stretch where that was measured and the law knows it.
+        A column for every mode. Differences relative to the readings, or in kPa if the fit was absolute;
+        a third row with the lateral stretch where it was measured and the law is compressible.
     """
     label = fit.name.replace("_", "-").capitalize()
     laws = {f"{label}, fitted": fit.law, **(others or {})}
+    # the lateral stretch of incompressible laws follows from the stretch: nothing to compare
     across = is_compressible(fit.law) and fit.tests.has_lateral
     heights = [2.2, 1.0, 1.2][: 3 if across else 2]
     columns = len(fit.tests.modes)
@@ -38,6 +39,7 @@ def material_fit(fit: Fit, others: dict | None = None) -> Figure:
         len(heights), columns, width=1.2 + 2.9 * columns, height=1.45 * sum(heights) + 0.3,
         squeeze=False, sharex="col", gridspec_kw={"height_ratios": heights},
     )  # fmt: skip
+    # differences of all modes on one scale
     for axes in grid[1, 1:]:
         axes.sharey(grid[1, 0])
     for column, (name, data) in zip(grid.T, fit.tests.modes.items(), strict=True):
@@ -47,8 +49,8 @@ def material_fit(fit: Fit, others: dict | None = None) -> Figure:
             _lateral(column[2], name, data, laws)
         column[-1].set_xlabel("stretch")
     grid[0, 0].set_ylabel("nominal stress (kPa)")
-    share = fit.weighting == "relative"
-    grid[1, 0].set_ylabel("difference (%)" if share else "difference (kPa)")
+    relative = fit.weighting == "relative"
+    grid[1, 0].set_ylabel("difference (%)" if relative else "difference (kPa)")
     if across:
         grid[2, 0].set_ylabel("lateral stretch")
     handles, labels = grid[0, 0].get_legend_handles_labels()
@@ -58,6 +60,7 @@ def material_fit(fit: Fit, others: dict | None = None) -> Figure:
 
 
 def _look(number: int) -> dict:
+    # the fitted law blue and solid, others dashed; vermilion is for the data
     color = (BLUE, *[c for c in CYCLE if c not in (BLUE, VERMILION)])[number % 6]
     return {"color": color, "linestyle": "-" if number == 0 else "--"}
 
@@ -85,6 +88,7 @@ def _differences(axes, fit, name, data, laws):
     for i, law in enumerate(laws.values()):
         away = nominal_stress(law, MODES[name], data.stretch) - data.stress
         if fit.weighting == "relative":
+            # percent of the reading, bounded below near zero stress as in the fit
             away = 100.0 * away / share_of(data.stress)
         look = _look(i)
         filled = look["color"] if i == 0 else "none"

@@ -16,7 +16,7 @@ from seal_mdao.seals.result import SealResult
 NEIGHBOURS = 3
 """Open points shown beyond either end of the contact."""
 LEAST_SCALE = 0.02
-"""Gap that the vertical axis shows at least, mm."""
+"""Least upper limit of the vertical axis, mm."""
 
 
 @styled
@@ -47,6 +47,7 @@ def gap_profile(result: SealResult, earlier=(), profile: str | None = None) -> F
     axes.plot(s[shown], end.gap[shown], color=GREY, linewidth=1.2, zorder=3)
     _draw_states(axes, s, end, shown)
     axes.axhline(0.0, color="black", linewidth=1.0, zorder=2)
+    # scale by the gaps between contacts, not by the far larger ones beyond the contact
     highest = max([LEAST_SCALE, *end.gap[opened]])
     axes.set_ylim(-0.18 * highest, 1.45 * highest)
     axes.set_xlim(s[shown].min() - 0.5, s[shown].max() + 0.5)
@@ -63,6 +64,7 @@ def _shown_points(state: np.ndarray) -> np.ndarray:
     touching = np.flatnonzero(state != OPEN)
     if touching.size == 0:
         return np.arange(state.size)
+    # from the first to the last contact point, and NEIGHBOURS open points beyond
     first = max(touching[0] - NEIGHBOURS, 0)
     return np.arange(first, min(touching[-1] + NEIGHBOURS + 1, state.size))
 
@@ -101,9 +103,10 @@ def _draw_states(axes: Axes, s: np.ndarray, end, shown: np.ndarray) -> None:
 
 
 def _summary(end, opened: np.ndarray) -> str:
+    # mm to micrometres; g_n < 0 is penetration
     penetration = 1e3 * max(0.0, -end.gap.min())
     if opened.size == 0:
-        return f"no open stretch, deepest penetration {penetration:.1f} µm"
+        return f"no gap region, deepest penetration {penetration:.1f} µm"
     plural = "s" if opened.size > 1 else ""
     return (
         f"{opened.size} open point{plural} (shaded), largest gap {end.gap[opened].max():.3f} mm, "

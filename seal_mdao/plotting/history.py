@@ -1,4 +1,4 @@
-"""Cost and constraint histories of an optimisation (Figures 5 and 6)."""
+"""Figures of cost and constraint histories of an optimisation (Figures 5 and 6)."""
 
 import itertools
 import re
@@ -12,9 +12,9 @@ from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, styl
 from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
 
 PAPER_RATIO = 0.0075
-"""Cost over its start that Kim et al. (2000) reached."""
+"""Final over initial cost in Kim et al. (2000)."""
 LOWEST_RATIO = 1e-8
-"""Where the logarithmic axis ends when the gap closes completely."""
+"""Lower limit of the logarithmic axis, for gaps that close completely."""
 
 
 def _iteration_axis(axes: Axes, history: RecordedOptimization) -> None:
@@ -24,7 +24,7 @@ def _iteration_axis(axes: Axes, history: RecordedOptimization) -> None:
 
 @styled
 def cost_history(history: RecordedOptimization) -> Figure:
-    """The cost of Eq. (71) over its start on a logarithmic axis, infeasible points marked."""
+    """Plot the cost of Eq. (71) over its initial value, logarithmic, infeasible points marked."""
     figure, axes = subplots(width=6.4, height=4.2)
     axes.axhline(PAPER_RATIO, color=GREY, linestyle="--", linewidth=1.0)
     axes.annotate(
@@ -41,7 +41,7 @@ def cost_history(history: RecordedOptimization) -> Figure:
 
 @styled
 def objective_history(history: RecordedOptimization) -> Figure:
-    """The objective in its own unit, infeasible points marked."""
+    """Plot the objective in its unit, infeasible points marked."""
     figure, axes = subplots(width=6.4, height=4.2)
     _draw_objective(axes, history, history.objective)
     name = _words(history.objective_name)
@@ -53,7 +53,8 @@ def objective_history(history: RecordedOptimization) -> Figure:
 
 
 def _draw_objective(axes: Axes, history: RecordedOptimization, values: np.ndarray) -> None:
-    """Values (n,) of the objective over the iterations."""
+    """Plot values (n,) of the objective over the iterations."""
+    # violations are relative to the limits: 1e-3 is 0.1 %
     number, feasible = np.arange(len(values)), history.max_violation <= 1e-3
     axes.plot(number, values, color=BLUE, zorder=2)
     for chosen, fill, text in (
@@ -70,7 +71,7 @@ def _draw_objective(axes: Axes, history: RecordedOptimization, values: np.ndarra
 
 @styled
 def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
-    """How far constraints use their limits; a feasible design lies on or below 1.
+    """Plot the utilisation of constraints; a feasible design lies on or below 1.
 
     Parameters
     ----------
@@ -87,6 +88,7 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
     number = np.arange(len(history.objective))
     uses = {_legend(c.name, particles): c.use() for c in history.constraints}
     uses = {text: use for text, use in uses.items() if np.isfinite(use).all()}  # there is a limit
+    # colour and marker change with every curve, the dash after all colours are used
     looks = itertools.product(("-", "--", ":"), zip(CYCLE, MARKERS, strict=True))
     for (text, use), (dash, (color, marker)) in zip(uses.items(), looks, strict=False):
         axes.plot(number, use, color=color, marker=marker, linestyle=dash, label=text)
@@ -98,8 +100,9 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
 
 
 def _shade_violated(axes: Axes, shown: np.ndarray) -> None:
-    """The limit, and what is beyond it, in a window that holds the values ``shown``."""
+    """Plot the limit 1 and shade the region above it, in a window around the values ``shown``."""
     low, high = shown.min(), shown.max()
+    # margins of the window; 1e-3 for histories without any change
     top = high + 0.08 * (high - low) + 1e-3
     axes.axhline(1.0, color=VERMILION, linewidth=1.4, zorder=1)
     axes.axhspan(1.0, top, color=VERMILION, alpha=0.08, linewidth=0)
@@ -111,11 +114,12 @@ def _shade_violated(axes: Axes, shown: np.ndarray) -> None:
 
 
 def _legend(name: str, particles) -> str:
+    # entry k of the vector ``von_mises`` belongs to particle ``particles[k]``
     entry = re.fullmatch(r"von_mises\[(\d+)\]", name)
     where = f", particle {particles[int(entry[1])]}" if entry and particles is not None else ""
     return _words(name) + where
 
 
 def _words(name: str) -> str:
-    """A recorded variable in words, none of which is mathematics to matplotlib."""
+    """Format the name of a recorded variable, with $ escaped for matplotlib."""
     return label(name).replace("$", r"\$")

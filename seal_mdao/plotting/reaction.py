@@ -1,4 +1,4 @@
-"""Reactions of profiles against their travel: compression-load-deflection curves."""
+"""Figures of reactions against travel: compression-load-deflection curves."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -9,15 +9,15 @@ from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.result import SealResult
 
 UNIT_SEAL = 0.1
-"""Length of seal for which engineers quote forces, m."""
+"""Reference length of seal for forces in N per 100 mm, m."""
 COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
 
 
 @styled
 def load_deflection(result: SealResult) -> Figure:
-    """Compression-load-deflection curves: force on every profile against its travel.
+    """Plot compression-load-deflection curves: force on every profile against its travel.
 
-    Stages that go there and back along one line share a picture.
+    Loading and unloading along one line share a panel.
 
     Parameters
     ----------
@@ -38,6 +38,7 @@ def load_deflection(result: SealResult) -> Figure:
     for history, course, axes, last in panels:
         along, force = with_start(course, history.force)
         draw_forces(axes, along, force)
+        # path parameters at the start and the step ends of the segment; critical points within it
         ends = np.arange(course.steps.start, course.steps.stop + 1)
         inside = [point.fraction for point in result.critical_points]
         inside = [fraction for fraction in inside if ends[0] < fraction <= ends[-1]]
@@ -49,7 +50,7 @@ def load_deflection(result: SealResult) -> Figure:
 
 
 def draw_forces(axes, travel: np.ndarray, force: np.ndarray) -> None:
-    """Both components of a force (n, 2) against travel (n,), their ends written out."""
+    """Plot both components of a force (n, 2) against travel (n,), final values annotated."""
     axes.axhline(0.0, color="black", linewidth=0.8)
     for component, name, color, style in COMPONENTS:
         axes.plot(travel, force[:, component], color=color, linestyle=style, label=name)
@@ -58,10 +59,10 @@ def draw_forces(axes, travel: np.ndarray, force: np.ndarray) -> None:
 
 
 def mark_critical(axes, fractions, ends, travel: np.ndarray, force: np.ndarray) -> None:
-    """Where stability was lost: ``fractions`` of the path, between the ``ends`` (n,) of load steps."""
+    """Mark loss of stability at path parameters ``fractions``, between the ``ends`` (n,) of steps."""
     if not len(fractions) or not len(travel):
         return
-    # of a step with a jump the force before it
+    # the force before a jump, that of the step end before the critical point
     before = np.clip(np.searchsorted(ends, fractions) - 1, 0, len(ends) - 1)
     axes.plot(
         np.interp(fractions, ends, travel), force[before, 1], linestyle="none", marker="D",
@@ -71,7 +72,7 @@ def mark_critical(axes, fractions, ends, travel: np.ndarray, force: np.ndarray) 
 
 
 def unit_seal_axis(axes) -> None:
-    """N per 100 mm of seal on the right."""
+    """Add an axis in N per 100 mm of seal on the right."""
     right = axes.secondary_yaxis(
         "right", functions=(lambda f: f * UNIT_SEAL, lambda f: f / UNIT_SEAL)
     )
@@ -93,7 +94,7 @@ def travel_table(result: SealResult) -> np.ndarray:
 
 
 def reaction_tables(result: SealResult) -> dict[str, list]:
-    """For every profile rows of stage (from 1), travel in it (mm), Fx, Fy (N/m)."""
+    """Tabulate stage (from 1), travel in it (mm), Fx, Fy (N/m) of every step for every profile."""
     return {
         history.label: [
             [int(stage), round(float(travel), 12), *map(float, force)]

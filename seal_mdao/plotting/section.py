@@ -1,4 +1,4 @@
-"""Drawing of one section: stressed body, outline, rigid profiles, what is held."""
+"""Plotting of one section: stress contours, outline, rigid profiles, fixed boundaries."""
 
 from typing import NamedTuple
 
@@ -21,33 +21,34 @@ from seal_mdao.seals.result import SealResult
 
 LEVELS = 20
 USUAL, PEAK = 0.99, 2.0
-"""This share of the points has usual stresses; the scale ends at this multiple of them."""
+"""Quantile of the stresses, and the multiple of it at which the colour scale ends at most."""
 FAR = 10.0
-"""How far profiles go on beyond their ends in pictures, over the size of the section."""
+"""Length by which open profiles are extended beyond their ends, over the size of the section."""
 DEPTH, HELD_DEPTH = 0.16, 0.04
-"""Of the hatched sides of profiles and of what is held, over the size of the section."""
+"""Depth of the hatched sides of profiles and of fixed boundaries, over the size of the section."""
 SMOOTH = 0.004
 """Distance of points along curved profiles, over the size of the section."""
 
 
 def stress_levels(highest: float) -> np.ndarray:
-    """Contour levels of a scale shared by several pictures, from 0 to ``highest`` or above, kPa."""
+    """Choose contour levels from 0 to ``highest`` or above for several panels, kPa."""
     highest = max(highest, 1e-9)
     raw = highest / LEVELS
+    # the next larger of 1, 2, 2.5, 5, 10 times a power of ten
     decade = 10.0 ** np.floor(np.log10(raw))
     step = decade * next(m for m in (1.0, 2.0, 2.5, 5.0, 10.0) if m * decade >= raw)
     return step * np.arange(int(np.ceil(highest / step)) + 1)
 
 
 class Scale(NamedTuple):
-    """Scale of stresses shared by several pictures.
+    """Stress scale shared by several panels.
 
     Attributes
     ----------
     levels : ndarray
         kPa.
     extend : str
-        "max" when single points have more, as corners do; as ``tricontourf`` takes it.
+        Option of ``tricontourf``: "max" if single points, as at corners, exceed the levels.
     """
 
     levels: np.ndarray
@@ -55,16 +56,17 @@ class Scale(NamedTuple):
 
 
 def stress_scale(stresses) -> Scale:
-    """The scale for pictures of stresses (k,) each, kPa."""
+    """Choose the scale for panels with stresses (k,) each, kPa."""
     stresses = list(stresses)
     highest = max(stress.max() for stress in stresses)
+    # single peaks at corners must not stretch the colour scale
     usual = PEAK * max(np.quantile(stress, USUAL) for stress in stresses)
     levels = stress_levels(min(highest, usual))
     return Scale(levels, "max" if highest > levels[-1] else "neither")
 
 
 def size_of(result: SealResult) -> float:
-    """Larger side of the box around the drawn section, mm."""
+    """Compute the larger side of the bounding box of the nominal section, mm."""
     return float(np.ptp(result.seal.drawn_particles, axis=0).max())
 
 
@@ -77,13 +79,15 @@ def profile_face(result: SealResult, contact, fraction: float) -> np.ndarray:
 def face_of(profile: RigidProfile, size: float) -> np.ndarray:
     """Points along a profile in its own frame beside a section of a ``size`` (mm), shape (n, 2), mm.
 
-    A closed one ends where it began; an open one goes on beyond lines at its ends.
+    A closed one ends at its first point; an open one is extended where it ends in lines.
     """
     far = FAR * size
+    # bound of the extent of the profile in its own coordinates
     around = float(
         np.abs(profile.origin).max() + profile.length.max() + np.abs(profile.radius).max()
     )
     face = trace(profile, SMOOTH * size, 2.0 * (around + far))
+    # open profile: points on end lines at natural coordinates beyond their ends by ``far``
     if profile.period == 0.0:
         ends = (0, profile.start[0] - far), (-1, profile.start[-1] + profile.length[-1] + far)
         first, last = (
@@ -107,6 +111,7 @@ def rigid_side(profile: RigidProfile, face: np.ndarray, size: float):
     depth = DEPTH * size
     if profile.period == 0.0:
         return left_of(face, depth)
+    # closed: counter-clockwise is a solid body, clockwise a hole in a rigid body around it
     inside = Polygon(face)
     if inside.exterior.is_ccw:
         return inside
@@ -114,21 +119,25 @@ def rigid_side(profile: RigidProfile, face: np.ndarray, size: float):
 
 
 def left_of(line: np.ndarray, depth: float):
-    """What lies on the left of a line (k, 2) as far as ``depth``: one quadrilateral for each piece, and
-    a triangle where it turns to the right."""
-    # pieces meet but for rounding, which has no direction
+    """Build the region on the left of a line (k, 2) up to ``depth``.
+
+    One rectangle for each segment, and a triangle where the line turns to the right.
+    """
+    # drop segments of rounding length, which have no direction
     line = line[np.append(True, np.hypot(*np.diff(line, axis=0).T) > 1e-6 * depth)]
     along = np.diff(line, axis=0)
+    # depth times the left normals n = (-t_y, t_x) of the segments
     beside = depth * np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
     a, b = line[:-1], line[1:]
     pieces = polygons(np.stack([a, b, b + beside, a + beside], axis=1))
     corner = line[1:-1]
+    # triangles fill the gaps between adjacent rectangles at right turns; at left turns they overlap
     wedges = polygons(np.stack([corner, corner + beside[1:], corner + beside[:-1]], axis=1))
     return union_all([*pieces, *wedges[area(wedges) > 1e-9 * depth**2]])
 
 
 def draw_profiles(axes: Axes, result: SealResult, fraction: float) -> None:
-    """All rigid profiles after ``fraction`` nominal steps as hatched bodies."""
+    """Plot all rigid profiles after ``fraction`` nominal steps as hatched bodies."""
     for contact in contacts(result.seal):
         _hatch(axes, profile_body(result, contact, fraction), LIGHT_GREY, "////")
         face = profile_face(result, contact, fraction)
@@ -151,19 +160,20 @@ def _hatch(axes, body, face, hatch) -> None:
 
 
 def held_lines(result: SealResult) -> list[np.ndarray]:
-    """Stretches of the drawn boundary that are held, the body on the left, shapes (k, 2), mm."""
+    """List the fixed lines of the nominal boundary, the body on the left, shapes (k, 2), mm."""
     body, found = result.seal.body, []
-    held = body.fixed.all(axis=1)
+    fixed = body.fixed.all(axis=1)
     for loop in field.boundary_loops(body.cells, body.cells[:, [[0, 3], [1, 2]]]):
-        free = np.flatnonzero(~held[loop])
+        free = np.flatnonzero(~fixed[loop])
+        # start at a free particle, so that no fixed line crosses the end of the list
         ring = np.append(loop, loop[0]) if free.size == 0 else np.roll(loop, -free[0])
-        runs = np.split(ring, np.flatnonzero(np.diff(held[ring])) + 1)
-        found += [result.seal.drawn_particles[r] for r in runs if held[r[0]] and r.size > 1]
+        runs = np.split(ring, np.flatnonzero(np.diff(fixed[ring])) + 1)
+        found += [result.seal.drawn_particles[r] for r in runs if fixed[r[0]] and r.size > 1]
     return found
 
 
 def draw_held(axes: Axes, result: SealResult) -> None:
-    """The rigid ground to which the section is fixed, hatched."""
+    """Plot the fixed boundary of the section with hatched ground."""
     depth = HELD_DEPTH * size_of(result)
     for line in held_lines(result):
         _hatch(axes, left_of(line[::-1], depth), "white", "\\\\\\\\")
@@ -171,7 +181,7 @@ def draw_held(axes: Axes, result: SealResult) -> None:
 
 
 def draw_outline(axes: Axes, coordinates: np.ndarray, loops, **line) -> None:
-    """Boundary loops of the points ``coordinates`` (k, 2)."""
+    """Plot boundary loops of the points ``coordinates`` (k, 2)."""
     label = line.pop("label", None)
     for number, loop in enumerate(loops):
         x, y = coordinates[np.append(loop, loop[0])].T
@@ -179,13 +189,13 @@ def draw_outline(axes: Axes, coordinates: np.ndarray, loops, **line) -> None:
 
 
 def fill_outline(axes: Axes, coordinates: np.ndarray, loops, **patch) -> None:
-    """The section between boundary loops of the points ``coordinates`` (k, 2)."""
+    """Fill the section between boundary loops of the points ``coordinates`` (k, 2)."""
     rings = [Path(coordinates[np.append(loop, loop[0])], closed=True) for loop in loops]
     axes.add_patch(PathPatch(Path.make_compound_path(*rings), **patch))
 
 
 def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int, scale: Scale):
-    """Deformed body with filled von Mises contours, and the profiles around it.
+    """Plot the deformed body with filled von Mises contours, and the profiles around it.
 
     Returns
     -------
@@ -206,26 +216,26 @@ def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int,
 
 
 def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
-    """Points that touch a profile or another wall, and those that stand open between them."""
+    """Plot points in contact with a profile or another wall, and open points between contacts."""
 
-    def answers(terms):
+    def responses(terms):
         return [result.path.at_nominal(term.label)[step] for term in terms]
 
-    rigid, folded = answers(contacts(result.seal)), answers(self_contacts(result.seal))
-    touching = [answer.x[answer.branch != OPEN] for answer in (*rigid, *folded)]
-    opened = [answer.x[opened_points(answer.branch)] for answer in rigid]
-    for fill, label, places in (
+    rigid, folded = responses(contacts(result.seal)), responses(self_contacts(result.seal))
+    touching = [own.x[own.branch != OPEN] for own in (*rigid, *folded)]
+    opened = [own.x[opened_points(own.branch)] for own in rigid]
+    for fill, label, points in (
         (ORANGE, "in contact", touching), ("white", "open between contacts", opened),
     ):  # fmt: skip
         axes.plot(
-            *np.concatenate([np.empty((0, 2)), *places]).T, linestyle="none", marker="o",
+            *np.concatenate([np.empty((0, 2)), *points]).T, linestyle="none", marker="o",
             markersize=4.2, zorder=5, markerfacecolor=fill, markeredgecolor="black",
             markeredgewidth=0.7, label=label,
         )  # fmt: skip
 
 
 def frame(axes: Axes, low, high) -> None:
-    """Equal aspect, fixed window, units."""
+    """Set equal aspect, window and axis labels."""
     axes.set_aspect("equal")
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
@@ -237,7 +247,10 @@ def frame(axes: Axes, low, high) -> None:
 
 
 def window(shapes, margin: float = 0.08) -> tuple[np.ndarray, np.ndarray]:
-    """Lower left and upper right corner around all ``shapes`` (n, 2), with a share of their size."""
+    """Compute lower left and upper right corner around all ``shapes`` (n, 2).
+
+    With a margin as a fraction of the larger side.
+    """
     points = np.vstack([np.reshape(shape, (-1, 2)) for shape in shapes])
-    room = margin * np.ptp(points, axis=0).max()
-    return points.min(axis=0) - room, points.max(axis=0) + room
+    border = margin * np.ptp(points, axis=0).max()
+    return points.min(axis=0) - border, points.max(axis=0) + border

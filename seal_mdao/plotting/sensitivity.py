@@ -1,4 +1,4 @@
-"""How well the analytic sensitivities agree with finite differences."""
+"""Figures of the verification of analytic sensitivities by finite differences."""
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -12,7 +12,7 @@ LOWEST, HIGHEST = 1e-12, 1e-3
 
 @styled
 def sensitivity_errors(errors: np.ndarray, measures, parameters, judged, one_sided) -> Figure:
-    """Relative error of every derivative as a heat map.
+    """Plot the relative error of every derivative as a heat map.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def sensitivity_errors(errors: np.ndarray, measures, parameters, judged, one_sid
     measures, parameters : sequence of str
         Names of the rows and columns.
     judged : ndarray of bool, shape (P,)
-        False for parameters whose differences passed through another contact sequence.
+        False for parameters whose perturbed runs have another contact sequence.
     one_sided : ndarray of bool, shape (P,)
         Parameters for which the difference is one-sided.
 
@@ -31,6 +31,7 @@ def sensitivity_errors(errors: np.ndarray, measures, parameters, judged, one_sid
     """
     m, count = errors.shape
     figure, axes = subplots(width=max(6.0, 2.6 + 0.33 * count), height=1.7 + 0.3 * m)
+    # errors of zero have no logarithm: clipped to the colour scale; NaN stays blank
     shown = np.where(np.isfinite(errors), np.clip(errors, LOWEST, HIGHEST), np.nan)
     picture = axes.imshow(shown, norm=LogNorm(LOWEST, HIGHEST), cmap="cividis", aspect="auto")
     axes.grid(False)
@@ -41,6 +42,7 @@ def sensitivity_errors(errors: np.ndarray, measures, parameters, judged, one_sid
     axes.set_ylim(m - 0.5, -0.5)
     axes.set_xticks(range(count), parameters, rotation=90, fontsize=8.5)
     axes.set_yticks(range(m), measures, fontsize=8.5)
+    # marks above the columns: 1 one-sided difference, x not judged
     for column in np.flatnonzero(one_sided & judged):
         axes.text(column, -0.62, "1", ha="center", va="bottom", color=BLUE, fontsize=9.0)
     for column in np.flatnonzero(~np.asarray(judged)):
@@ -55,6 +57,7 @@ def sensitivity_errors(errors: np.ndarray, measures, parameters, judged, one_sid
 def _summary(errors, measures, judged, one_sided) -> str:
     text = "relative error of all derivatives"
     if np.any(judged):
+        # worst error over judged parameters only
         part = np.where(judged, errors, 0.0)
         row, _ = np.unravel_index(np.nanargmax(part), part.shape)
         text += f"; worst {np.nanmax(part):.1e} ({measures[row]})"
@@ -67,7 +70,7 @@ def _summary(errors, measures, judged, one_sided) -> str:
 
 @styled
 def step_study(steps: np.ndarray, groups: dict) -> Figure:
-    """Relative error of difference quotients against the step: truncation, plateau, rounding.
+    """Plot the relative error of difference quotients against the step size.
 
     Parameters
     ----------
@@ -80,10 +83,11 @@ def step_study(steps: np.ndarray, groups: dict) -> Figure:
     Returns
     -------
     Figure
-        Medians as lines, the middle four fifths as bands.
+        Medians as lines, the 10 % to 90 % quantiles as bands.
     """
     figure, axes = subplots(width=7.4, height=4.6)
     for (name, errors), color, marker in zip(groups.items(), CYCLE, MARKERS, strict=False):
+        # steps at which at least one derivative of the group can be judged
         usable = np.isfinite(errors).any(axis=0)
         low, middle, high = np.maximum(
             np.nanquantile(errors[:, usable], [0.1, 0.5, 0.9], axis=0), LOWEST

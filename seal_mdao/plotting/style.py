@@ -1,4 +1,4 @@
-"""Colours, sizes and the one way a figure is made and saved."""
+"""Colours, sizes, creation and saving of figures."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-# Okabe and Ito: told apart with any colour vision
+# palette of Okabe and Ito, distinguishable with any colour vision
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY, LIGHT_GREY = "#6E6E6E", "#DADADA"
@@ -35,22 +35,23 @@ SETTINGS = {
 
 
 styled = matplotlib.rc_context(SETTINGS)
-"""Decorator of the functions that make a figure: the house style while they run."""
+"""Decorator of functions that create a figure: applies ``SETTINGS`` while they run."""
 
 
 def signed(value: float, digits: int = 1) -> str:
-    """A number as text with a real minus sign."""
+    """Format a number with a typographic minus sign."""
     return f"{value:.{digits}f}".replace("-", "\u2212")
 
 
 def scientific(value: float, digits: int = 2) -> str:
-    """A number for mathtext: small and large ones with a power of ten."""
+    """Format a number for mathtext, small and large ones with a power of ten."""
+    # format g switches to an exponent outside 1e-4 to 10^digits
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
     return f"${mantissa} \\cdot 10^{{{int(exponent)}}}$" if exponent else mantissa
 
 
 def subplots(rows: int = 1, columns: int = 1, *, width: float, height: float, **options):
-    """A figure outside pyplot with a grid of axes in the house style.
+    """Create a figure outside pyplot with a grid of axes.
 
     Parameters
     ----------
@@ -65,6 +66,7 @@ def subplots(rows: int = 1, columns: int = 1, *, width: float, height: float, **
     figure : Figure
     axes : Axes or ndarray of Axes
     """
+    # not by pyplot, which would keep every figure open and needs a display for some backends
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, **options)
@@ -72,7 +74,7 @@ def subplots(rows: int = 1, columns: int = 1, *, width: float, height: float, **
 
 @styled
 def save(figure: Figure, path, dpi: int = 160) -> Path:
-    """Write a figure to ``path``, making its folder; returns the path."""
+    """Write a figure to ``path``, creating its folder, and return the path."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=dpi)

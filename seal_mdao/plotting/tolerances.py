@@ -1,4 +1,4 @@
-"""Scattered measures: their distributions, what drives them, designs side by side."""
+"""Figures of scattered measures: distributions, correlations, comparison of designs."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -8,24 +8,24 @@ from seal_mdao.plotting.style import BLUE, GREY, VERMILION, styled, subplots
 BINS = 30
 MOST_COLUMNS = 3
 SMALLEST = 1e-4
-"""Share of the largest cost below which costs are not told apart in a picture."""
+"""Lower limit of the cost axis over the largest cost."""
 SIGNED_MAP = "RdBu_r"
 LOUD = 0.6
-"""Correlation from which on white letters are legible."""
+"""Correlation above which numbers are white."""
 
 
 @styled
 def distributions(values, names, units, linear=None) -> Figure:
-    """A histogram for every measure.
+    """Plot a histogram of every measure.
 
     Parameters
     ----------
     values : ndarray, shape (S, M)
-        Of samples that were completed.
+        Values of the completed samples.
     names, units : sequence of str
         Of the measures.
     linear : ndarray, shape (S, M), optional
-        What the first-order estimate says about the same samples.
+        First-order estimate for the same samples.
     """
     count = values.shape[1]
     columns = min(count, MOST_COLUMNS)
@@ -37,6 +37,7 @@ def distributions(values, names, units, linear=None) -> Figure:
         axes.set_visible(False)
     for number, axes in enumerate(grid.ravel()[:count]):
         own = values[:, number]
+        # bins common to both histograms, so that their heights compare
         both = own if linear is None else np.concatenate([own, linear[:, number]])
         edges = np.histogram_bin_edges(both, BINS)
         axes.hist(own, edges, color=BLUE, alpha=0.55, label="sampled")
@@ -52,6 +53,7 @@ def distributions(values, names, units, linear=None) -> Figure:
     for axes in grid[:, 0]:
         axes.set_ylabel("samples")
     handles, labels = grid[0, 0].get_legend_handles_labels()
+    # the two vertical lines, median and 95 % quantile, are the last lines of the axes
     handles += grid[0, 0].get_lines()[-2:]
     figure.legend(handles, [*labels, "median", "95 %"], loc="outside upper center", ncols=4)
     return figure
@@ -64,7 +66,7 @@ def _labelled(name: str, unit: str | None) -> str:
 
 @styled
 def correlations(table, measures, inputs) -> Figure:
-    """Rank correlations (M, K) of measures with what varies, as a map."""
+    """Plot rank correlations (M, K) of measures with the varied inputs as a map."""
     wide = len(inputs) > 12
     figure, axes = subplots(
         width=2.6 + (0.3 if wide else 0.75) * len(inputs), height=1.9 + 0.34 * len(measures)
@@ -78,6 +80,7 @@ def correlations(table, measures, inputs) -> Figure:
     )
     axes.set_yticks(range(len(measures)), [_labelled(name, None) for name in measures])
     axes.grid(False)
+    # numbers in the cells as long as they are legible
     if not wide:
         for (row, column), value in np.ndenumerate(table):
             color = "white" if abs(value) > LOUD else "black"
@@ -90,7 +93,7 @@ def correlations(table, measures, inputs) -> Figure:
 
 
 def _rounded(value: float) -> str:
-    """Two digits, and no minus before a zero."""
+    """Format with two digits, without a minus sign before zero."""
     return f"{round(value, 2) + 0.0:.2f}".replace("-", "\u2212")
 
 
@@ -131,7 +134,7 @@ def designs_compared(
         cost.plot(max(np.quantile(values, 0.95), least), 95.0, "o", color=color)
     cost.axhline(95.0, color=GREY, linewidth=0.8, linestyle=":")
     cost.set_xlabel(_labelled(name, unit))
-    cost.set_ylabel("share of samples below (%)")
+    cost.set_ylabel("fraction of samples below (%)")
     cost.set_ylim(0.0, 100.0)
     if least > 0.0 and min(values.min() for values in samples.values()) >= 0.0:
         cost.set_xscale("log")

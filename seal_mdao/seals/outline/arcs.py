@@ -18,7 +18,7 @@ COLLINEAR = 1e-6
 
 
 class _Round(Segment):
-    """What arcs and circles share: ``centre``, ``radius``, ``angle`` of the start, ``sweep``."""
+    """Base of arcs and circles: ``centre``, ``radius``, ``angle`` of the start, ``sweep``."""
 
     @property
     def length(self) -> float:
@@ -29,6 +29,7 @@ class _Round(Segment):
         return abs(self.sweep)
 
     def _directions(self, s):
+        # x(s) = c + r (cos phi, sin phi),  phi = phi_0 + s sweep
         phi = self.angle + self.sweep * np.asarray(s, float)
         return np.column_stack([np.cos(phi), np.sin(phi)])
 
@@ -36,6 +37,7 @@ class _Round(Segment):
         return np.array(self.centre) + self.radius * self._directions(s)
 
     def tangents(self, s):
+        # t = sign(sweep) (-sin phi, cos phi),  curvature sign(sweep) / r
         u = self._directions(s)
         return np.copysign(1.0, self.sweep) * np.column_stack([-u[:, 1], u[:, 0]])
 
@@ -44,6 +46,7 @@ class _Round(Segment):
 
     @property
     def area(self):
+        # 1/2 int x dy - y dx with x = c + r e_r: sector r^2 sweep / 2 and 1/2 c x (x_1 - x_0)
         (x0, y0), (x1, y1) = self.points([0.0, 1.0]) - self.centre
         x, y = self.centre
         return 0.5 * (self.radius**2 * self.sweep + x * (y1 - y0) - y * (x1 - x0))
@@ -62,12 +65,12 @@ class Arc(_Round):
     angle : float
         Polar angle of its start about the centre, radians.
     sweep : float
-        Angle from start to end, positive counter-clockwise, less than a whole turn, radians.
+        Angle from start to end, positive counter-clockwise, less than a full turn, radians.
 
     Raises
     ------
     GeometryError
-        For what is no number, a radius that is not positive, no sweep or a whole turn.
+        For values that are no numbers, a radius that is not positive, a sweep of zero or a full turn.
     """
 
     centre: tuple[float, float]
@@ -88,7 +91,7 @@ class Arc(_Round):
 
     @classmethod
     def through(cls, start, through, end, edge: str = "") -> "Arc":
-        """The arc from ``start`` to ``end`` by way of a third point.
+        """Construct the arc from ``start`` to ``end`` through a third point.
 
         Raises
         ------
@@ -103,6 +106,7 @@ class Arc(_Round):
                             (a, c, "start and end")):  # fmt: skip
             require((p != q).any(), f"{names} of an arc coincide at {pair(p)}")
         u, v = b - a, c - a
+        # twice the area of the triangle over the square of its longest side: flatness
         cross = u[0] * v[1] - u[1] * v[0]
         longest = max(u @ u, v @ v, (c - b) @ (c - b))
         require(
@@ -110,24 +114,27 @@ class Arc(_Round):
             f"start {pair(a)}, through {pair(b)} and end {pair(c)} of an arc lie on one line; use a "
             "line",
         )
+        # circumcentre c - a = (v_y u.u - u_y v.v, u_x v.v - v_x u.u) / (2 u x v)
         to_centre = np.array([v[1] * (u @ u) - u[1] * (v @ v), u[0] * (v @ v) - v[0] * (u @ u)])
         to_centre /= 2.0 * cross
         centre = a + to_centre
         first, last = (np.arctan2(*(p - centre)[::-1]) for p in (a, c))
+        # counter-clockwise if the three points turn to the left, else clockwise
         sweep = (last - first) % (2.0 * np.pi) - (2.0 * np.pi if cross < 0.0 else 0.0)
         return cls(tuple(centre), float(np.hypot(*to_centre)), float(first), float(sweep), edge)
 
     @classmethod
     def bulged(cls, start, end, bulge: float, edge: str = "") -> "Arc":
-        """The arc with ``bulge`` = tan(sweep / 4), as polylines of drawings have it."""
+        """Construct the arc with ``bulge`` b = tan(sweep / 4), as in polylines of drawings."""
         a, c = np.array(point(start, "start")), np.array(point(end, "end"))
         require((a != c).any(), f"start and end of an arc coincide at {pair(a)}")
         chord = c - a
         middle = 0.5 * (a + c)
-        # the centre lies on the left of the chord by (1 - b^2) / (4 b) of it
+        # centre = middle + (1 - b^2) / (4 b) times the chord turned to the left
         away = (1.0 - bulge * bulge) / (4.0 * bulge)
         centre = middle + away * np.array([-chord[1], chord[0]])
         first = np.arctan2(*(a - centre)[::-1])
+        # r = |chord| (1 + b^2) / (4 |b|)
         radius = np.hypot(*chord) * (1.0 + bulge * bulge) / (4.0 * abs(bulge))
         return cls(tuple(centre), float(radius), float(first), float(4.0 * np.arctan(bulge)), edge)
 
@@ -137,6 +144,7 @@ class Arc(_Round):
     def between(self, start, end):
         if tuple(start) == tuple(end):
             return Circle(self.centre, self.radius, self.edge, self.sweep < 0.0)
+        # up to half a turn the sweep is preserved and the centre follows from the new chord
         if abs(self.sweep) <= np.pi:
             return Arc.bulged(start, end, float(np.tan(0.25 * self.sweep)), self.edge)
         # the ends are close to each other: the point between them keeps the radius
@@ -145,12 +153,12 @@ class Arc(_Round):
 
 @dataclass(frozen=True)
 class Circle(_Round):
-    """A whole circle, walked from its rightmost point; mm.
+    """A full circle from its rightmost point; mm.
 
     Raises
     ------
     GeometryError
-        For what is no number, or a radius that is not positive.
+        For values that are no numbers, or a radius that is not positive.
     """
 
     centre: tuple[float, float]

@@ -1,4 +1,4 @@
-"""B-splines of drawings as splines of a section, and back."""
+"""Conversion of B-splines of drawings to splines of a section, and back."""
 
 from itertools import pairwise
 
@@ -10,17 +10,17 @@ from seal_mdao.seals.outline.segments import Line
 from seal_mdao.seals.outline.spline import Spline
 
 FIT = 1e-6
-"""Largest distance of a spline from the rational B-spline, or the one of degree above three, that it
-stands for, mm. Polynomial B-splines up to degree three are taken over exactly."""
+"""Largest distance of a spline from a rational B-spline, or one of degree above three, that it
+approximates, mm. Polynomial B-splines up to degree three are converted exactly."""
 
 _REPEATED = 1e-10
 _MOST_PIECES = 4096
 
 
 def segments_of(degree: int, knots, control, weights, edge: str) -> list:
-    """Lines and splines along a B-spline.
+    """Convert a B-spline to lines and cubic splines.
 
-    Where its curvature jumps a new spline begins.
+    A new spline begins where the curvature is discontinuous.
 
     Parameters
     ----------
@@ -73,6 +73,7 @@ class _Curve:
         self.degree, self.knots = degree, knots
         self.rational = weights.size > 0 and not np.allclose(weights, weights[0], rtol=1e-14)
         columns = control
+        # homogeneous coordinates (w x, w y, w): x = sum N_i w_i P_i / sum N_i w_i
         if self.rational:
             if not (weights > 0.0).all():
                 raise GeometryError("the weights of a spline must be positive")
@@ -89,14 +90,16 @@ class _Curve:
         if not self.rational:
             return slope
         weight = self.value(u)[:, 2:]
+        # quotient rule: x' = ((w x)' - x w') / w
         return (slope[:, :2] - self.at(u) * slope[:, 2:]) / weight
 
     def stretches(self):
-        """Knots of every stretch along which the curve is C2."""
+        """List the knots of every section along which the curve is C2."""
         first, last = self.knots[self.degree], self.knots[-self.degree - 1]
         inside = self.knots[(self.knots >= first) & (self.knots <= last)]
         span = _REPEATED * (last - first)
         distinct = inside[np.append(True, np.diff(inside) > span)]
+        # at a knot of multiplicity m a curve of degree p is C^(p - m): C2 up to m = p - 2
         count = [(np.abs(self.knots - u) <= span).sum() for u in distinct]
         cuts = [
             i for i in range(1, len(distinct) - 1)
@@ -106,11 +109,12 @@ class _Curve:
         return [distinct[a : b + 1] for a, b in pairwise(bounds)]
 
     def spline(self, u, edge):
-        """The cubic spline with the knots ``u``, or finer ones, and the curve's end tangents."""
+        """Interpolate the curve at the knots ``u``, or finer ones, with its end tangents."""
         while True:
             # at a kink the tangent is that of this side
             points, ends = self.at(u), self.slopes(np.array([u[0], np.nextafter(u[-1], -np.inf)]))
             fit = CubicSpline(u, points, bc_type=((1, ends[0]), (1, ends[1])))
+            # accuracy is checked at 0.2, 0.5 and 0.8 of every interval; all are halved until it holds
             between = (u[:-1, None] + np.diff(u)[:, None] * [0.2, 0.5, 0.8]).ravel()
             if self.degree <= 3 and not self.rational:
                 break
@@ -123,7 +127,7 @@ class _Curve:
 
 
 def b_spline_of(spline: Spline) -> tuple[np.ndarray, np.ndarray]:
-    """Knots (n + 4,) and control points (n, 2) of the cubic B-spline that is the same curve."""
+    """Compute knots (n + 4,) and control points (n, 2) of the cubic B-spline of the same curve."""
     ends = spline.end_slopes
     found = make_interp_spline(
         spline.parameter, np.array(spline.through), k=3, bc_type=([(1, ends[0])], [(1, ends[1])])

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def doubled(outline, boundaries) -> list:
-    """Boundary points with another one in the middle of every side, on the curve itself.
+    """Insert a point on the curve in the middle (arc length) of every side of the boundary.
 
     Parameters
     ----------
@@ -23,13 +23,14 @@ def doubled(outline, boundaries) -> list:
 
 def _doubled(segments, boundary):
     starts = np.concatenate([[0.0], np.cumsum([segment.length for segment in segments])])
+    # middle of each side in arc length; the last side ends where the contour begins
     arc = boundary.arc_length
     middle = 0.5 * (arc + np.append(arc[1:], boundary.length))
     points, tangents = np.empty((arc.size, 2)), np.empty((arc.size, 2))
     for number, segment in enumerate(segments):
         here = boundary.segment == number
-        shares = (middle[here] - starts[number]) / segment.length
-        points[here], tangents[here] = segment.points(shares), segment.tangents(shares)
+        s = (middle[here] - starts[number]) / segment.length
+        points[here], tangents[here] = segment.points(s), segment.tangents(s)
     return boundary._replace(
         points=_between(boundary.points, points),
         edge=np.repeat(boundary.edge, 2),
@@ -41,4 +42,5 @@ def _doubled(segments, boundary):
 
 
 def _between(values, others):
+    # interleave: values at even indices, others at odd ones
     return np.stack([values, others], axis=1).reshape(2 * len(values), *values.shape[1:])

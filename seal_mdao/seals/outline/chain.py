@@ -15,17 +15,17 @@ MOST_SEGMENTS = 20_000
 """Of a contour, and of a drawing: each becomes a particle at least."""
 
 ROUNDING = 1e-9
-"""Distance of ends that are the same but for rounding, mm; those farther apart are moved together."""
+"""Distance of ends that are equal up to rounding, mm; ends farther apart are moved together."""
 
 FOLDED = np.radians(1.0)
 """Least angle between neighbouring segments."""
 
 
 def checked_chain(segments, join: float, closed: bool) -> tuple:
-    """The segments, if they make a chain, with ends that are apart moved together.
+    """Check that segments form a chain, and move ends that are apart together.
 
-    What is made of a section (particles, drawings, lines between materials) finds one point at every
-    joint. Lines keep their directions, so that edges stay in planes of symmetry.
+    Every joint then is one point for particles, drawings and lines between materials. Lines keep their
+    directions, so that edges stay in planes of symmetry.
 
     Parameters
     ----------
@@ -57,6 +57,7 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
                 + f"segment {i} (edge {one.edge!r}) ends at {pair(one.end)} but segment {j} (edge "
                 f"{other.edge!r}) begins at {pair(other.start)}, {gap:.3g} mm away"
             )
+        # angle between the segments at the joint: atan2(|t x b|, t . b) of tangent and reversed tangent
         ahead, back = one.tangents([1.0])[0], -other.tangents([0.0])[0]
         angle = np.arctan2(abs(ahead[0] * back[1] - ahead[1] * back[0]), ahead @ back)
         if angle < FOLDED:
@@ -80,8 +81,9 @@ def check_count(count: int) -> None:
 
 
 def _joined(segments: tuple, join: float, closed: bool) -> tuple:
-    """The segments with ends that are farther apart than by rounding moved to one point."""
+    """Move ends that are farther apart than rounding to one point."""
     ends = [[segment.start, segment.end] for segment in segments]
+    # joint i lies between segments i and i + 1, for a closed chain also between last and first
     last = len(segments) if closed else len(segments) - 1
     moved = set()
     for i in range(last):
@@ -96,8 +98,11 @@ def _joined(segments: tuple, join: float, closed: bool) -> tuple:
 
 
 def _joint(one: Segment, other: Segment, join: float) -> np.ndarray:
-    """Where two segments meet whose ends are no farther apart than ``join``: lines where they cross, if
-    that is as near, a line and a curve at the end of the line, curves where the second one begins."""
+    """Choose the joint of two segments whose ends are no farther apart than ``join``.
+
+    Lines: their intersection, if that is within ``join``; a line and a curve: the end of the line; two
+    curves: the start of the second.
+    """
     if not isinstance(other, Line):
         return one.end if isinstance(one, Line) else other.start
     if not isinstance(one, Line):
@@ -108,7 +113,7 @@ def _joint(one: Segment, other: Segment, join: float) -> np.ndarray:
     if abs(gap[0] * u[1] - gap[1] * u[0]) >= join * abs(turn):
         return other.start
     found = one.end + (gap[0] * u[1] - gap[1] * u[0]) / turn * t
-    # coordinates that the lines are drawn with are kept to the last bit
+    # horizontal and vertical lines keep their constant coordinate bit for bit
     across = np.array([u[0] == 0.0, u[1] == 0.0])
     along = np.array([t[0] == 0.0, t[1] == 0.0])
     found = np.where(across, other.start, found)

@@ -13,22 +13,22 @@ from seal_mdao.seals.outline.mesher import triangulate
 from seal_mdao.seals.outline.quadrilaterals import halved, paired
 
 SLOPE = 0.25
-"""Growth of the spacing over the distance from where a wall is thin, or sides are short."""
+"""Gradient of the spacing with the distance from thin walls and short sides."""
 
 FINEST = 1.0 / 6.0
 """Least spacing over the largest one."""
 
 LAYERS = 3
-"""Of particles across a wall, at least."""
+"""Least number of layers of particles across a wall."""
 
 LONGEST = 1.25
-"""Longest side of a cell over the spacing that is content."""
+"""Longest accepted side of a cell over the spacing."""
 
-SHARES = (1.0, 0.85, 0.7, 0.6)
-"""Of the spacing, tried one after the other until sides are short enough."""
+FRACTIONS = (1.0, 0.85, 0.7, 0.6)
+"""Fractions of the spacing, tried in this order until sides are short enough."""
 
 DENSE = 0.125
-"""Distance of the points by which walls are measured, over the spacing."""
+"""Distance of the points at which wall thickness is measured, over the spacing."""
 
 
 class OutlineCloud(NamedTuple):
@@ -43,13 +43,13 @@ class OutlineCloud(NamedTuple):
     loops : tuple of ndarray of int
         Boundary particles of every loop in order, the material on the left.
     parts : ndarray of int, shape (m,)
-        Number of the part of every cell, into which cuts divide the section.
+        Index of the part, into which cuts divide the section, of every cell.
     first_places : ndarray, shape (n, 2), or None
-        Where the particles were when their kernels were chosen; None for where they are.
+        Particles when their kernels were chosen; None for the present ones.
     support_radius : ndarray, shape (n,), or None
-        Chosen then; None for one by the cells.
+        Kernel supports chosen then; None to choose them by the cells.
     support_axes : ndarray, shape (n, 2, 2), or None
-        Of product kernels, chosen then.
+        Axes of product kernels chosen then.
     """
 
     particles: np.ndarray
@@ -62,12 +62,12 @@ class OutlineCloud(NamedTuple):
 
     @property
     def n_boundary(self) -> int:
-        """Particles on the boundary."""
+        """Number of particles on the boundary."""
         return sum(len(loop) for loop in self.loops)
 
 
 def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
-    """Particles and cells between closed loops of boundary points.
+    """Fill closed loops of boundary points with particles and background cells.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
         Points in order, the material on the left: outsides counter-clockwise, holes clockwise. Corners
         of the section have even numbers, see ``boundary.doubled``.
     spacing : float
-        Wanted distance of particles inside, mm. Where the loops are finer the inside is finer too.
+        Target distance of particles inside, mm; smaller where the points of the loops are closer.
     cuts : sequence of ndarray, shape (k, 2)
         Straight sides from one point of even number to another, on which sides of cells lie.
 
@@ -84,7 +84,7 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
     GeometryError
         For loops that cannot be filled with cells.
     ValueError
-        For loops or a spacing that cannot be meant.
+        For invalid loops or an invalid spacing.
     """
     loops = [np.asarray(loop, float) for loop in loops]
     for number, loop in enumerate(loops):
@@ -95,6 +95,7 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
         if not np.isfinite(loop).all():
             raise ValueError(f"loop {number} has a coordinate that is not a finite number")
     for number, (loop, around) in enumerate(zip(loops, nearest_around(loops), strict=True)):
+        # a loop directly inside a body is a hole (area < 0), every other one a body (area > 0)
         hole = around is not None and polygon_area(loops[around])[0] > 0.0
         if (polygon_area(loop)[0] > 0.0) == hole:
             raise ValueError(
@@ -102,10 +103,12 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
             )
     if not (np.isfinite(spacing) and spacing > 0.0):
         raise ValueError(f"spacing must be a positive number, got {spacing!r}")
+    # triangles on every other boundary point, of twice the size: halving the cells restores it
     points, triangles, parts = triangulate([loop[::2] for loop in loops], 2.0 * spacing, cuts)
-    whole, parts = paired(points, triangles, parts)
-    particles, cells = halved(points, whole, loops)
-    corners = np.where(whole[:, 2] == whole[:, 3], 3, 4)
+    coarse, parts = paired(points, triangles, parts)
+    particles, cells = halved(points, coarse, loops)
+    # a cell of k corners is divided into k quadrilaterals of its part
+    corners = np.where(coarse[:, 2] == coarse[:, 3], 3, 4)
     try:
         quadrature_weights(cell_map(cells), particles)
     except GeometryError as error:
@@ -118,17 +121,16 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
 
 
 def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list, float]:
-    """Boundaries graded by wall thickness, and the spacing for ``cloud``.
+    """Grade boundary points by wall thickness, and choose the spacing for ``cloud``.
 
     No wall has fewer than ``layers`` particles across, where the spacing stays above ``FINEST`` of the
-    largest. From sides that have to
-    be short, as round a fillet, the spacing grows as slowly as it does from thin walls. Where walls are
-    such that its cells are long and more do not fit, the spacing is taken smaller.
+    largest. The spacing grows with the same gradient from short sides, as along a fillet, as from thin
+    walls. It is reduced where cells would be too long for it.
 
     Parameters
     ----------
     sample : callable
-        Boundaries for a function that gives the largest distance of points at places (k, 2); they
+        Boundaries for a function that gives the largest distance of points at points (k, 2); they
         have the attribute ``points`` and an even number of sides between corners.
     spacing : float
         Largest distance of particles, mm; sides of cells inside are up to a quarter longer.
@@ -143,17 +145,18 @@ def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list,
         For a section that cannot be filled.
     """
     dense = [b.points for b in sample(lambda x: np.full(len(x), DENSE * spacing))]
-    for share in SHARES:
-        at = wall_spacing(dense, share * spacing, layers)
+    for fraction in FRACTIONS:
+        at = wall_spacing(dense, fraction * spacing, layers)
+        # sampled twice: short sides of the first sampling refine the spacing of the second
         boundaries = sample(_beside_short(sample(at), at))
-        filled = cloud([boundary.points for boundary in boundaries], share * spacing, cuts)
+        filled = cloud([boundary.points for boundary in boundaries], fraction * spacing, cuts)
         if longest_side(filled.cells, filled.particles) <= LONGEST * spacing:
             break
-    return boundaries, share * spacing
+    return boundaries, fraction * spacing
 
 
 def _beside_short(boundaries, at):
-    """The spacing ``at``, grown from the sides that boundaries sampled with it have."""
+    """Limit the spacing ``at`` by growth from the sides of boundaries sampled with it."""
     starts = [boundary.points for boundary in boundaries]
     ends = [np.roll(points, -1, axis=0) for points in starts]
     start, end = np.concatenate(starts), np.concatenate(ends)
@@ -161,13 +164,13 @@ def _beside_short(boundaries, at):
 
 
 def longest_side(cells: np.ndarray, particles: np.ndarray) -> float:
-    """Longest side of all cells, mm."""
+    """Compute the longest side of all cells, mm."""
     sides = np.roll(particles[cells], -1, axis=1) - particles[cells]
     return float(np.hypot(sides[..., 0], sides[..., 1]).max())
 
 
 def wall_thickness(loops) -> list[np.ndarray]:
-    """Thickness of the material behind every boundary point, mm, shape (k,) for each loop.
+    """Measure the wall thickness behind every boundary point, mm, shape (k,) for each loop.
 
     Along the inward normal to a part of the boundary that faces the point within 60 degrees;
     infinite where there is none.
@@ -175,16 +178,18 @@ def wall_thickness(loops) -> list[np.ndarray]:
     start = np.concatenate(loops)
     end = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
     side = end - start
+    # outward unit normals of all sides
     facing = np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
     found = []
     for loop in loops:
         normal = _normals(loop)
         to = start - loop[:, None]
-        # loop - t normal = start + u side
+        # ray x - t n against side a + u s:  t = s x (a - x) / (n x s),  u = (a - x) x n / (n x s)
         across = _cross(normal[:, None], side)
         with np.errstate(divide="ignore", invalid="ignore"):
             t, u = _cross(side, to) / across, _cross(to, normal[:, None]) / across
         size = np.hypot(*np.ptp(start, axis=0))
+        # inside the side, beyond the point itself, and normals opposed within 60 degrees (cos < -1/2)
         hit = (u >= 0.0) & (u <= 1.0) & (t > 1e-9 * size) & (normal @ facing.T < -0.5)
         found.append(np.where(hit, t, np.inf).min(axis=1))
     return found
@@ -195,14 +200,15 @@ def _cross(a, b):
 
 
 def _normals(loop):
-    """Outward unit normals at the points of a loop, shape (k, 2)."""
+    """Compute outward unit normals at the points of a loop by central differences, shape (k, 2)."""
     along = np.roll(loop, -1, axis=0) - np.roll(loop, 1, axis=0)
     return np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
 
 
 def wall_spacing(loops, spacing: float, layers: int = LAYERS):
-    """Spacing by wall thickness, as a function of places (k, 2): cells about as long as wide where
-    ``layers - 1`` of them, or one more, fill the wall.
+    """Build the spacing by wall thickness, a function of points (k, 2).
+
+    Cells are about square where ``layers - 1`` of them, or one more, fill the wall.
 
     Parameters
     ----------
@@ -211,18 +217,20 @@ def wall_spacing(loops, spacing: float, layers: int = LAYERS):
     spacing : float
         Largest value, mm.
     """
+    # cells come in pairs across a wall: h = thickness / (2 floor(layers / 2)), within bounds
     points, across = np.concatenate(loops), 2 * (layers // 2)
     local = np.clip(np.concatenate(wall_thickness(loops)) / across, FINEST * spacing, spacing)
     thin = local < spacing
-    return _grown(points[thin], local[thin], lambda places: np.full(len(places), float(spacing)))
+    return _grown(points[thin], local[thin], lambda x: np.full(len(x), float(spacing)))
 
 
 def _grown(points, local, most):
-    """Spacing that grows from ``local`` (k,) at points (k, 2) up to what ``most(places)`` allows."""
+    """Build the spacing that grows from ``local`` (k,) at points (k, 2) up to ``most(x)``."""
 
-    def at(places):
-        places = np.atleast_2d(places)
-        away = np.hypot(*np.moveaxis(places[:, None] - points, -1, 0))
-        return np.minimum(most(places), (local + SLOPE * away).min(axis=1, initial=np.inf))
+    def at(x):
+        x = np.atleast_2d(x)
+        # h(x) = min(h_max(x), min_k (h_k + SLOPE |x - x_k|))
+        away = np.hypot(*np.moveaxis(x[:, None] - points, -1, 0))
+        return np.minimum(most(x), (local + SLOPE * away).min(axis=1, initial=np.inf))
 
     return at

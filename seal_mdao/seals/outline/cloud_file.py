@@ -1,4 +1,4 @@
-"""Clouds in files of their own (VTU and every other format of meshio, extra ``vtk``)."""
+"""Read and write clouds of particles (VTU and all formats of meshio, extra ``vtk``)."""
 
 import io
 from contextlib import redirect_stderr, redirect_stdout
@@ -19,20 +19,20 @@ from seal_mdao.seals.outline.located import located
 from seal_mdao.seals.outline.section import Outline
 
 FIRST, SUPPORT, AXES = "first_place", "support_radius", "support_axes"
-"""Names of the data of points."""
+"""Names of point data."""
 PART, BASIS, COLUMN, GAUSS = "part", "basis_order", "column", "n_gauss"
-"""Names of the data of cells; those of one ``column`` have one pressure through them."""
+"""Names of cell data; cells of one ``column`` share one continuous pressure."""
 
 XDMF, ABAQUS = (".xdmf", ".xmf"), ".inp"
-"""Endings of meshes that name further files, or may do so."""
+"""Suffixes of mesh formats that refer to further files, or may do so."""
 
 KINDS = {"quad": 4, "triangle": 3}
-"""Cells that bodies are made of; lines and points beside them are passed over."""
+"""Cell types of bodies; lines and points are ignored."""
 
 
 @dataclass(frozen=True, eq=False)
 class GivenCloud:
-    """A cloud that was not made here, or not for this section.
+    """A cloud read from a file, or made for another section.
 
     Attributes
     ----------
@@ -49,9 +49,10 @@ class GivenCloud:
 
 
 def write_cloud(seal, offsets, path) -> Path:
-    """Write the cloud of a design: particles and cells, where the particles were when kernels were
-    chosen, their supports, and of every cell the part of the section, the basis, the column and the
-    Gauss points in its two directions.
+    """Write the cloud of a design to a mesh file.
+
+    Particles and cells; as point data the nominal particles, at which kernels were chosen, and their
+    supports; as cell data the part of the section, basis, column and Gauss points in two directions.
 
     Parameters
     ----------
@@ -68,11 +69,13 @@ def write_cloud(seal, offsets, path) -> Path:
     of_points = {FIRST: flat(body.drawn), SUPPORT: body.support_radius}
     if body.support_axes is not None:
         of_points[AXES] = body.support_axes.reshape(-1, 4)
+    # cells of a column follow each other
     columns = np.arange(len(body.cells)) // body.column
     of_cells = {
         PART: seal.parts, BASIS: np.full(len(columns), body.basis_order), COLUMN: columns,
         GAUSS: np.tile(in_both_directions(body.n_gauss), (len(columns), 1)),
     }  # fmt: skip
+    # meshio has one block a cell type: data are split as the cells are
     blocks = {name: cell_blocks(body.cells, values) for name, values in of_cells.items()}
     mesh = library().Mesh(
         flat(seal.particles(offsets)), [(kind, corners) for kind, corners, _ in blocks[PART]],
@@ -84,25 +87,26 @@ def write_cloud(seal, offsets, path) -> Path:
 
 
 def read_cloud(path, outline: Outline) -> GivenCloud:
-    """A cloud whose boundary is that of a section, to 1e-6 mm.
+    """Read a cloud whose boundary coincides with that of a section within 1e-6 mm.
 
-    Quadrilaterals and triangles of any mesh. The data of points ``first_place``, ``support_radius``,
-    ``support_axes`` and those of cells ``basis_order``, ``column``, ``n_gauss`` give the kernels, which
-    otherwise are chosen for the cloud as it is; the data of cells ``part`` tells the parts of a section
-    of several materials apart.
+    Accepts quadrilaterals and triangles of any mesh. The point data ``first_place``, ``support_radius``,
+    ``support_axes`` and the cell data ``basis_order``, ``column``, ``n_gauss`` give the kernels, which
+    otherwise are chosen for the cloud as it is; the cell data ``part`` distinguish the parts of a
+    section of several materials.
 
     Raises
     ------
     ImportError
         Without meshio.
     GeometryError
-        For a file that is no mesh, or is that of another section.
+        For a file that is no mesh, or the mesh of another section.
     """
     path = Path(path)
     try:
         mesh = _mesh(path)
         particles, cells, used = _cells(mesh)
         loops, boundaries = _matched(outline, particles, _loops(cells))
+        # data are stored for all points of the file: select those that cells use
         first, support, axes = (
             None if data is None else np.asarray(data, float)[used]
             for data in map(mesh.point_data.get, (FIRST, SUPPORT, AXES))
@@ -134,7 +138,7 @@ def _mesh(path):
 
 
 def _require_one_file(path) -> None:
-    """Refuse meshes that name further files, which may be any of the machine."""
+    """Refuse meshes that refer to further files, which could be any file of the machine."""
     content = read_bytes(path) if path.suffix.lower() == ABAQUS else b""
     if path.suffix.lower() in XDMF or b"include" in content.lower().replace(b"*", b""):
         raise GeometryError("names further files of its mesh; write it as one file, such as VTU")
@@ -142,7 +146,7 @@ def _require_one_file(path) -> None:
 
 
 def _cells(mesh):
-    """Particles that cells have, the cells counter-clockwise, and which points of the file they are."""
+    """Extract particles, cells (counter-clockwise) and the indices of the particles in the file."""
     found = []
     for block in mesh.cells:
         if block.type in KINDS:
@@ -153,25 +157,28 @@ def _cells(mesh):
     if not found:
         raise GeometryError("has no quadrilaterals and no triangles")
     cells, points = np.concatenate(found), np.asarray(mesh.points, float)[:, :2]
+    # points without a cell are dropped, the others renumbered in their order
     used, cells = np.unique(cells, return_inverse=True)
     cells, points = cells.reshape(-1, 4), np.ascontiguousarray(points[used])
     return points, _counter_clockwise(cells, points), used
 
 
 def _counter_clockwise(cells, points):
+    # shoelace formula, twice the signed area; the repeated corner of a triangle adds nothing
     x, y = np.moveaxis(points[cells], -1, 0)
     area = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
-    # a triangle repeats its last corner, also the other way round
+    # reversed triangles must repeat their last corner again: (c, b, a, a)
     turned = np.where(cells[:, 2:3] == cells[:, 3:], cells[:, [2, 1, 0, 0]], cells[:, ::-1])
     return np.where((area > 0.0)[:, None], cells, turned)
 
 
 def _loops(cells) -> list[np.ndarray]:
-    """Particles along every boundary of the cells, the material on the left."""
+    """Trace the boundaries of the cells as loops of particles, the material on the left."""
     following = {}
     sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
     every = {(a, b) for a, b in sides.tolist() if a != b}
     for a, b in every:
+        # a directed side without its opposite is on the boundary; two from one particle: touching parts
         if (b, a) not in every and following.setdefault(a, b) != b:
             raise GeometryError("parts of the boundary of its cells touch in a point")
     loops = []
@@ -186,7 +193,7 @@ def _loops(cells) -> list[np.ndarray]:
 
 
 def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
-    """Loops and boundaries in the order of the contours."""
+    """Match loops to the contours of the section; return loops and boundaries in their order."""
     if len(loops) != len(outline.contours):
         raise GeometryError(
             f"closed boundaries: {len(loops)} in the cells, {len(outline.contours)} in the section"
@@ -194,6 +201,7 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
     found, boundaries = [], []
     for contour in outline.contours:
         start = contour.segments[0].start
+        # the loop nearest to the start of the contour; ``located`` then checks all its particles
         away = [np.hypot(*(particles[loop] - start).T).min() for loop in loops]
         loop = loops.pop(int(np.argmin(away)))
         boundary, order = located(contour, particles[loop])
@@ -205,11 +213,12 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
 
 
 def _kernels(mesh) -> Kernels:
-    """Basis, pressure and integration of the cells."""
+    """Read basis, pressure and integration of the cells."""
     order, column = _of_cells(mesh, BASIS, 1), _of_cells(mesh, COLUMN, None)
     if order.min() != order.max() or order[0] not in BASIS_SIZE:
         raise GeometryError(f"{BASIS} of its cells must be 1 or 2, the same for all")
     size = np.count_nonzero(column == column[0])
+    # equal columns of consecutive cells, as ``Body.column`` needs them
     if len(column) % size or np.any(column != np.repeat(column[::size], size)):
         raise GeometryError(f"its cells of one {COLUMN} must follow each other, as many in each")
     gauss = _of_cells(mesh, GAUSS, 2).reshape(len(order), -1)
@@ -224,7 +233,7 @@ def _kernels(mesh) -> Kernels:
 
 
 def _of_cells(mesh, name: str, default) -> np.ndarray:
-    """Integers of every cell; without a default their own numbers where the file does not tell."""
+    """Read integer cell data; the default, or the cell indices if that is None, where missing."""
     blocks = [i for i, block in enumerate(mesh.cells) if block.type in KINDS]
     data = mesh.cell_data.get(name)
     if data is None:

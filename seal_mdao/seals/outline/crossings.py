@@ -1,4 +1,4 @@
-"""Boundaries that touch or cross, and holes that do not lie inside."""
+"""Checks of contours: touching, crossing, and nesting of holes and bodies."""
 
 import numpy as np
 import shapely
@@ -15,13 +15,14 @@ def check_apart(contours, titles, distance: float) -> None:
     contours : list of (points, segment, names)
         As ``Outline.labelled`` gives them.
     titles : sequence of str
-        What to call them.
+        Names of the contours in messages.
 
     Raises
     ------
     GeometryError
-        With the edges and the place.
+        With the edges and the point.
     """
+    # flat lists of the sides of all contours; before: index of the preceding side of the loop
     starts, ends, contour, names, before = [], [], [], [], []
     for number, (points, segment, edges) in enumerate(contours):
         first = sum(map(len, starts))
@@ -32,19 +33,21 @@ def check_apart(contours, titles, distance: float) -> None:
         before.append(first + np.roll(np.arange(len(points)), 1))
     before = np.concatenate(before)
     sides = shapely.linestrings(np.stack([np.concatenate(starts), np.concatenate(ends)], axis=1))
+    # pairs of sides closer than ``distance``; each pair once, neighbours left out
     one, other = shapely.STRtree(sides).query(sides, predicate="dwithin", distance=distance)
     close = (one < other) & (before[other] != one) & (before[one] != other)
     close = np.flatnonzero(close & ~_only_around_a_corner(sides, one, other, before, distance))
     if close.size == 0:
         return
     crosses = shapely.crosses(sides[one[close]], sides[other[close]])
+    # a crossing is reported rather than a contact
     worst = close[np.argmax(crosses)]
     a, b = one[worst], other[worst]
-    way = "crosses" if crosses.any() else "touches"
+    kind = "crosses" if crosses.any() else "touches"
     line = shapely.shortest_line(sides[a], sides[b])
     at = shapely.get_coordinates(line)[0]
     raise GeometryError(
-        f"{titles[contour[a]]}, edge {names[a]!r}, {way} "
+        f"{titles[contour[a]]}, edge {names[a]!r}, {kind} "
         + (
             f"itself (edge {names[b]!r})"
             if contour[a] == contour[b]
@@ -55,7 +58,7 @@ def check_apart(contours, titles, distance: float) -> None:
 
 
 def _only_around_a_corner(sides, one, other, before, distance):
-    """Whether two sides are close only because a short side lies between them."""
+    """Return whether two sides are close only because a short side lies between them."""
     length = shapely.length(sides)
     between = np.where(before[before[other]] == one, before[other], before[one])
     next_but_one = (before[before[other]] == one) | (before[before[one]] == other)
@@ -64,7 +67,7 @@ def _only_around_a_corner(sides, one, other, before, distance):
 
 
 def check_nested(contours, titles, n_holes: int) -> None:
-    """Refuse holes that are not in the material of a body, and bodies that are; none cross.
+    """Refuse holes outside the material of bodies, and bodies inside it; contours must not cross.
 
     Parameters
     ----------
@@ -83,12 +86,13 @@ def check_nested(contours, titles, n_holes: int) -> None:
             raise GeometryError(
                 f"{where} lies outside of {'every body' if several else 'the outer contour'}"
             )
+        # contours alternate inwards: body, hole, body in the hole, ...
         if around is not None and (i in holes) == (around in holes):
             raise GeometryError(f"{where} lies inside of {titles[around]}")
 
 
 def nearest_around(loops) -> list:
-    """Number of the smallest of the closed loops (k, 2) around each of them; None without one."""
+    """Find the index of the smallest loop (k, 2) around each of the closed loops; None without one."""
     rings = np.array([shapely.polygons(points) for points in loops])
     size, found = shapely.area(rings), []
     for own, point in zip(size, shapely.point_on_surface(rings), strict=True):
@@ -98,19 +102,19 @@ def nearest_around(loops) -> list:
 
 
 def check_simple(points, closed: bool) -> None:
-    """Refuse a polygon's corners (k, 2), the first one repeated if it is closed, that cross.
+    """Refuse a polyline (k, 2), the first point repeated if closed, that crosses itself.
 
     Raises
     ------
     GeometryError
-        With the place.
+        With the point of intersection.
     """
     points = np.vstack([points[:-1], points[:1]]) if closed else points
     line = shapely.linestrings(points)
     if not shapely.is_simple(line):
-        # noded at all crossings, its parts meet there
+        # divided at all intersections, parts have common ends there
         parts = shapely.get_parts(shapely.node(line))
         ends = shapely.get_coordinates([shapely.boundary(part) for part in parts])
-        places, counts = np.unique(ends, axis=0, return_counts=True)
-        at = places[counts > 1][0] if (counts > 1).any() else points[0]
+        distinct, counts = np.unique(ends, axis=0, return_counts=True)
+        at = distinct[counts > 1][0] if (counts > 1).any() else points[0]
         raise GeometryError(f"it crosses or touches itself at {pair(at)}")

@@ -1,4 +1,4 @@
-"""Design of a section: its boundary moves along the drawn normals by B-splines of arc length."""
+"""Shape design of a section: its boundary moves along nominal normals by B-splines of arc length."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ DEGREE = 3
 
 
 class EdgeDesign(NamedTuple):
-    """Edges whose shape is designed.
+    """Edges with a variable shape.
 
     Attributes
     ----------
@@ -23,13 +23,13 @@ class EdgeDesign(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """An edge as a stretch of its loop.
+    """An edge as a range of points of its loop.
 
     Attributes
     ----------
     loop : int
     points : ndarray of int, shape (k,)
-        Places in the loop, in order; those of a whole loop once around.
+        Indices in the loop, in order; those of a complete loop once around.
     closed : bool
     """
 
@@ -39,7 +39,7 @@ class Stretch(NamedTuple):
 
 
 def stretches(boundaries) -> dict:
-    """The ``Stretch`` of every edge by name.
+    """Find the ``Stretch`` of every edge by name.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def stretches(boundaries) -> dict:
     Raises
     ------
     ValueError
-        For an edge that is not one stretch.
+        For an edge that is not contiguous.
     """
     found = {}
     for loop, boundary in enumerate(boundaries):
@@ -59,6 +59,7 @@ def stretches(boundaries) -> dict:
             if sides.size == edges.size:
                 found[name] = Stretch(loop, sides, True)
                 continue
+            # an edge across the beginning of the loop: rotate its sides into order
             gap = np.flatnonzero(np.diff(sides) > 1)
             if gap.size:
                 sides = np.roll(sides, -int(gap[0]) - 1)
@@ -69,7 +70,7 @@ def stretches(boundaries) -> dict:
 
 
 def checked_names(names, known, what: str) -> None:
-    """Every name is that of an edge.
+    """Check that every name is that of an edge.
 
     Raises
     ------
@@ -81,7 +82,9 @@ def checked_names(names, known, what: str) -> None:
 
 
 def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
-    """Velocity of every boundary point for each parameter, shape (P, k, 2), dimensionless.
+    """Compute the design velocity of every boundary point, shape (P, k, 2), dimensionless.
+
+    V_p = dX / db_p for parameter b_p: B-spline N_p of arc length along the nominal normals.
 
     Parameters
     ----------
@@ -89,11 +92,11 @@ def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
     designs : sequence of EdgeDesign
         The parameters come in this order, edge after edge, and along each edge.
     fixed : sequence of str
-        Edges that stay, as do all others that are neither designed nor in a plane: what is designed
-        beside one of them is zero where they meet.
+        Edges with zero velocity, as all others that are neither designed nor in a plane; the velocity
+        of a designed edge is zero where it meets one of them.
     planes : sequence of (str, int)
-        Straight edges that stay in their plane, and the component across it: ends move along it as the
-        edges beside them do, and what is between follows linearly.
+        Straight edges that stay in their plane, and the component across it: their ends move along it
+        with the adjacent edges, and the points between linearly.
     """
     known = stretches(boundaries)
     checked_names([name for design in designs for name in design.edges], known, "design")
@@ -105,15 +108,16 @@ def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
             raise ValueError(f"design: the edge {name!r} {what}")
     starts = np.cumsum([0, *(len(boundary.points) for boundary in boundaries)])
     still = [name for name in known if name not in (*named, *dict(planes))]
-    held = {(known[name].loop, int(point)) for name in still for point in known[name].points}
+    fixed_points = {(known[name].loop, int(k)) for name in still for k in known[name].points}
     columns = [np.zeros((0, starts[-1], 2))]
     for design in designs:
         for name in design.edges:
             stretch = known[name]
             boundary = boundaries[stretch.loop]
-            ends = [(stretch.loop, int(stretch.points[end])) in held for end in (0, -1)]
+            ends = [(stretch.loop, int(stretch.points[end])) in fixed_points for end in (0, -1)]
             basis = _basis(boundary, stretch, design.parameters, ends, name)
             column = np.zeros((design.parameters, starts[-1], 2))
+            # V_p(X_k) = N_p(s_k) n_k
             column[:, starts[stretch.loop] + stretch.points] = basis.T[:, :, None] * _directions(
                 boundary, stretch
             )
@@ -128,45 +132,52 @@ def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
     return velocity
 
 
-def _slide(velocity, places, along, component) -> None:
-    """Keep an edge in its plane: its ends move along it, what is between them in proportion."""
-    ends = places[[0, -1]]
+def _slide(velocity, points, along, component) -> None:
+    """Keep an edge in its plane: its ends move along it, points between by linear interpolation."""
+    ends = points[[0, -1]]
     velocity[:, ends, component] = 0.0
-    share = (np.asarray(along) / along[-1])[None, :, None]
+    # V(s) = (1 - s / L) V_first + s / L V_last
+    fraction = (np.asarray(along) / along[-1])[None, :, None]
     first, last = (velocity[:, end][:, None] for end in ends)
-    velocity[:, places] = first + share * (last - first)
+    velocity[:, points] = first + fraction * (last - first)
 
 
-def _basis(boundary, stretch, count, held, name) -> np.ndarray:
-    """Values (k, count) of the B-splines at the points of a stretch."""
+def _basis(boundary, stretch, count, fixed, name) -> np.ndarray:
+    """Evaluate the B-splines at the points of a stretch, shape (k, count).
+
+    ``fixed``: whether its first, and its last, point does not move.
+    """
     least = DEGREE + 1
-    if count + sum(held) * (not stretch.closed) < least:
+    if count + sum(fixed) * (not stretch.closed) < least:
         raise ValueError(
-            f"design: the edge {name!r} needs at least {least - sum(held)} parameters, got {count}"
+            f"design: the edge {name!r} needs at least {least - sum(fixed)} parameters, got {count}"
         )
     arc = np.asarray(boundary.arc_length)[stretch.points]
     arc = (arc - arc[0]) % boundary.length
     if stretch.closed:
         return _periodic(arc / boundary.length, count)
-    inner = np.linspace(0.0, arc[-1], count + sum(held) - DEGREE + 1)
+    # clamped uniform knots: only the first spline is not zero at the first point, only the last
+    # at the last one; these are left out where the ends are fixed
+    inner = np.linspace(0.0, arc[-1], count + sum(fixed) - DEGREE + 1)
     knots = np.concatenate([[0.0] * DEGREE, inner, [arc[-1]] * DEGREE])
     values = BSpline.design_matrix(arc, knots, DEGREE).toarray()
-    return values[:, held[0] : values.shape[1] - held[1]]
+    return values[:, fixed[0] : values.shape[1] - fixed[1]]
 
 
-def _periodic(share, count) -> np.ndarray:
-    """Periodic B-splines at shares of the way round; number j is largest at j / count."""
+def _periodic(s, count) -> np.ndarray:
+    """Evaluate periodic B-splines at fractions ``s`` of the loop; number j is largest at j / count."""
     knots = np.arange(-DEGREE, count + DEGREE + 1) / count
-    values = BSpline.design_matrix(share, knots, DEGREE).toarray()
+    values = BSpline.design_matrix(s, knots, DEGREE).toarray()
+    # splines that leave the interval at its end enter it at the beginning: add the two parts
     found = values[:, :count].copy()
     found[:, :DEGREE] += values[:, count:]
     return np.roll(found, -1, axis=1)
 
 
 def _directions(boundary, stretch) -> np.ndarray:
-    """How the points move for a unit offset, shape (k, 2): both sides of a corner by as much.
+    """Compute the velocity of points for a unit offset, shape (k, 2): both sides of a corner by 1.
 
-    At the ends of a stretch the normal is its own: its neighbour there has its own share.
+    At the ends of a stretch only its own normal counts: the adjacent edge adds its own velocity.
     """
     before, after = (
         np.column_stack([t[:, 1], -t[:, 0]])
@@ -174,6 +185,6 @@ def _directions(boundary, stretch) -> np.ndarray:
     )
     if not stretch.closed:
         before[0], after[-1] = after[0], before[-1]
-    share = 1.0 + (before * after).sum(axis=1)
-    # a spike does not run away
-    return (before + after) / np.maximum(share, 0.5)[:, None]
+    # v . n_1 = v . n_2 = 1 for v = (n_1 + n_2) / (1 + n_1 . n_2), bounded at sharp corners
+    denominator = 1.0 + (before * after).sum(axis=1)
+    return (before + after) / np.maximum(denominator, 0.5)[:, None]

@@ -1,4 +1,4 @@
-"""Sections from drawings and back (DXF), with the library ezdxf (extra ``dxf``)."""
+"""Read and write sections as DXF drawings, with the library ezdxf (extra ``dxf``)."""
 
 from importlib import import_module
 from math import degrees
@@ -24,17 +24,17 @@ from seal_mdao.seals.outline.section import (
 
 MILLIMETRES = 4
 UNITS = {1: "inch", 2: "foot", 4: "mm", 5: "cm", 6: "m", 14: "dm"}
-"""Values of the header variable $INSUNITS that are known."""
+"""Supported values of the header variable $INSUNITS."""
 
 
 def read_dxf(path, units: str | None = None) -> Outline:
-    """The section in the model space of a drawing, in mm.
+    """Read the section in the model space of a drawing, in mm.
 
     Lines, arcs, circles, lightweight polylines and splines in any order and direction; ends closer
     than 1e-3 mm are joined in one point. Layers are the names of edges; layers that are off or frozen
-    are passed over. The largest contour is the outer one; those inside of it are holes, those outside
-    of all and those in holes are further bodies. Splines of lines, parabolas and cubics are taken over
-    exactly, others followed to 1e-6 mm.
+    are ignored. The largest contour is the outer one; those inside it are holes, those outside of all
+    and those in holes are further bodies. Splines of degree one to three are converted exactly, others
+    approximated within 1e-6 mm.
 
     Parameters
     ----------
@@ -66,8 +66,9 @@ def read_dxf(path, units: str | None = None) -> Outline:
 
 
 def _nested(contours) -> Outline:
-    """The section of contours, the largest first: which are holes, and which bodies."""
+    """Build the section of contours, the largest first, by their nesting depth."""
     around = nearest_around([c.polyline(SAGITTA * c.length)[0] for c in contours])
+    # even depth: outer contour of a body, odd depth: hole
     depth = []
     for outer in around:  # smaller ones come later
         depth.append(0 if outer is None else 1 + depth[outer])
@@ -83,7 +84,7 @@ def _nested(contours) -> Outline:
 def write_dxf(outline: Outline, path) -> Path:
     """Write a section as a drawing in mm, every edge on a layer of its name.
 
-    Lines, arcs, circles and splines stay what they are.
+    Lines, arcs, circles and splines keep their type.
 
     Returns
     -------
@@ -129,6 +130,7 @@ def add_segment(model, segment) -> None:
             dxfattribs=on,
         )  # fmt: skip
     else:
+        # DXF has control points and knots, not the interpolated points
         knots, control = b_spline_of(segment)
         entity = model.add_spline(degree=3, dxfattribs=on)
         entity.control_points, entity.knots = control.tolist(), knots.tolist()
@@ -167,6 +169,7 @@ def _units(document, wanted) -> str:
     if wanted is not None and wanted not in MODEL_UNITS:
         raise GeometryError(f"units = {wanted!r}, but it must be one of {', '.join(MODEL_UNITS)}")
     code = document.header.get("$INSUNITS", 0)
+    # $INSUNITS = 0 means unitless: the caller has to state the unit
     if code == 0 and wanted is None:
         raise GeometryError(
             "the drawing has no units ($INSUNITS in its header is missing or 0); set them in the "

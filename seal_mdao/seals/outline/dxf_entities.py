@@ -1,4 +1,4 @@
-"""Entities of a drawing as segments of a section."""
+"""Conversion of entities of a drawing to segments of a section."""
 
 from itertools import pairwise
 
@@ -10,38 +10,38 @@ from seal_mdao.seals.outline.b_splines import segments_of
 from seal_mdao.seals.outline.segments import Line, pair
 
 MODEL_UNITS = {"mm": 1.0, "cm": 10.0, "dm": 100.0, "m": 1000.0, "inch": 25.4, "foot": 304.8}
-"""Millimetres."""
+"""Length of each unit, mm."""
 
 _LEVEL = 1e-9
 
 FORBIDDEN = '<>/\\":;?*=`'
-"""Characters that names of layers must not have, beside line breaks and other control characters."""
+"""Characters not allowed in names of layers, besides control characters."""
 
 
 def layer_name(name: str) -> str:
-    """The name of an edge, when a layer of a drawing can have it.
+    """Check that the name of an edge is valid as the name of a layer, and return it.
 
     Raises
     ------
     GeometryError
-        With the character that it must not have.
+        With the character that is not allowed.
     """
-    bad = [sign for sign in name if sign in FORBIDDEN or ord(sign) < 32]
-    if bad:
+    forbidden = [sign for sign in name if sign in FORBIDDEN or ord(sign) < 32]
+    if forbidden:
         raise GeometryError(
-            f"the name {name!r} has the character {bad[0]!r}, which no layer of a drawing (DXF) may "
-            f"have; leave out {' '.join(FORBIDDEN)} and control characters"
+            f"the name {name!r} has the character {forbidden[0]!r}, which no layer of a drawing (DXF) "
+            f"may have; leave out {' '.join(FORBIDDEN)} and control characters"
         )
     return name
 
 
 def pieces_of(document, scale: float) -> list[tuple]:
-    """Segments (mm) of all entities of the model space on layers that are shown, with their names.
+    """Convert all entities of the model space on visible layers to segments (mm) with their names.
 
     Raises
     ------
     GeometryError
-        For an entity that is not one of the kinds that are read, with its handle and layer.
+        For an entity of an unsupported kind, with its handle and layer.
     """
     from ezdxf import DXFError
 
@@ -83,7 +83,7 @@ def _segments(entity, scale) -> list:
 
 
 def _make_upright(entity) -> None:
-    """Give an entity that is drawn mirrored, seen from below, the usual coordinates."""
+    """Transform an entity with extrusion direction -z (mirrored) to the usual coordinates."""
     from ezdxf.upright import upright
 
     normal = np.array(entity.dxf.extrusion)
@@ -93,7 +93,7 @@ def _make_upright(entity) -> None:
 
 
 def _planar(points, scale) -> np.ndarray:
-    """Points (n, 3) as (n, 2), mm."""
+    """Convert points (n, 3) in a plane z = const to (n, 2), mm."""
     points = np.array([tuple(point) for point in points], float)
     if np.ptp(points[:, 2]) > _LEVEL * (1.0 + np.abs(points).max()):
         raise GeometryError("it does not lie in the plane of the drawing: its z changes")
@@ -111,6 +111,7 @@ def _circle(entity, scale, edge):
 
 
 def _arc(entity, scale, edge):
+    # DXF arcs run counter-clockwise from start to end angle, degrees; equal angles: a full circle
     first, last = entity.dxf.start_angle, entity.dxf.end_angle
     sweep = (last - first) % 360.0
     if sweep == 0.0:
@@ -128,6 +129,7 @@ def _polyline(entity, scale, edge):
     if entity.closed:
         vertices = np.vstack([vertices, vertices[:1]])
     found = []
+    # the bulge of a vertex belongs to the side that begins there; 0 is a straight side
     for i, (one, other) in enumerate(pairwise(vertices), 1):
         a, b = scale * one[:2], scale * other[:2]
         if (a == b).all():
@@ -149,7 +151,7 @@ def _spline(entity, scale, edge):
 
 
 def _through_fit_points(entity, scale, edge):
-    """A spline that the drawing gives by points alone, interpolated as ezdxf does."""
+    """Convert a spline given by fit points alone, interpolated as ezdxf does."""
     if len(entity.fit_points) < 2:
         raise GeometryError("a spline needs control points or at least two fit points")
     fit = _planar(entity.fit_points, scale)

@@ -1,4 +1,4 @@
-"""Edges along which a fluid may get under a seal."""
+"""Fluid pressure that penetrates along edges of a section."""
 
 from typing import NamedTuple
 
@@ -17,14 +17,14 @@ class EdgeFluid(NamedTuple):
     ----------
     label : str
     edges : tuple of str
-        As they follow one another when the boundary is walked, the body on the left.
+        In order along the boundary, the body on the left.
     end : {"start", "end"}
         Of the stretch, from which the fluid comes.
     pressure : float
         kPa.
     steps : int or tuple of float
-        The last load steps of the path, over which it grows: so many equal parts, or the shares of the
-        pressure at their ends.
+        The last load steps of the path, over which it grows: a number of equal parts, or the fractions
+        of the pressure at their ends.
     share : float
         As of ``FluidPressure``.
     """
@@ -37,10 +37,12 @@ class EdgeFluid(NamedTuple):
     share: float = SHARE
 
     def on(self, body: Body, contacts: tuple[RigidContact, ...], n_steps: int) -> FluidPressure:
-        """The term, behind those of the contacts that may touch the edges."""
+        """Build the term; it acts behind the contacts that may touch the edges."""
         parts = [body.edge(name).particles for name in self.edges]
+        # edges in succession share their end particles: each once, in order
         particles = np.array(list(dict.fromkeys(np.concatenate(parts).tolist())))
         closing = tuple(c for c in contacts if np.isin(particles, c.where.at_particles).any())
+        # zero pressure up to the last steps, over which it grows
         grown = step_shares(self.steps)
         ramp = np.concatenate([np.zeros(n_steps + 1 - len(grown)), grown])
         return FluidPressure(

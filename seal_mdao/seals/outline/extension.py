@@ -1,4 +1,4 @@
-"""How the inside of a section follows its boundary: harmonically, on the background cells."""
+"""Harmonic extension of boundary velocities to the inside of a section, on background cells."""
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -8,13 +8,15 @@ from seal_mdao.rkpm.cells import cell_map, quadrature_weights, tangents
 
 
 def stiffness(cells: np.ndarray, particles: np.ndarray):
-    """int grad N_a . grad N_b over cells of three and of four corners, sparse (n, n)."""
+    """Assemble the stiffness int grad N_a . grad N_b of the Laplacian, sparse (n, n)."""
     mapping = cell_map(cells)
     t = tangents(mapping, particles)
     weights = quadrature_weights(mapping, particles)
     slopes = np.empty((2, *weights.shape, 4))
     slopes[:] = mapping.rule.slopes[:, None]
     slopes[:, mapping.triangles] = mapping.triangle_rule.slopes[:, None]
+    # t_k = dX/dxi_k:  J = t_1 x t_2,  dN/dx = (dN/dxi_1 t_2y - dN/dxi_2 t_1y) / J,
+    # dN/dy = (dN/dxi_2 t_1x - dN/dxi_1 t_2x) / J
     jacobian = t[0, ..., 0] * t[1, ..., 1] - t[0, ..., 1] * t[1, ..., 0]
     along_x = (slopes[0] * t[1, ..., 1, None] - slopes[1] * t[0, ..., 1, None]) / jacobian[
         ..., None
@@ -22,6 +24,7 @@ def stiffness(cells: np.ndarray, particles: np.ndarray):
     along_y = (slopes[1] * t[0, ..., 0, None] - slopes[0] * t[1, ..., 0, None]) / jacobian[
         ..., None
     ]
+    # k_ab = sum_q w_q (N_a,x N_b,x + N_a,y N_b,y)
     local = sum(np.einsum("cq,cqa,cqb->cab", weights, g, g) for g in (along_x, along_y))
     rows = np.broadcast_to(mapping.cells[:, :, None], local.shape)
     columns = np.broadcast_to(mapping.cells[:, None], local.shape)
@@ -30,15 +33,15 @@ def stiffness(cells: np.ndarray, particles: np.ndarray):
 
 
 def harmonic_extension(cells, particles, boundary, values: np.ndarray) -> np.ndarray:
-    """Values inside that are harmonic and equal those given at the boundary.
+    """Extend boundary values harmonically to the inside.
 
-    Linear in the values: linear fields stay as they are.
+    Linear in the values; linear fields are reproduced.
 
     Parameters
     ----------
     cells : ndarray of int, shape (m, 4)
     particles : ndarray, shape (n, 2)
-        Of the drawn section.
+        Of the nominal section.
     boundary : ndarray of int, shape (k,)
     values : ndarray, shape (P, k, 2)
         One factorisation serves all of them.
@@ -53,6 +56,7 @@ def harmonic_extension(cells, particles, boundary, values: np.ndarray) -> np.nda
     out[:, boundary] = values
     if n_fields == 0 or inside.size == 0:
         return out
+    # K_ii V_i = -K_ib V_b for the inside i and the boundary b
     matrix = stiffness(cells, particles)[inside]
     known = values.transpose(1, 0, 2).reshape(len(boundary), -1)
     solved = splu(matrix[:, inside].tocsc()).solve(-(matrix[:, boundary] @ known))

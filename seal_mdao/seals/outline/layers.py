@@ -1,4 +1,4 @@
-"""Layers of particles across the walls of a cloud: how many there are, and where they are too few."""
+"""Count the layers of particles across the walls of a cloud, and find walls with too few."""
 
 from typing import NamedTuple
 
@@ -9,9 +9,9 @@ from seal_mdao.seals.outline.cloud import wall_thickness
 ENOUGH = 5
 """Layers with which forces are within half a percent (page on accuracy)."""
 ALONG = 2.0
-"""Length of a wall over its thickness from which on it counts: tips and notches are none."""
+"""Least length of a wall over its thickness; tips and notches are shorter."""
 NEARLY = 0.75
-"""Cells across that may be missing: those of a mesh are not all as large."""
+"""Tolerance of the number of cells across, as cells of a mesh differ in size."""
 
 
 class ThinWall(NamedTuple):
@@ -33,7 +33,7 @@ class ThinWall(NamedTuple):
 
 
 def thin_wall(loops, particles: np.ndarray, cells: np.ndarray, wanted: int = ENOUGH):
-    """The wall with the fewest layers of particles, where these are fewer than ``wanted``; else None.
+    """Find the wall with the fewest layers of particles, if fewer than ``wanted``; else None.
 
     Parameters
     ----------
@@ -46,6 +46,7 @@ def thin_wall(loops, particles: np.ndarray, cells: np.ndarray, wanted: int = ENO
     size = _cell_sizes(particles, cells)
     worst = None
     for loop, at, thickness in zip(loops, points, wall_thickness(points), strict=True):
+        # cells across the wall: thickness over the mean size of the cells; layers are one more
         across = thickness / size[loop]
         side = np.hypot(*(np.roll(at, -1, axis=0) - at).T)
         few = across < wanted - 1 - NEARLY
@@ -61,13 +62,14 @@ def thin_wall(loops, particles: np.ndarray, cells: np.ndarray, wanted: int = ENO
 
 
 def _cell_sizes(particles, cells) -> np.ndarray:
-    """Root of the mean area of the cells at every particle, shape (n,), mm; triangles count as half."""
+    """Compute the root of the mean area of the cells at every particle, shape (n,), mm."""
     x, y = np.moveaxis(particles[cells], -1, 0)
     # half the cross product of the diagonals
     area = 0.5 * np.abs(
         (x[:, 2] - x[:, 0]) * (y[:, 3] - y[:, 1]) - (x[:, 3] - x[:, 1]) * (y[:, 2] - y[:, 0])
     )
     distinct = np.array([np.unique(cell).size for cell in cells])
+    # a triangle counts as half of a quadrilateral of its size
     area = area * np.where(distinct == 3, 2.0, 1.0)
     total = np.bincount(cells.ravel(), np.repeat(area, 4), len(particles))
     count = np.bincount(cells.ravel(), minlength=len(particles))
@@ -75,11 +77,12 @@ def _cell_sizes(particles, cells) -> np.ndarray:
 
 
 def _runs(chosen: np.ndarray) -> list[np.ndarray]:
-    """Neighbours round a closed loop that are chosen, each run as its indices in order."""
+    """Split the chosen points of a closed loop into runs of neighbours, indices in order."""
     if not chosen.any():
         return []
     if chosen.all():
         return [np.arange(chosen.size)]
+    # start at a point that is not chosen, so that no run crosses the end of the list
     first = int(np.flatnonzero(~chosen)[0])
     order = np.roll(np.arange(chosen.size), -first)
     ends = np.flatnonzero(np.diff(chosen[order].astype(int)))

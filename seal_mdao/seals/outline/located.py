@@ -1,4 +1,4 @@
-"""Points that lie on a section's boundary: which, where along it, and in what order."""
+"""Locate points on the boundary of a section: segment, arc length and order."""
 
 import numpy as np
 
@@ -7,20 +7,20 @@ from seal_mdao.seals.outline.sampling import Boundary
 from seal_mdao.seals.outline.segments import pair
 
 MATCH = 1e-6
-"""Largest distance of such a point from the boundary, mm."""
+"""Largest distance of a point from the boundary, mm."""
 
-_LOOK = 32  # places along a side of a segment where the nearest one is looked for first
-_STEPS = 12  # along the tangent; on the curve itself each doubles the digits
+_LOOK = 32  # sample points per side of a segment in the first search
+_STEPS = 12  # Gauss-Newton steps; quadratic convergence for points on the curve
 
 
 def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Boundary, np.ndarray]:
-    """Points of a loop as the ``Boundary`` of a contour.
+    """Locate the points of a loop on a contour, and return them as its ``Boundary``.
 
     Parameters
     ----------
     contour : Contour
     points : ndarray, shape (k, 2)
-        Along the contour in its direction, from any one on; ends of segments are among them.
+        In order along the contour, starting anywhere; ends of segments must be among them.
     closest : float
         Largest distance from the contour, mm.
 
@@ -28,7 +28,7 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
     -------
     boundary : Boundary
     order : ndarray of int, shape (k,)
-        The points from the beginning of the contour on.
+        Order of the points from the beginning of the contour.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
         point is.
     """
     segments = contour.segments
-    number, share, away = _nearest(segments, points)
+    number, fraction, away = _nearest(segments, points)
     worst = int(away.argmax())
     if not away[worst] <= closest:
         raise GeometryError(
@@ -45,56 +45,59 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
             f"{segments[number[worst]].edge!r}, on which it should lie"
         )
     lengths = np.array([segment.length for segment in segments])
-    number, share = _from_beginnings(number, share, lengths, closest)
+    number, fraction = _from_beginnings(number, fraction, lengths, closest)
     starts = np.concatenate([[0.0], np.cumsum(lengths)])
-    arc = starts[number] + share * lengths[number]
+    arc = starts[number] + fraction * lengths[number]
     order = np.roll(np.arange(len(points)), -int(arc.argmin()))
+    # sorted from the beginning the arc length must increase strictly: once around, no repetition
     if not (np.diff(arc[order]) > 0.0).all():
         raise GeometryError(
             f"the particles along the contour with the edge {segments[0].edge!r} do not follow it once "
             "around"
         )
-    missing = np.setdiff1d(np.arange(len(segments)), number[share == 0.0])
+    missing = np.setdiff1d(np.arange(len(segments)), number[fraction == 0.0])
     if missing.size:
         raise GeometryError(
             f"no particle is at {pair(segments[missing[0]].start)}, where a segment of the edge "
             f"{segments[missing[0]].edge!r} begins"
         )
-    return _boundary(segments, points[order], number[order], share[order], arc[order]), order
+    return _boundary(segments, points[order], number[order], fraction[order], arc[order]), order
 
 
 def _nearest(segments, points):
-    """Segment, share of its length and distance of the nearest place to every point."""
+    """Find segment, fraction of its length and distance of the nearest point for every point."""
     found = [_on(segment, points) for segment in segments]
-    shares, away = (np.array([one[i] for one in found]) for i in (0, 1))
+    fractions, away = (np.array([one[i] for one in found]) for i in (0, 1))
     number, every = away.argmin(axis=0), np.arange(len(points))
-    return number, shares[number, every], away[number, every]
+    return number, fractions[number, every], away[number, every]
 
 
 def _on(segment, points):
     first = np.linspace(0.0, 1.0, _LOOK * segment.sides + 1)
-    places = segment.points(first)
-    share = first[np.hypot(*np.moveaxis(points[:, None] - places, -1, 0)).argmin(axis=1)]
+    candidates = segment.points(first)
+    fraction = first[np.hypot(*np.moveaxis(points[:, None] - candidates, -1, 0)).argmin(axis=1)]
     for _ in range(_STEPS):
-        along = ((points - segment.points(share)) * segment.tangents(share)).sum(axis=1)
-        share = np.clip(share + along / segment.length, 0.0, 1.0)
-    return share, np.hypot(*(points - segment.points(share)).T)
+        # s <- s + (p - x(s)) . t(s) / L, clipped to the segment
+        along = ((points - segment.points(fraction)) * segment.tangents(fraction)).sum(axis=1)
+        fraction = np.clip(fraction + along / segment.length, 0.0, 1.0)
+    return fraction, np.hypot(*(points - segment.points(fraction)).T)
 
 
-def _from_beginnings(number, share, lengths, closest):
-    """What lies at the end of a segment lies at the beginning of the next one."""
-    share = np.where(share * lengths[number] <= closest, 0.0, share)
-    ends = (1.0 - share) * lengths[number] <= closest
-    return np.where(ends, (number + 1) % len(lengths), number), np.where(ends, 0.0, share)
+def _from_beginnings(number, fraction, lengths, closest):
+    """Assign points at the end of a segment to the beginning of the next one."""
+    fraction = np.where(fraction * lengths[number] <= closest, 0.0, fraction)
+    ends = (1.0 - fraction) * lengths[number] <= closest
+    return np.where(ends, (number + 1) % len(lengths), number), np.where(ends, 0.0, fraction)
 
 
-def _boundary(segments, points, number, share, arc) -> Boundary:
+def _boundary(segments, points, number, fraction, arc) -> Boundary:
     before, after = np.empty((2, *points.shape))
     for i, segment in enumerate(segments):
         here = number == i
-        before[here] = after[here] = segment.tangents(share[here])
-    corner = share == 0.0
+        before[here] = after[here] = segment.tangents(fraction[here])
+    corner = fraction == 0.0
     last = np.array([segment.tangents([1.0])[0] for segment in segments])
+    # at a corner the tangent before is the end tangent of the preceding segment
     before[corner] = last[number[corner] - 1]
     return Boundary(
         points, np.array([segment.edge for segment in segments])[number], number, corner, arc,

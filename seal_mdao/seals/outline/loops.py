@@ -1,4 +1,4 @@
-"""Closed loops from loose pieces in any order and direction."""
+"""Chain loose segments in any order and direction into closed loops."""
 
 from collections import defaultdict
 
@@ -12,26 +12,27 @@ from seal_mdao.seals.outline.segments import pair
 
 
 def loops(segments, names, join: float) -> list[tuple]:
-    """Chains of segments, each closed, head to tail.
+    """Chain segments head to tail into closed loops.
 
     Parameters
     ----------
     segments : sequence of Segment
     names : sequence of str
-        What to call each one in a message.
+        Names of the segments in messages.
     join : float
-        Ends closer than this are the same, mm.
+        Largest distance of ends that are joined, mm.
 
     Raises
     ------
     GeometryError
-        For an end that meets no other one, or several.
+        For an end that meets no other end, or several.
     """
+    # ends 2 i and 2 i + 1 are start and end of segment i
     ends = np.array([end for segment in segments for end in (segment.start, segment.end)])
     node = _nodes(ends, join)
     at = defaultdict(list)
-    for number, place in enumerate(node):
-        at[place].append(number)
+    for number, joint in enumerate(node):
+        at[joint].append(number)
     _check_nodes(ends, at, names)
     found, left = [], set(range(len(segments)))
     while left:
@@ -43,6 +44,7 @@ def loops(segments, names, join: float) -> list[tuple]:
             last = 2 * here + int(forward)
             if node[last] == first:
                 break
+            # every node has two ends: leave it by the other one, forward if that is a start
             following = next(end for end in at[node[last]] if end != last)
             here, forward = following // 2, following % 2 == 0
         found.append(tuple(chain))
@@ -50,7 +52,7 @@ def loops(segments, names, join: float) -> list[tuple]:
 
 
 def _nodes(ends, join):
-    """A number for each end (2 n, 2), equal for those that are joined."""
+    """Number the ends (2 n, 2) so that joined ones have equal numbers."""
     pairs = cKDTree(ends).query_pairs(join, output_type="ndarray")
     ones = np.ones(len(pairs))
     graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(ends), len(ends)))

@@ -1,4 +1,4 @@
-"""Triangles inside closed loops, by Netgen's advancing front (extra ``mesh``)."""
+"""Triangulation of closed loops by Netgen's advancing front (extra ``mesh``)."""
 
 from importlib import import_module
 from itertools import pairwise
@@ -11,13 +11,14 @@ from scipy.sparse.csgraph import connected_components
 from seal_mdao.errors import GeometryError
 
 UNBOUNDED = 1e6
-"""Largest size asked for along the loops, which are not to be divided further, mm."""
+"""Mesh size along the loops, mm: large, so that the mesher does not divide their sides."""
 
 ON_LOOP = 1e-3
 """Largest distance of the end of a cut from a point of a loop, mm."""
 
 GRADINGS = (0.3, 0.6, 1.2, 2.4)
-"""How fast triangles may grow, gentle first: the mesher divides sides that grow faster."""
+"""Values of the grading (growth of triangles), tried in this order: the mesher divides sides of the
+boundary whose length changes faster."""
 
 
 def _netgen():
@@ -41,7 +42,7 @@ class Triangles(NamedTuple):
     triangles : ndarray of int, shape (m, 3)
         Counter-clockwise.
     parts : ndarray of int, shape (m,)
-        Number of the part of every triangle, into which the cuts divide them.
+        Index of the part, into which the cuts divide the section, of every triangle.
     """
 
     points: np.ndarray
@@ -50,14 +51,14 @@ class Triangles(NamedTuple):
 
 
 def triangulate(loops, size: float, cuts=()) -> Triangles:
-    """Triangles between closed loops of given points, divided by cuts.
+    """Triangulate the section between closed loops of given points, divided by cuts.
 
     Parameters
     ----------
     loops : sequence of ndarray, shape (k, 2)
         Points in order, the material on the left.
     size : float
-        Largest wanted side, mm; where a loop has shorter sides the triangles follow.
+        Largest side, mm; smaller next to shorter sides of loops.
     cuts : sequence of ndarray, shape (k, 2)
         Straight sides through the inside from one point of a loop to another: sides of triangles lie
         on them.
@@ -72,6 +73,7 @@ def triangulate(loops, size: float, cuts=()) -> Triangles:
     geometry = _netgen().SplineGeometry()
     sides, count, every = [], 0, []
     for loop in loops:
+        # one domain (1) on the left of every side, nothing (0) on the right
         numbers = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in loop]
         ends = list(zip(numbers, numbers[1:] + numbers[:1], strict=True))
         for a, b in ends:
@@ -83,6 +85,7 @@ def triangulate(loops, size: float, cuts=()) -> Triangles:
     given, sides = np.concatenate(loops), np.concatenate(sides)
     for cut in cuts:
         _append_cut(geometry, cut, given, every, size)
+    # accept the first grading with which the sides of the boundary are those given
     for grading in GRADINGS:
         points, triangles, divided = _generated(geometry, size, grading, len(sides))
         if not (lost := _lost(points, triangles, given, sides)):
@@ -95,7 +98,7 @@ def triangulate(loops, size: float, cuts=()) -> Triangles:
 
 
 def _append_cut(geometry, cut, given, every, size):
-    """A cut between points of the loops; the mesher divides its sides."""
+    """Add a cut between points of the loops; the mesher divides its sides."""
     away = [np.hypot(*(given - end).T) for end in (cut[0], cut[-1])]
     first, last = (every[int(a.argmin())] for a in away)
     if max(a.min() for a in away) > ON_LOOP or first == last:
@@ -110,6 +113,7 @@ def _generated(geometry, size, grading, n_sides):
         mesh = geometry.GenerateMesh(maxh=float(size), grading=grading)
     except Exception as error:  # whatever the library throws
         raise GeometryError(f"the section cannot be filled with triangles: {error}") from error
+    # numbers of Netgen start from 1; boundary indices beyond ``n_sides`` belong to cuts
     points = np.array([tuple(point.p)[:2] for point in mesh.Points()])
     triangles = np.array([[v.nr - 1 for v in cell.vertices] for cell in mesh.Elements2D()], int)
     divided = [[v.nr - 1 for v in e.vertices] for e in mesh.Elements1D() if e.index > n_sides]
@@ -117,7 +121,7 @@ def _generated(geometry, size, grading, n_sides):
 
 
 def _parts(triangles, divided) -> np.ndarray:
-    """Number of the part of every triangle: neighbours are in one unless a cut lies between."""
+    """Number the parts of the section: adjacent triangles share one unless a cut lies between."""
     owners = {}
     for number, (a, b, c) in enumerate(triangles.tolist()):
         for side in ((a, b), (b, c), (c, a)):
@@ -130,10 +134,11 @@ def _parts(triangles, divided) -> np.ndarray:
 
 
 def _lost(points, triangles, given, sides) -> set:
-    """Sides at which the boundary of the triangles and the loops differ."""
+    """Find the sides at which the boundary of the triangles and the loops differ."""
     if len(points) < len(given) or not np.array_equal(points[: len(given)], given):
         raise GeometryError("the mesher has moved points of the boundary")
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     known = set(map(tuple, ends.tolist()))
+    # a directed side without its opposite is on the boundary
     found = {end for end in known if end[::-1] not in known}
     return set(map(tuple, sides.tolist())) ^ found

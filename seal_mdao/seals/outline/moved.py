@@ -1,4 +1,4 @@
-"""The section of a design: what has moved is drawn anew as splines."""
+"""Section of a design: moved segments are replaced by splines through their points."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -9,24 +9,24 @@ from seal_mdao.seals.outline.spline import Spline
 
 SMOOTH = 1e-3
 """Largest turn of the tangent, radians, over which one spline continues into the next segment: joints
-that were open in a drawing turn by some 1e-4."""
+with gaps in a drawing turn by some 1e-4."""
 
 
 def moved_outline(outline: Outline, boundaries: list[Boundary], points) -> Outline:
-    """The section whose boundary passes through moved points.
+    """Build the section whose boundary passes through moved points.
 
-    Segments none of whose points have moved stay what they are. The others become cubic splines
-    through their points, with the drawn arc length as parameter: one spline over segments of an edge
-    that were drawn smooth, a corner where there was one.
+    Segments without moved points are unchanged. The others become cubic splines through their points,
+    with the nominal arc length as parameter: one spline over segments of an edge that join smoothly,
+    a corner where there was one.
 
     Parameters
     ----------
     outline : Outline
-        As drawn.
+        Nominal section.
     boundaries : list of Boundary
         Its sampled points.
     points : sequence of ndarray, shape (k, 2)
-        Where they are in the design, contour by contour, mm.
+        Positions of these points in the design, contour by contour, mm.
 
     Raises
     ------
@@ -60,6 +60,7 @@ def _moved(contour, boundary, points) -> Contour:
             continue
         here = slice(corners[first], ends[last] + 1)
         through, parameter = tuple(map(tuple, closed[here].tolist())), tuple(arc[here].tolist())
+        # a closed spline with a corner at its joint must not be periodic: it gets end slopes
         kinked = through[0] == through[-1] and _turn(segments[last], segments[first]) >= SMOOTH
         slopes = _end_slopes(through, parameter) if kinked else None
         found.append(Spline(through, segments[first].edge, parameter, slopes))
@@ -67,14 +68,14 @@ def _moved(contour, boundary, points) -> Contour:
 
 
 def _runs(segments, changed) -> list[tuple[int, int]]:
-    """First and last segment of every piece of the new contour."""
+    """List the first and last segment of every segment of the new contour."""
     runs = []
     for i, segment in enumerate(segments):
-        goes_on = (
+        continues = (
             i > 0 and changed[i] and changed[i - 1] and segments[i - 1].edge == segment.edge
             and _turn(segments[i - 1], segment) < SMOOTH
         )  # fmt: skip
-        if goes_on:
+        if continues:
             runs[-1] = (runs[-1][0], i)
         else:
             runs.append((i, i))
@@ -87,6 +88,6 @@ def _turn(one, other) -> float:
 
 
 def _end_slopes(through, parameter) -> tuple:
-    """Tangents of the spline whose ends are not joined smoothly though they are one point."""
+    """Compute end slopes of a not-a-knot spline whose ends coincide without a smooth joint."""
     curve = CubicSpline(parameter, np.array(through))
     return tuple(map(tuple, curve([parameter[0], parameter[-1]], 1).tolist()))

@@ -1,9 +1,9 @@
 """Quadrilateral cells from triangles.
 
-The volume change is projected on each cell. Triangles bring one condition of constant volume for
-each unknown and lock; quadrilaterals bring half as many. Triangles are therefore paired where the
-pair is a good quadrilateral, and then every cell is cut from its centre to the middles of its
-sides, which leaves quadrilaterals alone and two cells across even where there was one.
+The volume change is projected on each cell. Triangles give one volume constraint for each unknown and
+lock; quadrilaterals give half as many. Triangles are therefore paired where the pair is close to a
+rectangle, and then every cell is divided from its centre to the midpoints of its sides, which gives
+quadrilaterals only, and two cells across a wall where there was one.
 """
 
 from itertools import pairwise
@@ -15,33 +15,34 @@ WORST_ANGLE = 60.0
 
 
 def corner_angles(corners: np.ndarray) -> np.ndarray:
-    """Inner angles of polygons (..., k, 2) walked counter-clockwise, degrees, shape (..., k)."""
+    """Compute inner angles of counter-clockwise polygons (..., k, 2), degrees, shape (..., k)."""
     after = np.roll(corners, -1, axis=-2) - corners
     before = np.roll(corners, 1, axis=-2) - corners
+    # angle from the side after to the side before: atan2(a x b, a . b) in [0, 360)
     cross = after[..., 0] * before[..., 1] - after[..., 1] * before[..., 0]
     return np.degrees(np.arctan2(cross, (after * before).sum(axis=-1))) % 360.0
 
 
 def paired(points: np.ndarray, triangles: np.ndarray, parts=None) -> tuple:
-    """Triangles (k, 3) joined in pairs of one part, the best first.
+    """Join triangles (k, 3) of one part in pairs, greedily from the most rectangular pair.
 
     Returns
     -------
     cells : ndarray of int, shape (m, 4)
-        Those that are left alone repeat a corner.
+        Single triangles repeat a corner.
     parts : ndarray of int, shape (m,)
-        Theirs, from those (k,) of the triangles; zeros unless given.
+        Their parts, from those (k,) of the triangles; zeros if left out.
     """
     parts = np.zeros(len(triangles), int) if parts is None else parts
     quads, owners = _candidates(triangles)
     same = parts[owners[:, 0]] == parts[owners[:, 1]]
     quads, owners = quads[same], owners[same]
-    bad = np.abs(corner_angles(points[quads]) - 90.0).max(axis=1)
+    deviation = np.abs(corner_angles(points[quads]) - 90.0).max(axis=1)
     # rounding must not decide between equal pairs
-    order = np.lexsort((*owners.T[::-1], bad.round(6)))
+    order = np.lexsort((*owners.T[::-1], deviation.round(6)))
     used, cells, own = np.zeros(len(triangles), bool), [], []
     for pair in order:
-        if bad[pair] < WORST_ANGLE and not used[owners[pair]].any():
+        if deviation[pair] < WORST_ANGLE and not used[owners[pair]].any():
             used[owners[pair]] = True
             cells.append(quads[pair])
             own.append(parts[owners[pair, 0]])
@@ -54,19 +55,21 @@ def paired(points: np.ndarray, triangles: np.ndarray, parts=None) -> tuple:
 
 
 def _candidates(triangles):
-    """Quadrilaterals (p, 4) of all neighbouring triangles, and which two they are (p, 2)."""
+    """List the quadrilaterals (p, 4) of all adjacent triangles, and these triangles (p, 2)."""
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     apex = np.roll(triangles, 1, axis=1).ravel()
+    # the two triangles of a side have the same sorted ends: adjacent after sorting all sides
     key = np.sort(ends, axis=1)
     order = np.lexsort(key.T)
     same = (key[order[1:]] == key[order[:-1]]).all(axis=1)
     first, second = order[:-1][same], order[1:][same]
+    # common side (a, b) of the first triangle, apexes c_1, c_2: quadrilateral a, c_2, b, c_1
     quads = np.column_stack([ends[first, 0], apex[second], ends[first, 1], apex[first]])
     return quads, np.sort(np.column_stack([first // 3, second // 3]), axis=1)
 
 
 def halved(points: np.ndarray, cells: np.ndarray, loops) -> tuple[np.ndarray, np.ndarray]:
-    """Every cell cut in quadrilaterals from its centre to the middles of its sides.
+    """Divide every cell into quadrilaterals from its centre to the midpoints of its sides.
 
     Parameters
     ----------
@@ -75,7 +78,7 @@ def halved(points: np.ndarray, cells: np.ndarray, loops) -> tuple[np.ndarray, np
     cells : ndarray of int, shape (m, 4)
         Triangles repeat a corner.
     loops : sequence of ndarray, shape (2 k, 2)
-        The points between are the middles of the sides at the boundary.
+        The points of odd index are the midpoints of the sides at the boundary.
 
     Returns
     -------
@@ -85,18 +88,21 @@ def halved(points: np.ndarray, cells: np.ndarray, loops) -> tuple[np.ndarray, np
     """
     rim = np.concatenate(loops)
     start = np.cumsum([0, *(len(loop) for loop in loops)])
+    # sides at the boundary take the given points on the curve, not the midpoints of chords
     middles = {}
     for first, end in pairwise(start):
         corner = np.append(np.arange(first, end, 2), first)
         for a, middle, b in zip(corner[:-1], range(first + 1, end, 2), corner[1:], strict=True):
             middles[frozenset((int(a), int(b)))] = middle
     inner = points[len(rim) // 2 :]
+    # corners at the boundary have the even indices of the loops, inner points follow the loops
     renumbered = np.concatenate([np.arange(0, len(rim), 2), len(rim) + np.arange(len(inner))])
     found, quads = [*rim, *inner], []
     for cell in renumbered[cells].tolist():
         corners = list(dict.fromkeys(cell))
         between = []
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+            # each midpoint is made once for both cells of a side
             side = frozenset((a, b))
             if side not in middles:
                 middles[side] = len(found)

@@ -1,4 +1,4 @@
-"""Structured clouds: particles on rays through a wall, linear in the two boundaries between."""
+"""Structured clouds: particles on radial rows through an annular wall, linear between boundaries."""
 
 from dataclasses import dataclass
 
@@ -12,19 +12,19 @@ from seal_mdao.seals.outline.section import JOIN, SAGITTA, Boundary, Outline
 from seal_mdao.seals.wall_grid import SCHEMES, WallGrid
 
 BACK = 1e-9
-"""By how much an angle may fall back along a contour, radians."""
+"""Largest decrease of the polar angle along a contour, radians."""
 
 
 @dataclass(frozen=True)
 class Rays(WallGrid):
-    """How a wall between two contours is filled.
+    """Radial rows of particles that fill a wall between two contours.
 
     Attributes
     ----------
     centre : pair of float
-        Where the rays come from, mm.
+        Common origin of the rays, mm.
     accuracy : str
-        Name of the wall's scheme (``wall_grid.SCHEMES``); its contact points are the caller's to choose.
+        Name of the wall's scheme (``wall_grid.SCHEMES``); contact points are chosen by the caller.
     """
 
     centre: tuple = (0.0, 0.0)
@@ -32,7 +32,7 @@ class Rays(WallGrid):
 
     @property
     def kernels(self) -> Kernels:
-        """Those of the door seal of this accuracy."""
+        """Kernels of the door seal with this accuracy."""
         own = SCHEMES[self.accuracy]
         return Kernels(
             self.along_cells(own.support), own.basis_order, self.column(own.pressure),
@@ -40,17 +40,18 @@ class Rays(WallGrid):
         )  # fmt: skip
 
     def across(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
-        """Values (..., n, 2) of all particles from those (..., rays, 2) of the two boundaries."""
+        """Interpolate values (..., rays, 2) of the two boundaries to all particles (..., n, 2)."""
         t = self.fractions[:, None]
+        # v(t) = (1 - t) v_inner + t v_outer at the fractions t of the layers
         values = inner[..., None, :] * (1.0 - t) + outer[..., None, :] * t
         return values.reshape(*values.shape[:-3], self.rays * self.layers, 2)
 
 
 def ray_boundaries(outline: Outline, rays: Rays) -> list:
-    """Boundary points of a section of two contours on its rays.
+    """Intersect a section of two contours with the rays.
 
-    Their ``arc_length`` is the angle and their tangents are across the rays: a design moves them along
-    the rays by B-splines of the angle.
+    ``arc_length`` of the points is the angle and their tangents are normal to the rays, so that a design
+    moves them along the rays by B-splines of the angle.
 
     Raises
     ------
@@ -66,19 +67,20 @@ def ray_boundaries(outline: Outline, rays: Rays) -> list:
 
 
 def _boundary(contour, rays, hole) -> Boundary:
-    way = -1.0 if hole else 1.0
-    places = [_on_rays(segment, rays, way) for segment in contour.segments]
-    number = np.concatenate([[i] * len(own) for i, own in enumerate(places)])
-    ray = np.concatenate([[r for r, _ in own] for own in places]).astype(int)
-    radius = np.concatenate([[x for _, x in own] for own in places])
+    # the outer contour runs counter-clockwise (+1), the hole clockwise (-1)
+    turn = -1.0 if hole else 1.0
+    found = [_on_rays(segment, rays, turn) for segment in contour.segments]
+    number = np.concatenate([[i] * len(own) for i, own in enumerate(found)])
+    ray = np.concatenate([[r for r, _ in own] for own in found]).astype(int)
+    radius = np.concatenate([[x for _, x in own] for own in found])
     if sorted(ray % rays.rays) != list(range(rays.rays)):
         raise GeometryError(
             f"every ray from ({rays.centre[0]:.4g}, {rays.centre[1]:.4g}) must meet every contour once, "
             f"but that with the edge {contour.edge_names[0]!r} is met otherwise"
         )
     directions = rays.directions[ray % rays.rays]
-    along = way * np.column_stack([-directions[:, 1], directions[:, 0]])
-    angle = way * 2.0 * np.pi / rays.rays * (ray - ray[0])
+    along = turn * np.column_stack([-directions[:, 1], directions[:, 0]])
+    angle = turn * 2.0 * np.pi / rays.rays * (ray - ray[0])
     return Boundary(
         np.asarray(rays.centre) + radius[:, None] * directions,
         np.array([segment.edge for segment in contour.segments])[number],
@@ -90,10 +92,11 @@ def _boundary(contour, rays, hole) -> Boundary:
     )
 
 
-def _on_rays(segment, rays, way) -> list:
-    """Rays that meet a segment, its end not counted, in order, and the radii there."""
-    shares = segment.chords(SAGITTA * segment.length)
-    to = segment.points(shares) - rays.centre
+def _on_rays(segment, rays, turn) -> list:
+    """List the rays that meet a segment, without its end, in order, with the radii there."""
+    s = segment.chords(SAGITTA * segment.length)
+    to = segment.points(s) - rays.centre
+    # angle from the downward direction; ray k lies at 2 pi k / rays
     angle = np.unwrap(np.arctan2(to[:, 0], -to[:, 1]))
     unit = 2.0 * np.pi / rays.rays
     radius = np.hypot(*to.T)
@@ -104,34 +107,37 @@ def _on_rays(segment, rays, way) -> list:
         raise GeometryError(
             f"a segment of the edge {segment.edge!r} ends at ({x:.4g}, {y:.4g}), which is on no ray"
         )
-    if (way * np.diff(angle) <= -BACK).any():
+    if (turn * np.diff(angle) <= -BACK).any():
         raise GeometryError(f"a ray meets the edge {segment.edge!r} twice")
     found = [(ends[0], radius[0])]
-    for ray in range(ends[0] + int(way), ends[1], int(way)):
-        k = int(np.searchsorted(way * angle, way * ray * unit))
-        found.append((ray, _radius(segment, rays, ray, shares[k - 1], shares[k])))
+    for ray in range(ends[0] + int(turn), ends[1], int(turn)):
+        # the chord k - 1, k brackets the ray
+        k = int(np.searchsorted(turn * angle, turn * ray * unit))
+        found.append((ray, _radius(segment, rays, ray, s[k - 1], s[k])))
     return found
 
 
 def _radius(segment, rays, ray, low, high) -> float:
-    """Distance from the centre at which a ray meets a segment between two shares."""
+    """Compute the radius at which a ray meets a segment between two fractions of its length."""
     along = rays.directions[ray % rays.rays]
 
-    def off(share):
-        x, y = segment.points(np.array([share]))[0] - rays.centre
+    # root of e x (x(s) - c): distance of the curve from the ray
+    def off(s):
+        x, y = segment.points(np.array([s]))[0] - rays.centre
         return along[0] * y - along[1] * x
 
     if off(low) * off(high) < 0.0:
-        share = brentq(off, low, high, xtol=1e-16)
+        s = brentq(off, low, high, xtol=1e-16)
     else:  # an end of the chord is on the ray
-        share = min(low, high, key=lambda end: abs(off(end)))
-    return float((segment.points(np.array([share]))[0] - rays.centre) @ along)
+        s = min(low, high, key=lambda end: abs(off(end)))
+    return float((segment.points(np.array([s]))[0] - rays.centre) @ along)
 
 
 def ray_cloud(boundaries, rays: Rays) -> OutlineCloud:
-    """Particles and cells of a wall from its ``ray_boundaries``."""
+    """Build particles and cells of a wall from its ``ray_boundaries``."""
     unit = 2.0 * np.pi / rays.rays
     loops, ordered = [], []
+    # the outer contour is the last layer, the hole the first
     for boundary, layer in zip(boundaries, (rays.layers - 1, 0), strict=True):
         to = boundary.points - rays.centre
         ray = np.round(np.arctan2(to[:, 0], -to[:, 1]) / unit).astype(int) % rays.rays
@@ -143,9 +149,10 @@ def ray_cloud(boundaries, rays: Rays) -> OutlineCloud:
 
 
 def through_wall(filled: OutlineCloud, velocity: np.ndarray, rays: Rays) -> np.ndarray:
-    """Velocity (P, n, 2) of all particles from that (P, k, 2) of the boundary."""
+    """Interpolate the boundary velocity (P, k, 2) linearly to all particles (P, n, 2)."""
     around = len(filled.loops[0])
     inner, outer = np.empty((2, len(velocity), rays.rays, 2))
+    # particle = ray * layers + layer, so the ray is particle // layers
     outer[:, filled.loops[0] // rays.layers] = velocity[:, :around]
     inner[:, filled.loops[1] // rays.layers] = velocity[:, around:]
     return rays.across(inner, outer)

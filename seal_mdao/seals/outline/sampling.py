@@ -1,4 +1,4 @@
-"""Boundary points of a section at a given spacing."""
+"""Sampling of the boundary of a section at a given spacing."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 FINE = 16
-"""Places per side at which a spacing that varies is asked for, over those that it seems to need."""
+"""Evaluations of a variable spacing per expected side."""
 
 
 class Boundary(NamedTuple):
@@ -19,13 +19,13 @@ class Boundary(NamedTuple):
     edge : ndarray of str, shape (k,)
         Edge of the side from each point to the next.
     segment : ndarray of int, shape (k,)
-        Segment that this side belongs to.
+        Index of the segment of this side.
     corner : ndarray of bool, shape (k,)
         Whether a segment begins at the point.
     arc_length : ndarray, shape (k,)
         From the beginning of the contour, mm.
     length : float
-        Of the whole contour, mm.
+        Of the complete contour, mm.
     tangent : ndarray, shape (k, 2, 2)
         Unit tangents just before and just after each point; they differ at corners alone.
     """
@@ -40,7 +40,7 @@ class Boundary(NamedTuple):
 
 
 def sampled(outline, spacing: float | Callable[[np.ndarray], np.ndarray]) -> list[Boundary]:
-    """Points of every contour; ends of segments always are points.
+    """Sample points along every contour; ends of segments always are points.
 
     Parameters
     ----------
@@ -62,10 +62,10 @@ def sampled(outline, spacing: float | Callable[[np.ndarray], np.ndarray]) -> lis
 
 
 def _boundary(segments, spacing) -> Boundary:
-    shares = [_shares(segment, spacing) for segment in segments]
-    count = [s.size - 1 for s in shares]
+    fractions = [_fractions(segment, spacing) for segment in segments]
+    count = [s.size - 1 for s in fractions]
     starts = np.concatenate([[0.0], np.cumsum([segment.length for segment in segments])])
-    tangents = [part.tangents(s) for part, s in zip(segments, shares, strict=True)]
+    tangents = [part.tangents(s) for part, s in zip(segments, fractions, strict=True)]
     after = np.concatenate([t[:-1] for t in tangents])
     # at a corner the tangent before is that of the end of the segment before
     before = np.concatenate(
@@ -73,44 +73,46 @@ def _boundary(segments, spacing) -> Boundary:
     )
     number = np.repeat(np.arange(len(segments)), count)
     return Boundary(
-        np.concatenate([part.points(s[:-1]) for part, s in zip(segments, shares, strict=True)]),
+        np.concatenate([part.points(s[:-1]) for part, s in zip(segments, fractions, strict=True)]),
         np.array([segment.edge for segment in segments])[number],
         number,
         np.concatenate([[True] + [False] * (n - 1) for n in count]),
         np.concatenate([
             start + s[:-1] * part.length
-            for start, part, s in zip(starts, segments, shares, strict=False)
+            for start, part, s in zip(starts, segments, fractions, strict=False)
         ]),
         float(starts[-1]),
         np.stack([before, after], axis=1),
     )  # fmt: skip
 
 
-def _shares(segment, spacing) -> np.ndarray:
-    """Shares of a segment's length at which its points are, both ends included."""
+def _fractions(segment, spacing) -> np.ndarray:
+    """Compute fractions of a segment's length for its points, both ends included."""
     if not callable(spacing):
         _require_positive(np.array([float(spacing)]))
+        # constant spacing h: ceil(L / h) equal sides, but no side turns by more than 45 degrees
         count = int(np.ceil(segment.length / spacing - 1e-9))
         return np.linspace(0.0, 1.0, max(count, segment.sides) + 1)
     fine = np.linspace(0.0, 1.0, FINE * segment.sides + 1)
+    # refine the evaluation to the smallest spacing found in a first pass
     least = float(_at(spacing, segment, fine).min())
     fine = np.linspace(0.0, 1.0, FINE * max(segment.sides, int(segment.length / least)) + 1)
     rate = segment.length / _at(spacing, segment, fine)
-    # the number of sides up to each place, by the trapezoidal rule
+    # sides up to s: n(s) = int_0^s L / h ds by the trapezoidal rule; points at equal steps of n
     sides = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(fine))])
     count = max(int(np.ceil(sides[-1] - 1e-9)), segment.sides)
-    shares = np.interp(np.linspace(0.0, sides[-1], count + 1), sides, fine)
-    shares[0], shares[-1] = 0.0, 1.0
-    return shares
+    found = np.interp(np.linspace(0.0, sides[-1], count + 1), sides, fine)
+    found[0], found[-1] = 0.0, 1.0
+    return found
 
 
-def _at(spacing, segment, shares) -> np.ndarray:
-    values = np.broadcast_to(np.asarray(spacing(segment.points(shares)), float), shares.shape)
+def _at(spacing, segment, s) -> np.ndarray:
+    values = np.broadcast_to(np.asarray(spacing(segment.points(s)), float), s.shape)
     _require_positive(values)
     return values
 
 
 def _require_positive(values) -> None:
-    bad = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))
-    if bad.size:
-        raise ValueError(f"spacing must be a positive number, got {values[bad[0]]}")
+    wrong = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))
+    if wrong.size:
+        raise ValueError(f"spacing must be a positive number, got {values[wrong[0]]}")

@@ -1,4 +1,4 @@
-"""A seal from the boundary of any section."""
+"""Build a seal from the boundary of any section."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -40,10 +40,10 @@ class EdgeContact(NamedTuple):
     motion : Motion
     law : ContactLaw
     prefix : str
-        Put before the names of its parameters.
+        Prefix of the names of its parameters.
     contact_points : {"particles", "edges"}
-        Where the edges may be touched: at the movable particles, or in the middle of every straight side
-        between two particles.
+        Contact points of the edges: the free particles, or the midpoints of the straight sides between
+        two particles.
     """
 
     label: str
@@ -55,7 +55,7 @@ class EdgeContact(NamedTuple):
     contact_points: str = "particles"
 
     def on(self, body: Body) -> RigidContact:
-        """The contact term."""
+        """Build the contact term."""
         sides = np.concatenate([body.edge(name).sides for name in self.edges])
         at_edges = self.contact_points == "edges"
         where = edge_points(sides, 1) if at_edges else points_on(body, sides)
@@ -63,7 +63,7 @@ class EdgeContact(NamedTuple):
 
 
 class SealedHole(NamedTuple):
-    """A hole that does not let its air out.
+    """A sealed hole with trapped air.
 
     Attributes
     ----------
@@ -80,12 +80,12 @@ class SealedHole(NamedTuple):
     gamma: float = ADIABATIC
 
     def on(self, loops) -> TrappedAir:
-        """The term."""
+        """Build the term."""
         return TrappedAir(self.label, loops[self.hole], self.pressure, self.gamma)
 
 
 class SectionRegion(NamedTuple):
-    """A part of the section of another material.
+    """A part of the section with another material.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class SectionRegion(NamedTuple):
     at : pair of float
         A point of the part, mm.
     prefix : str
-        Put before the names of the material's constants.
+        Prefix of the names of the material's constants.
     """
 
     material: object
@@ -103,7 +103,7 @@ class SectionRegion(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class OutlineSeal(AssembledSeal):
-    """A seal whose cloud was made from its boundary.
+    """A seal with a cloud built from its boundary.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class OutlineSeal(AssembledSeal):
     kernels : Kernels
         Of its cloud.
     cuts : tuple of ndarray
-        Lines that divide the drawn section between materials, their corners (k, 2), mm.
+        Lines that divide the nominal section between materials, their corners (k, 2), mm.
     """
 
     loops: tuple = ()
@@ -124,7 +124,7 @@ class OutlineSeal(AssembledSeal):
 
     @cached_property
     def cautions(self) -> tuple[str, ...]:
-        """A wall with too few layers of particles; those of rays are the user's choice."""
+        """Warning of a wall with too few layers of particles; those of rays are chosen by the user."""
         if isinstance(self.spacing, Rays):
             return ()
         wall = thin_wall(self.loops, self.drawn_particles, self.body.cells)
@@ -139,7 +139,7 @@ class OutlineSeal(AssembledSeal):
 
     @property
     def parts(self) -> np.ndarray:
-        """Number of the material of every cell."""
+        """Index of the material of every cell."""
         body = self.definitions[0]
         return body.per_cell(range(len(body.regions)), len(self.body.cells), int)
 
@@ -150,38 +150,38 @@ def outline_seal(
     regions=(), prefix: str = "", kernels: Kernels | None = None, standard=(), inputs=(),
     newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
-    """A seal from the boundary of its section.
+    """Build a seal from the boundary of its section.
 
     Parameters
     ----------
     boundaries : sequence of Boundary
-        Outside first, then holes, then outsides of further bodies, as ``boundary.doubled`` gives them:
+        Outer contour, holes, outer contours of further bodies, as ``boundary.doubled`` returns them:
         points with edge names, arc length, tangents.
     spacing : float, Rays or GivenCloud
-        Wanted distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``; or a cloud
-        with its boundaries, whose parts the ``cuts`` do not decide.
+        Target distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``; or a cloud
+        with its boundaries, whose parts are its own, not given by ``cuts``.
     material : Isotropic
     n_steps : int
-        Nominal load steps, those of the motions.
+        Number of nominal load steps, that of the motions.
     fixed : sequence of str
-        Edges that are held.
+        Edges that are fixed.
     planes : sequence of (str, int)
-        Edges that slide along their plane, and the component across it, in which they are held.
+        Edges that slide along their plane, and the fixed component normal to it.
     contacts : sequence of EdgeContact
     sealed : sequence of SealedHole
     touching : SelfTouch, optional
         Edges that may touch each other.
     fluids : sequence of EdgeFluid
     designs : sequence of EdgeDesign
-        Their parameters are the ``boundary_offsets``, mm along the drawn normals.
+        Their parameters are the ``boundary_offsets``, mm along the nominal normals.
     cuts : sequence of ndarray, shape (k, 2)
         Lines between points of the boundary that divide bodies, mm.
     regions : sequence of SectionRegion
-        Parts between them, and bodies, that are not of ``material``.
+        Parts between cuts, and bodies, with a material other than ``material``.
     prefix : str
-        Put before the names of the constants of ``material``.
+        Prefix of the names of the constants of ``material``.
     kernels : Kernels, optional
-        Those of rays and of clouds with kernels of their own unless given, else ``Kernels()``.
+        If left out those of rays and of given clouds, else ``Kernels()``.
     standard, inputs, newton
         As of ``AssembledSeal``.
 
@@ -193,32 +193,27 @@ def outline_seal(
         For a boundary that cannot be filled.
     """
     known = stretches(boundaries)
-    checked_names(fixed, known, "fixed")
-    checked_names([name for name, _ in planes], known, "planes")
-    for contact in contacts:
-        checked_names(contact.edges, known, f"profile {contact.label!r}")
-    if touching is not None:
-        checked_names(touching.edges, known, touching.label)
-    for fluid in fluids:
-        checked_names(fluid.edges, known, fluid.label)
+    named = [(fixed, "fixed"), ([name for name, _ in planes], "planes")]
+    named += [(contact.edges, f"profile {contact.label!r}") for contact in contacts]
+    named += [(term.edges, term.label) for term in (touching, *fluids) if term is not None]
+    for names, what in named:
+        checked_names(names, known, what)
+    # stretches index points of the loops; edges the particles of the cloud
     filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
         for name, stretch in known.items()
     }
-    held = np.zeros(filled.particles.shape, bool)
-    for name in fixed:
-        held[edges[name].particles] = True
-    for name, component in planes:
-        held[edges[name].particles, component] = True
     if kernels is None:
         kernels = spacing.kernels if isinstance(spacing, Rays | GivenCloud) else Kernels()
-    body = _body(filled, kernels, held, edges)
+    body = _body(filled, kernels, _prescribed(filled, edges, fixed, planes), edges)
+    # design velocity V = dX/db: on the boundary by B-splines, extended to the inside
     velocity = inside(filled, boundary_velocity(boundaries, designs, fixed, planes))
     elastic = ElasticBody(_regions(filled, Region(material, None, prefix), regions))
     profiles = tuple(
         completed(contact.on(body), elastic, body, filled.particles) for contact in contacts
     )
+    # order of the terms: structure, profiles, trapped air, self-contact, fluids
     loads = [*profiles, *(h.on(filled.loops) for h in sealed)]
     loads += [] if touching is None else [touching.on(body, filled.loops)]
     loads += [fluid.on(body, profiles, n_steps) for fluid in fluids]
@@ -229,8 +224,19 @@ def outline_seal(
     )  # fmt: skip
 
 
+def _prescribed(filled: OutlineCloud, edges, fixed, planes) -> np.ndarray:
+    """Mark prescribed displacement components, shape (n, 2)."""
+    # both components on fixed edges, the normal one on planes
+    prescribed = np.zeros(filled.particles.shape, bool)
+    for name in fixed:
+        prescribed[edges[name].particles] = True
+    for name, component in planes:
+        prescribed[edges[name].particles, component] = True
+    return prescribed
+
+
 def _filled(boundaries, spacing, cuts):
-    """The cloud, and how velocities of its boundary give those of all particles."""
+    """Build the cloud, and the function that extends boundary velocities to all particles."""
     if isinstance(spacing, Rays):
         return ray_cloud(boundaries, spacing), partial(through_wall, rays=spacing)
     if isinstance(spacing, GivenCloud):
@@ -239,17 +245,17 @@ def _filled(boundaries, spacing, cuts):
 
 
 def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
-    """The seal with a new cloud for its present boundary.
+    """Rebuild the cloud of a seal for its present boundary.
 
-    Parameters and their values mean what they did: with the same offsets the boundary is the same,
-    point by point, and the inside is new. Terms may refer to boundary particles alone.
+    Parameters and their values keep their meaning: with the same offsets the boundary is the same,
+    point by point, and the inside is new. Terms may refer to boundary particles only.
 
     Raises
     ------
     GeometryError
         For a boundary that cannot be filled.
     ValueError
-        For a section of several materials, or one that is filled otherwise than by a spacing.
+        For a section of several materials, or one not filled by a spacing.
     """
     several = len(seal.definitions[0].regions) > 1
     if several or not isinstance(seal.spacing, int | float):
@@ -260,20 +266,23 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     present = seal.particles(offsets)
     filled = cloud([present[loop] for loop in seal.loops], seal.spacing)
     n = filled.n_boundary
-    held = np.zeros(filled.particles.shape, bool)
-    held[:n] = seal.body.fixed[:n]
+    # the boundary particles come first and keep their indices and fixed components
+    prescribed = np.zeros(filled.particles.shape, bool)
+    prescribed[:n] = seal.body.fixed[:n]
     velocity = _inside(filled, seal.design_velocity[:, :n])
     return replace(
         seal,
+        # nominal particles such that X = X_0 + sum_p b_p V_p is the new cloud at the present offsets b
         drawn_particles=filled.particles - np.tensordot(offsets, velocity, 1),
         design_velocity=velocity,
-        body=_body(filled, seal.kernels, held, seal.body.edges),
+        body=_body(filled, seal.kernels, prescribed, seal.body.edges),
     )
 
 
 def points_on(body: Body, sides) -> MaterialPoints:
-    """The movable particles of sides (m, 2) of the boundary, with half the length of those at each."""
+    """Return the free particles of boundary sides (m, 2) as contact points with tributary lengths."""
     which = np.array(list(dict.fromkeys(sides.ravel().tolist())), int)
+    # particles before and after; a particle itself where it has no side
     neighbours = np.column_stack([np.arange(body.n_particles)] * 2)
     neighbours[sides[:, 1], 0] = sides[:, 0]
     neighbours[sides[:, 0], 1] = sides[:, 1]
@@ -282,7 +291,7 @@ def points_on(body: Body, sides) -> MaterialPoints:
 
 
 def _regions(filled: OutlineCloud, rest: Region, regions) -> tuple:
-    """Regions of cells, ``rest`` for those of no other."""
+    """Build the regions of cells; ``rest`` is that of all cells in no other."""
     parts = [_part_at(filled, region.at) for region in regions]
     for i, part in enumerate(parts):
         if part in parts[:i]:
@@ -304,29 +313,32 @@ def _regions(filled: OutlineCloud, rest: Region, regions) -> tuple:
 
 
 def _part_at(filled: OutlineCloud, point) -> int:
-    """The part of the section that a point is in."""
+    """Find the part of the section that contains a point."""
     corners = filled.particles[filled.cells]
     side, to = np.roll(corners, -1, axis=1) - corners, np.asarray(point, float) - corners
+    # inside a convex counter-clockwise cell: on the left of all its sides, s x (p - a) >= 0
     inside = (side[..., 0] * to[..., 1] - side[..., 1] * to[..., 0] >= 0.0).all(axis=1)
     if not inside.any():
         raise ValueError(f"at = ({point[0]:.4g}, {point[1]:.4g}) is outside of the section")
     return int(filled.parts[np.flatnonzero(inside)[0]])
 
 
-def _body(filled: OutlineCloud, kernels: Kernels, held, edges) -> Body:
-    cells, places = filled.cells, filled.first_places
-    places = filled.particles if places is None else places
+def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges) -> Body:
+    # kernels are chosen for the nominal particles, and stay the same in all designs
+    cells, nominal = filled.cells, filled.first_places
+    nominal = filled.particles if nominal is None else nominal
     radius, axes = filled.support_radius, filled.support_axes
     if radius is None:
-        radius, axes = kernel_supports(cells, places, kernels.support)
+        radius, axes = kernel_supports(cells, nominal, kernels.support)
     return Body(
-        cells, radius, held, edges, drawn=places, hidden=hidden_pairs(cells, places, radius),
+        cells, radius, prescribed, edges, drawn=nominal,
+        hidden=hidden_pairs(cells, nominal, radius),
         support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
         n_gauss=kernels.n_gauss,
     )  # fmt: skip
 
 
 def _inside(filled: OutlineCloud, velocity: np.ndarray) -> np.ndarray:
-    """Velocity (P, n, 2) of all particles from that (P, k, 2) of the boundary."""
+    """Extend the boundary velocity (P, k, 2) harmonically to all particles (P, n, 2)."""
     boundary = np.concatenate(filled.loops)
     return harmonic_extension(filled.cells, filled.particles, boundary, velocity)

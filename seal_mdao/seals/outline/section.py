@@ -1,4 +1,4 @@
-"""The section: closed contours of segments round bodies and their holes, with named edges."""
+"""The section: closed contours of bodies and their holes, with named edges."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,7 +21,7 @@ JOIN = 1e-3
 """Largest distance of the ends of two segments that are joined, mm."""
 
 SAGITTA = 1e-5
-"""Chords that crossings are looked for on are nowhere farther from the curve, over its size."""
+"""Largest distance of chords from the curve in checks for crossings, over the size."""
 
 APART = 4.0 * SAGITTA
 """Least distance between parts of the boundary that are not neighbours, over the size."""
@@ -34,7 +34,7 @@ class Contour:
     Attributes
     ----------
     segments : tuple of Segment
-        At least one; one alone has to close in itself.
+        At least one; a single one must be closed.
 
     Raises
     ------
@@ -59,16 +59,17 @@ class Contour:
 
     @property
     def edge_names(self) -> tuple[str, ...]:
-        """Names of the edges as they are walked."""
+        """Names of the edges in order along the contour."""
         return tuple(dict.fromkeys(segment.edge for segment in self.segments))
 
     def reversed(self) -> "Contour":
-        """The contour walked the other way."""
+        """Return the contour in the opposite direction."""
         return Contour(tuple(segment.reversed() for segment in self.segments[::-1]))
 
     def from_edge(self) -> "Contour":
-        """The contour from where the edge of its first segment begins."""
+        """Return the contour starting at the beginning of the edge of its first segment."""
         names = [segment.edge for segment in self.segments]
+        # an edge that continues across the start of the contour begins after the last other edge
         others = [i for i, name in enumerate(names) if name != names[0]]
         if not others or others[-1] == len(names) - 1:
             return self
@@ -76,40 +77,40 @@ class Contour:
         return Contour(self.segments[first:] + self.segments[:first])
 
     def polyline(self, sagitta: float) -> tuple[np.ndarray, np.ndarray]:
-        """Corners of straight sides nowhere farther than ``sagitta`` from the contour.
+        """Approximate the contour by straight sides within a distance ``sagitta`` (mm).
 
         Returns
         -------
         points : ndarray, shape (k, 2)
             The first is not repeated.
         segment : ndarray of int, shape (k,)
-            The segment that the side from each point to the next belongs to.
+            Index of the segment of the side from each point to the next.
         """
-        shares = [segment.chords(sagitta)[:-1] for segment in self.segments]
-        points = [part.points(s) for part, s in zip(self.segments, shares, strict=True)]
-        return np.concatenate(points), np.repeat(np.arange(len(shares)), [s.size for s in shares])
+        fractions = [segment.chords(sagitta)[:-1] for segment in self.segments]
+        points = [part.points(s) for part, s in zip(self.segments, fractions, strict=True)]
+        counts = [s.size for s in fractions]
+        return np.concatenate(points), np.repeat(np.arange(len(counts)), counts)
 
 
 @dataclass(frozen=True)
 class Outline:
-    """A section: the material lies on the left of every contour when it is walked.
+    """A section: the material lies on the left of every contour.
 
-    Holes that are walked counter-clockwise are turned round. Every contour begins where one of its
-    edges does.
+    Counter-clockwise holes are reversed. Every contour begins at the beginning of one of its edges.
 
     Attributes
     ----------
     outer : Contour
         Counter-clockwise.
     holes : tuple of Contour
-        Inside of a body and apart from each other.
+        Inside a body, without contact between them.
     others : tuple of Contour
         Outer contours of further bodies, outside of the others or in their holes; counter-clockwise.
 
     Raises
     ------
     GeometryError
-        For an outer contour walked clockwise, an edge in two places, a contour that touches or crosses
+        For a clockwise outer contour, an edge that is not contiguous, a contour that touches or crosses
         itself or another one, a hole outside or within another hole, a body in another one's material.
     """
 
@@ -123,6 +124,7 @@ class Outline:
             if not isinstance(contour, Contour):
                 raise GeometryError(f"a section is made of contours, got {contour!r}")
         holes = tuple(hole.reversed() if hole.area > 0.0 else hole for hole in holes)
+        # frozen dataclass: normalised contours replace those given
         object.__setattr__(self, "outer", self.outer.from_edge())
         object.__setattr__(self, "holes", tuple(hole.from_edge() for hole in holes))
         object.__setattr__(self, "others", tuple(other.from_edge() for other in self.others))
@@ -143,7 +145,7 @@ class Outline:
 
     @property
     def titles(self) -> tuple[str, ...]:
-        """What to call every contour in a message."""
+        """Names of the contours in messages."""
         first = "the outer contour of body 1" if self.others else "the outer contour"
         return (
             first, *(f"hole {n}" for n in range(1, len(self.holes) + 1)),
@@ -160,18 +162,19 @@ class Outline:
         )
 
     def redrawn(self, contours) -> "Outline":
-        """The section with other contours, in the order of ``contours``."""
+        """Return a section with other contours, in the order of ``contours``."""
         last = 1 + len(self.holes)
         return Outline(contours[0], tuple(contours[1:last]), tuple(contours[last:]))
 
     @cached_property
     def area(self) -> float:
-        """Of the material, mm^2."""
+        """Area of the material, mm^2."""
+        # holes are clockwise and count negative
         return float(sum(contour.area for contour in self.contours))
 
     @cached_property
     def box(self) -> np.ndarray:
-        """Least and largest coordinates, shape (2, 2), mm."""
+        """Bounding box: least and largest coordinates, shape (2, 2), mm."""
         points = np.concatenate([
             segment.points(np.linspace(0.0, 1.0, 8 * segment.sides + 1))
             for contour in (self.outer, *self.others)
@@ -186,11 +189,11 @@ class Outline:
 
     @property
     def edge_names(self) -> tuple[str, ...]:
-        """Names of all edges, outside first, as they are walked."""
+        """Names of all edges, outer contour first, in order along the contours."""
         return tuple(name for contour in self.contours for name in contour.edge_names)
 
     def edge(self, name: str) -> tuple:
-        """Segments of an edge in order.
+        """Return the segments of an edge in order.
 
         Raises
         ------
@@ -205,13 +208,15 @@ class Outline:
         return found
 
     def polyline(self, sagitta: float | None = None) -> list[np.ndarray]:
-        """Corners (k, 2) of every contour's straight sides, nowhere farther than ``sagitta`` (mm) from
-        it; 1e-5 of the size unless given."""
+        """Approximate every contour by points (k, 2) with chords within ``sagitta`` (mm) of it.
+
+        1e-5 of the size if left out.
+        """
         sagitta = SAGITTA * self.size if sagitta is None else sagitta
         return [contour.polyline(sagitta)[0] for contour in self.contours]
 
     def labelled(self, sagitta: float) -> list:
-        """Points, segment of every side and names of the segments' edges, of every contour."""
+        """List points, segments of the sides and edge names of the segments, of every contour."""
         return [
             (*contour.polyline(sagitta), [segment.edge for segment in contour.segments])
             for contour in self.contours
@@ -221,6 +226,7 @@ class Outline:
         seen = {}
         for contour, where in zip(self.contours, self.titles, strict=True):
             names = [segment.edge for segment in contour.segments]
+            # an edge is contiguous if its name begins only once over all contours
             starts = [name for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
             for name in starts:
                 if name in seen:

@@ -1,7 +1,7 @@
-"""Segments of a section's boundary: what all have in common, and the line.
+"""Segments of a section's boundary: base class, and the line.
 
-All are walked with s from 0 to 1 in proportion to the arc length. The material lies on the left, so
-the outward normal is the tangent turned clockwise.
+The parameter s from 0 to 1 is proportional to the arc length. The material lies on the left, so the
+outward normal is the tangent rotated clockwise, n = (t_y, -t_x).
 """
 
 from dataclasses import dataclass, replace
@@ -13,11 +13,10 @@ import numpy as np
 from seal_mdao.errors import GeometryError
 
 MOST_CHORDS = 20_000
-"""Of one segment; the curvature of a spline may be without bound."""
-
+"""Largest number of chords of one segment; the curvature of a spline may be unbounded."""
 
 LARGEST = 1e9
-"""Of coordinates and radii, mm: their fourth powers are still numbers."""
+"""Largest coordinates and radii, mm: their fourth powers do not overflow."""
 
 
 class Segment:
@@ -26,7 +25,7 @@ class Segment:
     Attributes
     ----------
     edge : str
-        Name of the edge that it belongs to.
+        Name of its edge.
     length : float
         Arc length, mm.
     turning : float
@@ -38,29 +37,29 @@ class Segment:
     turning: float
 
     def points(self, s) -> np.ndarray:
-        """Points at shares ``s`` (k,) of the arc length, shape (k, 2)."""
+        """Evaluate points at fractions ``s`` (k,) of the arc length, shape (k, 2), mm."""
         raise NotImplementedError
 
     def tangents(self, s) -> np.ndarray:
-        """Unit tangents, shape (k, 2)."""
+        """Evaluate unit tangents, shape (k, 2)."""
         raise NotImplementedError
 
     def curvature(self, s) -> np.ndarray:
-        """Signed curvature, positive where it turns to the left, 1/mm, shape (k,)."""
+        """Evaluate the signed curvature, positive for a turn to the left, 1/mm, shape (k,)."""
         raise NotImplementedError
 
     def normals(self, s) -> np.ndarray:
-        """Unit normals away from the material, shape (k, 2)."""
+        """Evaluate outward unit normals, shape (k, 2)."""
         tangent = self.tangents(s)
         return np.column_stack([tangent[:, 1], -tangent[:, 0]])
 
     def reversed(self) -> "Segment":
-        """The same segment walked the other way."""
+        """Return the segment in the opposite direction."""
         raise NotImplementedError
 
     @property
     def area(self) -> float:
-        """Its part of 1/2 the integral of x dy - y dx, mm^2."""
+        """Contribution 1/2 int x dy - y dx to the area of the contour, mm^2."""
         raise NotImplementedError
 
     @property
@@ -79,7 +78,8 @@ class Segment:
         return max(1, ceil(self.turning / (0.25 * np.pi) - 1e-9))
 
     def chords(self, sagitta: float) -> np.ndarray:
-        """Shares s of points whose chords are nowhere farther than ``sagitta`` from it, shape (k,)."""
+        """Compute fractions s of points whose chords are within ``sagitta`` (mm) of it, shape (k,)."""
+        # sagitta of a chord of length h: h^2 curvature / 8, so h = sqrt(8 sagitta / curvature)
         sharpest = float(np.abs(self.curvature(np.linspace(0.0, 1.0, 16 * self.sides + 1))).max())
         count = min(ceil(self.length * sqrt(sharpest / (8.0 * sagitta))), MOST_CHORDS)
         return np.linspace(0.0, 1.0, max(count, self.sides) + 1)
@@ -87,24 +87,24 @@ class Segment:
     def between(self, start, end) -> "Segment":
         """Move its ends to two points nearby, mm.
 
-        The rest moves by less than three times as far; by more where the ends of an arc are closer to
-        each other than its radius, which their direction turns.
+        All other points move by less than three times the displacement of the ends; by more where the
+        ends of an arc are closer to each other than its radius, for their chord then rotates.
         """
         raise NotImplementedError
 
     def named(self, edge: str) -> "Segment":
-        """The same segment of another edge."""
+        """Return the segment with another edge name."""
         return replace(self, edge=edge)
 
 
 @dataclass(frozen=True)
 class Line(Segment):
-    """Straight from ``first`` to ``last``, mm.
+    """Straight line from ``first`` to ``last``, mm.
 
     Raises
     ------
     GeometryError
-        For points that are no numbers or coincide.
+        For points that are not finite or coincide.
     """
 
     first: tuple[float, float]
@@ -122,12 +122,13 @@ class Line(Segment):
         return hypot(self.last[0] - self.first[0], self.last[1] - self.first[1])
 
     def points(self, s):
+        # x(s) = (1 - s) a + s b: exact at both ends
         s = np.asarray(s, float)[:, None]
         return (1.0 - s) * np.array(self.first) + s * np.array(self.last)
 
     def tangents(self, s):
-        way = np.subtract(self.last, self.first) / self.length
-        return np.tile(way, (np.size(s), 1))
+        direction = np.subtract(self.last, self.first) / self.length
+        return np.tile(direction, (np.size(s), 1))
 
     def curvature(self, s):
         return np.zeros(np.size(s))
@@ -144,12 +145,12 @@ class Line(Segment):
 
 
 def point(value, what: str) -> tuple[float, float]:
-    """A pair of finite floats.
+    """Check a pair of finite floats and return it.
 
     Raises
     ------
     GeometryError
-        That says what the value should have been.
+        With the expected form.
     """
     try:
         x, y = (float(v) for v in value)
@@ -161,8 +162,8 @@ def point(value, what: str) -> tuple[float, float]:
 
 
 def pair(p) -> str:
-    """A point for a message."""
-    x, y = (round(float(v), 9) + 0.0 for v in p)  # no -0, no rests of rounding
+    """Format a point for a message."""
+    x, y = (round(float(v), 9) + 0.0 for v in p)  # no -0, no rounding errors
     return f"({x:.6g}, {y:.6g})"
 
 
@@ -172,13 +173,13 @@ def _check_size(number: float, where: str) -> None:
 
 
 def set_points(segment, *names) -> None:
-    """Make the named fields of a segment points."""
+    """Check and convert the named fields of a segment to points."""
     for name in names:
         object.__setattr__(segment, name, point(getattr(segment, name), name))
 
 
 def set_numbers(segment, *names) -> None:
-    """Make the named fields of a segment finite floats."""
+    """Check and convert the named fields of a segment to finite floats."""
     for name in names:
         value = getattr(segment, name)
         try:

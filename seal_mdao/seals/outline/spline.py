@@ -11,7 +11,7 @@ from seal_mdao.geometry.spline_profile import chord_length
 from seal_mdao.seals.outline.segments import Segment, pair, point, require
 
 PANELS = 8
-"""Parts of the way from one point to the next, over each of which the length is a Gauss sum."""
+"""Panels between consecutive points; the arc length of each is an 8-point Gauss sum."""
 
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _INVERSIONS = 6  # Newton's method on a function almost linear in a panel: two or three suffice
@@ -36,7 +36,7 @@ class Spline(Segment):
     Raises
     ------
     GeometryError
-        For fewer than two points (three when closed), points that are no numbers or coincide with
+        For fewer than two points (three when closed), points that are not finite or coincide with
         their neighbour, a parameter that does not increase, a cusp.
     """
 
@@ -72,9 +72,10 @@ class Spline(Segment):
         self._check_cusps()
 
     def _check_cusps(self):
-        """No turn by more than a right angle between neighbouring Gauss points."""
+        """Refuse turns by more than a right angle between neighbouring Gauss points."""
         u = self._inside(self._panels[:-1], self._panels[1:]).ravel()
         t = self.curve(u, 1)
+        # t_k . t_k+1 <= 0: the tangent reverses, a cusp lies between
         back = np.flatnonzero((t[1:] * t[:-1]).sum(axis=1) <= 0.0)
         require(back.size == 0, f"a spline has a cusp near {pair(self.curve(u[back[:1].sum()]))}")
 
@@ -111,8 +112,8 @@ class Spline(Segment):
     def _panels(self) -> np.ndarray:
         """Ends of the panels in terms of the parameter, shape (m + 1,)."""
         knots = np.array(self.parameter)
-        share = np.arange(PANELS) / PANELS
-        inner = knots[:-1, None] + np.diff(knots)[:, None] * share
+        fraction = np.arange(PANELS) / PANELS
+        inner = knots[:-1, None] + np.diff(knots)[:, None] * fraction
         return np.append(inner.ravel(), knots[-1])
 
     @cached_property
@@ -121,6 +122,7 @@ class Spline(Segment):
         return self._speed(self._inside(self._panels[:-1], self._panels[1:]))
 
     def _inside(self, a, b):
+        # Gauss points (a + b) / 2 + (b - a) / 2 xi_g
         return 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * _GAUSS
 
     def _speed(self, u):
@@ -129,6 +131,7 @@ class Spline(Segment):
     @cached_property
     def _lengths(self) -> np.ndarray:
         """Arc length at the ends of the panels, shape (m + 1,)."""
+        # panel length (b - a) / 2 sum_g w_g |t(u_g)|
         parts = 0.5 * np.diff(self._panels) * (self._speeds @ _WEIGHTS)
         return np.concatenate([[0.0], np.cumsum(parts)])
 
@@ -137,12 +140,13 @@ class Spline(Segment):
         return float(self._lengths[-1])
 
     def parameters(self, s) -> np.ndarray:
-        """Parameters at shares ``s`` (k,) of the arc length."""
+        """Compute the spline parameters at fractions ``s`` (k,) of the arc length."""
         wanted = np.asarray(s, float) * self.length
         panel = np.searchsorted(self._lengths, wanted, side="right") - 1
         panel = np.clip(panel, 0, len(self._panels) - 2)
         a, b = self._panels[panel], self._panels[panel + 1]
         rest = wanted - self._lengths[panel]
+        # start linear in the panel, then Newton: u <- u - (int_a^u |t| - rest) / |t(u)|
         u = a + (b - a) * rest / (self._lengths[panel + 1] - self._lengths[panel])
         for _ in range(_INVERSIONS):
             done = 0.5 * (u - a) * (self._speed(self._inside(a, u)) @ _WEIGHTS)
@@ -150,7 +154,7 @@ class Spline(Segment):
         ends = (self.parameter[0], self.parameter[-1])
         return np.where(wanted <= 0.0, ends[0], np.where(wanted >= self.length, ends[1], u))
 
-    # ---- the contract ----
+    # ---- methods of Segment ----
 
     def points(self, s):
         s = np.asarray(s, float)
@@ -166,12 +170,14 @@ class Spline(Segment):
     def curvature(self, s):
         u = self.parameters(s)
         t, bend = self.curve(u, 1), self.curve(u, 2)
+        # kappa = (x' y'' - y' x'') / |t|^3
         return (t[:, 0] * bend[:, 1] - t[:, 1] * bend[:, 0]) / np.linalg.norm(t, axis=1) ** 3
 
     @cached_property
     def turning(self) -> float:
         u = self._inside(self._panels[:-1], self._panels[1:])
         t, bend = self.curve(u, 1), self.curve(u, 2)
+        # int |kappa| ds = int |x' y'' - y' x''| / |t|^2 du
         rate = np.abs(t[..., 0] * bend[..., 1] - t[..., 1] * bend[..., 0]) / (t * t).sum(axis=-1)
         return float(0.5 * np.diff(self._panels) @ (rate @ _WEIGHTS))
 
@@ -185,7 +191,7 @@ class Spline(Segment):
 
     def between(self, start, end):
         through = (tuple(start), *self.through[1:-1], tuple(end))
-        # one that is closed so keeps its kink: without slopes it would be periodic
+        # a closed spline with a corner keeps it: without slopes it would be periodic
         slopes = self.end_slopes if through[0] == through[-1] else self.slopes
         return replace(self, through=through, slopes=slopes)
 
@@ -193,6 +199,7 @@ class Spline(Segment):
         slopes = self.slopes
         if slopes is not None:
             slopes = tuple((-x, -y) for x, y in reversed(slopes))
+        # u -> u_0 + u_n - u reverses the direction; slopes at the ends change sign
         total = self.parameter[0] + self.parameter[-1]
         parameter = tuple(total - u for u in reversed(self.parameter))
         return replace(self, through=self.through[::-1], parameter=parameter, slopes=slopes)
