@@ -23,7 +23,7 @@ SCALARS = {
 
 def moved(result, way, t):
     """The analysis at a distance ``t`` along ``way``, offsets and door radius (26,)."""
-    offsets, radius = result.boundary_offsets + t * way[:-1], result.door_radius + t * way[-1]
+    offsets, radius = result.boundary_offsets + t * way[:-1], result.seal.radius + t * way[-1]
     return beside(result, offsets, {"door_radius": radius})
 
 

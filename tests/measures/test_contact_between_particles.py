@@ -10,7 +10,7 @@ from seal_mdao.export.vtu import point_data
 from seal_mdao.measures.boundary_line import way_round
 from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.measures.work import ProfileWork
-from seal_mdao.report.shapes import Pictures
+from seal_mdao.report.contacts import contact_points
 from seal_mdao.seals.door.measures import FURTHER, STANDARD
 from seal_mdao.terms.points import edge_points
 
@@ -91,9 +91,12 @@ def test_pressure_of_particles_is_the_mean_of_the_points_beside(result):
 
 
 def test_pictures_of_the_report_have_the_points_where_they_are(result):
-    data = Pictures(result, result, [result]).as_data()
-    fine, where = Pictures(result, result, [result])._fine[id(result)], result.term("door").where
-    np.testing.assert_allclose(
-        fine.points.at(result.particles)[data["contact"]],
-        where.points.at(result.particles), rtol=0.0, atol=1e-12,
-    )  # fmt: skip
+    """In contact at the middle of deformed edges, open ones between contacts there too."""
+    points, marks = contact_points(result, -1)
+    state, where = result.contact.state, result.term("door").where
+    first, last = np.flatnonzero(state != OPEN)[[0, -1]]
+    middles = where.points.at(result.deformed())[first : last + 1]
+    np.testing.assert_allclose(points, middles, rtol=0.0, atol=0.2)
+    followed = result.response("door").x[first : last + 1]
+    np.testing.assert_allclose(points, followed, rtol=0.0, atol=1e-12)
+    assert len(marks) == len(points)
