@@ -4,11 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+import seal_mdao as sm
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import Scalar, TermDefinition
 
 
+@sm.register("terms", "elastic_foundation")
 @dataclass(frozen=True, eq=False)
 class ElasticFoundation(TermDefinition):
     label: str

@@ -38,6 +38,7 @@ def check(file: SealFile) -> None:
     _check_designs(file)
     _check_cavities(file)
     _check_self_contact(file)
+    _check_terms(file)
     _check_measures(file)
     _check_steps(file)
     check_fluids(file)
@@ -184,6 +185,11 @@ def _check_cavities(file):
 def _check_self_contact(file):
     if file.self_contact is not None:
         check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
+
+
+def _check_terms(file):
+    for number, term in enumerate(file.terms, 1):
+        check_edges(f"[[term]] {number}", "edges", term.edges, file.section.outline)
 
 
 def _check_measures(file):

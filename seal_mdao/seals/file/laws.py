@@ -13,7 +13,9 @@ from seal_mdao.calibration.stability import check_stability, require_stable
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.registry import names
 from seal_mdao.seals.file.checks import NUMBERS, TEXT, Check, Key, number, one_of, table, whole
+from seal_mdao.seals.file.extensions import extension, keys_of
 
 STABLE = (0.7, 1.5)
 """Stretches between which every material has to be stable unless its table says others."""
@@ -58,15 +60,18 @@ def read_law(where: str, given, folder: Path) -> Isotropic:
         that cannot be read or fitted.
     """
     name = given.get("law") if isinstance(given, dict) else None
-    law = LAWS.get(name) if isinstance(name, str) else None
-    if law is None:
+    made = extension(where, "materials", name, LAWS)
+    if made is None and (not isinstance(name, str) or name not in LAWS):
         # the name of the law is what is wrong, whatever else there is
         given = given if not isinstance(given, dict) else {k: given[k] for k in given if k == "law"}
-        table(where, given, {"law": LAW_KEYS["law"]})
-    own = _fit_keys(name) if "data" in given else _constant_keys(name)
+        table(where, given, {"law": Key(one_of(*LAWS, *names("materials")))})
+    if made is not None:
+        own = keys_of(made) | {"law": Key(TEXT), "stable": LAW_KEYS["stable"]}
+    else:
+        own = _fit_keys(name) if "data" in given else _constant_keys(name)
     values = table(where, given, own)
     try:
-        law = _law(name, values, own, folder)
+        law = _law(made or LAWS[name], name, values, own, folder)
         between = dict.fromkeys(MODES, values["stable"])
         require_stable(check_stability(law, between, margin=0.0), name)
     except ValueError as error:
@@ -89,8 +94,8 @@ def _fit_keys(name) -> dict:
     return LAW_KEYS | FIT_KEYS | (TERM_KEYS if name in OF_TERMS else {})
 
 
-def _law(name, values, keys, folder) -> Isotropic:
+def _law(made, name, values, keys, folder) -> Isotropic:
     own = {key: values[key] for key in keys if key not in LAW_KEYS}
     if "data" not in keys:
-        return LAWS[name](**own)
+        return made(**own)
     return fit(name, read_tests(folder / values["data"]), **own).law

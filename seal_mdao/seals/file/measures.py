@@ -10,8 +10,10 @@ from seal_mdao.measures.contact import TRAVEL, BetweenContacts, Gap
 from seal_mdao.measures.contact_pressure import ContactPressure
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.stress import VonMises
+from seal_mdao.registry import names as extension_names
 from seal_mdao.seals.file.checks import NAME, TEXT, Key, known, one_of, suggestion, table
-from seal_mdao.seals.file.measure_kinds import KINDS, stress_points
+from seal_mdao.seals.file.extensions import extension, keys_of
+from seal_mdao.seals.file.measure_kinds import KINDS, Kind, stress_points
 from seal_mdao.seals.file.tables import MeasureTable, ProfileTable
 
 
@@ -24,10 +26,11 @@ def read_measure(where: str, given: dict, profiles: tuple[ProfileTable, ...]) ->
         For an unknown type, key or profile.
     """
     kind = given.get("type")
-    if not isinstance(kind, str) or kind not in KINDS:
+    found = kind_of(where, kind)
+    if found is None:
         head = {name: given[name] for name in ("type",) if name in given}
-        table(where, head, {"type": Key(one_of(*KINDS))})
-    keys = KINDS[kind].keys
+        table(where, head, {"type": Key(one_of(*KINDS, *extension_names("measures")))})
+    keys = found.keys
     values = table(where, given, {"type": Key(TEXT), "name": Key(NAME, kind), **keys})
     values.pop("type")
     name = values.pop("name")
@@ -38,6 +41,24 @@ def read_measure(where: str, given: dict, profiles: tuple[ProfileTable, ...]) ->
     if kind == "von_mises":
         _check_stress(where, values)
     return MeasureTable(kind, name, values)
+
+
+def kind_of(where: str, name) -> Kind | None:
+    """The type of measure of a name, of the package or an extension; None for an unknown one.
+
+    Raises
+    ------
+    SealFileError
+        For an extension that cannot be used.
+    """
+    made = extension(where, "measures", name, KINDS)
+    if made is None:
+        return KINDS.get(name) if isinstance(name, str) else None
+    return Kind(
+        lambda a, particles: made(**a),
+        keys_of(made, ("name",)),
+        lambda a: made.scalar or made.size is Measure.size,
+    )
 
 
 def _check_stress(where, values) -> None:
@@ -76,7 +97,7 @@ def _check_reaction(where, values, profiles) -> None:
 
 def is_single(measure: MeasureTable) -> bool:
     """Whether a measure is a single number."""
-    return KINDS[measure.type].one(measure.arguments)
+    return kind_of(f"type = {measure.type!r}", measure.type).one(measure.arguments)
 
 
 def _profile(where, name, profiles) -> str:
@@ -109,7 +130,8 @@ def implied_measure(where: str, key: str, name: str, declared, profiles):
     for measure in declared:
         if measure.name == name:
             return measure, False
-    if name in KINDS and all(k.default is None for k in KINDS[name].keys.values()):
+    kind = kind_of(f"{where}: {key}", name)
+    if kind is not None and all(k.default is None for k in kind.keys.values()):
         return read_measure(where, {"type": name}, profiles), True
     names = [measure.name for measure in declared]
     close = suggestion(name, [*names, *KINDS])
@@ -122,7 +144,7 @@ def implied_measure(where: str, key: str, name: str, declared, profiles):
 
 def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:
     """The measure of a table, for a section with ``particles`` (n, 2)."""
-    made = KINDS[entry.type].make(entry.arguments, particles)
+    made = kind_of(f"type = {entry.type!r}", entry.type).make(entry.arguments, particles)
     return replace(made, name=entry.name)
 
 

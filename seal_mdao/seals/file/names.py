@@ -5,7 +5,7 @@ from seal_mdao.seals.file.tables import SealFile
 
 
 def check_names(file: SealFile) -> None:
-    """Refuse cavities, fluids and contact of the section with itself under a name that is taken.
+    """Refuse cavities, fluids, terms and contact of the section with itself under a taken name.
 
     Raises
     ------
@@ -13,7 +13,7 @@ def check_names(file: SealFile) -> None:
         With the table and what has the name already.
     """
     seen = {"structure": "the body itself"} | {p.name: "a profile" for p in file.profiles}
-    for kind, rows in (("cavity", file.cavities), ("fluid", file.fluids)):
+    for kind, rows in (("cavity", file.cavities), ("fluid", file.fluids), ("term", file.terms)):
         for number, row in enumerate(rows, 1):
             where = f"[[{kind}]] {number}"
             if row.name in seen:

@@ -6,6 +6,7 @@ from seal_mdao.errors import GeometryError, SealFileError
 from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
 from seal_mdao.geometry.profile import RigidProfile, rigid_profile
+from seal_mdao.geometry.shape import GivenShape, Shape
 from seal_mdao.seals.file.checks import (
     LIST,
     NAME,
@@ -17,6 +18,7 @@ from seal_mdao.seals.file.checks import (
     table,
     tables,
 )
+from seal_mdao.seals.file.extensions import FRICTION, SHAPE
 from seal_mdao.seals.file.load_steps import STEPS
 from seal_mdao.seals.file.shapes import KEYS, segments_of
 from seal_mdao.seals.file.tables import ProfileTable
@@ -25,18 +27,19 @@ from seal_mdao.seals.outline.crossings import check_simple
 from seal_mdao.seals.outline.section import JOIN, SAGITTA, Line, Spline
 from seal_mdao.terms.points import CONTACT_POINTS
 
-MOST_FRICTION, MOST_PENALTY, MOST_TURN = 10.0, 1e12, 3600.0
-"""Coefficient, kPa/mm, degrees."""
+MOST_PENALTY, MOST_TURN = 1e12, 3600.0
+"""kPa/mm, degrees."""
 PLACE = point(1e5)
 """mm."""
 PENALTY = number(above=0.0, most=MOST_PENALTY)
 
 PROFILE_KEYS = {
     "name": Key(NAME),
-    "friction": Key(number(least=0.0, most=MOST_FRICTION)),
+    "friction": Key(FRICTION),
     "contact": Key(NAMES),
     **KEYS,
     "segment": Key(LIST, None),
+    "shape": Key(SHAPE, None),
     "start": Key(PLACE, (0.0, 0.0)),
     "angle": Key(number(least=-MOST_TURN, most=MOST_TURN), 0.0),
     "pivot": Key(PLACE, (0.0, 0.0)),
@@ -62,6 +65,25 @@ def read_profile(position: int, given: dict) -> ProfileTable:
     name = given.get("name")
     where = f"[[profile]] {position}" + (f" ({name!r})" if isinstance(name, str) else "")
     values = table(where, given, PROFILE_KEYS)
+    segments, closed = _chain(where, values) if values["shape"] is None else ((), False)
+    return ProfileTable(
+        values["name"], segments, closed, values["contact"], values["friction"],
+        values["normal_penalty"], values["tangent_penalty"], values["start"], values["angle"],
+        values["pivot"], _stages(where, values["stage"]), values["contact_points"],
+        _shape(where, values),
+    )  # fmt: skip
+
+
+def _shape(where, values) -> Shape | None:
+    """The shape of an extension, which has neither segments nor another curve beside it."""
+    others = [kind for kind in ("segment", *KEYS) if values[kind] is not None]
+    if values["shape"] is not None and others:
+        raise SealFileError(f"{where}: {others[0]} beside shape; use one of them")
+    return values["shape"]
+
+
+def _chain(where, values):
+    """The segments of a curve, and whether it is closed."""
     segments = _segments(where, values)
     closed = bool(np.hypot(*(segments[-1].end - segments[0].start)) <= JOIN)
     try:
@@ -69,11 +91,7 @@ def read_profile(position: int, given: dict) -> ProfileTable:
         check_simple(_corners(segments), closed)
     except GeometryError as error:
         raise SealFileError(f"{where}: {error}") from None
-    return ProfileTable(
-        values["name"], segments, closed, values["contact"], values["friction"],
-        values["normal_penalty"], values["tangent_penalty"], values["start"], values["angle"],
-        values["pivot"], _stages(where, values["stage"]), values["contact_points"],
-    )  # fmt: skip
+    return segments, closed
 
 
 def _segments(where, values) -> list:
@@ -112,8 +130,15 @@ def motion_of(profile: ProfileTable, n_steps: int) -> Motion:
     return staged_motion(stages, profile.start, profile.angle, profile.pivot)
 
 
+def shape_of(profile: ProfileTable) -> Shape:
+    """The shape of a profile, without parameters unless it is that of an extension."""
+    return profile.shape or GivenShape(rigid_profile_of(profile))
+
+
 def rigid_profile_of(profile: ProfileTable) -> RigidProfile:
     """The curve of a profile in its own frame; an open one goes on beyond lines at its ends."""
+    if profile.shape is not None:
+        return profile.shape.profile()
     pieces = [piece for segment in profile.segments for piece in _pieces(segment)]
     kind, origin, angle, radius, length, coefficient = zip(*pieces, strict=True)
     start = np.concatenate([[0.0], np.cumsum(length)])

@@ -24,11 +24,12 @@ from seal_mdao.seals.file.checks import (
 )
 from seal_mdao.seals.file.contact_points import with_contact_points
 from seal_mdao.seals.file.cross_checks import check
+from seal_mdao.seals.file.extensions import FRICTION, read_term
 from seal_mdao.seals.file.laws import read_law
 from seal_mdao.seals.file.load_steps import MOST_STEPS, read_steps
 from seal_mdao.seals.file.measures import read_measure
 from seal_mdao.seals.file.optimization import read_optimize
-from seal_mdao.seals.file.profiles import MOST_FRICTION, PENALTY, read_profile
+from seal_mdao.seals.file.profiles import PENALTY, read_profile
 from seal_mdao.seals.file.sections import read_section
 from seal_mdao.seals.file.tables import (
     CavityTable,
@@ -42,7 +43,7 @@ from seal_mdao.seals.file.tables import (
 
 TABLES = (
     "material", "section", "profile", "fixed", "symmetry", "cavity", "self_contact", "fluid", "design",
-    "measure", "optimize", "steps", "penalties",
+    "measure", "optimize", "steps", "penalties", "term",
 )  # fmt: skip
 NEEDED = TABLES[:3]
 MOST_PARAMETERS = 1000
@@ -60,7 +61,7 @@ CAVITY_KEYS = {
 }
 SELF_CONTACT_KEYS = {
     "edges": Key(NAMES),
-    "friction": Key(number(least=0.0, most=MOST_FRICTION)),
+    "friction": Key(FRICTION),
     "normal_penalty": Key(PENALTY, None),
     "tangent_penalty": Key(PENALTY, None),
 }
@@ -180,6 +181,7 @@ def _read(given, path) -> SealFile:
         fluids,
         step_tolerance,
         table("[penalties]", given.get("penalties", {}), PENALTIES_KEYS)["tolerance"],
+        tuple(read_term(f"[[term]] {i}", one) for i, one in enumerate(_optional(given, "term"), 1)),
     )
     check(file)
     return file

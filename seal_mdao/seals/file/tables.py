@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from seal_mdao.contact.friction_law import FrictionLaw
 from seal_mdao.geometry.motion import Stage
+from seal_mdao.geometry.shape import Shape
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.choice import PENALTY_TOLERANCE
 from seal_mdao.seals.outline.cloud import LAYERS
@@ -96,7 +98,8 @@ class ProfileTable:
     closed : bool
     contact : tuple of str
         Edges of the section that may touch it.
-    friction : float
+    friction : float or FrictionLaw
+        Coulomb's coefficient, or another law.
     normal_penalty, tangent_penalty : float or None
         kPa/mm; None to be chosen.
     start : pair of float
@@ -109,13 +112,15 @@ class ProfileTable:
         Empty for one that stands still.
     contact_points : {"particles", "edges"} or None
         Where the edges may be touched, as of ``EdgeContact``; None until the whole file is known.
+    shape : Shape or None
+        Of an extension, in place of segments.
     """
 
     name: str
     segments: tuple
     closed: bool
     contact: tuple
-    friction: float
+    friction: float | FrictionLaw
     normal_penalty: float | None
     tangent_penalty: float | None
     start: tuple
@@ -123,6 +128,7 @@ class ProfileTable:
     pivot: tuple
     stages: tuple[Stage, ...]
     contact_points: str | None
+    shape: Shape | None = None
 
     @property
     def n_steps(self) -> int:
@@ -161,7 +167,7 @@ class SelfContactTable:
     be chosen."""
 
     edges: tuple
-    friction: float
+    friction: float | FrictionLaw
     normal_penalty: float | None
     tangent_penalty: float | None
 
@@ -190,6 +196,27 @@ class FluidTable:
     steps: int | None
     name: str
     share: float
+
+
+@dataclass(frozen=True)
+class TermTable:
+    """``[[term]]``: a term of an extension along edges.
+
+    Attributes
+    ----------
+    type, name : str
+    edges : tuple of str
+    definition : type
+        The ``TermDefinition`` of the extension.
+    arguments : dict
+        Its fields besides ``label`` and ``where``.
+    """
+
+    type: str
+    name: str
+    edges: tuple
+    definition: type
+    arguments: dict
 
 
 @dataclass(frozen=True)
@@ -251,6 +278,7 @@ class SealFile:
         are given.
     penalty_tolerance : float
         Within which the penalties are chosen that the contacts leave open.
+    terms : tuple of TermTable
     """
 
     path: Path
@@ -267,6 +295,7 @@ class SealFile:
     fluids: tuple[FluidTable, ...] = ()
     step_tolerance: float | None = None
     penalty_tolerance: float = PENALTY_TOLERANCE
+    terms: tuple[TermTable, ...] = ()
 
     @property
     def open_penalties(self) -> tuple:
