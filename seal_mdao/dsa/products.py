@@ -4,10 +4,10 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from seal_mdao.analysis.threads import one_blas_thread
 from seal_mdao.dsa.adjoint import AdjointGradient
 from seal_mdao.dsa.parameters import ParameterRates
 from seal_mdao.dsa.sensitivity import Wanted, adjoint_gradient, direct_rates
+from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.measures.measure import Derived, Stack
 
 

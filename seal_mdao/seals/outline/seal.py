@@ -146,7 +146,7 @@ class OutlineSeal(AssembledSeal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | GivenCloud, material, *, n_steps: int, fixed=(), planes=(),
-    contacts=(), sealed=(), touching: SelfTouch | None = None, fluids=(), designs=(), cuts=(),
+    contacts=(), sealed=(), touching: SelfTouch | None = None, fluids=(), terms=(), designs=(), cuts=(),
     regions=(), prefix: str = "", kernels: Kernels | None = None, standard=(), inputs=(),
     newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
@@ -172,6 +172,8 @@ def outline_seal(
     touching : SelfTouch, optional
         Edges that may touch each other.
     fluids : sequence of EdgeFluid
+    terms : sequence of EdgeTerm
+        Further ones.
     designs : sequence of EdgeDesign
         Their parameters are the ``boundary_offsets``, mm along the drawn normals.
     cuts : sequence of ndarray, shape (k, 2)
@@ -199,8 +201,8 @@ def outline_seal(
         checked_names(contact.edges, known, f"profile {contact.label!r}")
     if touching is not None:
         checked_names(touching.edges, known, touching.label)
-    for fluid in fluids:
-        checked_names(fluid.edges, known, fluid.label)
+    for own in (*fluids, *terms):
+        checked_names(own.edges, known, own.label)
     filled, inside = _filled(boundaries, spacing, cuts)
     edges = {
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
@@ -222,6 +224,7 @@ def outline_seal(
     loads = [*profiles, *(h.on(filled.loops) for h in sealed)]
     loads += [] if touching is None else [touching.on(body, filled.loops)]
     loads += [fluid.on(body, profiles, n_steps) for fluid in fluids]
+    loads += [term.on(body) for term in terms]
     return OutlineSeal(
         filled.particles, velocity, body, (elastic, *loads), n_steps, tuple(standard), tuple(inputs),
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, kernels=kernels,
