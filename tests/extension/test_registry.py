@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -165,3 +166,96 @@ def test_register_refuses_what_seal_files_could_not_use():
     module = importlib.reload(importlib.import_module("pressure_dependent"))
     found = registry.find("friction_laws", "pressure_dependent")
     assert found is module.pressure_dependent
+
+
+MEASURE = """
+from dataclasses import dataclass
+from seal_mdao.measures.measure import Measure
+
+@dataclass(frozen=True)
+class Odd(Measure):
+    name: str = "odd"
+    profile: str = ""
+    order: int = 4
+    share: float | None = None
+    smooth: bool = True
+    weights: tuple[float, ...] = (1.0, 2.0)
+    sites: tuple[tuple[float, float], ...] = ()
+    labels: tuple[str, ...] = ()
+    scalar = False
+
+    def size(self, result):
+        return 2
+
+@dataclass(frozen=True)
+class Taken(Measure):
+    name: str = "taken"
+    check: float = 1.0
+
+@dataclass(frozen=True)
+class Untold(Measure):
+    name: str = "untold"
+    profile: str = ""
+    gaps: dict = None
+"""
+HIGHEST = 'type = "highest_point"'
+
+
+@pytest.fixture
+def odd(install):
+    install("rubber_laws", "rubber_any", MEASURE, "measures", "odd = rubber_any:Odd",
+            "taken = rubber_any:Taken", "untold = rubber_any:Untold")  # fmt: skip
+
+
+def test_a_measure_has_its_fields_as_keys(odd, tmp_path):
+    """Those that are left out are as its definition says; the profile is the only one of the file."""
+    given = 'type = "odd"\norder = 2\nsmooth = false\nlabels = ["a", "b"]\nsites = [[0, 1], [2, 3]]'
+    file = read(tmp_path, HIGHEST, given)
+    made = file.measures[0].measure(None)
+    assert (made.profile, made.order, made.share, made.smooth) == ("roll", 2, None, False)
+    assert (made.weights, made.sites) == ((1.0, 2.0), ((0.0, 1.0), (2.0, 3.0)))
+    assert made.labels == ("a", "b")
+    assert [entry.single for entry in file.measures] == [False, True]
+
+
+@pytest.mark.parametrize(("line", "words"), [
+    ('order = 2.5', "order = 2.5, but it must be a whole number"),
+    ('smooth = 1', "smooth = 1, but it must be true or false"),
+    ('weights = ["a"]', "weights = ['a'], but it must be a list of numbers"),
+    ('labels = "a"', "labels = 'a', but it must be a list of names"),
+    ('share = true', "share = True, but it must be a number"),
+    ('profile = "rol"', "profile = 'rol', but there is no such profile (did you mean 'roll'?)"),
+    ('ordr = 2', "unknown key 'ordr' (did you mean 'order'?)"),
+])  # fmt: skip
+def test_wrong_fields_of_a_measure(odd, tmp_path, line, words):
+    found = message(tmp_path, HIGHEST, f'type = "odd"\n{line}')
+    assert found.startswith("[[measure]] 1: ")
+    assert words in found
+
+
+def test_a_field_that_every_table_has_is_refused(odd, tmp_path):
+    found = message(tmp_path, HIGHEST, 'type = "taken"')
+    assert found == (
+        "[[measure]] 1: Taken: no key can give 'check', which every such table has for itself; give "
+        "the field another name"
+    )
+    # what no table can give, and has a default, is left to it
+    assert read(tmp_path, HIGHEST, 'type = "untold"').measures[0].measure(None).gaps is None
+
+
+def test_a_measure_that_needs_nothing_may_be_minimised_by_its_type(odd, tmp_path):
+    text = f'{HIGHEST}\nname = "peak"\n[optimize]\nminimize = "highest_point"'
+    file = read(tmp_path, HIGHEST, text)
+    assert [measure.name for measure in file.measures] == ["peak", "reaction", "highest_point"]
+    assert "[optimize]: minimize = 'odd'" in message(tmp_path, "highest_point", "odd\"\nname = "
+        '"peak"\n[optimize]\nminimize = "odd')  # fmt: skip
+
+
+def test_what_was_read_may_be_changed(tmp_path):
+    """Profiles with a law and a curve of their own, and terms, as ``dataclasses.replace`` makes them."""
+    file = read(tmp_path)
+    (profile,), (term,) = file.profiles, file.terms
+    moved = replace(profile, start=(0.2, 3.05))
+    assert moved.friction is profile.friction
+    assert moved.shape is profile.shape
+    assert replace(term, name="other").arguments == {"stiffness": 300.0}

@@ -5,7 +5,7 @@ from dataclasses import MISSING, fields
 from types import UnionType
 from typing import Annotated, Union, get_args, get_origin, get_type_hints
 
-from pydantic import Strict, TypeAdapter
+from pydantic import Strict, TypeAdapter, WrapValidator
 from pydantic_core import PydanticCustomError, core_schema
 
 from seal_mdao import registry
@@ -117,8 +117,16 @@ def keys_of(made: type, base: type[Table], left_out=()) -> dict:
                 "itself; give the field another name"
             )
         text = f"field of {made.__name__}"
-        keys[field.name] = (form, key(text) if default is MISSING else key(text, default))
+        if default is MISSING:
+            keys[field.name] = form, key(text)
+        else:
+            keys[field.name] = Annotated[form, _or_default(default)], key(text, default)
     return keys
+
+
+def _or_default(default) -> WrapValidator:
+    """A default is right whatever its form: ``dataclasses.replace`` gives it once more."""
+    return WrapValidator(lambda given, read: given if given is default else read(given))
 
 
 def _form_of(hint):
