@@ -108,8 +108,8 @@ def find(kind: str, name: str, shipped: Iterable[str] = ()):
     Raises
     ------
     ValueError
-        One line with the distribution, for a name that several have, an entry point that fails to load,
-        or one that is no such extension.
+        One line with the distribution, for a name that several have or that is no identifier, an entry
+        point that fails to load, or one that is no such extension.
     """
     found = [own for (of, its), own in _registered.items() if (of, its) == (kind, name)]
     for point in _installed(kind):
@@ -126,6 +126,10 @@ def find(kind: str, name: str, shipped: Iterable[str] = ()):
     if not found:
         return None
     (own,) = found
+    if not name.isidentifier():
+        raise ValueError(
+            f"the name {name!r} of {_what(kind)} of {own.source} must be an identifier"
+        )
     try:
         value = own.load()
     except Exception as error:

@@ -100,6 +100,12 @@ def test_an_entry_point_that_fails_to_load_names_its_distribution(install, tmp_p
     )
 
 
+def test_an_entry_point_whose_name_is_no_identifier(install, tmp_path):
+    install("rubber_laws", "rubber_any", LAW, "friction_laws", "a-law = rubber_any:capped")
+    found = message(tmp_path, GIVEN, CAPPED.replace("capped", "a-law"))
+    assert found.endswith("the distribution 'rubber_laws' must be an identifier")
+
+
 def test_names_that_clash_are_refused_with_their_distributions(install, tmp_path):
     for number in ("one", "two"):
         install(f"rubber_{number}", f"rubber_{number}_laws", LAW, "friction_laws",
@@ -184,6 +190,10 @@ class Odd(Measure):
     labels: tuple[str, ...] = ()
     scalar = False
 
+    def __post_init__(self):
+        if self.order < 1:
+            raise ValueError("order must be positive")
+
     def size(self, result):
         return 2
 
@@ -241,6 +251,14 @@ def test_a_field_that_every_table_has_is_refused(odd, tmp_path):
     )
     # what no table can give, and has a default, is left to it
     assert read(tmp_path, HIGHEST, 'type = "untold"').measures[0].measure(None).gaps is None
+
+
+def test_what_a_measure_itself_refuses_is_one_line(odd, tmp_path):
+    path = tmp_path / "block.toml"
+    path.write_text(BLOCK.replace(HIGHEST, 'type = "odd"\norder = 0'))
+    with pytest.raises(sm.SealFileError) as caught:
+        sm.build_seal(path)
+    assert str(caught.value) == f"{path}: [[measure]] 1 ('odd'): order must be positive"
 
 
 def test_a_measure_that_needs_nothing_may_be_minimised_by_its_type(odd, tmp_path):

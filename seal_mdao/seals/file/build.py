@@ -158,8 +158,17 @@ def _begun(file: SealFile) -> OutlineSeal:
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
     check_places(file, seal)
-    particles = seal.drawn_particles
-    return replace(seal, standard=tuple(measure_of(entry, particles) for entry in file.measures))
+    return replace(seal, standard=tuple(_measures(file, seal.drawn_particles)))
+
+
+def _measures(file: SealFile, particles):
+    """Measures of the file; those of extensions may refuse what their keys say."""
+    for number, entry in enumerate(file.measures, 1):
+        try:
+            yield measure_of(entry, particles)
+        except ValueError as error:
+            where = f"{file.path}: [[measure]] {number} ({entry.name!r})"
+            raise SealFileError(f"{where}: {error}") from error
 
 
 def boundaries_of(
