@@ -47,6 +47,9 @@ _LAZY = {
     "UnoDriver": "seal_mdao.drivers.uno_driver",
     "IpoptDriver": "seal_mdao.drivers.ipopt_driver",
     "SlsqpDriver": "seal_mdao.drivers.slsqp_driver",
+    "register": "seal_mdao.registry",
+    "FrictionLaw": "seal_mdao.contact.friction_law",
+    "friction_law": "seal_mdao.contact.friction_law",
     "RestartRecorder": "seal_mdao.recording.recorder",
     "restart": "seal_mdao.recording.restart",
 }

@@ -6,6 +6,7 @@ from code_reference import markdown_table
 
 from seal_mdao.seals.file.edge_tables import DesignTable, SelfContactTable
 from seal_mdao.seals.file.fluids import CavityTable, FluidTable
+from seal_mdao.seals.file.friction import FrictionTable
 from seal_mdao.seals.file.laws import FIT_TABLES, LAW_TABLES, LawTable
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
 from seal_mdao.seals.file.measure_kinds import KINDS, MeasureTable
@@ -21,6 +22,7 @@ from seal_mdao.seals.file.section_table import (
 )
 from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
 from seal_mdao.seals.file.supports import FixedTable, SymmetryTable
+from seal_mdao.seals.file.term_table import TermTable
 
 TABLES = {
     "material": LawTable, "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
@@ -29,6 +31,7 @@ TABLES = {
     "self_contact": SelfContactTable, "fluid": FluidTable, "profile": ProfileTable,
     "stage": StageTable, "steps": StepsTable, "penalties": PenaltiesTable, "design": DesignTable,
     "measure": MeasureTable, "optimize": OptimizeTable, "constraint": Constraint,
+    "friction": FrictionTable, "term": TermTable,
 }  # fmt: skip
 """Class of every table of keys on the page, by the name of its fragment."""
 

@@ -23,6 +23,9 @@ from seal_mdao import values
 STEP = 1e-30
 """Of complex steps."""
 
+MOST_SLOPE = 1e15
+"""A larger derivative is the imaginary part of a function that is not real there."""
+
 SAMPLES = np.array([0.7, 13.0, 170.0])
 """Pressures at which every law is tried, kPa."""
 
@@ -83,17 +86,13 @@ class FrictionLaw:
         -------
         ndarray, shape (k, 2, 2 + m)
             For slip along -e_t and along +e_t: the limit, d limit / d pressure, and d limit / d constant
-            of the m constants. Zero without pressure; NaN where the limit is negative.
+            of the m constants. Zero without pressure; NaN where the limit is negative or no real number.
         """
-        count = len(self.constants)
-        out = np.zeros((pressure.size, 2, 2 + count))
-        for column in range(1 + count):
-            stepped = np.zeros(1 + count)
-            stepped[column] = STEP
-            found = self._evaluated(pressure, stepped)
-            out[:, :, 1 + column] = found.imag / STEP
-        out[:, :, 0] = np.where(found.real < 0.0, np.nan, found.real)
-        return out
+        steps = STEP * np.eye(1 + len(self.constants))
+        found = np.stack([self._evaluated(pressure, stepped) for stepped in steps], axis=2)
+        limit, slopes = found[:, :, 0].real, found.imag / STEP
+        no_limit = (limit < 0.0) | (np.abs(slopes) > MOST_SLOPE).any(axis=2)
+        return np.concatenate([np.where(no_limit, np.nan, limit)[:, :, None], slopes], axis=2)
 
     def highest(self, pressure: np.ndarray) -> np.ndarray:
         """The larger limit of both directions at pressures (k,), shape (k,)."""

@@ -88,21 +88,25 @@ def _fill_column(column, way_r, moved, frame, now, then, law, i, length, out):
     g_n, state, tau, nu = now
     state_0, size_0, way, carried = then
     w, v1, v2 = moved
+    # xi', g_n', e_t' = turn e_n, |t|', c'  Eqs. (52)-(55), with dx alone (23)-(26)
     xi_r, gap_r, turn, size_r, c_r = rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2)
     out[XI, column], out[SIZE, column], out[GAP, column] = xi_r, size_r, gap_r
     if state == OPEN:
         out[FORCE_X, column] = out[FORCE_Y, column] = 0.0
         out[CARRIED, column] = gap_r
         return
+    # g_t' of Eq. (60), tau' = w_t g_t' in stick and +-(mu w_n |g_n|)' in slip
     slip_r = elastic_slip_rate(column, g_n, gap_r, way, xi_r + way_r, state_0, size_0, carried)
     tau_r, slip_r = traction_rate(law, i, column, state, tau, g_n, gap_r, slip_r)
     pressure, shear = law.normal_penalty * g_n, tau * nu
     pressure_r = law.normal_penalty * gap_r
     if column == NORMAL_PENALTY:
         pressure_r = g_n
+    # nu = |t||t0|/c, Eq. (22)
     size_0_r = 1.0 if column == SIZE_0 else 0.0
     nu_r = nu * (size_r / size + size_0_r / size_0 - c_r / c)
     shear_r = tau_r * nu + tau * nu_r
+    # T' = l [(w_n g_n)' + turn tau nu] e_n + l [(tau nu)' - turn w_n g_n] e_t, for e_n' = -turn e_t
     on_n = length * (pressure_r + turn * shear)
     on_t = length * (shear_r - turn * pressure)
     if column == LENGTH:
@@ -219,12 +223,14 @@ def contact_points(
                 force[i, a] = tangent[i, a, 0] = tangent[i, a, 1] = 0.0
             continue
         state_0, carried = history.state[i], history.variables[i]
+        # slip (19), stick or slip (28)
         way = way_along(profile, xi, carried[0])
         g_t = elastic_slip(g_n, way, state_0, carried[1], carried[2])
         state[i], tau = traction(law, i, g_n, g_t)
         state[i], tau, made = _without_reversal(law, state[i], tau, g_t, direction, i)
         made_to_stick += made
         kept[i, 2] = tau / law.tangent_penalty if law.accumulated else 0.0
+        # T = l (w_n g_n e_n + tau nu e_t), nu = |t||t0|/c, Eqs. (22), (29)
         shear = tau * size * carried[1] / c
         for a in range(2):
             force[i, a] = length[i] * (law.normal_penalty * g_n * e_n[a] + shear * e_t[a])

@@ -90,6 +90,7 @@ def _touch_points(law, gap, before, found):
 
 def forces(law: ContactLaw, now: Kinematics, size_0, tau, length) -> np.ndarray:
     """q of points in contact, shape (m, 14)."""
+    # w_n g dg/du + tau |t0| dxi/du
     normal = (law.normal_penalty * now.gap)[:, None] * now.gap_1
     return length[:, None] * (normal + (tau * size_0)[:, None] * now.xi_1)
 

@@ -1,6 +1,7 @@
 """The Python code of the pages runs as it stands."""
 
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -83,17 +84,21 @@ def test_scenarios_in_a_model(run_page, capsys):
     assert names["prob"].get_val("gap_square_integral_mean")[0] == pytest.approx(values.mean())
 
 
-def test_extensions(run_page, docs, capsys):
-    """The page shows the tested files; alone and in OpenMDAO they give the same derivatives."""
+def test_extensions(run_page, docs, tmp_path, capsys):
+    """The page shows the tested files; alone and in OpenMDAO they give the same derivatives, and a seal
+    file names them."""
+    shutil.copy(docs.parent / "tests" / "extension" / "block.toml", tmp_path)
     text = (docs / "extend.md").read_text(encoding="utf-8")
     shown = [docs / path for path in re.findall(r"{literalinclude} (\S+)", text)]
     assert {path.stem for path in shown} == {
-        "arruda_boyce", "elastic_foundation", "ellipse", "highest_point", "pressed_block",
+        "arruda_boyce", "block", "directional", "elastic_foundation", "ellipse", "highest_point",
+        "pressed_block", "pressure_dependent",
     }  # fmt: skip
     assert all(path.is_file() for path in shown)
-    alone, openmdao = run_page("extend.md")
+    named, alone, openmdao = run_page("extend.md")
     slopes = dict(zip(alone["rates"].parameters, alone["rates"].highest_point[0], strict=True))
-    assert len(capsys.readouterr().out.splitlines()) == len(slopes)
+    assert len(capsys.readouterr().out.splitlines()) == len(slopes) + len(named["rates"].parameters)
+    assert abs(named["rates"].reaction[0, -2]) > 0.1  # roll_reference
     totals = openmdao["totals"]
     size = max(abs(slope) for slope in slopes.values())
     assert abs(totals["highest_point", "roll_a"][0, 0] - slopes["roll_a"]) <= 1e-9 * size

@@ -6,12 +6,14 @@ term, N the chain links between crosslinks (J. Mech. Phys. Solids 41 (1993) 389)
 
 from dataclasses import dataclass
 
+import seal_mdao as sm
 from seal_mdao.materials.first_invariant import FirstInvariant
 from seal_mdao.materials.isotropic import checked
 
 SERIES = (1 / 2, 1 / 20, 11 / 1050, 19 / 7000, 519 / 673750)
 
 
+@sm.register("materials", "arruda_boyce")
 @dataclass(frozen=True)
 class ArrudaBoyce(FirstInvariant):
     modulus: float

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+import seal_mdao as sm
 from seal_mdao.terms.point_law import PointLaw
 from seal_mdao.terms.points import MaterialPoints
 
 
+@sm.register("terms", "elastic_foundation")
 @dataclass(frozen=True, eq=False)
 class ElasticFoundation(PointLaw):
     label: str

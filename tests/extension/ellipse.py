@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import seal_mdao as sm
 from seal_mdao.geometry.spline_profile import spline_profile
 
 
+@sm.register("profiles", "ellipse")
 @dataclass(frozen=True)
 class Ellipse:
     """A spline through ``points`` points; its natural coordinate is their number, so |t| != 1."""

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import seal_mdao as sm
 from seal_mdao.measures.measure import Measure
 
 
+@sm.register("measures", "highest_point")
 @dataclass(frozen=True)
 class HighestPoint(Measure):
     """Its derivatives are those of the particle that is highest: it has a kink where another one

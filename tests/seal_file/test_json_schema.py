@@ -10,7 +10,8 @@ import pytest
 from json_check import fits
 from test_bad_files import BAD, BULB, SCHEMA
 
-from seal_mdao.seals.file.json_schema import main
+from seal_mdao import registry
+from seal_mdao.seals.file.json_schema import json_schema, main
 
 ROOT = Path(__file__).parents[2]
 FILES = [*sorted((ROOT / "examples").glob("*.toml")), Path(__file__).with_name("bulb.toml")]
@@ -61,3 +62,19 @@ def test_the_command_writes_it(tmp_path, capsys):
     assert json.loads(path.read_text(encoding="utf-8")) == SCHEMA
     assert main([]) == 2
     assert "seal_file.schema.json" in capsys.readouterr().err
+
+
+def test_it_has_the_names_of_extensions_that_are_known(monkeypatch):
+    """Keys beside the name of an extension are open; names that nobody has are wrong."""
+    given = tomllib.loads(FILES[0].read_text(encoding="utf-8"))
+    material, (profile, *_) = next(iter(given["material"].values())), given["profile"]
+    material |= {"law": "capped", "links": 8.0}
+    assert not fits(given, SCHEMA, SCHEMA)
+    monkeypatch.setitem(registry._registered, ("materials", "capped"), None)
+    schema = json_schema()
+    assert fits(given, schema, schema)
+    profile["friction"] = {"law": "capped", "friction": 0.3}
+    assert not fits(given, schema, schema)
+    monkeypatch.setitem(registry._registered, ("friction_laws", "capped"), None)
+    schema = json_schema()
+    assert fits(given, schema, schema)

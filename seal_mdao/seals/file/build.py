@@ -9,12 +9,11 @@ import numpy as np
 from seal_mdao import values
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.errors import SealFileError
-from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.seals.choice import choose
 from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.edges import stretch_order
 from seal_mdao.seals.file.measures import measure_of
-from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
+from seal_mdao.seals.file.profiles import motion_of, shape_of
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.file.start import ROUNDING, gap_at_start, nearest_at_start
 from seal_mdao.seals.file.tables import (
@@ -29,6 +28,7 @@ from seal_mdao.seals.outline.cloud import LAYERS, graded
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import EdgeDesign
 from seal_mdao.seals.outline.edge_fluid import EdgeFluid
+from seal_mdao.seals.outline.edge_term import EdgeTerm
 from seal_mdao.seals.outline.moved import moved_outline
 from seal_mdao.seals.outline.rays import Rays, ray_boundaries
 from seal_mdao.seals.outline.seal import (
@@ -152,13 +152,23 @@ def _begun(file: SealFile) -> OutlineSeal:
             sealed=[SealedHole(c.name, c.hole, c.pressure, c.gamma) for c in file.cavities],
             touching=_self_touch(file.self_contact),
             fluids=[_fluid(fluid, file) for fluid in file.fluids],
+            terms=[EdgeTerm(t.name, t.edges, t.makes, t.arguments) for t in file.terms],
             designs=[EdgeDesign(design.edges, design.parameters) for design in file.designs],
         )
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
     check_places(file, seal)
-    particles = seal.drawn_particles
-    return replace(seal, standard=tuple(measure_of(entry, particles) for entry in file.measures))
+    return replace(seal, standard=tuple(_measures(file, seal.drawn_particles)))
+
+
+def _measures(file: SealFile, particles):
+    """Measures of the file; those of extensions may refuse what their keys say."""
+    for number, entry in enumerate(file.measures, 1):
+        try:
+            yield measure_of(entry, particles)
+        except ValueError as error:
+            where = f"{file.path}: [[measure]] {number} ({entry.name!r})"
+            raise SealFileError(f"{where}: {error}") from error
 
 
 def boundaries_of(
@@ -236,7 +246,7 @@ def _contact(profile: ProfileTable, file: SealFile) -> EdgeContact:
     law = ContactLaw(profile.normal_penalty, profile.tangent_penalty, profile.friction, True)
     placed = replace(profile, start=_clear_start(profile, file.section.outline))
     return EdgeContact(
-        profile.name, edges, GivenShape(rigid_profile_of(profile)),
+        profile.name, edges, shape_of(profile),
         motion_of(placed, file.n_steps), law, f"{profile.name}_", profile.contact_points,
     )  # fmt: skip
 

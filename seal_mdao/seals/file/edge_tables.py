@@ -2,7 +2,8 @@
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.edges import check_edges
-from seal_mdao.seals.file.forms import Friction, Names, Penalty, number, whole
+from seal_mdao.seals.file.forms import Names, Penalty, number, whole
+from seal_mdao.seals.file.friction import Friction
 from seal_mdao.seals.file.schema import Table, key, table
 
 MOST_PARAMETERS = 1000
@@ -22,7 +23,7 @@ class SelfContactTable(Table):
     """Edges that may touch each other or themselves, as far as they are not neighbours."""
 
     edges: Names = key("edges; those that do not touch only cost time")
-    friction: Friction = key("Coulomb coefficient")
+    friction: Friction = key("Coulomb coefficient, or another law")
     normal_penalty: Penalty | None = key("normal penalty; chosen unless given", None)
     tangent_penalty: Penalty | None = key("tangential penalty; chosen unless given", None)
 

@@ -126,7 +126,7 @@ def _check_edges(where, edges, file) -> None:
 
 
 def check_names(file) -> None:
-    """Refuse cavities, fluids and contact of the section with itself under a name that is taken.
+    """Refuse cavities, fluids, terms and contact of the section with itself under a taken name.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def check_names(file) -> None:
         With the table and what has the name already.
     """
     seen = {"structure": "the body itself"} | {p.name: "a profile" for p in file.profiles}
-    for kind, rows in (("cavity", file.cavities), ("fluid", file.fluids)):
+    for kind, rows in (("cavity", file.cavities), ("fluid", file.fluids), ("term", file.terms)):
         for number_, row in enumerate(rows, 1):
             where = f"[[{kind}]] {number_}"
             if row.name in seen:

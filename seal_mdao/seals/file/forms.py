@@ -112,5 +112,4 @@ Points = Annotated[
     many(Point, "a list of at least two points [[x, y], [x, y], ...] (mm)", 2, MOST_POINTS),
     BeforeValidator(_not_too_many),
 ]
-Friction = number(least=0.0, most=10.0)
 Penalty = number("kPa/mm", above=0.0, most=1e12)

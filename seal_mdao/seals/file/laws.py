@@ -1,10 +1,12 @@
 """``[material.x]``: laws by name, their constants given or fitted to tests, and stable.
 
-The laws are those of ``materials.by_name.LAWS``; their constants are the keys of their tables.
+The laws are those of ``materials.by_name.LAWS`` and of extensions; their constants are the keys of
+their tables.
 """
 
 import re
 from dataclasses import fields
+from functools import cache
 from inspect import getdoc
 from pathlib import Path
 from typing import Annotated, get_origin
@@ -21,6 +23,7 @@ from seal_mdao.calibration.stability import check_stability, require_stable
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.seals.file.extensions import Extensible, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
 from seal_mdao.seals.file.schema import LINE, Table, chosen_by, key, table, table_of
 from seal_mdao.values import shown
@@ -49,7 +52,7 @@ Range = Annotated[
 class LawTable(Table):
     """A rubber by the name of its law."""
 
-    law: one_of(*LAWS) = key("name of the law")
+    law: one_of(*LAWS) = key("name of the law: one of these, or of an extension")
     stable: Range = key(
         "least and largest stretch between which more strain has to take more stress in every test",
         STABLE,
@@ -80,7 +83,7 @@ class LawTable(Table):
         return law
 
     def _law(self, own, folder) -> Isotropic:
-        return LAWS[self.law](**own)
+        return self.makes(**own)
 
 
 @table(kw_only=True)
@@ -109,7 +112,8 @@ def _constants_table(name: str) -> type[Table]:
         allowed = f"a list of numbers{f' ({unit})' * bool(unit)}"
         form = many(Number, allowed) if several else number(unit)
         keys[own.name] = form, key(texts.get(own.name) or f"constant of {LAWS[name].__name__}")
-    return table_of(LawTable, f"{LAWS[name].__name__}Table", keys)
+    makes = staticmethod(LAWS[name])
+    return table_of(LawTable, f"{LAWS[name].__name__}Table", keys, makes=makes)
 
 
 def _meanings(law: type) -> dict[str, str]:
@@ -135,13 +139,24 @@ def _fit_table(name: str) -> type[Table]:
     return table_of(FitTable, f"{LAWS[name].__name__}Fit", keys)
 
 
+@cache
+def _extension(name: str, made: type[Isotropic]) -> type[LawTable]:
+    """The table of a law of another package."""
+    keys = {"law": (one_of(name), key("name of the law"))} | keys_of(made, LawTable)
+    own = {"makes": staticmethod(made), "__module__": made.__module__}
+    return table_of(LawTable, f"{made.__name__}Table", keys, **own)
+
+
 LAW_TABLES = {name: _constants_table(name) for name in LAWS}
 FIT_TABLES = {f"{name}: data": _fit_table(name) for name in LAWS}
-AnyLaw = chosen_by(
-    "law",
-    LAW_TABLES | FIT_TABLES,
-    lambda given: given["law"] + (": data" if "data" in given else ""),
-)
+AnyLaw = Annotated[
+    chosen_by(
+        "law",
+        LAW_TABLES | FIT_TABLES,
+        lambda given: given["law"] + (": data" if "data" in given else ""),
+    ),
+    Extensible("materials", "law", _extension, LAWS),
+]
 
 
 def _named(given):

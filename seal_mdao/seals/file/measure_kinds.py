@@ -1,7 +1,7 @@
 """Types of measures of a seal file: the keys of each."""
 
-from dataclasses import replace
-from functools import partial
+from dataclasses import fields, replace
+from functools import cache, partial
 from typing import Annotated, Literal
 
 import numpy as np
@@ -22,9 +22,11 @@ from seal_mdao.measures.contact import (
 from seal_mdao.measures.contact_pressure import ContactPressure, ContactWidth, PeakPressure
 from seal_mdao.measures.energy import StrainEnergy
 from seal_mdao.measures.fluid import BlowOffPressure
+from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.work import FrictionWork, ProfileWork
+from seal_mdao.seals.file.extensions import Extensible, keys_of
 from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import (
     KINDS,
@@ -34,7 +36,7 @@ from seal_mdao.seals.file.measure_table import (
     Places,
     kind,
 )
-from seal_mdao.seals.file.schema import chosen_by, key, known
+from seal_mdao.seals.file.schema import chosen_by, key, known, table_of
 
 _AXES = {"x": 0, "y": 1}
 Patches = many(Places, "a list of such lists, one for every patch")
@@ -314,5 +316,19 @@ def _nearest(point, particles) -> int:
     return int(np.hypot(*(particles - point).T).argmin())
 
 
-AnyMeasure = chosen_by("type", KINDS)
+@cache
+def _extension(name: str, made: type[Measure]) -> type[MeasureTable]:
+    """The table of a type of measure of another package."""
+    of_profile = "profile" in [field.name for field in fields(made)]
+    base = OfProfile if of_profile else MeasureTable
+    keys = {"type": (one_of(name), key("type of the measure"))}
+    keys |= keys_of(made, base, ("name", "profile"))
+    own = {"makes": staticmethod(made), "__module__": made.__module__}
+    single = made.scalar or made.size is Measure.size
+    return table_of(base, f"{made.__name__}Table", keys, single=single, **own)
+
+
+EXTENSIONS = Extensible("measures", "type", _extension, KINDS)
+"""Types of other packages."""
+AnyMeasure = Annotated[chosen_by("type", KINDS), EXTENSIONS]
 """A table of any type."""

@@ -9,7 +9,7 @@ from seal_mdao.measures.contact import BetweenContacts, Gap
 from seal_mdao.measures.contact_pressure import ContactPressure
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.stress import VonMises
-from seal_mdao.seals.file.measure_kinds import KINDS
+from seal_mdao.seals.file.measure_kinds import EXTENSIONS, KINDS
 from seal_mdao.seals.file.measure_table import MeasureTable
 from seal_mdao.seals.file.schema import suggestion
 from seal_mdao.seals.outline.cloud_file import GivenCloud
@@ -26,8 +26,9 @@ def implied_measure(where: str, key: str, name: str, declared, profiles):
     for measure in declared:
         if measure.name == name:
             return measure, False
-    if name in KINDS and _needs_nothing(KINDS[name]):
-        return KINDS[name](type=name).settled(where, profiles), True
+    kind = _kind_of(f"{where}: {key}", name)
+    if kind is not None and _needs_nothing(kind):
+        return kind(type=name).settled(where, profiles), True
     names = [measure.name for measure in declared]
     close = suggestion(name, [*names, *KINDS])
     raise SealFileError(
@@ -35,6 +36,14 @@ def implied_measure(where: str, key: str, name: str, declared, profiles):
         f"[[measure]] ({', '.join(names) or 'there is none'}) or a type of its own such as "
         "section_area or reaction"
     )
+
+
+def _kind_of(where: str, name: str) -> type[MeasureTable] | None:
+    """The table of a type of measure, of the package or an extension; None for an unknown one."""
+    try:
+        return EXTENSIONS.found(name) or KINDS.get(name)
+    except ValueError as error:
+        raise SealFileError(f"{where}: {error}") from None
 
 
 def _needs_nothing(kind: type[MeasureTable]) -> bool:

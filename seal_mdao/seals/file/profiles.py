@@ -1,6 +1,6 @@
 """``[[profile]]``: rigid bodies, as the file says and as the contact needs them."""
 
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Annotated
 
 import numpy as np
@@ -9,9 +9,12 @@ from pydantic import WrapValidator, model_validator
 from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
 from seal_mdao.geometry.profile import Pieces, RigidProfile, rigid_profile
-from seal_mdao.seals.file.forms import Friction, Name, Names, Penalty, number, one_of, point
+from seal_mdao.geometry.shape import GivenShape, Shape
+from seal_mdao.seals.file.extensions import Extensible, arguments, keys_of
+from seal_mdao.seals.file.forms import Name, Names, Penalty, Text, number, one_of, point
+from seal_mdao.seals.file.friction import Friction
 from seal_mdao.seals.file.load_steps import Steps
-from seal_mdao.seals.file.schema import Table, key, rows, table
+from seal_mdao.seals.file.schema import Table, key, rows, table, table_of
 from seal_mdao.seals.file.segment_tables import KINDS, PieceTable, SegmentTable
 from seal_mdao.seals.outline.chain import checked_chain
 from seal_mdao.seals.outline.crossings import check_simple
@@ -41,13 +44,40 @@ def _stage(given, read) -> Stage:
 
 
 @table(kw_only=True)
+class ShapeTable(Table):
+    """The curve of a profile by its name; its further keys are the fields of its definition."""
+
+    type: Text = key("name of the curve")
+
+    @cached_property
+    def made(self) -> Shape:
+        """The curve with its parameters."""
+        return self.makes(**arguments(self, ShapeTable))
+
+    @model_validator(mode="after")
+    def _makeable(self):
+        _ = self.made  # raises where the fields give no curve
+        return self
+
+
+@cache
+def _extension(name: str, made: type) -> type[ShapeTable]:
+    keys = {"type": (one_of(name), key("name of the curve"))} | keys_of(made, ShapeTable)
+    own = {"makes": staticmethod(made), "__module__": made.__module__}
+    return table_of(ShapeTable, f"{made.__name__}Table", keys, **own)
+
+
+@table(kw_only=True)
 class ProfileTable(SegmentTable):
     """A rigid body; it lies on the left of its curve when the curve is walked, in its own frame."""
 
     name: Name = key("put before the names of its parameters: door_friction")
-    friction: Friction = key("Coulomb coefficient")
+    friction: Friction = key("Coulomb coefficient, or another law")
     contact: Names = key("edges that may touch it, neighbours on the boundary")
     segment: rows(PieceTable) | None = key("pieces of its curve, where it is a chain of them", None)
+    shape: Annotated[ShapeTable, Extensible("profiles", "type", _extension)] | None = key(
+        "in place of a curve: one of your own, with parameters: door_a", None
+    )
     start: Place = key("where its origin is at the start", (0.0, 0.0))
     angle: Angle = key("how it is turned at the start about the pivot", 0.0)
     pivot: Place = key("centre of rotation, in the coordinates of its curve", (0.0, 0.0))
@@ -64,12 +94,16 @@ class ProfileTable(SegmentTable):
 
     @model_validator(mode="after")
     def _one_curve(self):
-        check_simple(_corners(self.segments), self.closed)
+        curves = [own for own in ("segment", *KINDS) if getattr(self, own) is not None]
+        if self.shape is None:
+            check_simple(_corners(self.segments), self.closed)
+        elif curves:
+            raise ValueError(f"{curves[0]} beside shape; use one of them")
         return self
 
     @cached_property
     def segments(self) -> tuple:
-        """The chain of its curve."""
+        """The chain of its curve, unless that is of another package."""
         alone = [kind for kind in KINDS if getattr(self, kind) is not None]
         if self.segment is not None and alone:
             raise ValueError(f"{alone[0]} beside [[profile.segment]]; use one of them")
@@ -110,8 +144,15 @@ def motion_of(profile: ProfileTable, n_steps: int) -> Motion:
     return staged_motion(stages, profile.start, profile.angle, profile.pivot)
 
 
+def shape_of(profile: ProfileTable) -> Shape:
+    """The shape of a profile, without parameters unless it is that of another package."""
+    return GivenShape(rigid_profile_of(profile)) if profile.shape is None else profile.shape.made
+
+
 def rigid_profile_of(profile: ProfileTable) -> RigidProfile:
     """The curve of a profile in its own frame; an open one goes on beyond lines at its ends."""
+    if profile.shape is not None:
+        return profile.shape.made.profile()
     pieces = [piece for segment in profile.segments for piece in _pieces(segment)]
     kind, origin, angle, radius, length, coefficient = zip(*pieces, strict=True)
     start = np.concatenate([[0.0], np.cumsum(length)])

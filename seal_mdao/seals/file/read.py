@@ -23,6 +23,7 @@ from seal_mdao.seals.file.section_table import check_section
 from seal_mdao.seals.file.start import check_start
 from seal_mdao.seals.file.supports import check_bodies_held, check_supports
 from seal_mdao.seals.file.tables import SealFile, Written
+from seal_mdao.seals.file.term_table import check_terms
 
 TABLES = tuple(Written.model_fields)
 NEEDED = tuple(name for name, own in Written.model_fields.items() if own.is_required())
@@ -104,7 +105,7 @@ def _decided(written: Written, path: Path) -> SealFile:
         path, materials, section, written.fixed, written.symmetry,
         with_contact_points(profiles, section, written.fixed, written.fluid), written.design,
         measures, written.optimize, written.cavity, written.self_contact, written.fluid,
-        step_tolerance, written.penalties.tolerance,
+        step_tolerance, written.penalties.tolerance, written.term,
     )  # fmt: skip
 
 
@@ -132,6 +133,7 @@ def check(file: SealFile) -> None:
     check_designs(file)
     check_cavities(file)
     check_self_contact(file)
+    check_terms(file)
     check_measures(file)
     check_steps(file)
     check_fluids(file)

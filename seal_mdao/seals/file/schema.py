@@ -31,6 +31,8 @@ MOST_ROWS = 10_000
 """Tables of one list."""
 ROWS = "rows"
 """Type of the error of what is no list of tables."""
+CHOICE = "choice"
+"""Type of the error of a table whose class is not found by the text of a key."""
 LINE = "line"
 """Type of an error that is a complete line."""
 LABELS = {
@@ -89,7 +91,7 @@ class Table:
         return given
 
 
-def table_of(base: type[Table], name: str, keys: dict) -> type[Table]:
+def table_of(base: type[Table], name: str, keys: dict, **attributes) -> type[Table]:
     """A class of tables with further keys.
 
     Parameters
@@ -100,11 +102,13 @@ def table_of(base: type[Table], name: str, keys: dict) -> type[Table]:
         Of the class.
     keys : dict of str to tuple
         Annotation, and what ``key`` gives.
+    **attributes
+        Others of the class.
     """
     hints = {own: hint for own, (hint, _) in keys.items()}
     body = {own: field for own, (_, field) in keys.items()}
     body |= {"__annotations__": hints, "__module__": base.__module__, "__doc__": base.__doc__}
-    return table(kw_only=True)(type(name, (base,), body))
+    return table(kw_only=True)(type(name, (base,), body | attributes))
 
 
 def form_of(hint) -> str:
@@ -166,7 +170,7 @@ def chosen_by(name: str, classes: dict, tag=None):
 
     every = (Annotated[own, Tag(_TAG + own_tag)] for own_tag, own in classes.items())
     context = {"key": name, "allowed": f"one of {', '.join(texts)}"}
-    return Annotated[reduce(or_, every), Discriminator(find, "choice", "{allowed}", context)]
+    return Annotated[reduce(or_, every), Discriminator(find, CHOICE, "{allowed}", context)]
 
 
 def checked(adapter: TypeAdapter, given: dict):
@@ -192,7 +196,7 @@ def _line(error: dict, given: dict) -> str:
     if error["type"] == "table":
         written = f", written [{names[0]}]" if isinstance(value, list) and len(names) == 1 else ""
         return f"{_place(loc, given)} must be one table{written}, got {shown(value)}"
-    if error["type"] == "choice":
+    if error["type"] == CHOICE:
         loc, value = (*loc, context["key"]), value.get(context["key"], PydanticUndefined)
     before = _place(loc[:-1], given)
     where, name = f"{before}: " if before else "", loc[-1] if loc else ""
@@ -200,7 +204,7 @@ def _line(error: dict, given: dict) -> str:
         return f"{where}the key {name!r} is missing; it must be {context['allowed']}"
     if error["type"] == ROWS:
         return where + _no_rows(".".join(names), value)
-    if error["type"] in (FORM, "choice"):
+    if error["type"] in (FORM, CHOICE):
         return f"{where}{name} = {shown(value)}, but it must be {context['allowed']}"
     if error["type"] == LINE:
         return context["line"]

@@ -1,7 +1,8 @@
 """What a seal file has, and what it decides.
 
 Materials are found by name in ``materials.by_name.LAWS`` (their tables follow from the fields of the
-laws), types of measures in ``measure_table.KINDS``, which ``kind`` fills.
+laws), types of measures in ``measure_table.KINDS``, which ``kind`` fills, and those of other packages
+in ``registry`` (``extensions.Extensible``).
 """
 
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ from seal_mdao.seals.file.profiles import ProfileTable
 from seal_mdao.seals.file.schema import key, rows
 from seal_mdao.seals.file.section_table import SectionTable, WrittenSection
 from seal_mdao.seals.file.supports import FixedTable, SymmetryTable
+from seal_mdao.seals.file.term_table import AnyTerm, TermTable
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 
 SELF_CONTACT = "self_contact"
@@ -47,6 +49,7 @@ class Written(BaseModel):
     optimize: OptimizeTable | None = key("what is made small, and what has to hold", None)
     steps: StepsTable | None = key("how exactly load steps are chosen", None)
     penalties: PenaltiesTable = key("how exactly penalties are chosen", PenaltiesTable())
+    term: rows(AnyTerm) = key("terms of other packages along edges", ())
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,7 @@ class SealFile:
         are given.
     penalty_tolerance : float
         Within which the penalties are chosen that the contacts leave open.
+    terms : tuple of TermTable
     """
 
     path: Path
@@ -89,6 +93,7 @@ class SealFile:
     fluids: tuple[FluidTable, ...] = ()
     step_tolerance: float | None = None
     penalty_tolerance: float = PENALTY_TOLERANCE
+    terms: tuple[TermTable, ...] = ()
 
     @property
     def open_penalties(self) -> tuple:

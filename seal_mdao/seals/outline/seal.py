@@ -146,7 +146,7 @@ class OutlineSeal(AssembledSeal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | GivenCloud, material, *, n_steps: int, fixed=(), planes=(),
-    contacts=(), sealed=(), touching: SelfTouch | None = None, fluids=(), designs=(), cuts=(),
+    contacts=(), sealed=(), touching: SelfTouch | None = None, fluids=(), terms=(), designs=(), cuts=(),
     regions=(), prefix: str = "", kernels: Kernels | None = None, standard=(), inputs=(),
     newton: NewtonOptions | None = None,
 ) -> OutlineSeal:  # fmt: skip
@@ -172,6 +172,8 @@ def outline_seal(
     touching : SelfTouch, optional
         Edges that may touch each other.
     fluids : sequence of EdgeFluid
+    terms : sequence of EdgeTerm
+        Further ones.
     designs : sequence of EdgeDesign
         Their parameters are the ``boundary_offsets``, mm along the nominal normals.
     cuts : sequence of ndarray, shape (k, 2)
@@ -195,7 +197,7 @@ def outline_seal(
     known = stretches(boundaries)
     named = [(fixed, "fixed"), ([name for name, _ in planes], "planes")]
     named += [(contact.edges, f"profile {contact.label!r}") for contact in contacts]
-    named += [(term.edges, term.label) for term in (touching, *fluids) if term is not None]
+    named += [(term.edges, term.label) for term in (touching, *fluids, *terms) if term is not None]
     for names, what in named:
         checked_names(names, known, what)
     # stretches index points of the loops; edges the particles of the cloud
@@ -217,6 +219,7 @@ def outline_seal(
     loads = [*profiles, *(h.on(filled.loops) for h in sealed)]
     loads += [] if touching is None else [touching.on(body, filled.loops)]
     loads += [fluid.on(body, profiles, n_steps) for fluid in fluids]
+    loads += [term.on(body) for term in terms]
     return OutlineSeal(
         filled.particles, velocity, body, (elastic, *loads), n_steps, tuple(standard), tuple(inputs),
         newton=newton or NewtonOptions(), loops=filled.loops, spacing=spacing, kernels=kernels,

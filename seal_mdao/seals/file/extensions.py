@@ -1,0 +1,146 @@
+"""Extensions in a seal file: tables that are found by name, with the keys of their own definitions."""
+
+from collections.abc import Callable, Collection
+from dataclasses import MISSING, fields
+from types import UnionType
+from typing import Annotated, Union, get_args, get_origin, get_type_hints
+
+from pydantic import Strict, TypeAdapter, WrapValidator
+from pydantic_core import PydanticCustomError, core_schema
+
+from seal_mdao import registry
+from seal_mdao.seals.file.forms import Form, Names, Number, Points, Text, many, number, whole
+from seal_mdao.seals.file.schema import CHOICE, Table, key
+
+WHOLE = whole(-(10**9), 10**9)
+FORMS = {
+    float: number(), int: WHOLE, str: Text, bool: Annotated[bool, Strict(), Form("true or false")],
+}  # fmt: skip
+"""Of the types of fields."""
+LISTS = {
+    float: many(Number, "a list of numbers"), int: many(WHOLE, "a list of whole numbers"), str: Names,
+    tuple: Points,
+}  # fmt: skip
+"""By the types of their entries."""
+
+
+class Extensible(Form):
+    """Of an annotation of tables: a key of theirs may name an extension, whose keys the table then has.
+
+    Names are looked up when a file is read, so all that is installed or registered by then is known.
+
+    Attributes
+    ----------
+    kind : str
+        Of ``registry``.
+    key : str
+        That has the name.
+    table : callable
+        Gives the class of the table from the name and what ``registry.find`` gives.
+    shipped : collection of str
+        Names of the package itself, to which the annotation belongs.
+    """
+
+    def __init__(self, kind: str, key: str, table: Callable, shipped: Collection[str] = ()):
+        super().__init__(f"a table {{ {key}, and its keys }}")
+        self.kind, self.key, self.table, self.shipped = kind, key, table, shipped
+
+    def found(self, name) -> type[Table] | None:
+        """The class of the table of an extension; None where no extension has the name.
+
+        Raises
+        ------
+        ValueError
+            As of ``registry.find``; for a field that no key can give.
+        """
+        own = registry.find(self.kind, name, self.shipped) if isinstance(name, str) else None
+        return None if own is None else self.table(name, own)
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        return core_schema.no_info_wrap_validator_function(self._read, handler(source))
+
+    def _read(self, given, shipped):
+        if not isinstance(given, dict):
+            return shipped(given)
+        name = given.get(self.key)
+        own = self.found(name)
+        if own is not None:
+            return TypeAdapter(own).validate_python(given)
+        if not isinstance(name, str) or name not in self.shipped:
+            # the name is what is wrong, whatever else there is
+            raise PydanticCustomError(
+                CHOICE, "{allowed}", {"key": self.key, "allowed": self._names()}
+            )
+        return shipped(given)
+
+    def _names(self) -> str:
+        every = [*self.shipped, *registry.names(self.kind)]
+        none = "the name of an installed or registered extension; there is none"
+        return f"one of {', '.join(every)}" if every else none
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        names = registry.names(self.kind)
+        return {"anyOf": [handler(schema), named(self.key, names)]} if names else handler(schema)
+
+
+def named(key_: str, names: Collection[str]) -> dict:
+    """The JSON schema of tables with one of some names; their further keys are open."""
+    return {"type": "object", "properties": {key_: {"enum": list(names)}}, "required": [key_]}
+
+
+def keys_of(made: type, base: type[Table], left_out=()) -> dict:
+    """Keys of a table that becomes a dataclass, for ``table_of``: its fields by type and default.
+
+    Fields of other types than numbers, texts and lists of these must have a default.
+
+    Raises
+    ------
+    ValueError
+        For a field that a table cannot give, or that has the name of something that ``base`` has.
+    """
+    hints, keys = get_type_hints(made), {}
+    for field in fields(made):
+        if not field.init or field.name in left_out:
+            continue
+        form = _form_of(hints[field.name])
+        default = field.default if field.default_factory is MISSING else field.default_factory()
+        if form is None and default is MISSING:
+            raise ValueError(
+                f"{made.__name__}: no key can give {field.name!r}; its type must be float, int, str, "
+                "bool, a tuple of these, or it must have a default"
+            )
+        if form is None:
+            continue
+        if field.name in base.entries() or hasattr(base, field.name):
+            raise ValueError(
+                f"{made.__name__}: no key can give {field.name!r}, which every such table has for "
+                "itself; give the field another name"
+            )
+        text = f"field of {made.__name__}"
+        if default is MISSING:
+            keys[field.name] = form, key(text)
+        else:
+            keys[field.name] = Annotated[form, _or_default(default)], key(text, default)
+    return keys
+
+
+def _or_default(default) -> WrapValidator:
+    """A default is right whatever its form: ``dataclasses.replace`` gives it once more."""
+    return WrapValidator(lambda given, read: given if given is default else read(given))
+
+
+def _form_of(hint):
+    """The form of the values of a field; None for a type that tables do not have."""
+    if get_origin(hint) in (Union, UnionType):
+        others = [own for own in get_args(hint) if own is not type(None)]
+        return _form_of(others[0]) if len(others) == 1 else None
+    if hint is tuple or get_origin(hint) is tuple:
+        entry = (*get_args(hint), float)[0]
+        return LISTS.get(get_origin(entry) or entry)
+    return FORMS.get(hint)
+
+
+def arguments(own: Table, base: type[Table]) -> dict:
+    """Keys of the table of an extension beside those of all such tables."""
+    taken = base.entries()
+    return {f.name: getattr(own, f.name) for f in fields(own) if f.name not in taken}

@@ -1,0 +1,91 @@
+"""``friction`` of a contact: Coulomb's coefficient, or the name of a law with its constants."""
+
+from functools import cache
+from typing import Annotated
+
+from pydantic import Field, TypeAdapter
+from pydantic_core import core_schema
+
+from seal_mdao import registry
+from seal_mdao.contact.friction_law import (
+    FrictionLaw,
+    constant_defaults,
+    constant_names,
+    friction_law,
+)
+from seal_mdao.seals.file.extensions import Extensible, arguments, named
+from seal_mdao.seals.file.forms import Form, Number, Text, number, one_of
+from seal_mdao.seals.file.schema import Table, key, table, table_of
+
+COULOMB = "coulomb"
+"""The law of the package itself."""
+MOST_FRICTION = 10.0
+Coefficient = number(least=0.0, most=MOST_FRICTION)
+
+
+@table(kw_only=True)
+class FrictionTable(Table):
+    """Coulomb's law."""
+
+    law: one_of(COULOMB) = key(
+        "name of the law; another one has its own constants in place of friction"
+    )
+    friction: Coefficient = key("Coulomb coefficient")
+
+    def made(self) -> float:
+        """The coefficient."""
+        return self.friction
+
+
+@table(kw_only=True)
+class ExtensionTable(Table):
+    """A law of another package."""
+
+    law: Text = key("name of the law")
+
+    def made(self) -> FrictionLaw:
+        """The law with its constants."""
+        return friction_law(self.makes, **arguments(self, ExtensionTable))
+
+
+@cache
+def _extension(name: str, law) -> type[Table]:
+    """The table of a law of another package: constants by the names of its arguments."""
+    keys = {"law": (one_of(name), key("name of the law"))}
+    keys |= {own: (number(), key("constant of the law")) for own in constant_names(law)}
+    for own, default in constant_defaults(law).items():
+        keys[own] = number(), key("constant of the law", default)
+    own = {"makes": staticmethod(law), "__module__": law.__module__}
+    return table_of(ExtensionTable, f"{name}_table", keys, **own)
+
+
+_LAW = TypeAdapter(
+    Annotated[FrictionTable, Extensible("friction_laws", "law", _extension, (COULOMB,))]
+)
+
+
+class _OrLaw:
+    """Of a coefficient: it may also be a table with the name of a law and its constants."""
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        return core_schema.no_info_wrap_validator_function(self._read, handler(source))
+
+    @staticmethod
+    def _read(given, coefficient):
+        if isinstance(given, FrictionLaw):  # of a table that has been read
+            return given
+        return _LAW.validate_python(given).made() if isinstance(given, dict) else coefficient(given)
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        names = (COULOMB, *registry.names("friction_laws"))
+        return {"anyOf": [handler(schema), named("law", names)]}
+
+
+Friction = Annotated[
+    Number,
+    Field(ge=0.0, le=MOST_FRICTION),
+    Form(
+        f"a number of at least 0 and at most {MOST_FRICTION:g}, or a table {{ law, and its constants }}"
+    ),
+    _OrLaw(),
+]
