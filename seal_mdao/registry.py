@@ -94,7 +94,12 @@ def register(kind: str, name: str, value=None):
 def names(kind: str) -> tuple:
     """Names of all extensions of a kind, sorted; nothing is loaded."""
     own = {name for of, name in _registered if of == kind}
-    return tuple(sorted(own | {point.name for point in _installed(kind)}))
+    return tuple(sorted(own | {*installed(kind)}))
+
+
+def installed(kind: str) -> tuple:
+    """Names of the extensions of a kind that installed distributions offer, sorted."""
+    return tuple(sorted({point.name for point in _installed(kind)}))
 
 
 def find(kind: str, name: str, shipped: Iterable[str] = ()):

@@ -79,7 +79,7 @@ class Extensible(Form):
         return f"one of {', '.join(every)}" if every else none
 
     def __get_pydantic_json_schema__(self, schema, handler):
-        names = registry.names(self.kind)
+        names = registry.installed(self.kind)
         return {"anyOf": [handler(schema), named(self.key, names)]} if names else handler(schema)
 
 

@@ -77,7 +77,7 @@ class _OrLaw:
         return _LAW.validate_python(given).made() if isinstance(given, dict) else coefficient(given)
 
     def __get_pydantic_json_schema__(self, schema, handler):
-        names = (COULOMB, *registry.names("friction_laws"))
+        names = (COULOMB, *registry.installed("friction_laws"))
         return {"anyOf": [handler(schema), named("law", names)]}
 
 
