@@ -9,7 +9,6 @@ from verification.flat_door_reference import REACTION
 
 import seal_mdao as sm
 from seal_mdao.measures.contact import GapSquareIntegral
-from seal_mdao.seals.outline.section import Line
 from seal_mdao.seals.result import frozen_measures
 
 FILE = Path(__file__).parents[2] / "examples" / "paper_seal.toml"
@@ -64,7 +63,7 @@ def test_other_particles_under_a_flat_door(spacing, limit):
     """With a spacing in place of rays: the independent finite elements at 2, 4, 6, 8 and 10 mm."""
     pytest.importorskip("netgen")
     file = sm.read_seal_file(FILE)
-    flat = replace(file.profiles[0], segments=(Line((-40.0, 0.0), (40.0, 0.0)),))
+    flat = replace(file.profiles[0], segment=None, line=((-40.0, 0.0), (40.0, 0.0)))
     section = replace(file.section, spacing=spacing)
     result = sm.analyze(
         sm.build_seal(replace(file, section=section, profiles=(flat,), measures=(), optimize=None))
