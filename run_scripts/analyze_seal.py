@@ -55,7 +55,7 @@ def main(arguments) -> int:
 
 
 def analyzed(file) -> tuple[SealResult, float]:
-    """The drawn seal of a file, and the seconds that its analysis took, the choice of load steps and
+    """The nominal seal of a file, and the seconds that its analysis took, the choice of load steps and
     penalties included."""
     begun, kept = time.perf_counter(), KeptAnalyses()
     try:

@@ -107,14 +107,14 @@ def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
 
 
 def optimized_measures(file: SealFile, seal: Seal, drawn: SealResult) -> tuple[tuple, dict]:
-    """Measures of ``[optimize]`` with their places, and their values in the drawn seal by name.
+    """Measures of ``[optimize]`` with their places, and their values in the nominal seal by name.
 
     Raises
     ------
     SealFileError
         For measures that are empty, or zero already.
     LoadPathError
-        When the path of the drawn seal was not completed.
+        When the path of the nominal seal was not completed.
     """
     drawn.require_converged()
     measures = frozen_measures(seal, measure_names(file), lambda seal: drawn)

@@ -203,7 +203,7 @@ def door_task(drawn: SealResult, goal: RobustGoal) -> RobustTask:
     Raises
     ------
     ValueError
-        When no gap opens under the drawn seal.
+        When no gap opens under the nominal seal.
     """
     limits, force = problem_limits(drawn, (*MEASURES[2:], COST)), float(drawn.reaction[-1, 1])
     stress = max(STRESS_SHARE * float(limits.further["stress_norm"][0]), STRESS_FLOOR)
@@ -261,7 +261,7 @@ def robust_problem(
         Of ``goal.scenarios``.
     goal : RobustGoal
     task : RobustTask, optional
-        ``door_task`` of the drawn seal when left out; ``file_task`` is that of a seal file.
+        ``door_task`` of the nominal seal when left out; ``file_task`` is that of a seal file.
     workers
         As of ``ScenarioGroup``.
     driver, recorder, kept, work_dir, reports
@@ -277,7 +277,7 @@ def robust_problem(
     Raises
     ------
     ValueError
-        When no gap opens under the drawn seal, or the scenarios do not fit the seal.
+        When no gap opens under the nominal seal, or the scenarios do not fit the seal.
     LoadPathError
         When the drawn seal cannot be analysed.
     """

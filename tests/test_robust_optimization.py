@@ -112,7 +112,8 @@ def test_room_is_enough_for_a_boundary_that_is_off(seal):
 
 
 def test_limits_hold_where_they_are_asked_for():
-    """Of a share of all cars the low quantile keeps to the lower limit, the high one to the upper."""
+    """The low quantile of a fraction of all samples keeps to the lower limit, the high one to the
+    upper."""
     goal = RobustGoal(widen=1.0)
     both = RobustLimit("reaction", SHARE, 40.0, 80.0, entry=1)
     assert both.outputs(goal) == [

@@ -173,7 +173,7 @@ class _Walk:
                 pending = pending if target < nominal + 1.0 else []
             self._add(-1 if pending else nominal, target, d, residuals, point)
             self.bend = _bend(self.last, last, euler[0])
-        if len(self.steps) > begin + 1 and problem.remembers:
+        if len(self.steps) > begin + 1 and problem.history_dependent:
             self._as_one(begin, memory, n_points)
         return None
 

@@ -74,9 +74,9 @@ class PathProblem:
         )
 
     @property
-    def remembers(self) -> bool:
+    def history_dependent(self) -> bool:
         """Whether the problem is history dependent: a step depends on the one before."""
-        return any(term.remembers for term in self.terms)
+        return any(term.history_dependent for term in self.terms)
 
     def no_history(self) -> tuple:
         """Return the history of the undeformed state, one entry a term."""

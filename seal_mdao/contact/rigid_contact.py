@@ -155,7 +155,7 @@ class ContactTerm(PointTerm):
         self._size = 2.0 * size + float(np.abs(self.curve.origin).max())
 
     @property
-    def remembers(self) -> bool:
+    def history_dependent(self) -> bool:
         """Without friction nothing depends on the history."""
         return not self.law.frictionless
 
@@ -301,7 +301,7 @@ class ContactTerm(PointTerm):
         ]
         change = self.potential(d, response) - self.potential(step.d, before)
         gaps, slip = (before.gap, response.gap), np.zeros(len(self.where))
-        for i in np.flatnonzero(np.minimum(*gaps) < 0.0) if self.remembers else ():
+        for i in np.flatnonzero(np.minimum(*gaps) < 0.0) if self.history_dependent else ():
             now, then = response.history.variables[i], before.history.variables[i]
             slip[i] = then[1] * way_along(self.curve, now[0], then[0])
         lost = self.law.most_friction_work(slip, gaps, self.length)

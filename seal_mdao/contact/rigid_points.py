@@ -44,8 +44,8 @@ def slip_slopes(profile, points, history, xi, gap, local, out):
     """Derivatives ``out[:, 0]`` (s, 2) of the elastic slip of ``points`` (s,) with their displacements
     at the step before.
 
-    What a point that goes on sticking on |t| = |t0| hands on, s0 - |t0| xi0, does not change with its
-    displacement; what is left of it is rounding, and zero here.
+    A point that stays in stick on |t| = |t0| passes s0 - |t0| xi0 to the next step, which does not
+    change with its displacement: the derivative is mere rounding, and set to zero here.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def linearize_contact_point(
         The first column of the shape parameters, and the end of them.
     out : ndarray, shape (6, columns)
         Rows FORCE_X ... GAP, columns X ... FRICTION ..., shape parameters; x and
-        force in the fixed frame. What rates of the pose do besides is told in ``geometry.pose``.
+        force in the fixed frame. ``geometry.pose`` describes the effect of rates of the pose.
     """
     first, end = columns
     e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
@@ -207,7 +207,7 @@ def contact_points(
     Returns
     -------
     int
-        Points made to stick; forces are those of Eq. (29) only when it is zero.
+        Points forced to stick; forces are those of Eq. (29) only when it is zero.
     """
     local = np.empty((6, 2))
     made_to_stick = 0

@@ -165,7 +165,7 @@ class SelfContactTerm(CoupledTerm):
         self._direction = np.zeros(len(self.where), int)
 
     @property
-    def remembers(self) -> bool:
+    def history_dependent(self) -> bool:
         """Without friction nothing depends on the history."""
         return not self.law.frictionless
 
@@ -310,12 +310,12 @@ class SelfContactTerm(CoupledTerm):
         return self._scattered(points, nodes, local)
 
     def _scattered(self, points, nodes, local) -> LocalMap:
-        history, (x, remembered, measure, parameters, reference) = self.rows[1], self.inputs
+        history, (x, carried, measure, parameters, reference) = self.rows[1], self.inputs
         places = (2 * nodes[:, :, None] + np.arange(2)).reshape(-1, N_PLACES)
         own = 3 * points[:, None] + np.arange(3)
         rows = np.column_stack([places, history.start + own])
         columns = np.column_stack([
-            x.start + places, remembered.start + own, measure.start + points,
+            x.start + places, carried.start + own, measure.start + points,
             np.tile(np.arange(parameters.start, parameters.stop), (len(points), 1)),
         ])  # fmt: skip
         at = [np.broadcast_to(part, local.shape).ravel()
@@ -325,7 +325,7 @@ class SelfContactTerm(CoupledTerm):
         return LocalMap(sparse, np.zeros((shape[0], 0)), np.zeros((0, shape[1])))
 
     def uses_history(self, following):
-        if not self.remembers:
+        if not self.history_dependent:
             return np.empty(0, int)
         return (3 * np.flatnonzero(following.branch)[:, None] + np.arange(3)).ravel()
 

@@ -188,7 +188,7 @@ class AdjointSweep:
         """
         history_bar = tuple(term.no_rates(self.m) for term in self.problem.terms)
         following, places = None, range(max(seeds, default=-1), -1, -1)
-        if not self.problem.remembers:
+        if not self.problem.history_dependent:
             places = sorted(seeds, reverse=True)
         for place in places:
             step = self.path.steps[place]

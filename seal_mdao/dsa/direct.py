@@ -128,7 +128,7 @@ class DirectSweep:
         every = self.path.steps
         measured = {len(every) - 1} if measured is None else set(measured)
         last = max(measured, default=-1)
-        places = range(last + 1) if self.problem.remembers else sorted(measured)
+        places = range(last + 1) if self.problem.history_dependent else sorted(measured)
         history, wanted = self.start(), {}
         size = self.path.discretization.layout.n_equations
         for block in blocks(places, size, self.rates.count):

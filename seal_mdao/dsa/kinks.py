@@ -31,7 +31,7 @@ def warn_of_kinks(path: PathResult, measured: Collection[int]) -> None:
         dependent, the steps before them count as well.
     """
     steps = sorted(measured)
-    if path.problem.remembers:
+    if path.problem.history_dependent:
         steps = range(max(measured, default=-1) + 1)
     found = [text for index in steps for text in _kinks_at(path, index, index in measured)]
     if not found:

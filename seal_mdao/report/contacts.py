@@ -10,7 +10,7 @@ from seal_mdao.plotting.section import face_of, outlines, rigid_side, size_of
 from seal_mdao.seals.profiles import contacts, profile_histories, self_contacts, true_pressure
 
 BETWEEN = 3
-"""Mark of a point that stands open between others in contact; 0, 1 and 2 are its contact states."""
+"""Mark of a point that is open between others in contact; 0, 1 and 2 are its contact states."""
 
 
 def profile_shapes(result) -> list[dict]:

@@ -25,7 +25,7 @@ from seal_mdao.structure.particle_stress import deformation_gradients, particle_
 FACTOR_MEMORY = 2.0
 """GiB for factors that are kept for sensitivities."""
 KNOWN_PLACES = 256
-"""Measures whose places are remembered, those that were asked for last."""
+"""Measures whose places are cached, the most recently used ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,7 +297,7 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
     measures : sequence of Measure or str, optional
         The seal's standard ones when left out; names are those that the seal knows.
     analysis : callable, optional
-        ``analysis(seal)`` gives the result of the drawn seal, where a measure takes its places from
+        ``analysis(seal)`` gives the result of the nominal seal, where a measure takes its places from
         it; ``analyze`` when left out. Places that are known are not looked for again.
 
     Raises
@@ -305,7 +305,7 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
     ValueError
         For a name that the seal does not know.
     LoadPathError
-        When the path of the drawn seal cannot be completed, and a measure takes places from it.
+        When the path of the nominal seal cannot be completed, and a measure takes places from it.
     """
     chosen = _chosen(seal, measures)
     if not any(measure.takes_places for measure in chosen):
@@ -346,7 +346,7 @@ def _chosen(seal: Seal, measures) -> tuple:
 
 
 def is_empty(measure: Measure, seal: Seal) -> bool:
-    """Whether a measure with frozen places has none: nothing stands open in the drawn seal."""
+    """Whether a measure with frozen places has none: the nominal seal has no gap region."""
     base = measure.base if isinstance(measure, Derived) else measure
     return base.size(seal) == 0
 

@@ -33,7 +33,7 @@ class Seal:
         Those of the scalars that are always inputs of an OpenMDAO component.
     before_touch : float
         Travel of the leading profile from which pictures and curves count, that of the first touch of
-        the drawn seal where it is known, mm.
+        the nominal seal where it is known, mm.
     standard, further : tuple of Measure
         Measures that an OpenMDAO component has unless others are asked for, and others that the seal
         knows by their names.
@@ -112,7 +112,7 @@ class Seal:
 
     def measures(self, names=()) -> tuple:
         """The standard measures, or those of ``names``; without the places that they take from the
-        drawn seal.
+        nominal seal.
 
         Raises
         ------

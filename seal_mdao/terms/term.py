@@ -106,7 +106,7 @@ class Term:
     names : tuple of str
     rounding : float
         What rounding leaves of its forces, N/m.
-    remembers : bool
+    history_dependent : bool
         Whether a step depends on the one before.
     conservative : bool
         Whether its force is the derivative of its ``potential``, so that its tangent is symmetric.
@@ -117,7 +117,7 @@ class Term:
     label = ""
     names: tuple = ()
     rounding = 0.0
-    remembers = False
+    history_dependent = False
     conservative = False
     couples_points = True
 

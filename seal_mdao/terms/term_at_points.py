@@ -42,7 +42,7 @@ class TermAtPoints(Term):
         self._x = np.empty((len(where), 2))
 
     @property
-    def remembers(self) -> bool:
+    def history_dependent(self) -> bool:
         """Whether a step depends on the one before at all."""
         return self.history_size > 0
 

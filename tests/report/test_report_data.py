@@ -87,7 +87,7 @@ def test_frames_are_the_deformed_sections(seal_page, ends):
 
 
 def check_contact(shapes, frame, answer):
-    """The dots are the points that touch, and those that stand open between them."""
+    """The dots are the points that touch, and those that are open between them."""
     opened = opened_points(answer.state)
     shown = np.union1d(np.flatnonzero(answer.state), opened)
     dots = unpacked(frame["touching"], -1, 2) * shapes["length"]

@@ -164,7 +164,7 @@ class ShapeView {
     return [this.px(points[3 * index] * length), this.py(points[3 * index + 1] * length)];
   }
 
-  // Filled where a point touches, hollow where it stands open between others that do.
+  // Filled where a point touches, hollow where it is open between others that do.
   drawContact({ touching, marks }) {
     const { context } = this, { length } = this.shapes;
     [...marks].forEach((mark, k) => {

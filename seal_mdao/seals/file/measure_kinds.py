@@ -146,7 +146,7 @@ class GapTable(AtPlaces):
 
 
 def _gap_square_sum(profile, points=None, places=None):
-    """At the points that stand open in the nominal seal, Eq. (71), or wherever the design does."""
+    """At the points that are open in the nominal seal, Eq. (71), or wherever the design does."""
     nominal = points == "nominal"
     return GapSquareSum(Gap(profile, places)) if nominal else OpenGapSquareSum(profile, places)
 

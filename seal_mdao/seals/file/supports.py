@@ -14,7 +14,7 @@ TOUCHING = 1e-9
 
 @table
 class FixedTable(Table):
-    """Edges that are held, and in which directions."""
+    """Edges that are fixed, and in which directions."""
 
     edges: Names = key("edges that are held")
     directions: many(one_of("x", "y"), 'a list of "x", "y" or both') = key(
@@ -24,7 +24,7 @@ class FixedTable(Table):
 
 @table
 class SymmetryTable(Table):
-    """Edges in a plane beyond which the section goes on as its mirror image."""
+    """Edges in a plane beyond which the section continues as its mirror image."""
 
     edges: Names = key("straight edges in the plane; in a design they stay in it")
     normal: one_of("x", "y") = key("the axis across the plane")
