@@ -19,8 +19,10 @@ from openmdao.core.group import Group
 from openmdao.utils.general_utils import default_noraise, make_serializable
 from openmdao.utils.record_util import create_local_meta
 
+SCALED_METADATA = not hasattr(Driver, "autoscaler")
+"""Whether the metadata of variables hold scaled bounds, as in releases before 3.44."""
 INFINITE = 1e30
-"""Bound that stands for none in releases before 3.44."""
+"""Bound that stands for none in those."""
 
 
 class RunOnce(om.NonlinearRunOnce):
@@ -192,7 +194,7 @@ def with_unscaled_bounds(setting: dict) -> dict:
 
     Releases before 3.44 keep (bound + adder) scaler in their place, but for infinite ones.
     """
-    if hasattr(Driver, "autoscaler"):
+    if not SCALED_METADATA:
         return setting
     scaler, adder = (setting.get(key) for key in ("scaler", "adder"))
     found = {}
@@ -238,7 +240,7 @@ def scaled_bounds(driver: Driver, kind: str) -> dict[str, tuple]:
         "design_var" or "constraint".
     """
     metadata = driver._designvars if kind == "design_var" else driver._cons
-    if not hasattr(driver, "autoscaler"):  # before 3.44 the metadata are scaled
+    if SCALED_METADATA:
         return {n: (m["lower"], m["upper"], m.get("equals")) for n, m in metadata.items()}
     found = driver.autoscaler.get_bounds_scaling(kind)
     if not isinstance(found, tuple):

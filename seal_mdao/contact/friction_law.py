@@ -19,9 +19,7 @@ import numba
 import numpy as np
 
 from seal_mdao import values
-
-STEP = 1e-30
-"""Of complex steps."""
+from seal_mdao.terms.point_law import COMPLEX_STEP
 
 MOST_SLOPE = 1e15
 """A larger derivative is the imaginary part of a function that is not real there."""
@@ -88,9 +86,9 @@ class FrictionLaw:
             For slip along -e_t and along +e_t: the limit, d limit / d pressure, and d limit / d constant
             of the m constants. Zero without pressure; NaN where the limit is negative or no real number.
         """
-        steps = STEP * np.eye(1 + len(self.constants))
+        steps = COMPLEX_STEP * np.eye(1 + len(self.constants))
         found = np.stack([self._evaluated(pressure, stepped) for stepped in steps], axis=2)
-        limit, slopes = found[:, :, 0].real, found.imag / STEP
+        limit, slopes = found[:, :, 0].real, found.imag / COMPLEX_STEP
         no_limit = (limit < 0.0) | (np.abs(slopes) > MOST_SLOPE).any(axis=2)
         return np.concatenate([np.where(no_limit, np.nan, limit)[:, :, None], slopes], axis=2)
 

@@ -128,10 +128,7 @@ def choose(
     ):  # fmt: skip
         if tolerance is not None:
             values.real(name, tolerance, above=0.0, high=1.0)
-    wanted, run = (
-        frozenset(names if penalty_tolerance is not None else ()),
-        _Analyses(callback, kept),
-    )
+    run, wanted = _Analyses(callback, kept), names if penalty_tolerance is not None else ()
     names = frozenset(p.name for p in penalties_of(seal) if p.name in wanted)
     begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
     ends, result = _first_path(seal, begun, run, more=1)

@@ -14,7 +14,8 @@ import numpy as np
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.term import Scalar, TermDefinition
 
-STEP = 1e-30
+COMPLEX_STEP = 1e-30
+"""Imaginary step in an input: derivatives are exact to rounding."""
 
 
 class LawInputs(NamedTuple):
@@ -79,9 +80,9 @@ class PointLaw(TermDefinition):
         flat, columns = _flat(given), []
         for column in range(flat.shape[1]):
             moved = flat.astype(complex)
-            moved[:, column] += 1j * STEP
+            moved[:, column] += 1j * COMPLEX_STEP
             rows = np.hstack(self.evaluated(_given(self, moved), fraction))
-            columns.append(rows.imag / STEP)
+            columns.append(rows.imag / COMPLEX_STEP)
         return np.stack(columns, axis=2)
 
     def evaluated(self, given: LawInputs, fraction: float) -> tuple:

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import openmdao.api as om
 import pytest
+from agreement import assert_methods_agree, assert_quotients_agree
 from highest_point import HighestPoint
 from pressed_block import pressed_block
-from quotients import quotients
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
@@ -50,22 +50,11 @@ def test_the_problem_has_something_to_show(seal, result):
 
 
 def test_direct_and_adjoint_agree(seal, tables):
-    direct, adjoint = tables
-    for measure in seal.standard:
-        size = np.abs(direct[measure.name]).max(axis=1, keepdims=True)
-        assert (np.abs(direct[measure.name] - adjoint[measure.name]) <= 1e-9 * size).all()
+    assert_methods_agree(seal, tables)
 
 
 def test_both_agree_with_central_differences(seal, tables):
-    for column, name in enumerate(tables[0].parameters):
-        size = abs(seal.scalars[name].value) if name in seal.scalars else 0.0
-        found = quotients(seal, name, RELATIVE_STEP * (size or 1.0))
-        for measure, (quotient, bound) in found.items():
-            for table in tables:
-                exact = table[measure][:, column]
-                assert np.abs(exact).max() > 0.0, (name, measure)
-                assert (np.abs(quotient - exact) <= bound).all(), (name, measure)
-                assert bound.max() <= 1e-6 * np.abs(exact).max(), (name, measure)
+    assert_quotients_agree(seal, tables, RELATIVE_STEP, certainty=1e-6)
 
 
 @pytest.fixture(scope="module")

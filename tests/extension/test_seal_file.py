@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from agreement import assert_methods_agree, assert_quotients_agree
 from quotients import quotients
 
 import seal_mdao as sm
@@ -88,23 +89,11 @@ def test_slipping_points_are_at_the_limit_of_the_law(case):
 
 
 def test_direct_and_adjoint_agree(case, tables):
-    for measure in case[0].seal.standard:
-        direct, adjoint = (table[measure.name] for table in tables)
-        size = np.abs(direct).max(axis=1, keepdims=True)
-        assert (np.abs(direct - adjoint) <= 1e-9 * size).all()
+    assert_methods_agree(case[0].seal, tables)
 
 
 def test_both_agree_with_central_differences(case, tables):
-    seal, _ = case[0].seal, case[1]
-    for column, name in enumerate(tables[0].parameters):
-        size = abs(seal.scalars[name].value) if name in seal.scalars else 0.0
-        found = quotients(seal, name, STEP * (size or 1.0))
-        for measure, (quotient, bound) in found.items():
-            for table in tables:
-                exact = table[measure][:, column]
-                assert np.abs(exact).max() > 0.0, (name, measure)
-                assert (np.abs(quotient - exact) <= bound).all(), (name, measure)
-                assert bound.max() <= 1e-4 * np.abs(exact).max(), (name, measure)
+    assert_quotients_agree(case[0].seal, tables, STEP, certainty=1e-4)
 
 
 def test_constants_of_a_law_are_inputs_of_openmdao(case, tables):

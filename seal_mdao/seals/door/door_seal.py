@@ -75,11 +75,6 @@ LARGEST_ANGLE = 30.0
 """Degrees."""
 
 
-def _require(condition: bool, message: str) -> None:
-    if not condition:
-        raise ValueError(message)
-
-
 @dataclass(frozen=True)
 class DoorSeal(Seal):
     """A rubber seal on a fixed base, pressed by a rigid door with friction (mm, kPa, N/m).
@@ -205,7 +200,7 @@ class DoorSeal(Seal):
     def _check_discretization(self):
         for name, bounds in INTEGERS.items():
             self._set(name, values.integer, *bounds)
-        _require(
+        values.require(
             self.rays % BASE_RAYS == 0,
             f"rays = {self.rays} must be a multiple of {BASE_RAYS}, else the base changes its width",
         )
@@ -219,7 +214,7 @@ class DoorSeal(Seal):
         for name, count in (
             ("outer_parameters", splines.outer_controls), ("inner_parameters", splines.inner_controls)
         ):  # fmt: skip
-            _require(
+            values.require(
                 count <= self.rays,
                 f"{name} = {getattr(self, name)} gives a boundary of {self.rays} "
                 f"particles {count} control values; at most {self.rays} can be told "
@@ -231,7 +226,7 @@ class DoorSeal(Seal):
         if pair.ndim == 0:
             self._set("support", values.real, above=0.0, high=MOST_SUPPORT)
             return
-        _require(
+        values.require(
             pair.shape == (2,) and bool(np.all((pair > 1.0) & (pair <= MOST_SUPPORT))),
             f"support must be a positive number, or two above 1 and at most {MOST_SUPPORT} (around and "
             f"across the wall), got {values.shown(self.support)}",
@@ -240,7 +235,7 @@ class DoorSeal(Seal):
 
     def _check_gauss(self):
         if isinstance(self.n_gauss, tuple | list):
-            _require(
+            values.require(
                 len(self.n_gauss) == 2,
                 "n_gauss must be an integer, or two (around and across the wall), got "
                 f"{values.shown(self.n_gauss)}",
@@ -278,7 +273,7 @@ class DoorSeal(Seal):
         if self.step_ends is None:
             return
         ends = values.numbers("step_ends", self.step_ends)
-        _require(
+        values.require(
             ends.shape == (self.n_steps,) and increases_to_one(ends),
             f"step_ends must be {self.n_steps} increasing shares of the way (n_steps), the last one 1; "
             f"got {values.shown(self.step_ends)}",
@@ -359,7 +354,7 @@ class DoorSeal(Seal):
         spacing = 2 * np.pi / self.rays
         columns = round(self.section.base_angle / spacing)
         below = int(self.section.base_angle / spacing)
-        _require(
+        values.require(
             columns > 0 and abs(self.section.base_angle - columns * spacing) <= 1e-9,
             f"base_angle = {self.section.base_angle:.6g} of the section must be a whole number of the "
             f"{self.rays} rays' spacing 2 pi / {self.rays}, for example "
@@ -488,7 +483,7 @@ class DoorSeal(Seal):
         offsets = super().check_offsets(offsets)
         wall = self.section.outer_radius - self.section.inner_radius
         bad = np.flatnonzero(np.abs(offsets) > wall)
-        _require(
+        values.require(
             bad.size == 0,
             f"boundary_offsets[{bad[:1].sum()}] = {offsets[bad[:1]].sum():.4g} exceeds the wall "
             f"thickness {wall}; offsets are in mm, usual bounds are -0.5 to 0.5",
@@ -499,7 +494,7 @@ class DoorSeal(Seal):
     def check_door_radius(door_radius, name: str = "door_radius") -> float:
         """Corner radius as a float."""
         found = values.numbers(name, door_radius).reshape(-1)
-        _require(found.size == 1, f"{name} must be one number, got {found.size}")
+        values.require(found.size == 1, f"{name} must be one number, got {found.size}")
         # from PROFILE_EXTENT on the drawn flat of the door would not begin before its corner
         return values.real(name, float(found[0]), LEAST_RADIUS, below=PROFILE_EXTENT)
 
@@ -551,7 +546,7 @@ def door_seal(
     if unknown:
         raise TypeError(f"unknown option {unknown[0]!r}; known options are {', '.join(known)}")
     values.one_of("accuracy", accuracy, tuple(ACCURACIES))
-    _require(
+    values.require(
         steps is None or (isinstance(steps, str) and steps == "auto"),
         f'steps must be None or "auto", got {values.shown(steps)}',
     )
