@@ -9,8 +9,9 @@ import seal_mdao as sm
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import require_free
+from seal_mdao.recording.recorded_seals import RecordedProblem, recorded_problem
 from seal_mdao.recording.recorder import copy_record
-from seal_mdao.recording.settings import RecordedProblem, open_model, recorded_problem
+from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.seals.file.described import FILE
 
 

@@ -36,8 +36,9 @@ from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import FORCE_BAND, OPTIMIZERS, seal_problem
 from seal_mdao.progress import LoadStepProgress, hidden
 from seal_mdao.recording.recorded_optimization import label, read_optimization, shown_unit
+from seal_mdao.recording.recorded_seals import recorded_settings
+from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.recording.restart import restart
-from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.samples import samples_section
 from seal_mdao.report.write import write_report
 from seal_mdao.robust_optimization import (

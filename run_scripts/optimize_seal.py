@@ -35,8 +35,9 @@ from seal_mdao.recording.recorded_optimization import (
     label,
     read_optimization,
 )
+from seal_mdao.recording.recorded_seals import recorded_settings
+from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.recording.restart import restart
-from seal_mdao.recording.settings import open_model, recorded_settings
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps

@@ -14,8 +14,8 @@ from seal_mdao.drivers.optimizer_driver import OptimizerDriver
 from seal_mdao.drivers.slsqp_driver import SlsqpDriver
 from seal_mdao.drivers.uno_driver import UnoDriver
 from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.recording.recorded_seals import PROBLEM_OPTION
 from seal_mdao.recording.recorder import RestartRecorder, record_all
-from seal_mdao.recording.settings import PROBLEM_OPTION
 from seal_mdao.seals.door.door_seal import OFFSET_BOUND, DoorSeal
 from seal_mdao.seals.door.measures import STANDARD
 from seal_mdao.seals.result import SealResult

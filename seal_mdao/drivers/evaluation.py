@@ -17,14 +17,15 @@ from openmdao.core.analysis_error import AnalysisError
 
 from seal_mdao import openmdao_access as access
 from seal_mdao.drivers.layout import flat
-from seal_mdao.recording.evaluations import UNFINISHED
+from seal_mdao.recording.evaluations import UNFINISHED, recorded_jacobian
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from seal_mdao.drivers.layout import ProblemLayout
     from seal_mdao.openmdao_access import FailedCases
-    from seal_mdao.recording.evaluations import RecordedCase, RecordedEvaluations
+    from seal_mdao.recording.evaluations import RecordedEvaluations
+    from seal_mdao.recording.recorder_file import Case
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class ModelEvaluator:
         self.last_failure = ""
         self._running = running
         self._recorded = recorded
-        self._recorded_at: dict[bytes, RecordedCase] = {}
+        self._recorded_at: dict[bytes, Case] = {}
         self._known: dict[bytes, Evaluation | str] = {}
         self._loaded: bytes | None = None
         self._good_vectors = None
@@ -201,7 +202,7 @@ class ModelEvaluator:
         self._recover(x, failure)
         raise failure
 
-    def _solve(self, x, recorded: RecordedCase | None) -> Evaluation:
+    def _solve(self, x, recorded: Case | None) -> Evaluation:
         driver = self.driver
         if recorded is None:
             with self._running():
@@ -209,7 +210,7 @@ class ModelEvaluator:
         else:
             # continued run: recorded values instead of an analysis
             driver.reused_evaluations += 1
-            recorded.restore(access.problem_of(driver).model)
+            self._recorded.restore(recorded)
         objective = flat(driver.get_objective_values())[0]
         constraints = flat(driver.get_constraint_values())
         if not (np.isfinite(objective) and np.isfinite(constraints).all()):
@@ -238,7 +239,7 @@ class ModelEvaluator:
         # the text only: the exception would keep all objects of its traceback alive
         self._known[x.tobytes()] = self.last_failure = str(error)
 
-    def _find_recorded(self, x) -> RecordedCase | None:
+    def _find_recorded(self, x) -> Case | None:
         """Return the case of the earlier run at the current design of the model."""
         if self._recorded is None:
             return None
@@ -253,7 +254,7 @@ class ModelEvaluator:
     def _recorded_totals(self, x) -> NDArray[np.float64] | None:
         """Return the recorded derivatives of an earlier run at ``x``, and record them again."""
         case = self._recorded_at.get(x.tobytes())
-        rows = case and case.jacobian(self.layout.responses, self.layout.desvars)
+        rows = case and recorded_jacobian(case, self.layout.responses, self.layout.desvars)
         if rows is not None:
             # the earlier run has checked its first Jacobian
             self._look_at_jacobian = False

@@ -1,4 +1,4 @@
-"""One writer of a recorder file at a time."""
+"""Lock of a recorder file: one process writes it at a time."""
 
 from pathlib import Path
 
@@ -9,21 +9,17 @@ class RecorderBusyError(ValueError):
     """Another run writes the recorder file."""
 
 
-def lock_of(path) -> FileLock:
-    """The lock beside a recorder file; the operating system lets go of it when its process ends."""
-    path = Path(path).absolute()
-    return FileLock(path.with_name(f".{path.name}.lock"))
-
-
 def claim(path) -> FileLock:
-    """Take the lock of a recorder file; ``release`` gives it back.
+    """Acquire the lock of a recorder file; call ``release`` of it at the end.
 
     Raises
     ------
     RecorderBusyError
-        When another run has it.
+        If another run holds it.
     """
-    lock = lock_of(path)
+    file = Path(path).absolute()
+    # the operating system releases the lock when its process ends, however that ends
+    lock = FileLock(file.with_name(f".{file.name}.lock"))
     try:
         lock.acquire(blocking=False)
     except Timeout:
@@ -34,11 +30,5 @@ def claim(path) -> FileLock:
 
 
 def require_free(path) -> None:
-    """Check that no other run writes a recorder file.
-
-    Raises
-    ------
-    RecorderBusyError
-        When one does.
-    """
+    """Raise RecorderBusyError if another run writes a recorder file."""
     claim(path).release()

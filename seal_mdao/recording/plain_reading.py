@@ -1,10 +1,10 @@
-"""Reading files of OpenMDAO's recorders without running what is in them.
+"""Read files of OpenMDAO's recorders without running code from them.
 
-A recorder file may come from a stranger. OpenMDAO's own reader unpickles what it finds, and a pickle
-can call any function; it also evaluates units as Python. Here the few tables that are needed are read
-by queries of this package, and their text, JSON and arrays of numbers are decoded; nothing is
-unpickled, whatever the schema of the file says. SQLite gives rows of tables only, out of no view and
-with no function, and no more bytes than the file has.
+A recorder file may come from a stranger. OpenMDAO's own reader unpickles its contents, and a pickle can
+call any function; it also evaluates units as Python. Here the few tables that are needed are read by
+queries of this package, and their text, JSON and numeric arrays are decoded. Nothing is unpickled,
+whatever the schema of the file. SQLite reads rows of tables only, no views and no functions, and no more
+bytes than the file has.
 """
 
 import io
@@ -24,17 +24,17 @@ DAMAGE = (
     TypeError, AttributeError, ArithmeticError, struct.error, MemoryError, RuntimeError, SyntaxError,
     NameError, tokenize.TokenError,
 )  # fmt: skip
-"""What damaged or foreign files end in, somewhere in a reader."""
+"""Exceptions that damaged or foreign files cause in a reader."""
 STEPS_PER_BYTE = 10
-"""Of SQLite's virtual machine; a row takes about one a byte."""
+"""Steps of SQLite's virtual machine; a row takes about one per byte."""
 LEAST_STEPS = 10**6
 LARGEST_JSON = 2**26
-"""Bytes of compressed metadata when they are unpacked."""
+"""Largest decompressed metadata, bytes."""
 LARGEST_HEADER = 10**6
-"""Bytes of the header of an array, which names every derivative."""
+"""Largest header of an array, which names every derivative, bytes."""
 LONGEST_ERROR = 300
 TWO_FILES = bytes.fromhex("d9d505f920a163d7")
-"""How SQLite's journal of a transaction ends that names a second journal, which SQLite deletes."""
+"""Last bytes of a journal of SQLite that names a second journal, which SQLite would delete."""
 
 _FACTOR = r"\(*(?:[A-Za-z]\w*(?:\*\*-?\d(?:\.\d{1,4})?)?|\d{1,9}(?:\.\d{1,9})?)\)*"
 UNITS = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*", re.ASCII)
@@ -42,16 +42,12 @@ UNITS = re.compile(rf"{_FACTOR}(?:[*/]{_FACTOR})*", re.ASCII)
 
 
 class PlainDatabase:
-    """The tables of a recorder file.
-
-    Parameters
-    ----------
-    path : str or Path
+    """Tables of a recorder file.
 
     Raises
     ------
     ValueError
-        For what is no file, or lies beside a journal that would make SQLite delete another file.
+        If the path is no file, or beside it is a journal that would make SQLite delete another file.
     """
 
     def __init__(self, path):
@@ -63,14 +59,11 @@ class PlainDatabase:
             raise ValueError(f"the journal beside {path} is that of several files")
         self._bytes = sum(file.stat().st_size for file in (path, *beside) if file.is_file())
         self._steps = LEAST_STEPS + STEPS_PER_BYTE * self._bytes
-        self._connection = sqlite3.connect(path)
-        self._restrict()
-
-    def _restrict(self) -> None:
-        """Let SQLite read rows of tables and nothing else."""
-        own = self._connection
-        own.setlimit(sqlite3.SQLITE_LIMIT_FUNCTION_ARG, 0)  # so a schema with a function is refused
+        self._connection = own = sqlite3.connect(path)
+        # no function has no arguments: a schema that calls one is refused
+        own.setlimit(sqlite3.SQLITE_LIMIT_FUNCTION_ARG, 0)
         own.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(self._bytes, 10**6))
+        # ends endless queries
         own.set_progress_handler(self._out_of_steps, 1000)
         own.execute("PRAGMA trusted_schema = OFF")
         own.execute("PRAGMA query_only = ON")
@@ -81,24 +74,24 @@ class PlainDatabase:
         return self._steps < 0
 
     def rows(self, table: str, columns: dict) -> list[tuple]:
-        """All rows of a table.
+        """Read all rows of a table.
 
         Parameters
         ----------
-        table : str
         columns : dict of str to type
-            What to read, and what it must be.
+            Columns to read, with the required types.
 
         Raises
         ------
         TypeError
             For a value of another type.
         ValueError
-            When they have more bytes than the file.
+            If the rows have more bytes than the file.
         """
         found, left = [], self._bytes
         for row in self._connection.execute(f"SELECT {', '.join(columns)} FROM {table}"):
             for (name, kind), value in zip(columns.items(), row, strict=True):
+                # SQLite columns hold values of any type, whatever is declared
                 if not isinstance(value, kind):
                     raise TypeError(f"column {name!r} of its table {table!r} holds a {type(value)}")
                 left -= len(value) if isinstance(value, str | bytes) else 1
@@ -108,14 +101,14 @@ class PlainDatabase:
         return found
 
     def numbered_rows(self, table: str, columns: dict) -> list[tuple]:
-        """All rows of a table in the order of their ``id``, which they leave out."""
+        """Read all rows of a table in the order of their ``id``, which is omitted."""
+        # sorted here: an index of the file could change the order
         found = self.rows(table, {"id": int} | columns)
         return [row[1:] for row in sorted(found, key=lambda row: row[0])]
 
     def has(self, table: str) -> bool:
-        """Whether there is a table of this name."""
-        names = self.rows("sqlite_master", {"type": str, "name": str})
-        return ("table", table) in names
+        """Return whether there is a table of this name."""
+        return ("table", table) in self.rows("sqlite_master", {"type": str, "name": str})
 
     def __enter__(self) -> "PlainDatabase":
         return self
@@ -125,13 +118,13 @@ class PlainDatabase:
 
 
 def _rows_of_tables(action, table, column, database, view) -> int:
-    """What SQLite may do; ``view`` is that, or the trigger, in which it would be done."""
+    # ``view`` names the view or trigger in which the action would be done
     reads = action in (sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ)
     return sqlite3.SQLITE_OK if reads and view is None else sqlite3.SQLITE_DENY
 
 
 def without_programs(connection: sqlite3.Connection) -> sqlite3.Connection:
-    """The connection, over which no trigger and no view of the file does anything but fail."""
+    """Restrict a connection: every trigger and every view of the file fails."""
     connection.execute("PRAGMA trusted_schema = OFF")
     connection.set_authorizer(
         lambda *asked: sqlite3.SQLITE_OK if asked[4] is None else sqlite3.SQLITE_DENY
@@ -140,7 +133,7 @@ def without_programs(connection: sqlite3.Connection) -> sqlite3.Connection:
 
 
 def unpacked(blob: bytes):
-    """What a column of compressed JSON holds."""
+    """Decompress and decode a column of JSON."""
     decompressor = zlib.decompressobj()
     text = decompressor.decompress(blob, LARGEST_JSON)
     if not decompressor.eof:
@@ -149,7 +142,7 @@ def unpacked(blob: bytes):
 
 
 def numbers(text: str) -> dict[str, np.ndarray]:
-    """Values of a case by name out of JSON, without those that are no numbers."""
+    """Decode the numeric values of a case by name, from JSON."""
     found = {}
     for name, value in (json.loads(text) or {}).items():
         try:
@@ -160,18 +153,19 @@ def numbers(text: str) -> dict[str, np.ndarray]:
 
 
 def fields(blob: bytes) -> dict[str, np.ndarray]:
-    """Fields of the one record of a recorded array; objects in it are refused."""
+    """Decode the fields of the only record of an array in NumPy's format; objects are refused."""
     stream = io.BytesIO(blob)
     table = np.lib.format.read_array(stream, allow_pickle=False, max_header_size=LARGEST_HEADER)
     return {name: np.asarray(table[name][0], float) for name in table.dtype.names or ()}
 
 
 def checked_units(text: str | None) -> str | None:
-    """Units that OpenMDAO, which evaluates them as Python, can only read as units.
+    """Require text that OpenMDAO, which evaluates units as Python, can only read as units.
 
     Raises
     ------
     ValueError
+        For any other text.
     """
     if text is not None and not UNITS.fullmatch(text):
         raise ValueError(f"a variable in it has the units {text!r}, which are none")
@@ -180,15 +174,16 @@ def checked_units(text: str | None) -> str | None:
 
 @contextmanager
 def reading(path):
-    """What a damaged or foreign file ends in, as one line that names it.
+    """Open a recorder file.
 
     Raises
     ------
     ValueError
-        In place of whatever a reader raised.
+        One line with the path, in place of any error that a damaged or foreign file causes.
     """
     try:
-        yield
+        with PlainDatabase(path) as database:
+            yield database
     except DAMAGE as error:
         raise ValueError(
             f"{path} is not a file of an OpenMDAO recorder, or it is damaged "
@@ -201,6 +196,6 @@ def reading(path):
 
 
 def _one_line(error: Exception) -> str:
-    """The message of an error, in which a file may have a word."""
+    # the message may quote the file: printable characters only
     text = "".join(letter if letter.isprintable() else " " for letter in str(error))
     return text if len(text) <= LONGEST_ERROR else f"{text[:LONGEST_ERROR]}..."

@@ -1,4 +1,4 @@
-"""What an OpenMDAO recorder file says about an optimisation."""
+"""History of an optimisation from an OpenMDAO recorder file."""
 
 import re
 from dataclasses import dataclass, field
@@ -7,6 +7,7 @@ import numpy as np
 
 from seal_mdao.recording import run_log
 from seal_mdao.recording.plain_reading import PlainDatabase, reading
+from seal_mdao.recording.recorded_seals import own_name, read_seals, recorded_settings
 from seal_mdao.recording.recorder_file import (
     CONSTRAINT,
     DESIGN,
@@ -18,12 +19,10 @@ from seal_mdao.recording.recorder_file import (
     read_model,
     read_problem_case,
 )
-from seal_mdao.recording.seal_inputs import read_seals
-from seal_mdao.recording.settings import recorded_settings
 from seal_mdao.seals.seal import Seal
 
 NO_LIMIT = 1e20
-"""Limits from here on are OpenMDAO's way of saying that there is none."""
+"""Limits of at least this size are absent; OpenMDAO stores 1e30."""
 NAMES = {
     "gap_square_sum": "sum of squared gaps",
     "gap_square_integral": "integral of the squared gap",
@@ -34,9 +33,9 @@ NAMES = {
     "boundary_offsets": "boundary offsets",
     "door_radius": "corner radius of the door",
 }
-"""Variables in words."""
+"""Descriptions of variables."""
 DESIGN_UNITS = {"boundary_offsets": "mm", "door_radius": "mm"}
-"""Units of inputs that a recorder leaves out unless it is told otherwise."""
+"""Units of inputs that a recorder omits by default."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,32 +58,32 @@ class Constraint:
     upper: float
 
     def violation(self) -> np.ndarray:
-        """Relative excess over the nearer limit, 0 where satisfied, shape (n,)."""
-        excess = np.zeros(len(self.values))
-        for limit, over in ((self.upper, 1.0), (self.lower, -1.0)):
-            if np.isfinite(limit):
-                size = abs(limit) or 1.0
-                excess = np.maximum(excess, over * (self.values - limit) / size)
-        return excess
+        """Return the relative excess over the nearer limit, 0 where satisfied, shape (n,)."""
+        return np.maximum(0.0, self._excess())
 
     def use(self) -> np.ndarray:
-        """How far the limits are used up: 1 at the nearer one, more when it is violated, (n,).
+        """Return the utilisation of the limits, (n,): 1 at the nearer one, more where it is violated.
 
-        The distance to a limit is measured in units of the limit (of 1 when that is zero), so that
-        for a positive upper limit this is value / limit.
+        The distance to a limit is relative to the limit (to 1 if that is zero), so that for a positive
+        upper limit the utilisation is value / limit.
         """
-        uses = np.full(len(self.values), -np.inf)
-        for limit, over in ((self.upper, 1.0), (self.lower, -1.0)):
+        return 1.0 + self._excess()
+
+    def _excess(self) -> np.ndarray:
+        # (c - upper) / |upper| and (lower - c) / |lower|, the larger one
+        excess = np.full(len(self.values), -np.inf)
+        for limit, sign in ((self.upper, 1.0), (self.lower, -1.0)):
             if np.isfinite(limit):
-                uses = np.maximum(uses, 1.0 + over * (self.values - limit) / (abs(limit) or 1.0))
-        return uses
+                size = abs(limit) or 1.0
+                excess = np.maximum(excess, sign * (self.values - limit) / size)
+        return excess
 
 
 def label(name: str) -> str:
-    """A recorded variable in words; its entry counts from 1."""
+    """Describe a recorded variable; its entry counts from 1."""
     entry = re.fullmatch(r"(.*)\[(\d+)\]", name)
     if entry is None:
-        return NAMES.get(_last(name), _last(name).replace("_", " "))
+        return NAMES.get(own_name(name), own_name(name).replace("_", " "))
     base, number = label(entry[1]), int(entry[2]) + 1
     return f"stress {number}" if base == "von mises" else f"{base} {number}"
 
@@ -101,27 +100,27 @@ class RecordedOptimization:
     design : dict of str to ndarray
         Design variables along the history, (n, size) each.
     major : bool
-        False when the file does not tell major iterations apart: then every evaluation is a point.
+        False if the file does not identify major iterations; then every evaluation is a point.
     evaluations : int
         Recorded model evaluations.
     seal : Seal or None
-        The seal that was optimised, when the file holds it.
+        The seal that was optimised, if the file contains it.
     settings : dict
-        Further arguments of ``seal_problem``, when the file holds them.
+        Further arguments of ``seal_problem``, if the file contains them.
     runs : list of LoggedRun
-        The runs that wrote the file, when it is that of a ``RestartRecorder``.
+        The runs that wrote the file, if it is that of a ``RestartRecorder``.
     units : dict of str to str
-        Units of the recorded variables that have any.
+        Units of the recorded variables.
     bounds : dict of str to (ndarray, ndarray)
         Lower and upper bounds of the design variables, infinite where there are none.
     seals : list of RecordedSeal
-        Every ``SealGroup`` of the model with what it used at the points.
+        Every ``SealGroup`` of the model with its inputs at the points.
     kind : str
         "optimisation", "doe" (design of experiments), or "runs" of the model by another driver.
     failed : int
         Recorded evaluations that failed, or gave values that are not finite.
     analyses : ndarray, shape (n,)
-        Number of the evaluation, from 1, that each point is.
+        Number of the evaluation of each point, from 1.
     """
 
     objective_name: str
@@ -142,7 +141,7 @@ class RecordedOptimization:
 
     @property
     def cut_off(self) -> bool:
-        """Whether the last run never came to its end, so that the last point is no result."""
+        """Whether the last run was not completed, so that the last point is no result."""
         return bool(self.runs) and self.runs[-1].cut_off
 
     @property
@@ -157,13 +156,13 @@ class RecordedOptimization:
         return np.max([none, *(c.violation() for c in self.constraints)], axis=0)
 
     def design_at(self, index: int) -> tuple[np.ndarray, dict]:
-        """Boundary offsets (mm) and scalar parameters of one point of the first seal, as ``analyze``
-        takes them.
+        """Return boundary offsets (mm) and scalar parameters of the first seal at a point, as arguments
+        of ``analyze``.
 
         Raises
         ------
         ValueError
-            When the file does not hold them.
+            If the file does not contain them.
         """
         offsets, parameters = self.seals[0].design(index) if self.seals else (None, {})
         if offsets is None:
@@ -172,22 +171,22 @@ class RecordedOptimization:
 
 
 def unit_of(history: RecordedOptimization, name: str) -> str:
-    """Unit of a recorded variable, with a raised exponent; empty when it has none."""
+    """Return the unit of a recorded variable, with raised exponents; empty if it has none."""
     name = name.split("[")[0]
-    return shown_unit(history.units.get(name, DESIGN_UNITS.get(_last(name), "")))
+    return shown_unit(history.units.get(name, DESIGN_UNITS.get(own_name(name), "")))
 
 
 def shown_unit(unit: str | None) -> str:
-    """A unit of OpenMDAO with a raised exponent; empty for none."""
+    """Format a unit of OpenMDAO with raised exponents; empty for none."""
     return re.sub(r"\*\*(\d)", lambda power: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(power[1])], unit or "")
 
 
 def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
     """Read the history of an optimisation, or of another driver, from its ``SqliteRecorder`` file.
 
-    The points are the major iterations when the driver's derivatives were recorded: each begins
-    with a gradient. The last evaluation, or the case that the problem itself recorded at the end,
-    closes the history, unless the run was cut off: then the last major iteration does. Values are in the
+    The points are the major iterations if the driver's derivatives were recorded: each begins with a
+    gradient. The history ends with the last evaluation, or with the case that the problem itself
+    recorded at the end; that of a run that was cut off, with the last major iteration. Values are in the
     units in which objective, constraints and design variables were declared.
 
     Parameters
@@ -199,9 +198,10 @@ def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
     Raises
     ------
     ValueError
-        For a file that is not there, is no recorder file, is damaged, or holds no good driver case.
+        For a file that does not exist, is no recorder file, is damaged, or has no successful case of a
+        driver.
     """
-    with reading(path), PlainDatabase(path) as database:
+    with reading(path) as database:
         return _read(database, path, given)
 
 
@@ -217,35 +217,35 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
     cases, major = _points(database, model, evaluated, bool(runs) and runs[-1].cut_off)
     seals = read_seals(model, cases, given)
     numbers = {case.counter: number for number, case in enumerate(evaluated, start=1)}
-    objective = _stacked(model, cases, OBJECTIVE)
-    objective_name = next(iter(objective))
+    # the first of several objectives
+    objective_name, objective = next(iter(_stacked(model, cases, OBJECTIVE).items()))
+    design = _stacked(model, cases, DESIGN)
     return RecordedOptimization(
         objective_name=objective_name,
-        objective=objective[objective_name][:, 0],
+        objective=objective[:, 0],
         constraints=_constraints(model, cases),
-        design=_stacked(model, cases, DESIGN),
+        design=design,
         major=major,
         evaluations=len(recorded),
         seal=seals[0].seal if seals else None,
         seals=seals,
-        kind=_kind(model),
+        kind=_kind(model.driver),
         failed=len(recorded) - len(evaluated),
         settings=recorded_settings(model),
         runs=runs,
         units=_units(model, evaluated[0]),
-        bounds=_bounds(model, cases[0]),
+        bounds={
+            name: _limits(model.variables[name] | {"equals": None}, values.shape[1])
+            for name, values in design.items()
+        },
         analyses=np.array([numbers.get(case.counter, len(recorded)) for case in cases]),
     )
 
 
-def _points(
-    database: PlainDatabase, model: RecordedModel, evaluated: list, cut_off: bool
-) -> tuple[list, bool]:
-    """Cases that are points of the history, and whether they are the major iterations.
-
-    OpenMDAO matches gradients by iteration coordinate, which the driver has advanced already; the
-    counter is that of the case before.
-    """
+def _points(database, model, evaluated: list, cut_off: bool) -> tuple[list, bool]:
+    """Return the cases that are points of the history, and whether they are the major iterations."""
+    # by counter, that of the case before the gradient: OpenMDAO matches gradients by iteration
+    # coordinate, which the driver has advanced already
     begun = read_gradient_counters(database)
     cases = [case for case in evaluated if case.counter in begun]
     if not cases:
@@ -253,52 +253,33 @@ def _points(
     if not cut_off:
         final, last = read_problem_case(database), evaluated[-1]
         cases.append(final if final is not None and final.counter > last.counter else last)
-    if len(cases) > 1 and _same_design(model, cases[-1], cases[-2]):
-        cases.pop()
+    if len(cases) > 1:
+        # the end may be the last major iteration itself
+        before, end = (model.values(case, DESIGN) for case in cases[-2:])
+        if all(np.array_equal(end[name], value) for name, value in before.items()):
+            cases.pop()
     return cases, True
 
 
-def _bounds(model: RecordedModel, case: Case) -> dict:
-    bounds = {}
-    for name, value in model.values(case, DESIGN).items():
-        settings = model.variables[name] | {"equals": None}
-        bounds[name] = tuple(_limit(settings, side, value.size) for side in ("lower", "upper"))
-    return bounds
-
-
-def _kind(model: RecordedModel) -> str:
-    driver = model.driver
+def _kind(driver: dict) -> str:
     if "DOE" in f"{driver.get('name')}{driver.get('type')}":
         return "doe"
-    supports = driver.get("supports") or {}
-    optimises = supports.get("optimization", {"val": True})
+    optimises = (driver.get("supports") or {}).get("optimization", {"val": True})
     return "optimisation" if optimises["val"] else "runs"
 
 
 def _finite(model: RecordedModel, case: Case) -> bool:
-    """Whether objective and constraints have values: OpenMDAO's DOEDriver marks failures as good."""
+    # OpenMDAO's DOEDriver marks failures as successes; their values are NaN
     values = [*model.values(case, OBJECTIVE).values(), *model.values(case, CONSTRAINT).values()]
     return all(np.isfinite(value).all() for value in values)
 
 
-def _last(name: str) -> str:
-    """The variable's own name, without those of the groups it is in."""
-    return name.rsplit(".", 1)[-1]
-
-
 def _units(model: RecordedModel, case: Case) -> dict[str, str]:
-    """Units of the recorded variables; of those of the driver the units that they have there."""
+    """Return the units of the recorded variables by promoted name."""
     recorded = [*case.inputs, *case.outputs]
     units = {model.promoted[name]: model.units[name] for name in recorded if model.units[name]}
-    for name, settings in model.variables.items():
-        if settings.get("units"):
-            units[name] = settings["units"]
-    return units
-
-
-def _same_design(model: RecordedModel, a: Case, b: Case) -> bool:
-    first, second = (model.values(case, DESIGN) for case in (a, b))
-    return all(np.array_equal(first[name], value) for name, value in second.items())
+    # variables of the driver have the units of their declaration
+    return units | {n: own["units"] for n, own in model.variables.items() if own.get("units")}
 
 
 def _stacked(model: RecordedModel, cases: list, kind: str) -> dict[str, np.ndarray]:
@@ -310,16 +291,17 @@ def _constraints(model: RecordedModel, cases: list) -> list[Constraint]:
     found = []
     for name, values in _stacked(model, cases, CONSTRAINT).items():
         size = values.shape[1]
-        lower, upper = (_limit(model.variables[name], side, size) for side in ("lower", "upper"))
-        for i in range(size):
-            label = name if size == 1 else f"{name}[{i}]"
-            found.append(Constraint(label, values[:, i], lower[i], upper[i]))
+        lower, upper = _limits(model.variables[name], size)
+        names = [name] if size == 1 else [f"{name}[{i}]" for i in range(size)]
+        found += map(Constraint, names, values.T, lower, upper)
     return found
 
 
-def _limit(settings: dict, side: str, size: int) -> np.ndarray:
-    """A limit as an array; infinite where the settings name none."""
-    value = settings["equals"] if settings["equals"] is not None else settings[side]
-    none = -np.inf if side == "lower" else np.inf
-    limit = np.broadcast_to(np.asarray(none if value is None else value, float), size)
-    return np.where(np.abs(limit) >= NO_LIMIT, none, limit)
+def _limits(settings: dict, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return lower and upper limits as arrays; infinite where there are none."""
+    limits = []
+    for side, none in (("lower", -np.inf), ("upper", np.inf)):
+        value = settings["equals"] if settings["equals"] is not None else settings[side]
+        limit = np.broadcast_to(np.asarray(none if value is None else value, float), size)
+        limits.append(np.where(np.abs(limit) >= NO_LIMIT, none, limit))
+    return tuple(limits)

@@ -1,4 +1,4 @@
-"""RestartRecorder: a recorder file that is complete at any moment, and that can be continued."""
+"""RestartRecorder: a recorder file that survives a kill at any moment, and that can be continued."""
 
 import os
 import sqlite3
@@ -11,21 +11,21 @@ from seal_mdao.openmdao_access import SqliteHooks, find_value, problem_of
 from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import claim, require_free
 from seal_mdao.recording.plain_reading import without_programs
-from seal_mdao.recording.seal_inputs import inputs_of_seals, outputs_of_seals
+from seal_mdao.recording.recorded_seals import inputs_of_seals, outputs_of_seals
 
 LEFTOVERS = ("-journal", "-wal", "-shm")
-"""What SQLite leaves beside a file when a process is killed; it belongs to that very file."""
+"""Files that SQLite leaves beside a file when a process is killed; they belong to that file only."""
 
 
 class RestartRecorder(SqliteHooks):
     """SqliteRecorder whose file survives a kill at any moment and that can append to a file.
 
-    Every case is a transaction of its own, as in ``SqliteRecorder``, so a killed run loses nothing
-    but the evaluation in flight. Beyond that, a new file takes its name only when all that a reader
-    needs is in it; before, a file of that name from an earlier run stays as it was. With ``append``
-    the cases of an existing file are kept and new ones follow them; evaluations that the driver
-    takes from the file (``hotstart_file``) are not recorded twice. The file also tells how every run
-    ended; see ``seal_mdao.recording.run_log``.
+    Every case is a transaction of its own, as in ``SqliteRecorder``, so a killed run loses only the
+    evaluation in progress. In addition, a new file takes its name only when it contains all that a
+    reader needs; until then a file of that name from an earlier run stays unchanged. With ``append`` the
+    cases of an existing file are kept and new ones follow them; evaluations that the driver takes from
+    the file (``hotstart_file``) are not recorded twice. The file also records how every run ended; see
+    ``seal_mdao.recording.run_log``.
 
     One run writes a file at a time; beside it a lock, ``.<name>.lock``, is held until the end.
 
@@ -46,11 +46,7 @@ class RestartRecorder(SqliteHooks):
             )
         super().__init__(filepath, **options)
         self._append = append
-        self._unpublished = None
-        self._driver = None
-        self._log_row = None
-        self._seals = None
-        self._lock = None
+        self._unpublished = self._driver = self._log_row = self._seals = self._lock = None
 
     def startup(self, recording_requester, comm=None):
         """Prepare for a new run."""
@@ -58,7 +54,11 @@ class RestartRecorder(SqliteHooks):
             return
         counter = self.counter
         super().startup(recording_requester, comm)
-        self.counter = max(counter, self._last_counter())
+        if self._append and self.connection:
+            # new cases are numbered after those of the file
+            query = "SELECT MAX(counter) FROM driver_iterations"
+            counter = max(counter, self.connection.execute(query).fetchone()[0] or 0)
+        self.counter = counter
         if isinstance(recording_requester, Driver):
             self._driver = recording_requester
 
@@ -67,7 +67,7 @@ class RestartRecorder(SqliteHooks):
         self._once(super().record_metadata_system, system, run_number)
         if not system.pathname and self.connection:
             if not self._append:
-                self._note_begin()
+                self._log_begin()
             self._publish()
 
     def record_metadata_solver(self, solver, run_number=None):
@@ -75,13 +75,19 @@ class RestartRecorder(SqliteHooks):
         self._once(super().record_metadata_solver, solver, run_number)
 
     def record_iteration_driver(self, driver, data, metadata):
-        """Record a case, unless the driver took it from this very file; the inputs of seals always."""
-        if self._repeated(driver) is None:
-            metadata = self._look_at_seals(driver, data, metadata)
-            self._note_begin()
-            super().record_iteration_driver(driver, data, metadata)
-        else:
+        """Record a case, unless the driver took it from this file; always with the inputs of seals."""
+        if self._repeated(driver) is not None:
+            # OpenMDAO has counted the case already
             self.counter -= 1
+            return
+        if self._seals is None:
+            model = problem_of(driver).model
+            self._seals = inputs_of_seals(model), outputs_of_seals(model)
+        self._add_inputs(driver, data)
+        if metadata["success"] and self._has_failed(driver):
+            metadata = metadata | {"success": 0, "msg": "the analysis of a seal failed"}
+        self._log_begin()
+        super().record_iteration_driver(driver, data, metadata)
 
     def record_derivatives_driver(self, driver, data, metadata):
         """Record derivatives with the number of the case to which they belong."""
@@ -93,38 +99,35 @@ class RestartRecorder(SqliteHooks):
             super().record_derivatives_driver(driver, data, metadata)
             self.counter = counter
 
-    def _look_at_seals(self, driver, data, metadata) -> dict:
-        """Add the inputs of seals, which a report needs whatever lies upstream of them; metadata that
-        say so where an analysis has failed, which OpenMDAO's DOEDriver leaves out."""
-        model = problem_of(driver).model
-        if self._seals is None:
-            self._seals = inputs_of_seals(model), outputs_of_seals(model)
-        inputs, outputs = model.get_nonlinear_vectors()[:2]
-        if data["input"] is not None:
-            for name in set(self._seals[0]).difference(data["input"]):
-                value = find_value(inputs, name)
-                if value is not None:
-                    data["input"][name] = value.copy()
-        values = [find_value(outputs, name) for name in self._seals[1]]
-        failed = any(value is not None and np.isnan(value).any() for value in values)
-        if not (failed and metadata["success"]):
-            return metadata
-        return metadata | {"success": 0, "msg": "the analysis of a seal failed"}
+    def _add_inputs(self, driver, data) -> None:
+        """Add the inputs of seals, which a report needs whatever lies upstream of them."""
+        inputs = problem_of(driver).model.get_nonlinear_vectors()[0]
+        for name in self._seals[0] if data["input"] is not None else ():
+            value = find_value(inputs, name)
+            if value is not None and name not in data["input"]:
+                data["input"][name] = value.copy()
 
-    def _note_begin(self) -> None:
-        """Note that a run writes; one that goes on is silent until then, for it may be refused."""
+    def _has_failed(self, driver) -> bool:
+        """Return whether outputs of seals are NaN: OpenMDAO's DOEDriver records failures as good."""
+        outputs = problem_of(driver).model.get_nonlinear_vectors()[1]
+        values = [find_value(outputs, name) for name in self._seals[1]]
+        return any(value is not None and np.isnan(value).any() for value in values)
+
+    def _log_begin(self) -> None:
+        """Log that a run writes; for a continued one at its first new case, as it may be refused."""
         if self.connection and self._log_row is None and self._driver is not None:
             self._log_row = run_log.begin(self.connection, self._driver)
 
     def note_end(self) -> None:
-        """Note how the run of the driver ended, before the file is closed."""
-        if self._driver is not None and self._driver.result.exit_status != run_log.BY_EXCEPTION:
-            self._note_begin()
+        """Log how the run of the driver ended, before the file is closed."""
+        driver = self._driver
+        if driver is not None and driver.result.exit_status != run_log.BY_EXCEPTION:
+            self._log_begin()
         if self.connection and self._log_row is not None:
-            run_log.end(self.connection, self._log_row, self._driver.result)
+            run_log.end(self.connection, self._log_row, driver.result)
 
     def shutdown(self):
-        """Note how the run ended and close the file."""
+        """Log how the run ended and close the file."""
         self.note_end()
         self._log_row = None
         if self.connection:
@@ -136,6 +139,7 @@ class RestartRecorder(SqliteHooks):
 
     def open_database(self, comm):
         """Open the file to continue, or begin a new one under another name."""
+        # on several processes OpenMDAO writes one file per process
         if comm is not None and comm.size > 1:
             if self._append:
                 raise RuntimeError("RestartRecorder appends to a file on one process only")
@@ -157,19 +161,13 @@ class RestartRecorder(SqliteHooks):
         if self._unpublished is None:
             return
         self.connection.close()
-        _remove_leftovers(Path(self.path))
+        _remove(Path(self.path), LEFTOVERS)
         os.replace(self._unpublished, self.path)
         self._unpublished = None
         self.use_database(sqlite3.connect(self.path))
 
-    def _last_counter(self) -> int:
-        if not (self._append and self.connection):
-            return 0
-        query = "SELECT MAX(counter) FROM driver_iterations"
-        return self.connection.execute(query).fetchone()[0] or 0
-
     def _repeated(self, driver) -> int | None:
-        """Number of the case in this file whose evaluation the driver repeats."""
+        """Return the number of the case in this file whose evaluation the driver repeats."""
         return getattr(driver, "repeated_case", None) if self._append else None
 
     def _has_derivatives(self, counter: int) -> bool:
@@ -177,38 +175,28 @@ class RestartRecorder(SqliteHooks):
         return self.connection.execute(query, (counter,)).fetchone() is not None
 
     def _once(self, record, requester, run_number) -> None:
-        """Record metadata unless the file that is continued holds them already."""
         try:
             record(requester, run_number)
         except sqlite3.IntegrityError:
+            # the file that is continued contains them already
             if not self._append:
                 raise
 
 
 def record_all(driver, recorder) -> None:
-    """Let a driver record all that a restart needs: every variable, and the derivatives."""
+    """Make a driver record all that a restart needs: every variable, and the derivatives."""
     driver.add_recorder(recorder)
     driver.recording_options["includes"] = ["*"]
     driver.recording_options["record_derivatives"] = True
 
 
-def _remove_leftovers(path: Path) -> None:
-    for ending in LEFTOVERS:
-        path.with_name(path.name + ending).unlink(missing_ok=True)
-
-
-def _remove(path: Path) -> None:
-    path.unlink(missing_ok=True)
-    _remove_leftovers(path)
-
-
 def copy_record(source, target) -> None:
-    """Copy a recorder file, also one that a killed process left behind; the copy appears at once.
+    """Copy a recorder file, even one of a killed process; the copy appears under its name at once.
 
     Raises
     ------
     ValueError
-        When the source is not a SQLite file, or another run writes the target.
+        If the source is not a SQLite file, or another run writes the target.
     """
     target = Path(target)
     require_free(target)
@@ -218,6 +206,7 @@ def copy_record(source, target) -> None:
     _remove(fresh)
     here, there = sqlite3.connect(source), sqlite3.connect(fresh)
     try:
+        # reads the journal of a killed process as well
         here.backup(there)
     except sqlite3.DatabaseError as error:
         there.close()
@@ -226,5 +215,10 @@ def copy_record(source, target) -> None:
     finally:
         here.close()
         there.close()
-    _remove_leftovers(target)
+    _remove(target, LEFTOVERS)
     os.replace(fresh, target)
+
+
+def _remove(path: Path, endings: tuple = ("", *LEFTOVERS)) -> None:
+    for ending in endings:
+        path.with_name(path.name + ending).unlink(missing_ok=True)

@@ -1,20 +1,27 @@
-"""What a recorder file holds: the model, and the cases of its driver."""
+"""Contents of a recorder file: the model, and the cases of its driver."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from openmdao.recorders.sqlite_recorder import format_version
 from openmdao.utils.units import convert_units
 
-from seal_mdao.recording.plain_reading import PlainDatabase, checked_units, numbers, unpacked
+from seal_mdao.recording.plain_reading import (
+    PlainDatabase,
+    checked_units,
+    fields,
+    numbers,
+    reading,
+    unpacked,
+)
 
 OLDEST_FORMAT = 14
-"""Of recorder files; older ones hold more pickles, and none of them was written by this package."""
+"""Oldest format that is read; older ones hold more pickles, and this package wrote none of them."""
 OBJECTIVE, CONSTRAINT, DESIGN = "objective", "constraint", "desvar"
-"""What a variable is to the driver."""
+"""Kinds of variables of a driver."""
 
 CASE = {"counter": int, "success": int, "msg": str | None, "inputs": str, "outputs": str}
 METADATA = dict.fromkeys(("abs2prom", "abs2meta", "var_settings", "conns"), bytes)
@@ -29,29 +36,29 @@ class Case:
     counter : int
         Number of the case in the file.
     failure : str
-        Why the analysis failed; empty for a good one.
+        Reason of a failed analysis; empty for a success.
     inputs, outputs : dict of str to ndarray
         Recorded values by absolute name, in the model's units.
+    totals : dict of str to ndarray
+        Total derivatives in driver scaling by ``"of!wrt"``; empty if they were not recorded or read.
     """
 
     counter: int
     failure: str
     inputs: dict
     outputs: dict
+    totals: dict = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedModel:
-    """The model that was recorded.
+    """The recorded model.
 
     Attributes
     ----------
-    promoted : dict of str to str
-        Promoted names by absolute names.
-    units : dict of str to (str or None)
-        By absolute names.
-    kinds : dict of str to list
-        What a variable is to the driver, by absolute names: ``OBJECTIVE``, ``CONSTRAINT``, ``DESIGN``.
+    promoted, units, kinds : dict
+        Promoted name, unit (or None), and kinds in the driver (``OBJECTIVE``, ``CONSTRAINT``,
+        ``DESIGN``) of every variable by absolute name.
     sources : dict of str to str
         Outputs by the inputs that are connected to them.
     variables : dict of str to dict
@@ -59,7 +66,7 @@ class RecordedModel:
     driver : dict
         Name, type and abilities of the driver.
     options : dict of str to dict
-        Options of all systems that are text, by path; empty for the model itself.
+        Text options of all systems by path; empty for the model itself.
     """
 
     promoted: dict
@@ -71,8 +78,7 @@ class RecordedModel:
     options: dict
 
     def values(self, case: Case, kind: str) -> dict[str, np.ndarray]:
-        """Flat values of the driver's variables of one kind in a case, in the units of their
-        declaration."""
+        """Return the flat values of the driver's variables of one kind, in their declared units."""
         found = {}
         for name, settings in self.variables.items():
             source = settings["source"]
@@ -85,13 +91,25 @@ class RecordedModel:
         return found
 
 
-def read_model(database: PlainDatabase) -> RecordedModel:
-    """The model of a recorder file.
+def open_model(path) -> RecordedModel:
+    """Read the model of a recorder file; no code of the file is run.
 
     Raises
     ------
     ValueError
-        For a format that is not read, or metadata of several models.
+        For a file that does not exist or is no recorder file.
+    """
+    with reading(path) as database:
+        return read_model(database)
+
+
+def read_model(database: PlainDatabase) -> RecordedModel:
+    """Read the model of an open recorder file.
+
+    Raises
+    ------
+    ValueError
+        For a format that is not supported, or metadata of several models.
     """
     versions = database.rows("metadata", {"format_version": int})
     if len(versions) != 1:
@@ -106,8 +124,10 @@ def read_model(database: PlainDatabase) -> RecordedModel:
     (row,) = database.rows("metadata", METADATA)
     names, metadata, variables, sources = map(unpacked, row)
     variables.pop("execution_order", None)
+    # the tree of systems with their options, as the N2 diagram shows it
     viewed = database.rows("driver_metadata", {"model_viewer_data": str})
     viewer = json.loads(viewed[0][0]) if viewed else {}
+    # convert_units evaluates units as Python: check them before
     for settings in (*metadata.values(), *variables.values()):
         checked_units(settings.get("units"))
     return RecordedModel(
@@ -122,7 +142,8 @@ def read_model(database: PlainDatabase) -> RecordedModel:
 
 
 def _text_options(tree: dict) -> dict[str, dict[str, str]]:
-    """Options that are text of all systems in a tree of them, by path."""
+    """Collect the text options of all systems of a tree by path."""
+    # depth first, without recursion: a file may nest its tree arbitrarily deep
     found, waiting = {}, [("", tree)]
     while waiting:
         path, system = waiting.pop()
@@ -135,19 +156,29 @@ def _text_options(tree: dict) -> dict[str, dict[str, str]]:
 
 
 def read_driver_cases(database: PlainDatabase) -> list[tuple[int, Case]]:
-    """Iteration number and evaluation of every case of the driver, in order."""
+    """Read iteration number and evaluation of every case of the driver, in order."""
     rows = database.numbered_rows("driver_iterations", {"iteration_coordinate": str} | CASE)
+    # coordinates such as rank0:Uno|12
     return [(int(coordinate.rsplit("|", 1)[1]), _case(*row)) for coordinate, *row in rows]
 
 
+def read_totals(database: PlainDatabase) -> dict[int, dict]:
+    """Read the total derivatives by the number of the case to which they belong."""
+    found = {}
+    columns = {"counter": int, "derivatives": bytes}
+    for counter, blob in database.numbered_rows("driver_derivatives", columns):
+        found.setdefault(counter, {}).update(fields(blob))
+    return found
+
+
 def read_problem_case(database: PlainDatabase) -> Case | None:
-    """The last case of the problem itself."""
+    """Read the last case that the problem itself recorded."""
     rows = database.numbered_rows("problem_cases", CASE)
     return _case(*rows[-1]) if rows else None
 
 
 def read_gradient_counters(database: PlainDatabase) -> set[int]:
-    """Numbers of the cases after which a gradient was recorded."""
+    """Read the numbers of the cases after which a gradient was recorded."""
     return {counter for (counter,) in database.rows("driver_derivatives", {"counter": int})}
 
 

@@ -1,8 +1,8 @@
-"""Which runs wrote a recorder file, when, with what, and how they ended.
+"""Log of the runs that wrote a recorder file: when, with which software, and how they ended.
 
-OpenMDAO's recorder file does not say whether a run came to its end. A table of its own does: a row
-when a run begins, completed when the recorder is shut down. A run that was killed leaves its row
-open. OpenMDAO's own readers do not see the table.
+OpenMDAO's recorder file does not show whether a run was completed. A table of this package does: a row
+is added when a run begins, and completed when the recorder is shut down. A killed run leaves its row
+incomplete. OpenMDAO's own readers do not see the table.
 """
 
 import json
@@ -16,11 +16,12 @@ from seal_mdao.recording.plain_reading import PlainDatabase, reading
 
 TABLE = "run_log"
 BY_EXCEPTION = "Ended by an exception"
-"""How a run ended that raised."""
+"""Message of a run that raised."""
 COLUMNS = dict.fromkeys(("begun", "ended", "driver", "options", "versions"), str) | {
     "success": int, "message": str, "iterations": int, "analyses": int, "seconds": float,
 }  # fmt: skip
-"""Of the table, in the order of ``LoggedRun``."""
+"""Columns of the table with their types, in the order of ``LoggedRun``."""
+SQL_TYPES = {str: "TEXT", int: "INT", float: "REAL"}
 PACKAGES = ("seal_mdao", "openmdao", "numpy", "scipy", "numba", "unopy", "ipyopt")
 
 
@@ -35,13 +36,13 @@ class LoggedRun:
     driver : str
         Class of the driver.
     options : dict
-        The driver's options, as text where JSON has no form for them.
+        Options of the driver, as text if JSON cannot represent them.
     versions : dict of str to str
-        Of Python and of the packages that matter.
+        Versions of Python and of ``PACKAGES``.
     success : bool
         Whether the driver reported success.
     message : str
-        The driver's last word.
+        Exit message of the driver.
     iterations, analyses : int
         Driver iterations, and model runs, of this run.
     seconds : float
@@ -60,72 +61,61 @@ class LoggedRun:
 
     @property
     def cut_off(self) -> bool:
-        """Whether the run never came to its end."""
+        """Whether the run was not completed."""
         return not self.ended
 
 
-def create(connection: sqlite3.Connection) -> None:
-    """Add the table to a recorder file that has none."""
-    connection.execute(
-        f"CREATE TABLE IF NOT EXISTS {TABLE}(id INTEGER PRIMARY KEY, begun TEXT, ended TEXT, "
-        "driver TEXT, options TEXT, versions TEXT, success INT, message TEXT, iterations INT, "
-        "analyses INT, seconds REAL)"
-    )
-
-
 def begin(connection: sqlite3.Connection, driver) -> int:
-    """Note the beginning of a run; returns the number of its row."""
-    row = (_now(), type(driver).__name__, json.dumps(options_of(driver)), json.dumps(versions()))
+    """Log the beginning of a run and return the number of its row."""
+    columns = ", ".join(f"{name} {SQL_TYPES[kind]}" for name, kind in COLUMNS.items())
+    options, used = json.dumps(options_of(driver)), json.dumps(versions())
+    row = (_now(), "", type(driver).__name__, options, used, 0, "", 0, 0, 0.0)
     with connection:
-        create(connection)
-        return connection.execute(
-            f"INSERT INTO {TABLE}(begun, ended, driver, options, versions, success, message, "
-            "iterations, analyses, seconds) VALUES(?,'',?,?,?,0,'',0,0,0.0)",
-            row,
-        ).lastrowid
+        connection.execute(f"CREATE TABLE IF NOT EXISTS {TABLE}(id INTEGER PRIMARY KEY, {columns})")
+        marks = ",".join("?" * len(row))
+        insert = f"INSERT INTO {TABLE}({', '.join(COLUMNS)}) VALUES({marks})"
+        return connection.execute(insert, row).lastrowid
 
 
 def end(connection: sqlite3.Connection, row: int, result) -> None:
-    """Note how a run ended, from its ``DriverResult``."""
+    """Log how a run ended, from its ``DriverResult``."""
+    found = {
+        "ended": _now(), "success": int(bool(result.success)), "message": str(result.exit_status),
+        "iterations": int(result.iter_count), "analyses": int(result.model_evals),
+        "seconds": float(result.runtime),
+    }  # fmt: skip
+    changes = ", ".join(f"{name}=?" for name in found)
     with connection:
-        connection.execute(
-            f"UPDATE {TABLE} SET ended=?, success=?, message=?, iterations=?, analyses=?, "
-            "seconds=? WHERE id=?",
-            (
-                _now(), int(bool(result.success)), str(result.exit_status), int(result.iter_count),
-                int(result.model_evals), float(result.runtime), row,
-            ),
-        )  # fmt: skip
+        connection.execute(f"UPDATE {TABLE} SET {changes} WHERE id=?", (*found.values(), row))
 
 
 def read(path) -> list[LoggedRun]:
-    """Runs of a recorder file in order; none for a file that another recorder wrote.
+    """Read the runs of a recorder file in order; empty for files of other recorders.
 
     Raises
     ------
     ValueError
         For a file that is no recorder file, or damaged.
     """
-    with reading(path), PlainDatabase(path) as database:
+    with reading(path) as database:
         return read_runs(database)
 
 
 def read_runs(database: PlainDatabase) -> list[LoggedRun]:
-    """Runs of a recorder file that is open."""
+    """Read the runs of an open recorder file."""
     if not database.has(TABLE):
         return []
-    found = []
-    for begun, ended, driver, options, used, success, *rest in database.numbered_rows(
-        TABLE, COLUMNS
-    ):
+    rows, found = database.numbered_rows(TABLE, COLUMNS), []
+    for *first, options, used, success, message, iterations, analyses, seconds in rows:
+        # JSON of another kind than an object has no items: the file is damaged
         texts = {name: str(version) for name, version in json.loads(used).items()}
-        options = dict(json.loads(options).items())
-        found.append(LoggedRun(begun, ended, driver, options, texts, bool(success), *rest))
+        rest = bool(success), message, iterations, analyses, seconds
+        found.append(LoggedRun(*first, dict(json.loads(options).items()), texts, *rest))
     return found
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that are installed."""
+    """Return the versions of Python and of the installed packages."""
     found = {"python": platform.python_version()}
     for name in PACKAGES:
         try:
@@ -136,7 +126,7 @@ def versions() -> dict[str, str]:
 
 
 def options_of(driver) -> dict:
-    """Options of a driver and of its optimiser, as text where JSON has no form for them."""
+    """Return the options of a driver and of its optimiser, as text if JSON cannot represent them."""
     plain = (bool, int, float, str, type(None))
     options = dict(driver.options.items())
     options |= {f"opt_settings[{k!r}]": v for k, v in getattr(driver, "opt_settings", {}).items()}

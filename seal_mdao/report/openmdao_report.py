@@ -57,7 +57,7 @@ def kept_analyses(model):
 def constant_inputs(problem) -> dict:
     """Values of the inputs of seals that the driver does not change, by their absolute names."""
     from seal_mdao.openmdao_access import find_value, independent_outputs, sources
-    from seal_mdao.recording.seal_inputs import inputs_of_seals
+    from seal_mdao.recording.recorded_seals import inputs_of_seals
 
     model = problem.model
     free = independent_outputs(problem.driver).difference(sources(problem.driver).values())

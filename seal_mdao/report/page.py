@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from seal_mdao._version import __version__
 from seal_mdao.recording.recorded_optimization import RecordedOptimization, label
-from seal_mdao.recording.seal_inputs import RecordedSeal
+from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report import tables
 from seal_mdao.report.history import FEASIBLE, history_data
 from seal_mdao.report.shapes import Pictures

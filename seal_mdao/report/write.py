@@ -8,7 +8,7 @@ from tqdm import tqdm
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.progress import hidden
 from seal_mdao.recording.recorded_optimization import read_optimization
-from seal_mdao.recording.seal_inputs import RecordedSeal
+from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report.page import ShownSeal, render
 from seal_mdao.seals.result import SealResult, frozen_measures
 

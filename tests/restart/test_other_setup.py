@@ -7,8 +7,8 @@ import pytest
 from valley import Valley, record
 
 import seal_mdao as sm
-from seal_mdao.recording.recorded_setup import RestartWarning
 from seal_mdao.recording.recorder import record_all
+from seal_mdao.recording.restart import RestartWarning
 
 SETUP = {
     "x": {"lower": -3.0, "upper": 3.0, "ref": 2.0, "ref0": 0.5},

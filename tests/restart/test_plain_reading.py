@@ -11,7 +11,7 @@ from valley import record, valley_problem
 import seal_mdao as sm
 from seal_mdao.recording.evaluations import RestartError, read_cases
 from seal_mdao.recording.recorded_optimization import read_optimization
-from seal_mdao.recording.settings import open_model
+from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.report.write import write_report
 
 

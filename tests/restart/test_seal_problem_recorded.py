@@ -9,7 +9,8 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.optimization import seal_problem, uno_driver
-from seal_mdao.recording.settings import PROBLEM_OPTION, open_model, recorded_problem
+from seal_mdao.recording.recorded_seals import PROBLEM_OPTION, recorded_problem
+from seal_mdao.recording.recorder_file import open_model
 
 NOT_THE_PROBLEM = {"seal", "driver", "recorder", "callback", "kept", "work_dir", "reports"}
 """Arguments of ``seal_problem`` that do not say what is optimised."""
