@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -66,10 +67,6 @@ class FailedCases(Driver):
         if self.case_failure:
             metadata |= {"success": 0, "msg": self.case_failure}
         return metadata
-
-    def find_model(self) -> Group:
-        """The model that the driver runs."""
-        return problem_of(self).model
 
 
 class DriverHooks(FailedCases):
@@ -231,32 +228,19 @@ def constant_constraints(driver: Driver) -> list[str]:
 
 
 def scaled_bounds(driver: Driver, kind: str) -> dict[str, tuple]:
-    """Lower bound, upper bound and equality value (or None) by name, in driver scaling.
+    """Return lower bound, upper bound, equality value and scaler (or None) by name, in driver scaling.
 
-    Parameters
-    ----------
-    driver : Driver
-    kind : str
-        "design_var" or "constraint".
+    ``kind`` is "design_var" or "constraint".
     """
     metadata = driver._designvars if kind == "design_var" else driver._cons
     if SCALED_METADATA:
-        return {n: (m["lower"], m["upper"], m.get("equals")) for n, m in metadata.items()}
-    found = driver.autoscaler.get_bounds_scaling(kind)
-    if not isinstance(found, tuple):
-        return {n: (found[n].lower, found[n].upper, found[n].equals) for n in metadata}
-    lower, upper, equals = found  # 3.44: three vectors
+        keys = ("lower", "upper", "equals", "total_scaler")
+        return {name: tuple(map(own.get, keys)) for name, own in metadata.items()}
+    bounds, own = driver.autoscaler.get_bounds_scaling(kind), driver.autoscaler._var_meta[kind]
     return {
-        n: (lower[n], upper[n], equals[n] if m.get("equals") is not None else None)
-        for n, m in metadata.items()
+        n: (bounds[n].lower, bounds[n].upper, bounds[n].equals, own[n]["total_scaler"])
+        for n in metadata
     }
-
-
-def total_scalers(driver: Driver, kind: str) -> dict:
-    """Factors of driver scaling by name; None where there is none."""
-    metadata = driver._designvars if kind == "design_var" else driver._cons
-    own = getattr(getattr(driver, "autoscaler", None), "_var_meta", None)
-    return {name: (own[kind] if own else metadata)[name]["total_scaler"] for name in metadata}
 
 
 # ---- a run ----
@@ -319,6 +303,17 @@ def report_singular(driver: Driver) -> None:
 def prepare_coloring(driver: Driver) -> None:
     """Compute the total colouring if one was declared and is not static."""
     problem_of(driver).get_total_coloring(driver._coloring_info, run_model=False)
+
+
+def snapshot(model: Group) -> Callable[[], None]:
+    """Store inputs and outputs of a model; return the function that restores them."""
+    stored = [(v, v.asarray(copy=True)) for v in model.get_nonlinear_vectors()[:2]]
+
+    def restore() -> None:
+        for vector, numbers in stored:
+            vector.set_val(numbers)
+
+    return restore
 
 
 def silence_after_failure(driver: Driver) -> None:

@@ -25,11 +25,9 @@ class SolverCallbacks:
     Parameters
     ----------
     evaluator : ModelEvaluator
-        Runs the model.
     guard : InterruptGuard
-        Reports a request of the user to stop.
     feas_tol : float
-        Largest scaled constraint violation of a point that counts as feasible.
+        Largest scaled constraint violation of a feasible point.
     max_failures : int
         Failed analyses after which the run is stopped; each success cancels one failure. An optimiser
         at the edge of a region of failures has several in every iteration.
@@ -42,6 +40,8 @@ class SolverCallbacks:
         The best point among those with derivatives, from which a run may be restarted.
     eager : bool
         Whether values are returned only where derivatives exist too.
+    lost : bool
+        Whether derivatives failed at a point whose values were returned before.
     error : BaseException or None
         An exception that is neither AnalysisError nor Ctrl-C.
     interrupted, stalled : bool
@@ -54,7 +54,7 @@ class SolverCallbacks:
         self.evaluator = evaluator
         self.best: Evaluation | None = None
         self.firm: Evaluation | None = None
-        self.eager = False
+        self.eager = self.lost = False
         self.error: BaseException | None = None
         self.interrupted = self.stalled = False
         self._guard = guard
@@ -88,7 +88,10 @@ class SolverCallbacks:
 
     def derivatives(self, x: NDArray[np.float64]) -> tuple | None:
         """Return gradient and Jacobian at ``x``, or None likewise."""
-        return self._attempt(self._derivatives, x)
+        found = self._attempt(self._derivatives, x)
+        # if eager, they have been computed with the values: a failure is an ordinary one
+        self.lost = self.lost or (found is None and not self.eager)
+        return found
 
     def try_again(self) -> NDArray[np.float64] | None:
         """Return the point from which a stalled run may be restarted, or None if it must end."""

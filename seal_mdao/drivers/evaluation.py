@@ -55,7 +55,7 @@ class ModelEvaluator:
     Parameters
     ----------
     driver : FailedCases
-        The driver, after its final setup.
+        After its final setup.
     layout : ProblemLayout
     running : callable
         Returns the context manager inside which the model runs.
@@ -82,18 +82,12 @@ class ModelEvaluator:
         self._recorded_at: dict[bytes, Case] = {}
         self._known: dict[bytes, Evaluation | str] = {}
         self._loaded: bytes | None = None
-        self._good_vectors = None
+        self._restore_last_success = lambda: None
         self._linear_jacobian = None
         self._look_at_jacobian = driver.options["singular_jac_behavior"] != "ignore"
 
     def start(self) -> Evaluation:
-        """Run the model at its initial design, clipped to the bounds.
-
-        Returns
-        -------
-        Evaluation
-            Values at the start. Values already in the model are not scaled back and forth, so
-            the first run is bitwise the run the user would have made.
+        """Run the model at its initial design, clipped to the bounds, and return the values.
 
         Raises
         ------
@@ -102,7 +96,7 @@ class ModelEvaluator:
         ValueError
             If the earlier run to be continued had another start, or another model.
         """
-        # no round trip through the scaling if the start is within its bounds
+        # values in the model are not scaled back and forth: bitwise the run that the user would make
         x = flat(self.driver.get_design_var_values())
         inside = self.layout.clip(x)
         evaluation = self._execute(inside, already_set=np.array_equal(inside, x), run=True)
@@ -126,14 +120,9 @@ class ModelEvaluator:
         return self._execute(x) if found is None else found
 
     def totals(self, x: NDArray[np.float64]):
-        """Return the gradient of the objective and the Jacobian of all constraints at ``x``.
+        """Return the gradient of the objective (n,) and the Jacobian of all constraints (m, n) at ``x``.
 
-        The model is run again when its state belongs to another point.
-
-        Returns
-        -------
-        gradient : ndarray, shape (n,)
-        jacobian : ndarray, shape (m, n)
+        The model is run again if its state belongs to another point.
 
         Raises
         ------
@@ -177,11 +166,11 @@ class ModelEvaluator:
         """Evaluate ``x``; ``run`` forces the model to run even at recorded designs."""
         driver = self.driver
         self._loaded = None
-        failure = None
         if not already_set:
             access.set_design(driver, x, self.layout.desvars)
         recorded = self._find_recorded(x)
         run = run or recorded is None
+        failure = None
         try:
             # failed evaluations are recorded with their reason; other exceptions are raised
             with access.recording(driver):
@@ -197,9 +186,15 @@ class ModelEvaluator:
         finally:
             driver.case_failure = ""
         if failure is None:
-            self._accept(evaluation, loaded=run)
+            self._restore_last_success = access.snapshot(access.problem_of(driver).model)
+            self._loaded = x.tobytes() if run else None
+            self._known[x.tobytes()] = evaluation
             return evaluation
-        self._recover(x, failure)
+        # back to the last converged state
+        access.silence_after_failure(driver)
+        self._restore_last_success()
+        if isinstance(failure, AnalysisError):
+            self._note_failure(x, failure)
         raise failure
 
     def _solve(self, x, recorded: Case | None) -> Evaluation:
@@ -216,21 +211,6 @@ class ModelEvaluator:
         if not (np.isfinite(objective) and np.isfinite(constraints).all()):
             raise AnalysisError("the model gave a value that is not finite (nan or inf)")
         return Evaluation(x, float(objective), constraints, self.layout.violation(constraints))
-
-    def _accept(self, evaluation: Evaluation, loaded: bool) -> None:
-        vectors = access.problem_of(self.driver).model.get_nonlinear_vectors()[:2]
-        # inputs and outputs of the last success, to be restored after a failure
-        self._good_vectors = [(vector, vector.asarray(copy=True)) for vector in vectors]
-        self._loaded = evaluation.x.tobytes() if loaded else None
-        self._known[evaluation.x.tobytes()] = evaluation
-
-    def _recover(self, x, failure) -> None:
-        """Restore the last converged state after a failed or interrupted run."""
-        access.silence_after_failure(self.driver)
-        for vector, values in self._good_vectors or ():
-            vector.set_val(values)
-        if isinstance(failure, AnalysisError):
-            self._note_failure(x, failure)
 
     def _note_failure(self, x, error: AnalysisError) -> None:
         # a failure of values and of derivatives at one point counts once

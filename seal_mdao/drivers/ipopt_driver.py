@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
-from seal_mdao.drivers.solver_library import import_library, set_option
+from seal_mdao.drivers.solver_settings import import_library, set_option
 
 if TYPE_CHECKING:
     from seal_mdao.drivers.callbacks import SolverCallbacks
@@ -78,8 +78,7 @@ class IpoptDriver(OptimizerDriver):
 
     def prepare(self, callbacks: SolverCallbacks):
         """Return the function that runs Ipopt from a start; see the base class."""
-        bridge = _Bridge(self, callbacks)
-        problem = bridge.problem()
+        problem = _ipopt_problem(self, callbacks)
         settings = {
             **DEFAULTS, "tol": self.options["tol"], "constr_viol_tol": self.options["feas_tol"],
             "max_iter": self.options["maxiter"], **self.opt_settings,
@@ -92,8 +91,8 @@ class IpoptDriver(OptimizerDriver):
         def solve(x) -> SolverEnd:
             x, _, code = problem.solve(np.array(x))
             # restart from the best point with derivatives, with the remaining iterations
-            if bridge.lost and not callbacks.stopping:
-                callbacks.eager, bridge.lost = True, False
+            if callbacks.lost and not callbacks.stopping:
+                callbacks.eager, callbacks.lost = True, False
                 problem.set(max_iter=max(0, int(settings["max_iter"]) - self.iterations))
                 x, _, code = problem.solve(callbacks.firm.x.copy())
             return SolverEnd(x, code in (0, 1), _message(code), code in (-1, -4))
@@ -101,72 +100,50 @@ class IpoptDriver(OptimizerDriver):
         return solve
 
 
-class _Bridge:
-    """The functions that Ipopt calls; NaN marks a failed evaluation.
+def _ipopt_problem(driver: IpoptDriver, callbacks: SolverCallbacks):
+    """Build the problem of ipyopt, without constraints that no design variable affects."""
+    layout = callbacks.evaluator.layout
+    rows, empty = np.flatnonzero(layout.active), np.zeros(0, dtype=np.intp)
 
-    Attributes
-    ----------
-    lost : bool
-        Whether derivatives failed at an accepted point.
-    """
-
-    def __init__(self, driver: IpoptDriver, callbacks: SolverCallbacks):
-        self.lost = False
-        self._driver, self._callbacks = driver, callbacks
-        self._active = np.flatnonzero(callbacks.evaluator.layout.active)
-
-    def problem(self):
-        """Build the problem of ipyopt, without constraints that no design variable affects."""
-        layout, rows = self._callbacks.evaluator.layout, self._active
-        empty = np.zeros(0, dtype=np.intp)
-        return import_ipyopt().Problem(
-            n=layout.n,
-            x_l=layout.x_lower,
-            x_u=layout.x_upper,
-            m=rows.size,
-            g_l=layout.c_lower[rows],
-            g_u=layout.c_upper[rows],
-            # dense Jacobian by rows; no Hessian
-            sparsity_indices_jac_g=(
-                np.repeat(np.arange(rows.size), layout.n), np.tile(np.arange(layout.n), rows.size)
-            ),
-            sparsity_indices_h=(empty, empty),
-            eval_f=self._objective,
-            eval_grad_f=self._gradient,
-            eval_g=self._constraints,
-            eval_jac_g=self._jacobian,
-            intermediate_callback=self._iteration,
-        )  # fmt: skip
-
-    def _objective(self, x) -> float:
-        point = self._callbacks.values(x)
+    # NaN marks a failed evaluation
+    def objective(x) -> float:
+        point = callbacks.values(x)
         return np.nan if point is None else point.objective
 
-    def _constraints(self, x, out) -> None:
-        point = self._callbacks.values(x)
-        out[:] = np.nan if point is None else point.constraints[self._active]
+    def constraints(x, out) -> None:
+        point = callbacks.values(x)
+        out[:] = np.nan if point is None else point.constraints[rows]
 
-    def _gradient(self, x, out) -> None:
-        totals = self._derivatives(x)
+    def gradient(x, out) -> None:
+        totals = callbacks.derivatives(x)
         out[:] = np.nan if totals is None else totals[0]
 
-    def _jacobian(self, x, out) -> None:
-        totals = self._derivatives(x)
-        out[:] = np.nan if totals is None else totals[1][self._active].ravel()
+    def jacobian(x, out) -> None:
+        totals = callbacks.derivatives(x)
+        out[:] = np.nan if totals is None else totals[1][rows].ravel()
 
-    def _derivatives(self, x):
-        totals = self._callbacks.derivatives(x)
-        # with `eager` an accepted point has derivatives, and a failure is an ordinary one
-        self.lost = self.lost or (totals is None and not self._callbacks.eager)
-        return totals
-
-    def _iteration(self, mode, iteration, objective, infeasibility, optimality, *_) -> bool:
+    def end_of_iteration(mode, iteration, value, infeasibility, optimality, *_) -> bool:
         # iteration 0 is the start
         if iteration > 0:
-            self._callbacks.guarded(
-                self._driver.show_iteration, objective, infeasibility, optimality
-            )
-        return not (self.lost or self._callbacks.stopping)
+            callbacks.guarded(driver.show_iteration, value, infeasibility, optimality)
+        return not (callbacks.lost or callbacks.stopping)
+
+    return import_ipyopt().Problem(
+        n=layout.n,
+        x_l=layout.x_lower,
+        x_u=layout.x_upper,
+        m=rows.size,
+        g_l=layout.c_lower[rows],
+        g_u=layout.c_upper[rows],
+        # no Hessian
+        sparsity_indices_jac_g=layout.jacobian_pattern,
+        sparsity_indices_h=(empty, empty),
+        eval_f=objective,
+        eval_grad_f=gradient,
+        eval_g=constraints,
+        eval_jac_g=jacobian,
+        intermediate_callback=end_of_iteration,
+    )
 
 
 def import_ipyopt():

@@ -60,6 +60,12 @@ class ProblemLayout:
         """Return a copy of ``x`` clipped to the bounds."""
         return np.clip(x, self.x_lower, self.x_upper)
 
+    @property
+    def jacobian_pattern(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Rows and columns of the dense Jacobian of the active constraints, row by row."""
+        count = int(self.active.sum())
+        return np.repeat(np.arange(count), self.n), np.tile(np.arange(self.n), count)
+
     def rows(self, names: list[str]) -> NDArray[np.intp]:
         """Return the rows of the constraint vector of the constraints among ``names``."""
         every = np.arange(self.m)
@@ -98,8 +104,8 @@ def read_layout(driver: Driver) -> ProblemLayout:
     """
     desvars = _slices(driver.get_design_var_values())
     constraints = _slices(driver.get_constraint_values())
-    x_lower, x_upper = _bounds(driver, "design_var", desvars)
-    c_lower, c_upper = _bounds(driver, "constraint", constraints)
+    x_lower, x_upper = _bounds(access.scaled_bounds(driver, "design_var"), desvars)
+    c_lower, c_upper = _bounds(access.scaled_bounds(driver, "constraint"), constraints)
     if not x_lower.size:
         raise RuntimeError("Problem has no design variables.")
     # constraints whose responses depend on no design variable
@@ -122,12 +128,11 @@ def _slices(values: dict) -> dict[str, slice]:
     return {name: slice(*ends[i : i + 2]) for i, name in enumerate(values)}
 
 
-def _bounds(driver: Driver, kind: str, slices: dict[str, slice]):
+def _bounds(scaled: dict, slices: dict[str, slice]):
     """Return flat scaled lower and upper bounds of design variables or constraints."""
     size = max((rows.stop for rows in slices.values()), default=0)
     lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
-    scalers = access.total_scalers(driver, kind)
-    for name, (low, high, equals) in access.scaled_bounds(driver, kind).items():
+    for name, (low, high, equals, scaler) in scaled.items():
         rows = slices[name]
         if equals is not None:
             low = high = equals
@@ -135,10 +140,13 @@ def _bounds(driver: Driver, kind: str, slices: dict[str, slice]):
             lower[rows] = low
         if high is not None:
             upper[rows] = high
-        if scalers[name] is not None:
-            # OpenMDAO does not exchange lower and upper bounds for a negative scaler
-            turned = np.broadcast_to(np.ravel(scalers[name]) < 0.0, lower[rows].shape)
-            _swap(lower[rows], upper[rows], turned & (equals is None))
+        # OpenMDAO does not exchange lower and upper bounds for a negative scaler
+        if scaler is not None and equals is None:
+            turned = np.broadcast_to(np.ravel(scaler) < 0.0, lower[rows].shape)
+            low, high = lower[rows][turned], upper[rows][turned]
+            # an absent bound stays absent on the other side
+            lower[rows][turned] = np.where(high >= INFINITE_BOUND, -np.inf, high)
+            upper[rows][turned] = np.where(low <= -INFINITE_BOUND, np.inf, low)
     # OpenMDAO's 1e30 and the like, after scaling
     lower[lower <= -INFINITE_BOUND] = -np.inf
     upper[upper >= INFINITE_BOUND] = np.inf
@@ -146,10 +154,3 @@ def _bounds(driver: Driver, kind: str, slices: dict[str, slice]):
         if (lower[rows] > upper[rows]).any():
             raise ValueError(f"The lower bound of '{name}' lies above its upper bound.")
     return lower, upper
-
-
-def _swap(lower, upper, where) -> None:
-    """Exchange lower and upper bounds in place; an absent bound stays absent on the other side."""
-    low, high = lower[where], upper[where]
-    lower[where] = np.where(high >= INFINITE_BOUND, -np.inf, high)
-    upper[where] = np.where(low <= -INFINITE_BOUND, np.inf, low)

@@ -16,7 +16,7 @@ from seal_mdao.drivers.evaluation import ModelEvaluator
 from seal_mdao.drivers.interrupt import InterruptGuard
 from seal_mdao.drivers.layout import flat, read_layout
 from seal_mdao.drivers.optimality import Optimality
-from seal_mdao.drivers.option_checks import count, positive_count, tolerance
+from seal_mdao.drivers.solver_settings import count, positive_count, tolerance
 from seal_mdao.recording import run_log
 from seal_mdao.recording.evaluations import RecordedEvaluations
 
@@ -36,19 +36,8 @@ LEAST_KEPT = "no feasible point had been found, the least infeasible is kept"
 
 @dataclass(frozen=True)
 class SolverEnd:
-    """Result and status of an optimiser.
-
-    Attributes
-    ----------
-    x : ndarray, shape (n,)
-        Final point, in driver scaling.
-    success : bool
-        Whether it reports convergence.
-    message : str
-        Its status in words.
-    limited : bool
-        Whether it ended because of a limit of iterations or time.
-    """
+    """Result of an optimiser: final point (n,) in driver scaling, whether it reports convergence, its
+    status in words, and whether a limit of iterations or time ended it."""
 
     x: NDArray
     success: bool
@@ -109,11 +98,9 @@ class OptimizerDriver(access.DriverHooks):
     def declare_options(self, declare) -> None:
         """Declare the common options of the drivers."""
         declare(
-            "tol",
-            default=1e-3,
-            check_valid=tolerance,
+            "tol", default=1e-3, check_valid=tolerance,
             desc="Optimality tolerance, in driver scaling.",
-        )
+        )  # fmt: skip
         declare(
             "feas_tol", default=1e-6, check_valid=tolerance,
             desc="Largest constraint violation of a feasible point, in driver scaling.",
@@ -143,12 +130,7 @@ class OptimizerDriver(access.DriverHooks):
         )  # fmt: skip
 
     def run(self) -> bool:
-        """Optimise.
-
-        Returns
-        -------
-        bool
-            True if the run failed.
+        """Optimise; return whether the run failed.
 
         Raises
         ------

@@ -7,8 +7,8 @@ import sys
 import openmdao.api as om
 from tqdm import tqdm
 
-from seal_mdao.drivers.option_checks import count, tolerance
-from seal_mdao.openmdao_access import FailedCases
+from seal_mdao.drivers.solver_settings import count, tolerance
+from seal_mdao.openmdao_access import FailedCases, problem_of, snapshot
 
 FAILED_OBJECTIVE = 1e20
 """Scaled objective of a failed analysis. The line search rejects the step and tries a tenth of it."""
@@ -46,14 +46,14 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         tolerance("tol", self.options["tol"])
         count("maxiter", self.options["maxiter"])
         self.failed_analyses, self.case_failure = 0, ""
-        model = self._model = self.find_model()
-        self._good = None
+        model = self._model = problem_of(self).model
+        self._restore = None
         # an attribute of the instance hides the method of the class during the run
         model.run_solve_nonlinear = self._analyse
         try:
             return super().run()
         finally:
-            del model.run_solve_nonlinear, self._model, self._good
+            del model.run_solve_nonlinear, self._model, self._restore
 
     def get_objective_values(self, driver_scaling: bool = True) -> dict:
         """Return the objective by name; after a failed analysis a value that the line search rejects."""
@@ -61,8 +61,7 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         if not self.case_failure:
             return found
         # the failed case has been recorded by now: restore the state of the last success
-        for vector, values in self._good:
-            vector.set_val(values)
+        self._restore()
         self.case_failure = ""
         # shape of the objective, value that the line search rejects
         return {name: value * 0.0 + FAILED_OBJECTIVE for name, value in found.items()}
@@ -74,13 +73,12 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
             type(self._model).run_solve_nonlinear(self._model)
         except om.AnalysisError as error:
             # the start: there is no state to restore
-            if self._good is None:
+            if self._restore is None:
                 raise
             self.failed_analyses += 1
             self.case_failure = str(error) or "the analysis failed"
         else:
-            vectors = self._model.get_nonlinear_vectors()[:2]
-            self._good = [(vector, vector.asarray(copy=True)) for vector in vectors]
+            self._restore = snapshot(self._model)
         if self.options["disp"]:
             value = super().get_objective_values()
             text = self.case_failure or ", ".join(f"{n} = {v.item():.6e}" for n, v in value.items())

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
-from seal_mdao.drivers.option_checks import positive
-from seal_mdao.drivers.solver_library import import_library, set_option
+from seal_mdao.drivers.solver_settings import import_library, positive, set_option
 
 if TYPE_CHECKING:
     from seal_mdao.drivers.callbacks import SolverCallbacks
@@ -172,10 +171,8 @@ def _uno_model(callbacks: SolverCallbacks):
             lambda x, out: np.copyto(out, _given(callbacks.values(x)).constraints[rows]),
             layout.c_lower[rows],
             layout.c_upper[rows],
-            # dense Jacobian by rows
             rows.size * layout.n,
-            np.repeat(np.arange(rows.size), layout.n),
-            np.tile(np.arange(layout.n), rows.size),
+            *layout.jacobian_pattern,
             lambda x, out: np.copyto(out, _given(callbacks.derivatives(x))[1][rows].ravel()),
         )
     return model
