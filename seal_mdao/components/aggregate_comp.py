@@ -5,13 +5,13 @@ from functools import partial
 import numpy as np
 import openmdao.api as om
 
-from seal_mdao.scenarios import aggregates
+from seal_mdao.scenarios import scenario_statistics
 
 ALWAYS = {
-    "mean": (aggregates.mean, "Mean"),
-    "std": (aggregates.deviation, "Standard deviation"),
-    "highest": (aggregates.highest, "Smooth largest value (KS)"),
-    "lowest": (aggregates.lowest, "Smooth smallest value (KS)"),
+    "mean": (scenario_statistics.mean, "Mean"),
+    "std": (scenario_statistics.deviation, "Standard deviation"),
+    "highest": (scenario_statistics.highest, "Smooth largest value (KS)"),
+    "lowest": (scenario_statistics.lowest, "Smooth smallest value (KS)"),
 }
 """Function and description by the suffix of the output's name."""
 
@@ -33,7 +33,7 @@ class AggregateComp(om.ExplicitComponent):
         # every function returns the aggregate (m,) and its derivatives (S, m)
         self._functions = dict(ALWAYS)
         for level in self.options["quantiles"]:
-            own = partial(aggregates.quantile, level=level)
+            own = partial(scenario_statistics.quantile, level=level)
             self._functions[quantile_name(level)] = own, f"Smooth {100 * level:g} % quantile"
         self.add_output("share_failed", val=0.0, desc="Fraction of scenarios that failed.")
         for name, shape in self.options["shapes"].items():

@@ -1,7 +1,7 @@
 """Evaluation of all scenarios of one design."""
 
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,8 +11,7 @@ from seal_mdao.scenarios.task import SealTask
 from seal_mdao.scenarios.variation import Scenarios
 
 
-@dataclass(frozen=True, eq=False)
-class Evaluated:
+class Evaluated(NamedTuple):
     """Results of S scenarios, in their order.
 
     Attributes
@@ -90,5 +89,5 @@ def _design_gradient(task, scenarios, number, design, outcome, n_offsets) -> np.
     if outcome.gradient is None:
         return np.zeros((task.count, n_offsets + len(design)))
     # dm/dp = dm/dp_k dp_k/dp for the parameter p_k of scenario k; offsets are shifted only
-    rates = scenarios.design_rates(number, design)
-    return outcome.gradient * np.array([1.0] * n_offsets + [rates[name] for name in design])
+    by_design, _ = scenarios.rates(number, design)
+    return outcome.gradient * np.concatenate([np.ones(n_offsets), by_design])

@@ -1,10 +1,13 @@
 """Worker processes on this machine that can be terminated and replaced."""
 
 import multiprocessing
+import os
+import signal
 from concurrent.futures import Future, ProcessPoolExecutor
+from multiprocessing.connection import Connection
+from threading import Thread
 
 from seal_mdao import values
-from seal_mdao.scenarios.remote import begin
 
 
 class Processes:
@@ -38,13 +41,11 @@ class Processes:
     def submit(self, function, *arguments) -> Future:
         """Submit a call, as ``Executor.submit``; start the processes on first use."""
         if self._pool is None:
-            self._start()
+            # the workers wait for the end of this pipe, which closes with this process
+            receiver, self._leash = self._context.Pipe(duplex=False)
+            shared = receiver, self._begun
+            self._pool = ProcessPoolExecutor(self.count, self._context, _begin, shared)
         return self._pool.submit(function, *arguments)
-
-    def _start(self):
-        # the workers wait for the end of this pipe, which closes with this process
-        receiver, self._leash = self._context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(self.count, self._context, begin, (receiver, self._begun))
 
     def end(self) -> None:
         """Terminate all processes now; the next ``submit`` starts new ones."""
@@ -58,3 +59,20 @@ class Processes:
 
     def __exit__(self, *exception) -> None:
         self.end()
+
+
+def _begin(leash: Connection, begun) -> None:
+    """Initialise a worker process that ends with its parent, however that ends."""
+    # shared with the parent: the script of this worker could be imported
+    begun.value = 1
+    # Ctrl-C is sent to all processes of a terminal; only the parent handles it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with, args=(leash,), daemon=True).start()
+
+
+def _end_with(leash: Connection) -> None:
+    try:
+        # nothing is ever sent: this returns with an error once the parent is gone
+        leash.recv()
+    except (EOFError, OSError):
+        os._exit(1)

@@ -13,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.scenarios.processes import Processes
-from seal_mdao.scenarios.remote import perform
-from seal_mdao.scenarios.task import Outcome, SealTask
+from seal_mdao.scenarios.task import Outcome, SealTask, run_task
 
 AHEAD = 2
 """Scenarios submitted per process: one in progress, one waiting."""
@@ -146,7 +145,7 @@ class _Run:
             self._dead.append(point)
 
     def _future(self, point: Point, packed) -> Future:
-        return self._workers.submit(perform, self._key, packed, *point[1:])
+        return self._workers.submit(run_task, self._key, packed, *point[1:])
 
     def _finished(self) -> list:
         """Collect the finished outcomes, and the points whose worker may have died."""

@@ -1,7 +1,9 @@
 """Analysis of one scenario, in any process."""
 
+import pickle
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +15,10 @@ from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.result import FACTOR_MEMORY, analyze_particles
 from seal_mdao.seals.seal import Seal
 from seal_mdao.values import one_of
+
+CACHED_TASKS = 4
+"""Number of tasks that a worker process caches; a problem has one or two."""
+_tasks = {}
 
 
 class Outcome(NamedTuple):
@@ -89,13 +95,12 @@ class SealTask:
             mm.
         parameters : ndarray, shape (N,)
         """
-        begun = time.perf_counter()
+        begun, failure = time.perf_counter(), ""
         try:
             found = self._analyzed(offsets, parameters)
         except (ValueError, LoadPathError) as error:  # including inadmissible values
-            nothing = np.full(self.count, np.nan), None
-            return Outcome(*nothing, " ".join(str(error).split()), time.perf_counter() - begun)
-        return Outcome(*found, "", time.perf_counter() - begun)
+            found, failure = (np.full(self.count, np.nan), None), " ".join(str(error).split())
+        return Outcome(*found, failure, time.perf_counter() - begun)
 
     def _analyzed(self, offsets, parameters):
         seal = self.seal.with_parameters(dict(zip(self.parameters, parameters, strict=True)))
@@ -112,3 +117,27 @@ class SealTask:
         rates = sensitivities(result, self.parameters, self.measures, self.method)
         rows = [np.atleast_2d(rates[measure.name]) for measure in self.measures]
         return values, np.vstack(rows)
+
+
+def run_task(key: str, packed: bytes | Path | None, offsets, parameters) -> Outcome | None:
+    """Run one scenario of the task whose digest is ``key``, in a worker process.
+
+    Parameters
+    ----------
+    packed : bytes, Path or None
+        The pickled task, or its file. None at first, so that a scenario transfers its numbers only.
+
+    Returns
+    -------
+    Outcome, or None
+        None if this worker does not have the task yet: call again with ``packed``.
+    """
+    if key not in _tasks:
+        if packed is None:
+            return None
+        # first in, first out
+        while len(_tasks) >= CACHED_TASKS:
+            del _tasks[next(iter(_tasks))]
+        content = packed.read_bytes() if isinstance(packed, Path) else packed
+        _tasks[key] = pickle.loads(content)
+    return _tasks[key].run(offsets, parameters)

@@ -8,6 +8,8 @@ from seal_mdao import values
 from seal_mdao.seals.seal import Seal
 
 VALUE, SHIFT, FACTOR = KINDS = ("value", "shift", "factor")
+STEP = 2.0**-100
+"""Complex step: a power of two, by which products and quotients are exact."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +39,6 @@ class Variation:
         """Apply the number to the value of a parameter."""
         # p = n, p = v + n, or p = v n
         return {VALUE: number, SHIFT: value + number, FACTOR: value * number}[self.kind]
-
-    def rates(self, value: float, number: float) -> tuple[float, float]:
-        """Differentiate ``applied`` with respect to the value of the design and the number."""
-        # (dp/dv, dp/dn)
-        return {VALUE: (0.0, 1.0), SHIFT: (1.0, 1.0), FACTOR: (number, value)}[self.kind]
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,37 +108,36 @@ class Scenarios:
 
     def values(self, number: int, design: dict) -> dict:
         """Compute the parameters of one scenario by name, from those of the design."""
-        found = dict(design)
-        for variation, own in zip(self.variations, self.numbers[number].tolist(), strict=True):
-            for name in variation.parameters:
-                found[name] = variation.applied(found[name], own)
-        return found
+        return self._varied(self.numbers[number], design)
 
     def boundary(self, number: int, offsets: np.ndarray) -> np.ndarray:
         """Compute the boundary offsets of one scenario from those of the design, (P,)."""
         return offsets if self.offsets is None else offsets + self.offsets[number]
 
-    def design_rates(self, number: int, design: dict) -> dict:
-        """Differentiate every parameter of one scenario in its value of the design, by name."""
-        return self._rates(number, design)[0]
+    def rates(self, number: int, design: dict) -> tuple[np.ndarray, np.ndarray]:
+        """Differentiate the N parameters of a scenario, in the order of ``design``.
 
-    def number_rates(self, number: int, design: dict) -> np.ndarray:
-        """Differentiate the parameters (in the order of ``design``) with respect to the numbers of a
-        scenario, shape (len(design), len(variations))."""
-        by_number = self._rates(number, design)[1]
-        return np.array([by_number[name] for name in design]).reshape(-1, len(self.variations))
+        Returns
+        -------
+        by_design : ndarray, shape (N,)
+            Derivative of every parameter in its own value of the design.
+        by_number : ndarray, shape (N, K)
+            Derivatives in the numbers of the K variations.
+        """
+        row, step = self.numbers[number], 1j * STEP
+        # dp/dv = Im p(v + i h) / h; a parameter depends on its own value only, so all step at once
+        stepped = self._varied(row, {name: value + step for name, value in design.items()})
+        by_design = np.imag([stepped[name] for name in design]) / STEP
+        # dp/dn_k = Im p(n + i h e_k) / h
+        by_number = np.zeros((len(design), row.size))
+        for k, unit in enumerate(np.eye(row.size)):
+            stepped = self._varied(row + step * unit, design)
+            by_number[:, k] = np.imag([stepped[name] for name in design]) / STEP
+        return by_design, by_number
 
-    def _rates(self, number: int, design: dict):
-        found, rates = dict(design), dict.fromkeys(design, 1.0)
-        by_number = {name: np.zeros(len(self.variations)) for name in design}
-        for k, variation in enumerate(self.variations):
-            own = float(self.numbers[number, k])
+    def _varied(self, row: np.ndarray, design: dict) -> dict:
+        found = dict(design)
+        for variation, own in zip(self.variations, row.tolist(), strict=True):
             for name in variation.parameters:
-                # chain rule through successive variations of one parameter p_k = f_k(p_(k-1), n_k):
-                # dp_k/dv = f_k,p dp_(k-1)/dv,   dp_k/dn_j = f_k,p dp_(k-1)/dn_j + f_k,n delta_jk
-                by_value, by_own = variation.rates(found[name], own)
-                rates[name] *= by_value
-                by_number[name] *= by_value
-                by_number[name][k] += by_own
                 found[name] = variation.applied(found[name], own)
-        return rates, by_number
+        return found

@@ -81,7 +81,7 @@ def first_order(
     if outcome.failure:
         raise LoadPathError(f"the middle of all tolerances: {outcome.failure}")
     n = task.seal.n_offsets
-    by_number = outcome.gradient[:, n:] @ middle.number_rates(0, design)
+    by_number = outcome.gradient[:, n:] @ middle.rates(0, design)[1]
     return FirstOrder(
         outcome.values, by_number, outcome.gradient[:, :n], tolerances.means,
         tolerances.deviations, tolerances.offsets_covariance(task.seal),

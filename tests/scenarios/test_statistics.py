@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.special import ndtri
 
-from seal_mdao.scenarios import aggregates
+from seal_mdao.scenarios import scenario_statistics as statistics
 
 FUNCTIONS = {
-    "mean": aggregates.mean,
-    "deviation": aggregates.deviation,
-    "highest": aggregates.highest,
-    "lowest": aggregates.lowest,
-    "q50": partial(aggregates.quantile, level=0.5),
-    "q95": partial(aggregates.quantile, level=0.95),
+    "mean": statistics.mean,
+    "deviation": statistics.deviation,
+    "highest": statistics.highest,
+    "lowest": statistics.lowest,
+    "q50": partial(statistics.quantile, level=0.5),
+    "q95": partial(statistics.quantile, level=0.95),
 }
 STEP = 1e-30
 
@@ -51,8 +51,8 @@ def test_units_and_origin_do_not_matter(name, values):
 
 
 def test_smooth_worst_cases_bound_the_true_ones(values):
-    slack = np.log(len(values)) / aggregates.SHARPNESS * aggregates.deviation(values)[0]
-    high, low = aggregates.highest(values)[0], aggregates.lowest(values)[0]
+    slack = np.log(len(values)) / statistics.SHARPNESS * statistics.deviation(values)[0]
+    high, low = statistics.highest(values)[0], statistics.lowest(values)[0]
     assert np.all((high >= values.max(axis=0)) & (high <= values.max(axis=0) + slack))
     assert np.all((low <= values.min(axis=0)) & (low >= values.min(axis=0) - slack))
 
@@ -62,7 +62,7 @@ def test_quantile_of_a_normal_distribution(level):
     """Of its own quantiles, so that only the kernel is in error: the variance grows by its square."""
     count = 1000
     column = ndtri((np.arange(count) + 0.5) / count)[:, None]
-    found = aggregates.quantile(column, level)[0][0]
+    found = statistics.quantile(column, level)[0][0]
     spread = np.sqrt(1.0 + count ** (-2 / 3))
     assert found == pytest.approx(spread * ndtri(level), abs=2e-3)
 
@@ -73,7 +73,7 @@ def test_quantile_is_smooth_where_two_scenarios_change_places():
     for shift in (-1e-7, 1e-7):
         own = column.copy()
         own[7] = own[8] + shift
-        ends.append(aggregates.quantile(own[:, None], 0.9)[1][:, 0])
+        ends.append(statistics.quantile(own[:, None], 0.9)[1][:, 0])
     assert np.abs(ends[0] - ends[1]).max() < 1e-5
 
 
