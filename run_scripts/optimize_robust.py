@@ -52,11 +52,11 @@ from seal_mdao.robust_optimization import (
     robust_problem,
 )
 from seal_mdao.seals.result import frozen_measures
-from seal_mdao.tolerances.comparison import SampledDesign, SampledLimit
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_room
+from seal_mdao.tolerances.sampled_designs import SampledDesign, SampledLimit
 from seal_mdao.tolerances.study import ToleranceStudy
-from seal_mdao.tolerances.tolerances import Tolerances
+from seal_mdao.tolerances.tolerance_set import Tolerances
 
 NOMINAL = "nominal.sql"
 """Recorder file of the nominal optimisation in the output folder."""

@@ -31,7 +31,7 @@ from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_room
 from seal_mdao.tolerances.statistics import described, rank_correlations
 from seal_mdao.tolerances.study import Sampled, ToleranceStudy
-from seal_mdao.tolerances.tolerances import METHODS
+from seal_mdao.tolerances.tolerance_set import METHODS
 
 MOST_FAILED = 0.01
 """Share of samples without results above which the study is no success."""

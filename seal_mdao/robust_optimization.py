@@ -29,7 +29,7 @@ from seal_mdao.scenarios.variation import FACTOR, SHIFT, Scenarios
 from seal_mdao.seals.file.tables import SealFile
 from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.seal import Seal
-from seal_mdao.tolerances.tolerances import Tolerances
+from seal_mdao.tolerances.tolerance_set import Tolerances
 
 COST = "gap_square_integral"
 MEASURES = (COST, "reaction", "patch_pressure", "stress_norm")

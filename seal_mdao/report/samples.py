@@ -6,7 +6,7 @@ from base64 import b64encode
 from matplotlib.figure import Figure
 
 from seal_mdao.report.tables import number, share, table
-from seal_mdao.tolerances.comparison import SampledDesign
+from seal_mdao.tolerances.sampled_designs import SampledDesign
 
 NOTE = (
     "Every sample is a car and a seal of its own, none of them among the scenarios of the "

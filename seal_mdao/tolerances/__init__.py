@@ -1,1 +1,1 @@
-"""What tolerances of parts and of assembly do to a seal: samples, records of them, estimates."""
+"""Tolerances of parts and assembly: samples, studies that resume, first-order estimates."""

@@ -1,20 +1,19 @@
-"""How a number scatters."""
+"""Distributions of the number of a variation."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
 from scipy import stats
 
 from seal_mdao import values
 
 CUT = 3.0
-"""Standard deviations at which a normal distribution ends: parts beyond are sorted out."""
+"""Default end of a normal distribution, standard deviations: parts beyond are rejected."""
 
 
 @dataclass(frozen=True)
 class Uniform:
-    """Anything between two numbers, equally likely."""
+    """Uniform distribution between two numbers."""
 
     low: float
     high: float
@@ -25,13 +24,12 @@ class Uniform:
 
     @cached_property
     def scipy(self):
-        """As a distribution of ``scipy.stats``."""
         return stats.uniform(self.low, self.high - self.low)
 
 
 @dataclass(frozen=True)
 class Triangular:
-    """Between two numbers, most likely at a third."""
+    """Triangular distribution between two numbers with its mode at a third."""
 
     low: float
     likely: float
@@ -44,14 +42,14 @@ class Triangular:
 
     @cached_property
     def scipy(self):
-        """As a distribution of ``scipy.stats``."""
+        # SciPy's shape parameter is the relative position of the mode
         width = self.high - self.low
         return stats.triang((self.likely - self.low) / width, self.low, width)
 
 
 @dataclass(frozen=True)
 class Normal:
-    """Normal, cut off at ``cut`` standard deviations (which makes its own a little smaller)."""
+    """Normal distribution truncated at ``cut`` standard deviations, which reduces its own slightly."""
 
     mean: float
     std: float
@@ -64,18 +62,7 @@ class Normal:
 
     @cached_property
     def scipy(self):
-        """As a distribution of ``scipy.stats``."""
         return stats.truncnorm(-self.cut, self.cut, self.mean, self.std)
 
 
 DISTRIBUTIONS = {"uniform": Uniform, "triangular": Triangular, "normal": Normal}
-
-
-def scattered(distribution, shares: np.ndarray) -> np.ndarray:
-    """The numbers below which the given shares of all lie."""
-    return np.asarray(distribution.scipy.ppf(shares), float)
-
-
-def mean_and_std(distribution) -> tuple[float, float]:
-    """Mean and standard deviation."""
-    return float(distribution.scipy.mean()), float(distribution.scipy.std())

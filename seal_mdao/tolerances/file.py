@@ -1,4 +1,4 @@
-"""Reading tolerances from TOML."""
+"""Read tolerances from TOML files."""
 
 import tomllib
 from dataclasses import MISSING, asdict, fields
@@ -11,18 +11,18 @@ from seal_mdao.input_files import read_text
 from seal_mdao.scenarios.variation import KINDS, VALUE, Variation
 from seal_mdao.seals.file.forms import Names, number, one_of
 from seal_mdao.seals.file.schema import Table, checked, chosen_by, key, known, table, table_of
-from seal_mdao.tolerances.boundary import BoundaryTolerance
+from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
 from seal_mdao.tolerances.distributions import DISTRIBUTIONS
-from seal_mdao.tolerances.tolerances import Tolerance, Tolerances
+from seal_mdao.tolerances.tolerance_set import Tolerance, Tolerances
 from seal_mdao.values import shown
 
 OF_THE_DOOR = Path(__file__).with_name("door_seal.toml")
-"""Tolerances of the door seal that are taken when none are given."""
+"""Default tolerances, those of the door seal."""
 
 
 @table(kw_only=True)
 class VaryTable(Table):
-    """How a parameter scatters."""
+    """Scatter of a parameter."""
 
     distribution: one_of(*DISTRIBUTIONS) = key("of what varies")
     kind: one_of(*KINDS) = key("what it does to the parameters", VALUE)
@@ -31,14 +31,14 @@ class VaryTable(Table):
 
 @table
 class BoundaryTable(Table):
-    """How far an extruded boundary is from the nominal one."""
+    """Error of an extruded boundary."""
 
     std: number("mm", above=0.0) = key("root mean square of its error")
     length: number("mm", above=0.0) = key("of correlation along the boundary")
 
 
 def _vary_table(name: str) -> type[Table]:
-    """The table of a distribution with its numbers."""
+    """Make the table of a distribution with its numbers as keys."""
     keys = {"distribution": (one_of(name), key("of what varies"))}
     for own in fields(DISTRIBUTIONS[name]):
         default = () if own.default is MISSING else (own.default,)
@@ -51,19 +51,19 @@ AnyVary = chosen_by("distribution", {name: _vary_table(name) for name in DISTRIB
 
 @table
 class Written(Table):
-    """The tables of a file of tolerances."""
+    """Tables of a file of tolerances."""
 
     vary: dict[str, AnyVary] = key("parameters that scatter", {})
     boundary: BoundaryTable | None = key("what an extruded boundary does", None)
 
 
 def read_tolerances(path) -> Tolerances:
-    """The tolerances of a file.
+    """Read the tolerances of a file.
 
     Raises
     ------
     SealFileError
-        One line that says what is wrong, in which table and key, and what is allowed.
+        One line with the error, its table and key, and what is allowed.
     """
     try:
         given = tomllib.loads(read_text(path))
@@ -77,6 +77,7 @@ def read_tolerances(path) -> Tolerances:
 
 
 def _read(given: dict) -> Tolerances:
+    # messages for the tables first, then the schema checks their keys
     for name in given:
         known("the file", "table", name, ("vary", "boundary"), "table of tolerances")
     vary = given.get("vary", {})

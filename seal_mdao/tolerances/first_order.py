@@ -1,4 +1,4 @@
-"""What the gradient at the middle of all tolerances says about the scatter of measures."""
+"""First-order estimate of the scatter of measures, from the gradient at the mean of all tolerances."""
 
 from dataclasses import dataclass
 
@@ -7,27 +7,23 @@ import numpy as np
 from seal_mdao.errors import LoadPathError
 from seal_mdao.scenarios.task import SealTask
 from seal_mdao.scenarios.variation import Scenarios
-from seal_mdao.tolerances.tolerances import Tolerances
+from seal_mdao.tolerances.tolerance_set import Tolerances
 
 
 @dataclass(frozen=True, eq=False)
 class FirstOrder:
-    """Measures as linear functions of all that varies.
+    """Measures as linear functions of all varying quantities.
 
     Attributes
     ----------
     values : ndarray, shape (M,)
-        At the middle.
-    by_number : ndarray, shape (M, K)
-        Derivatives in the numbers of the variations.
-    by_offset : ndarray, shape (M, P)
-        Derivatives in the boundary offsets, per mm.
-    means : ndarray, shape (K,)
-        Numbers at the middle.
-    deviations : ndarray, shape (K,)
-        Standard deviations of the numbers.
+        Measures at the mean of all tolerances.
+    by_number, by_offset : ndarray, shapes (M, K) and (M, P)
+        Derivatives in the numbers of the variations, and in the boundary offsets, per mm.
+    means, deviations : ndarray, shape (K,)
+        Means and standard deviations of the numbers.
     covariance : ndarray, shape (P, P)
-        Of the boundary offsets, mm^2.
+        Covariance of the boundary offsets, mm^2.
     """
 
     values: np.ndarray
@@ -39,7 +35,8 @@ class FirstOrder:
 
     @property
     def variances(self) -> np.ndarray:
-        """Share of every variation, and last that of the boundary, shape (M, K + 1)."""
+        """Contribution of every variation, and last of the boundary, shape (M, K + 1)."""
+        # (dm/dn_k sigma_k)^2, and dm/db C dm/db^T of the boundary
         own = (self.by_number * self.deviations) ** 2
         boundary = np.einsum("mp,pq,mq->m", self.by_offset, self.covariance, self.by_offset)
         return np.column_stack([own, boundary])
@@ -50,7 +47,8 @@ class FirstOrder:
         return np.sqrt(self.variances.sum(axis=1))
 
     def at(self, scenarios: Scenarios) -> np.ndarray:
-        """The linear functions at samples, shape (S, M)."""
+        """Evaluate the linear functions at samples, shape (S, M)."""
+        # m + dm/dn (n - mean) + dm/db b
         found = self.values + (scenarios.numbers - self.means) @ self.by_number.T
         return found + scenarios.offsets @ self.by_offset.T
 
@@ -58,7 +56,7 @@ class FirstOrder:
 def first_order(
     task: SealTask, tolerances: Tolerances, offsets: np.ndarray, design: dict
 ) -> FirstOrder:
-    """One analysis and its gradient.
+    """Analyse the mean of all tolerances, with its gradient.
 
     Parameters
     ----------
@@ -66,14 +64,14 @@ def first_order(
         With derivatives.
     tolerances : Tolerances
     offsets : ndarray, shape (P,)
-        Of the design, mm.
+        Boundary offsets of the design, mm.
     design : dict of str to float
         Scalar parameters of the design, those of the task.
 
     Raises
     ------
     LoadPathError
-        When the middle cannot be analysed.
+        If it cannot be analysed.
     """
     middle = tolerances.middle(task.seal)
     values = middle.values(0, design)
@@ -81,6 +79,7 @@ def first_order(
     if outcome.failure:
         raise LoadPathError(f"the middle of all tolerances: {outcome.failure}")
     n = task.seal.n_offsets
+    # dm/dn = dm/dp dp/dn
     by_number = outcome.gradient[:, n:] @ middle.rates(0, design)[1]
     return FirstOrder(
         outcome.values, by_number, outcome.gradient[:, :n], tolerances.means,

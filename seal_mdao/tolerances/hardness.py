@@ -1,4 +1,4 @@
-"""From the hardness of rubber to its stiffness."""
+"""Stiffness of a rubber from its hardness."""
 
 from seal_mdao.values import real
 
@@ -6,7 +6,7 @@ LEAST_SHORE, MOST_SHORE = 20.0, 95.0
 
 
 def shore_modulus(shore: float) -> float:
-    """Young's modulus of a rubber from its Shore A hardness, kPa.
+    """Compute Young's modulus of a rubber from its Shore A hardness, kPa.
 
     E = 98.1 (56 + 7.62336 S) / (0.137505 (254 - 2.54 S)), Gent (1958), "On the relation between
     indentation hardness and Young's modulus", Rubber Chemistry and Technology 31.
@@ -16,19 +16,18 @@ def shore_modulus(shore: float) -> float:
     ValueError
         Below 20 and above 95 Shore, where the formula does not hold.
     """
+    # E(S) of Gent (1958)
     s = real("Shore hardness", shore, LEAST_SHORE, MOST_SHORE)
     return 98.1 * (56.0 + 7.62336 * s) / (0.137505 * (254.0 - 2.54 * s))
 
 
 def hardness_factor(shore: float, change: float) -> float:
-    """The factor on all constants of a rubber but its bulk modulus when its hardness changes.
+    """Compute the factor of all constants of a rubber except the bulk modulus, for a change of hardness.
 
     Parameters
     ----------
-    shore : float
-        Shore A of the drawing.
-    change : float
-        Shore.
+    shore, change : float
+        Nominal hardness and its change, Shore A.
 
     Examples
     --------

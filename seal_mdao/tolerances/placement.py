@@ -1,4 +1,4 @@
-"""Clearance for boundaries and rigid profiles that are not where the drawing says."""
+"""Clearance for boundaries and rigid profiles that deviate from the drawing."""
 
 import numpy as np
 
@@ -6,16 +6,18 @@ from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.seal import Seal
 
 ROOM = 0.5
-"""mm by which a profile starts farther away, so that hardly any sample begins inside of a seal."""
+"""Clearance, mm, with which hardly any sample begins inside a seal."""
 
 
 def with_room(seal: Seal) -> Seal:
-    """The seal with profiles that begin 0.5 mm farther back along their travel: clearance for boundaries
-    that are off and for profiles that are turned, the same one for all designs of an optimisation."""
+    """Return the seal with profiles that start 0.5 mm farther back along their travel: a clearance for
+    boundary errors and turned profiles, the same for all designs of an optimisation."""
     rooms = {}
     for contact in contacts(seal):
-        way = contact.motion.positions[0] - contact.motion.positions[1]
-        length = np.hypot(*way)
-        if length:  # one that stands still or turns has no way back
-            rooms[contact.label] = contact.motion.room + ROOM * way / length
+        # backwards along the first increment of the motion
+        back = contact.motion.positions[0] - contact.motion.positions[1]
+        length = np.hypot(*back)
+        # a fixed or turning profile has no direction of travel
+        if length:
+            rooms[contact.label] = contact.motion.room + ROOM * back / length
     return seal.with_rooms(rooms) if rooms else seal

@@ -1,4 +1,4 @@
-"""Samples and what came of them in one SQLite file, a row as soon as it is known."""
+"""SQLite file of a tolerance study: samples, and a row of results as soon as it is known."""
 
 import sqlite3
 import time
@@ -13,35 +13,35 @@ from seal_mdao.scenarios.task import Outcome
 COMPLETED, FAILED = "completed", "failed"
 NUMBER = "INTEGER PRIMARY KEY"
 OF_A_RUN = {"status": "TEXT", "message": "TEXT", "seconds": "REAL", "finished": "REAL"}
-"""Columns of results that come before the measures."""
+"""Columns of results before the measures."""
 
 
 class StudyFileError(ValueError):
-    """A file of samples that cannot be gone on with."""
+    """A file of samples with which a study cannot continue."""
 
 
 class StudyRecord:
-    """The file of a tolerance study.
+    """File of a tolerance study.
 
-    Table ``study``: how it was set up (key, value). Table ``samples``: the number of a sample and all
-    that it varies. Table ``results``: of every finished sample its status, the message of a failure, the
-    seconds it took, when it was finished (Unix time), and its measures; numbers as floats of 8 bytes,
-    exactly as they were computed. Every row is committed at once: whatever is there survives a kill.
+    Table ``study``: settings (key, value). Table ``samples``: number of a sample and its varying
+    quantities. Table ``results``: status of every finished sample, message of a failure, duration (s),
+    time of completion (Unix time), and measures; numbers are floats of 8 bytes, exactly as computed.
+    Every row is committed at once and survives a kill.
 
     Parameters
     ----------
     path : str or Path
     settings : dict of str to str
-        How the study was set up; a file with other settings is refused.
+        Settings of the study; a file with other settings is refused.
     inputs, measures : tuple of str
         Names of the columns.
 
     Raises
     ------
     StudyFileError
-        For a file of another study, or one that is no such file.
+        For a file of another study, or another kind of file.
     RecorderBusyError
-        When another process writes it.
+        If another process writes it.
     """
 
     def __init__(self, path, settings: dict, inputs: tuple, measures: tuple):
@@ -69,6 +69,7 @@ class StudyRecord:
             self._file.execute(
                 "CREATE TABLE IF NOT EXISTS study (key TEXT PRIMARY KEY, value TEXT)"
             )
+            # a new file has no settings yet
             there = dict(self._file.execute("SELECT key, value FROM study"))
             different = [key for key, value in settings.items() if there.get(key, value) != value]
             if different:
@@ -83,7 +84,8 @@ class StudyRecord:
             )
 
     def _columns(self, first: dict, further: dict) -> str:
-        """Names and types of the columns of a table, as SQL has them."""
+        """Format names and types of the columns of a table in SQL."""
+        # SQL does not distinguish capitals
         known = {name.lower(): name for name in first}
         for name in further:
             if name.lower() in known:
@@ -95,7 +97,7 @@ class StudyRecord:
         return ", ".join(f"{_quoted(name)} {kind}" for name, kind in (first | further).items())
 
     def samples(self, made: np.ndarray) -> np.ndarray:
-        """The samples of the file, shape (S, len(inputs)); ``made`` where it has none yet."""
+        """Return the samples of the file, shape (S, len(inputs)); store ``made`` if it has none yet."""
         with self._file:
             if not self._file.execute("SELECT COUNT(*) FROM samples").fetchone()[0]:
                 marks = ", ".join("?" * (1 + len(self._inputs)))
@@ -104,7 +106,8 @@ class StudyRecord:
         return np.array([row[1:] for row in self._rows("samples")], float)
 
     def add(self, number: int, outcome: Outcome) -> None:
-        """Write down a sample that has finished."""
+        """Store a sample that has finished."""
+        # NULL for NaN
         values = [None if np.isnan(value) else float(value) for value in outcome.values]
         marks = ", ".join("?" * (5 + len(values)))
         status = FAILED if outcome.failure else COMPLETED
@@ -118,7 +121,7 @@ class StudyRecord:
         return {row[0] for row in self._file.execute("SELECT number FROM results")}
 
     def results(self):
-        """Numbers (n,), messages, seconds (n,) and measures (n, M) of what has finished, in order."""
+        """Return numbers (n,), messages, seconds (n,), measures (n, M) of finished samples, in order."""
         rows = self._rows("results")
         numbers = np.array([row[0] for row in rows], int)
         values = np.array([row[5:] for row in rows], float).reshape(-1, len(self._measures))
@@ -128,7 +131,7 @@ class StudyRecord:
         return self._file.execute(f"SELECT * FROM {table} ORDER BY number").fetchall()
 
     def close(self) -> None:
-        """Give the file back."""
+        """Close the file and release its lock."""
         self._file.close()
         self._lock.release()
 
@@ -140,5 +143,5 @@ class StudyRecord:
 
 
 def _quoted(name: str) -> str:
-    """A name of any characters in SQL."""
+    # an identifier of any characters in SQL
     return '"' + name.replace('"', '""') + '"'

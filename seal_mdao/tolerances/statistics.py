@@ -1,4 +1,4 @@
-"""Numbers that describe scattered measures."""
+"""Statistics of sampled measures."""
 
 import numpy as np
 from scipy.stats import rankdata
@@ -7,7 +7,7 @@ LEVELS = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
 def described(values: np.ndarray) -> dict:
-    """Mean, standard deviation, ends and quantiles of one measure's samples (S,)."""
+    """Compute mean, standard deviation, extremes and quantiles of one measure's samples (S,)."""
     found = {
         "mean": values.mean(),
         "std": values.std(ddof=1) if len(values) > 1 else 0.0,
@@ -19,15 +19,14 @@ def described(values: np.ndarray) -> dict:
 
 
 def level_name(level: float) -> str:
-    """q05 for 0.05."""
+    """Return the key of a quantile: q05 for 0.05."""
     return f"q{round(100 * level):02d}"
 
 
 def rank_correlations(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
-    """Spearman's rank correlation of every output with every input, shape (M, K).
-
-    Zero where one of them does not vary.
-    """
+    """Compute Spearman's rank correlation of every output with every input, shape (M, K); zero where one
+    of them does not vary."""
+    # the correlation coefficient of the ranks: rho = x . y of standardised ranks
     x, y = (_standardised(rankdata(table, axis=0)) for table in (inputs, outputs))
     return y.T @ x
 

@@ -1,4 +1,4 @@
-"""A tolerance study: samples analysed, recorded as they finish, resumed where they ended."""
+"""Tolerance study: samples are analysed, recorded as they finish, and resumed after an interruption."""
 
 import json
 from collections.abc import Callable
@@ -18,25 +18,25 @@ from seal_mdao.seals.result import frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
 from seal_mdao.tolerances.first_order import FirstOrder, first_order
 from seal_mdao.tolerances.record import StudyRecord
-from seal_mdao.tolerances.tolerances import Tolerances
+from seal_mdao.tolerances.tolerance_set import Tolerances
 
 
 @dataclass(frozen=True, eq=False)
 class ToleranceStudy:
-    """What is studied.
+    """A tolerance study of one design.
 
     Attributes
     ----------
     seal : Seal
     tolerances : Tolerances
     measures : tuple of Measure or str, optional
-        The seal's standard ones when left out.
+        The seal's standard ones by default.
     offsets : ndarray, shape (P,), optional
-        Boundary offsets of the design, mm; the drawn seal when left out.
+        Boundary offsets of the design, mm; zero by default.
     design : dict of str to float, optional
-        Scalar parameters of the design that are not those of the seal.
+        Scalar parameters of the design that differ from those of the seal.
     label : str
-        Which seal this is; studies of another label do not go on in the same file.
+        Identifies the seal; a file is continued by studies of the same label only.
     """
 
     seal: Seal
@@ -48,7 +48,7 @@ class ToleranceStudy:
 
     @cached_property
     def task(self) -> SealTask:
-        """What is done with every sample."""
+        """Task that is run at every sample."""
         found = frozen_measures(self.seal, self.measures)
         kept = tuple(measure for measure in found if not is_empty(measure, self.seal))
         varied = [name for own in self.tolerances.variations for name in own.parameters]
@@ -67,14 +67,14 @@ class ToleranceStudy:
 
     @property
     def inputs(self) -> tuple:
-        """Names of all that varies."""
+        """Names of all varying quantities."""
         offsets = tuple(f"boundary_offsets[{i}]" for i in range(self.seal.n_offsets))
         numbers = tuple(variation.name for variation in self.tolerances.variations)
         return numbers if self.tolerances.boundary is None else numbers + offsets
 
     @property
     def outputs(self) -> tuple:
-        """Names of all values that are measured."""
+        """Names of all values of the measures."""
         return tuple(
             measure.name if size == 1 else f"{measure.name}[{i}]"
             for measure, size in zip(self.task.measures, self.task.sizes, strict=True)
@@ -83,12 +83,13 @@ class ToleranceStudy:
 
     @property
     def units(self) -> tuple:
-        """Of ``outputs``."""
+        """Units of ``outputs``."""
         pairs = zip(self.task.measures, self.task.sizes, strict=True)
         return tuple(unit for measure, size in pairs for unit in [measure.units] * size)
 
     def settings(self, method: str, seed: int, count: int) -> dict:
-        """What a file of samples is known by."""
+        """Return the settings that identify a file of samples."""
+        # the design by its digest: one line in the file
         design = json.dumps([self.boundary.tolist(), self.nominal])
         varied = [[asdict(t.variation), repr(t.distribution)] for t in self.tolerances.scattered]
         return {
@@ -102,15 +103,9 @@ class ToleranceStudy:
         }
 
     def first_order(self) -> FirstOrder:
-        """The estimate from the gradient at the middle of all tolerances.
-
-        Raises
-        ------
-        LoadPathError
-            When the middle cannot be analysed.
-        """
-        return first_order(replace(self.task, derivatives=True), self.tolerances, self.boundary,
-                           self.nominal)  # fmt: skip
+        """Estimate the scatter from the gradient at the mean of all tolerances; see ``first_order``."""
+        task = replace(self.task, derivatives=True)
+        return first_order(task, self.tolerances, self.boundary, self.nominal)
 
     def run(
         self,
@@ -122,12 +117,12 @@ class ToleranceStudy:
         workers: int | Processes | Executor = 0,
         callback: Callable[[int, Outcome], None] | None = None,
     ) -> "Sampled":
-        """Analyse all samples that the file ``path`` has no results of, and give them all.
+        """Analyse all samples without results in the file ``path``, and return all.
 
         Parameters
         ----------
         path : str or Path
-            SQLite file (``record``); made when there is none.
+            SQLite file (``record``); created if it does not exist.
         count, method, seed
             As of ``Tolerances.samples``.
         workers
@@ -138,8 +133,9 @@ class ToleranceStudy:
         settings = self.settings(method, seed, count)
         with StudyRecord(path, settings, self.inputs, self.outputs) as record:
             made = self.tolerances.samples(self.seal, count, method, seed)
-            table = record.samples(_table(made)[:, : len(self.inputs)])
-            scenarios = self._scenarios(table)
+            table = np.hstack([made.numbers, made.offsets])[:, : len(self.inputs)]
+            # the samples of the file, if it exists: resumed with the same bits
+            scenarios = self._scenarios(record.samples(table))
             finished = record.finished
             points = points_of(scenarios, self.boundary, self.nominal)
             left = [point for point in points if point.index not in finished]
@@ -152,23 +148,22 @@ class ToleranceStudy:
 
     def _scenarios(self, table) -> Scenarios:
         k = len(self.tolerances.scattered)
-        offsets = (
-            table[:, k:] if table.shape[1] > k else np.zeros((len(table), self.seal.n_offsets))
-        )
+        varied = table.shape[1] > k
+        offsets = table[:, k:] if varied else np.zeros((len(table), self.seal.n_offsets))
         return Scenarios(self.tolerances.variations, table[:, :k], offsets)
 
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """All samples of a study, analysed.
+    """All analysed samples of a study.
 
     Attributes
     ----------
     scenarios : Scenarios
     values : ndarray, shape (S, M)
-        NaN in rows that failed.
+        NaN in failed rows.
     messages : list of str
-        Of failures; empty for those completed.
+        Reasons of failures; empty for completed samples.
     seconds : ndarray, shape (S,)
     """
 
@@ -179,9 +174,5 @@ class Sampled:
 
     @property
     def completed(self) -> np.ndarray:
-        """Which samples have values, shape (S,)."""
+        """Whether every sample has values, shape (S,)."""
         return np.array([not message for message in self.messages])
-
-
-def _table(scenarios: Scenarios) -> np.ndarray:
-    return np.hstack([scenarios.numbers, scenarios.offsets])

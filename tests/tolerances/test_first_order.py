@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from seal_mdao.tolerances.boundary import BoundaryTolerance
+from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
 from seal_mdao.tolerances.distributions import Normal
 from seal_mdao.tolerances.statistics import described, rank_correlations
 from seal_mdao.tolerances.study import ToleranceStudy
-from seal_mdao.tolerances.tolerances import Tolerances
+from seal_mdao.tolerances.tolerance_set import Tolerances
 
 
 def tolerances_of(tolerances, size):

@@ -166,7 +166,7 @@ def test_failures_are_kept_with_their_message(seal, tolerances, tmp_path):
     """Boundaries that are off by millimetres fold."""
     from dataclasses import replace
 
-    from seal_mdao.tolerances.boundary import BoundaryTolerance
+    from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
 
     wild = replace(tolerances, boundary=BoundaryTolerance(2.0, 1.0))
     sampled = ToleranceStudy(seal, wild, ("reaction",)).run(tmp_path / "samples.sqlite", 8)

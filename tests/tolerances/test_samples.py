@@ -5,15 +5,15 @@ import pytest
 from scipy import stats
 
 import seal_mdao as sm
-from seal_mdao.tolerances.boundary import (
+from seal_mdao.tolerances.boundary_errors import (
     BoundaryTolerance,
     boundary_covariance,
     boundary_loops,
     square_root,
 )
-from seal_mdao.tolerances.distributions import Normal, Triangular, Uniform, mean_and_std, scattered
+from seal_mdao.tolerances.distributions import Normal, Triangular, Uniform
 from seal_mdao.tolerances.hardness import hardness_factor, shore_modulus
-from seal_mdao.tolerances.tolerances import METHODS, Tolerances
+from seal_mdao.tolerances.tolerance_set import METHODS, Tolerances
 
 COUNT = 4096
 EXACT = {
@@ -26,9 +26,10 @@ EXACT = {
 
 @pytest.mark.parametrize("distribution", EXACT, ids=lambda d: type(d).__name__)
 def test_moments_are_those_of_the_text_books(distribution):
-    assert mean_and_std(distribution) == pytest.approx(EXACT[distribution], rel=1e-9)
+    found = distribution.scipy.mean(), distribution.scipy.std()
+    assert found == pytest.approx(EXACT[distribution], rel=1e-9)
     shares = (np.arange(COUNT) + 0.5) / COUNT
-    numbers = scattered(distribution, shares)
+    numbers = distribution.scipy.ppf(shares)
     assert np.all(np.diff(numbers) > 0.0)
     # of midpoints: the error falls faster than their number
     assert numbers.mean() == pytest.approx(EXACT[distribution][0], rel=1e-3)

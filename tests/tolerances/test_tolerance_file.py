@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.tolerances.boundary import BoundaryTolerance
+from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
 from seal_mdao.tolerances.distributions import Normal, Triangular
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 

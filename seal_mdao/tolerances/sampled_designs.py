@@ -1,28 +1,28 @@
-"""Designs side by side on the same samples."""
+"""Comparison of designs on the same samples."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from seal_mdao.tolerances.statistics import described
 
 
-@dataclass(frozen=True, eq=False)
-class SampledLimit:
-    """A limit that samples keep to or not.
+class SampledLimit(NamedTuple):
+    """Limit of a measure that a sample may satisfy.
 
     Attributes
     ----------
     key : str
-        In summaries, of the share of the samples that keep to it.
+        Key in summaries of the fraction of the samples that satisfy it.
     text : str
-        The same for reading.
+        Description.
     measure : str
     kept : callable
-        Which rows of values (n, m) of the measure keep to it, (n,).
+        Returns which rows of values (n, m) of the measure satisfy the limit, (n,).
     entry : int, optional
-        Of a measure with several values, of all when left out.
+        Limited entry of a measure with several values; all by default.
     """
 
     key: str
@@ -32,7 +32,7 @@ class SampledLimit:
     entry: int | None = None
 
     def numbers(self, values: np.ndarray) -> np.ndarray | None:
-        """The limited one of values (n, m), shape (n,); None for several."""
+        """Return the limited entry of values (n, m), shape (n,); None for several."""
         if self.entry is None and values.shape[1] > 1:
             return None
         return values[:, self.entry or 0]
@@ -40,19 +40,17 @@ class SampledLimit:
 
 @dataclass(frozen=True, eq=False)
 class SampledDesign:
-    """What the samples of a design say about a cost and about limits.
-
-    Samples that could not be analysed keep to no limit.
+    """Cost and limits of a design over samples; samples that failed satisfy no limit.
 
     Attributes
     ----------
     label : str
     cost : str
-        Name of the measure that is made small.
+        Name of the measure that is minimised.
     values : dict of str to ndarray, shape (n, m)
-        Of every measure, of the samples that were completed.
+        Values of every measure at the completed samples.
     failed : int
-        Samples that could not be analysed.
+        Number of samples that could not be analysed.
     """
 
     label: str
@@ -70,11 +68,11 @@ class SampledDesign:
         return len(self.costs) + self.failed
 
     def share(self, limit: SampledLimit) -> float:
-        """Share of all samples that keep to a limit."""
+        """Return the fraction of all samples that satisfy a limit."""
         return float(np.sum(limit.kept(self.values[limit.measure])) / self.samples)
 
     def summary(self, limits) -> dict:
-        """All of it in numbers."""
+        """Summarise the samples in numbers."""
         found = {"samples": self.samples, "failed": self.failed, self.cost: described(self.costs)}
         for limit in limits:
             numbers = limit.numbers(self.values[limit.measure])
