@@ -1,73 +1,52 @@
 """Options and inputs common to several components."""
 
 import numpy as np
+import openmdao.api as om
 
 from seal_mdao import values
+from seal_mdao.components.failures import admissible_design
 from seal_mdao.dsa.sensitivity import METHODS
 from seal_mdao.kept_analyses import MOST_MEMORY, KeptAnalyses
 from seal_mdao.measures.measure import Measure
 from seal_mdao.seals.result import FACTOR_MEMORY
-from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
+from seal_mdao.seals.seal import Seal
 
 CONTACT_OPTIONS = (
     "seal", "measures", "parameters", "sensitivity", "factor_memory", "kept", "callback",
 )  # fmt: skip
 """Options that a group passes to its contact component."""
+OPTIONAL = {"default": None, "allow_none": True, "recordable": False}
+CHECK_STEP = 1e-2
+"""Step of ``check_partials`` in boundary offsets, mm. Particles are linear and the area is quadratic in
+them: complex steps of any size are exact, and so are central differences, which OpenMDAO uses without
+``setup(force_alloc_complex=True)``."""
+
+
+def declare_seal(options) -> None:
+    """Declare the option with the seal."""
+    options.declare("seal", types=Seal, recordable=False, desc="The seal.")
 
 
 def declare_seal_options(options) -> None:
     """Declare the options of an analysis."""
-    options.declare("seal", types=Seal, recordable=False, desc="The seal.")
-    declare_measures(options)
-    declare_parameters(options)
+    declare_seal(options)
+    declare_derivative_options(options)
     options.declare(
         "factor_memory",
         default=FACTOR_MEMORY,
         check_valid=_check_memory,
         desc="GiB for factors of converged tangents; those beyond are computed again for the partials.",
     )
-    options.declare(
-        "kept",
-        default=None,
-        allow_none=True,
-        types=KeptAnalyses,
-        recordable=False,
-        desc="Cache of analyses; by default the last one only.",
-    )
-    options.declare(
-        "callback",
-        default=None,
-        allow_none=True,
-        recordable=False,
-        check_valid=_check_callable,
-        desc="Called with every converged load step.",
-    )
+    text = "Cache of analyses; by default the last one only."
+    options.declare("kept", types=KeptAnalyses, desc=text, **OPTIONAL)
+    text = "Called with every converged load step."
+    options.declare("callback", check_valid=_check_callable, desc=text, **OPTIONAL)
 
 
-def declare_measures(options) -> None:
-    """Declare the option that selects the outputs."""
-    options.declare(
-        "measures",
-        default=None,
-        allow_none=True,
-        recordable=False,
-        check_valid=_check_measures,
-        desc="Outputs: measures, or names of measures of the seal; its standard ones for None.",
-    )
-
-
-def declare_settings(options) -> None:
-    """Declare the option with which a group records the settings of its seal."""
-    options.declare(
-        SETTINGS_OPTION,
-        default="",
-        types=str,
-        desc="The seal's attributes as JSON, filled in by setup for recorder files.",
-    )
-
-
-def declare_parameters(options) -> None:
-    """Declare the scalar parameters that are inputs, and the method of the partials."""
+def declare_derivative_options(options) -> None:
+    """Declare outputs, scalar inputs, and the method of the partials."""
+    text = "Outputs: measures, or names of measures of the seal; its standard ones for None."
+    options.declare("measures", check_valid=_check_measures, desc=text, **OPTIONAL)
     options.declare(
         "parameters",
         default=(),
@@ -93,6 +72,37 @@ def add_boundary_offsets(component, seal: Seal) -> None:
     )
 
 
+def add_parameters(component, seal: Seal, names) -> None:
+    """Add scalar parameters of a seal as inputs."""
+    for name in names:
+        value, units, text = seal.scalars[name]
+        component.add_input(name, val=value, units=units, desc=text)
+
+
+class OffsetsComp(om.ExplicitComponent):
+    """Base class of components whose only input is ``boundary_offsets``; complex step works as well.
+
+    Inadmissible offsets raise ``AnalysisError``.
+    """
+
+    def initialize(self):
+        declare_seal(self.options)
+
+    def setup(self):
+        add_boundary_offsets(self, self.options["seal"])
+
+    def setup_partials(self):
+        self.set_check_partial_options(wrt="*", method="cs", form="central", step=CHECK_STEP)
+
+    def checked_offsets(self, inputs) -> np.ndarray:
+        """Return the offsets (P,), mm, after a check."""
+        offsets = inputs["boundary_offsets"]
+        with admissible_design():
+            # limits apply to the real part; the imaginary part carries the complex step
+            self.options["seal"].check_offsets(offsets.real)
+        return offsets
+
+
 def check_parameters(seal: Seal, names) -> None:
     """Raise ValueError for parameters that the seal does not have."""
     unknown = [name for name in names if name not in seal.scalars]
@@ -104,8 +114,7 @@ def check_parameters(seal: Seal, names) -> None:
 
 
 def check_outputs(seal: Seal, measures, taken=()) -> None:
-    """Raise ValueError where no measure has a value, or where the name of one is ``taken`` by another
-    variable."""
+    """Raise ValueError if no measure has a value, or the name of one is ``taken`` by a variable."""
     # measures may be empty, as gaps of a closed contact; OpenMDAO needs at least one output
     if not any(measure.size(seal) for measure in measures):
         raise ValueError(

@@ -42,6 +42,15 @@ class RandomDirectionsComp(om.ExplicitComponent):
             block["J_fd"] = [table.copy() for table in block["J_fd"]]
         return data, worst
 
+    def refuse_complex_step(self):
+        """Raise RuntimeError under complex step, which the contact analysis does not support."""
+        if self.under_complex_step:
+            raise RuntimeError(
+                f"{self.msginfo}: complex steps cannot pass through the contact analysis. Its partials "
+                "are exact: leave it outside of groups that approximate with method='cs', or "
+                "approximate with method='fd'"
+            )
+
     def _avoid_small_directions(self):
         """Advance NumPy's generator until the next draw has no small number for a scalar input."""
         shapes = [data["shape"] for data in self.get_io_metadata("input", ["shape"]).values()]

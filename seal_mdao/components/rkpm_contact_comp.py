@@ -1,10 +1,17 @@
 """The nonlinear RKPM contact analysis as an explicit component with exact partials."""
 
+from itertools import product
+
 import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.failures import admissible_design, analysis_errors
-from seal_mdao.components.options import check_outputs, check_parameters, declare_seal_options
+from seal_mdao.components.options import (
+    add_parameters,
+    check_outputs,
+    check_parameters,
+    declare_seal_options,
+)
 from seal_mdao.components.random_directions import RandomDirectionsComp
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.kept_analyses import KeptAnalyses
@@ -44,22 +51,20 @@ class RkpmContactComp(RandomDirectionsComp):
         # a cache without memory still holds the newest analysis, with its factors
         self._kept = KeptAnalyses(memory=0.0) if kept is None else kept
         analysis = analyze if kept is None else kept.analyze
-        self._measures = frozen_measures(seal, self.options["measures"], analysis)
+        measures = frozen_measures(seal, self.options["measures"], analysis)
         # inputs that the seal always has, then those of the option, each once
         self._parameters = tuple(dict.fromkeys((*seal.inputs, *self.options["parameters"])))
-        check_outputs(seal, self._measures, (*BESIDE, *self._parameters))
+        check_outputs(seal, measures, (*BESIDE, *self._parameters))
+        # OpenMDAO has no outputs of size zero: a nominal seal without gap region has no gap
+        self._measures = tuple(measure for measure in measures if measure.size(seal))
         self.add_input(
             "particles", val=seal.drawn_particles, units="mm", desc="Undeformed particles X_I."
         )
-        for name in self._parameters:
-            value, units, text = seal.scalars[name]
-            self.add_input(name, val=value, units=units, desc=text)
+        add_parameters(self, seal, self._parameters)
         for measure in self._measures:
-            # OpenMDAO has no outputs of size zero: a nominal seal without gap region has no gap
-            if measure.size(seal):
-                self.add_output(
-                    measure.name, shape=measure.size(seal), units=measure.units, desc=measure.text
-                )
+            self.add_output(
+                measure.name, shape=measure.size(seal), units=measure.units, desc=measure.text
+            )
 
     def setup_partials(self):
         self.declare_partials("*", "*")
@@ -73,7 +78,9 @@ class RkpmContactComp(RandomDirectionsComp):
     def compute(self, inputs, outputs):
         self._failed = None
         try:
-            values = self._values(inputs)
+            result = self._analysis(inputs)
+            with analysis_errors():
+                values = {measure.name: result.value(measure) for measure in self._measures}
         except Exception as error:
             # else recorder files would show values of the last design for this one
             for name in outputs:
@@ -87,40 +94,25 @@ class RkpmContactComp(RandomDirectionsComp):
     def compute_partials(self, inputs, partials):
         # no path, no derivative: NaN, which optimisers recognise
         if self._has_failed(inputs):
-            for measure in self._measures:
-                for name in (
-                    ("particles", *self._parameters) if measure.size(self.options["seal"]) else ()
-                ):
-                    partials[measure.name, name] = np.nan
+            outputs = [measure.name for measure in self._measures]
+            for block in product(outputs, ("particles", *self._parameters)):
+                partials[block] = np.nan
             return
         gradient = particle_gradient(
             self._analysis(inputs), self._parameters, self._measures, self.options["sensitivity"]
         )
         for name, by_measure in gradient.items():
             for measure, rows in by_measure.items():
-                if rows.size:
-                    # rows (m, n, 2) of the particles are flat (m, 2 n) in OpenMDAO
-                    partials[measure, name] = rows.reshape(len(rows), -1)
+                # rows (m, n, 2) of the particles are flat (m, 2 n) in OpenMDAO
+                partials[measure, name] = rows.reshape(len(rows), -1)
 
     def _has_failed(self, inputs) -> bool:
         """Return whether the design failed here, or upstream, where NaN particles result."""
         failed = self._failed is not None and self._failed == _bytes(inputs)
         return failed or np.isnan(inputs["particles"]).all()
 
-    def _values(self, inputs) -> dict:
-        """Evaluate the measures by name."""
-        result = self._analysis(inputs)
-        seal = self.options["seal"]
-        with analysis_errors():
-            return {m.name: result.value(m) for m in self._measures if m.size(seal)}
-
     def _analysis(self, inputs):
-        if self.under_complex_step:
-            raise RuntimeError(
-                f"{self.msginfo}: complex steps cannot pass through the contact analysis. Its partials "
-                "are exact: leave it outside of groups that approximate with method='cs', or "
-                "approximate with method='fd'"
-            )
+        self.refuse_complex_step()
         # values checked first: inadmissible ones are a failure of the design, not of the code
         values = {name: float(inputs[name][0]) for name in self._parameters}
         with admissible_design():

@@ -7,10 +7,11 @@ import openmdao.api as om
 
 from seal_mdao.components.options import (
     add_boundary_offsets,
+    add_parameters,
     check_outputs,
     check_parameters,
-    declare_measures,
-    declare_parameters,
+    declare_derivative_options,
+    declare_seal,
 )
 from seal_mdao.components.random_directions import RandomDirectionsComp
 from seal_mdao.scenarios.evaluate import evaluate
@@ -19,7 +20,6 @@ from seal_mdao.scenarios.running import usual_workers
 from seal_mdao.scenarios.task import SealTask
 from seal_mdao.scenarios.variation import Scenarios
 from seal_mdao.seals.result import frozen_measures, is_empty
-from seal_mdao.seals.seal import Seal
 
 POLICIES = ("raise", "leave_out")
 LEAST_LEFT = 2
@@ -30,10 +30,9 @@ CHECK_STEP = 1e-5
 
 def declare_scenario_options(options) -> None:
     """Declare the options common to the component and its group."""
-    options.declare("seal", types=Seal, recordable=False, desc="The seal.")
+    declare_seal(options)
     options.declare("scenarios", types=Scenarios, recordable=False, desc="Varied parameters.")
-    declare_measures(options)
-    declare_parameters(options)
+    declare_derivative_options(options)
     options.declare(
         "failed",
         default="raise",
@@ -79,9 +78,7 @@ class ScenarioComp(RandomDirectionsComp):
         self._named, self._workers, self._last = tuple(inputs), _workers(self.options), None
         self._check_admissible()
         add_boundary_offsets(self, seal)
-        for name in inputs:
-            value, units, text = seal.scalars[name]
-            self.add_input(name, val=value, units=units, desc=text)
+        add_parameters(self, seal, inputs)
         for measure in kept:
             self.add_output(
                 f"{measure.name}_scenarios", shape=(len(scenarios), measure.size(seal)),
@@ -138,11 +135,7 @@ class ScenarioComp(RandomDirectionsComp):
                 partials[f"{measure}_scenarios", name] = part.reshape(len(part), -1).T
 
     def _evaluated(self, inputs):
-        if self.under_complex_step:
-            raise RuntimeError(
-                f"{self.msginfo}: complex steps cannot pass through the contact analysis. Its partials "
-                "are exact: approximate with method='fd' where that is needed"
-            )
+        self.refuse_complex_step()
         offsets, design = np.array(inputs["boundary_offsets"], float), self._design(inputs)
         # values and partials of one point come from one evaluation, identified by its inputs' bits
         key = offsets.tobytes(), tuple(design.values())

@@ -1,21 +1,17 @@
 """Group for one design of a seal in many scenarios: measures and their aggregates."""
 
-import openmdao.api as om
-
 from seal_mdao.components.aggregate_comp import AggregateComp
 from seal_mdao.components.area_comp import AreaComp
-from seal_mdao.components.options import declare_settings
 from seal_mdao.components.scenario_comp import ScenarioComp, declare_scenario_options
-from seal_mdao.openmdao_access import RunOnce
+from seal_mdao.components.seal_group import DesignGroup
 from seal_mdao.seals.result import frozen_measures, is_empty
-from seal_mdao.seals.seal import SETTINGS_OPTION
 from seal_mdao.values import real
 
 SHARED = ("seal", "scenarios", "measures", "parameters", "sensitivity", "failed", "workers")
 """Options that the group passes to its scenario component."""
 
 
-class ScenarioGroup(om.Group):
+class ScenarioGroup(DesignGroup):
     """A seal from its design parameters to aggregates of its measures over scenarios.
 
     Promoted inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs (``door_radius`` of the door
@@ -32,6 +28,7 @@ class ScenarioGroup(om.Group):
     """
 
     def initialize(self):
+        super().initialize()
         declare_scenario_options(self.options)
         self.options.declare(
             "quantiles",
@@ -39,18 +36,15 @@ class ScenarioGroup(om.Group):
             check_valid=_check_levels,
             desc="Levels of quantiles between 0 and 1, such as (0.95,).",
         )
-        declare_settings(self.options)
 
     def setup(self):
+        super().setup()
         seal, scenarios = self.options["seal"], self.options["scenarios"]
-        self.options[SETTINGS_OPTION] = seal.settings()
         # selections by the nominal analysis are made once, so that outputs keep their sizes;
         # empty measures have no outputs
         measures = frozen_measures(seal, self.options["measures"])
         measures = tuple(measure for measure in measures if not is_empty(measure, seal))
         shared = {name: self.options[name] for name in SHARED} | {"measures": measures}
-        # no feedback between the components: each runs once
-        self.nonlinear_solver = RunOnce()
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
         self.add_subsystem("scenarios", ScenarioComp(**shared), promotes=["*"])
         aggregate = AggregateComp(
@@ -59,10 +53,6 @@ class ScenarioGroup(om.Group):
             quantiles=tuple(self.options["quantiles"]),
         )
         self.add_subsystem("aggregates", aggregate, promotes=["*"])
-        # several components promote these inputs: one default for all
-        for name in seal.inputs:
-            value, units, _ = seal.scalars[name]
-            self.set_input_defaults(name, value, units=units)
 
 
 def _check_levels(name, value):

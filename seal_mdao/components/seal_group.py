@@ -1,16 +1,38 @@
-"""Group of geometry, area and contact analysis."""
+"""Groups of a seal: base class, and geometry, area and contact analysis."""
 
 import openmdao.api as om
 
 from seal_mdao.components.area_comp import AreaComp
-from seal_mdao.components.options import CONTACT_OPTIONS, declare_seal_options, declare_settings
+from seal_mdao.components.options import CONTACT_OPTIONS, declare_seal_options
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
 from seal_mdao.openmdao_access import RunOnce
 from seal_mdao.seals.seal import SETTINGS_OPTION
 
 
-class SealGroup(om.Group):
+class DesignGroup(om.Group):
+    """Base class of groups whose components share the inputs of one seal; it records its settings."""
+
+    def initialize(self):
+        self.options.declare(
+            SETTINGS_OPTION,
+            default="",
+            types=str,
+            desc="The seal's attributes as JSON, filled in by setup for recorder files.",
+        )
+
+    def setup(self):
+        seal = self.options["seal"]
+        self.options[SETTINGS_OPTION] = seal.settings()
+        # no feedback between the components: each runs once
+        self.nonlinear_solver = RunOnce()
+        # several components promote these inputs: one default for all
+        for name in seal.inputs:
+            value, units, _ = seal.scalars[name]
+            self.set_input_defaults(name, value, units=units)
+
+
+class SealGroup(DesignGroup):
     """A seal from its design parameters to its measures.
 
     Promoted inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs (``door_radius`` of the
@@ -22,19 +44,13 @@ class SealGroup(om.Group):
     """
 
     def initialize(self):
+        super().initialize()
         declare_seal_options(self.options)
-        declare_settings(self.options)
 
     def setup(self):
+        super().setup()
         seal = self.options["seal"]
-        self.options[SETTINGS_OPTION] = seal.settings()
-        # no feedback between the components: each runs once
-        self.nonlinear_solver = RunOnce()
         self.add_subsystem("geometry", SplineGeometryComp(seal=seal), promotes=["*"])
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
         chosen = {name: self.options[name] for name in CONTACT_OPTIONS}
         self.add_subsystem("contact", RkpmContactComp(**chosen), promotes=["*"])
-        # several components promote these inputs: one default for all
-        for name in seal.inputs:
-            value, units, _ = seal.scalars[name]
-            self.set_input_defaults(name, value, units=units)
