@@ -1,8 +1,8 @@
-"""Errors that tell what was wrong, where, and what to do about it."""
+"""Errors and warnings, whose messages state the cause, its location and a remedy."""
 
 
 class GeometryError(ValueError):
-    """The particles cannot be analysed: a folded cell, an uncovered point, a body inside the door."""
+    """Particles that cannot be analysed: a folded cell, an uncovered point, a body inside the door."""
 
 
 class SingularMomentMatrixError(GeometryError):
@@ -10,8 +10,7 @@ class SingularMomentMatrixError(GeometryError):
 
 
 class SealFileError(ValueError):
-    """A seal file says what cannot be done: one line with the table, the key, the value, and what is
-    allowed."""
+    """An invalid seal file: one line with the table, the key, the value, and what is allowed."""
 
 
 class TooLargeError(ValueError):
@@ -24,7 +23,7 @@ class LoadPathError(RuntimeError):
     Attributes
     ----------
     result : SealResult
-        Everything that was computed up to the step that failed.
+        Result up to the step that failed.
     """
 
     def __init__(self, message: str, result=None):
@@ -33,5 +32,4 @@ class LoadPathError(RuntimeError):
 
 
 class KinkWarning(UserWarning):
-    """Derivatives were taken at a design at which the measures have a kink: those of the two sides
-    differ."""
+    """Derivatives at a kink of the measures, where those of the two sides differ."""

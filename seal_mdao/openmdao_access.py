@@ -1,8 +1,7 @@
-"""The one module that uses names of OpenMDAO with a leading underscore, each with its reason.
+"""All uses of private names of OpenMDAO, and differences between its releases since 3.38.
 
-OpenMDAO has no public interface for what an optimisation driver does: which responses there are and
-how they are scaled, total derivatives of a running problem, and what a recorder notes. What differs
-between the releases since 3.38 is hidden here as well.
+OpenMDAO has no public interface for the tasks of an optimisation driver: responses and their scaling,
+total derivatives of a running problem, recorded data.
 """
 
 from __future__ import annotations
@@ -23,15 +22,14 @@ from openmdao.utils.record_util import create_local_meta
 SCALED_METADATA = not hasattr(Driver, "autoscaler")
 """Whether the metadata of variables hold scaled bounds, as in releases before 3.44."""
 INFINITE = 1e30
-"""Bound that stands for none in those."""
+"""Absent bound in those."""
 
 
 class RunOnce(om.NonlinearRunOnce):
-    """Run the subsystems of a group once; where an analysis fails leave NaN in all that they have.
+    """Run the subsystems of a group once; if an analysis fails, set all their variables to NaN.
 
-    Subsystems behind the one that failed do not run: a driver that continues would record what the last
-    design has left in them as values of this one. Independent variables keep their values: they are
-    the design, and some of them are not set again for the next one.
+    Subsystems behind the one that failed do not run: a driver that continues would record their values
+    of the last design for this one.
     """
 
     def solve(self):
@@ -40,6 +38,7 @@ class RunOnce(om.NonlinearRunOnce):
             super().solve()
         except om.AnalysisError:
             for component in self._system().system_iter(recurse=True, typ=om.ExplicitComponent):
+                # independent variables are the design, and may not be set again for the next one
                 if not isinstance(component, om.IndepVarComp):
                     for vector in (component._inputs, component._outputs):
                         vector.set_val(np.nan)
@@ -49,12 +48,10 @@ class RunOnce(om.NonlinearRunOnce):
 class FailedCases(Driver):
     """Mixin of a driver that marks the recorded case of a failed analysis.
 
-    ``_get_recorder_metadata`` is the only hook at which a driver can say that a case failed.
-
     Attributes
     ----------
     case_failure : str
-        Why the analysis that is being recorded failed; empty for a good one.
+        Reason of the failure of the analysis that is being recorded; empty for a success.
     failed_analyses : int
         Number of points of the last run at which the analysis failed.
     """
@@ -62,6 +59,7 @@ class FailedCases(Driver):
     case_failure = ""
     failed_analyses = 0
 
+    # the only hook at which a driver can mark a case as failed
     def _get_recorder_metadata(self, case_name: str) -> dict:
         metadata = super()._get_recorder_metadata(case_name)
         if self.case_failure:
@@ -70,30 +68,21 @@ class FailedCases(Driver):
 
 
 class DriverHooks(FailedCases):
-    """The private hooks of a driver as plain methods and attributes.
-
-    Attributes
-    ----------
-    case_name : str
-        Name under which cases are recorded.
-    exit_message : str
-        How the last run ended.
-    iterations : int
-        Major iterations of the last run.
-    """
+    """Private hooks of a driver as public methods and attributes: name under which cases are recorded,
+    message and major iterations of the last run."""
 
     case_name = "Driver"
     exit_message = "NOT_RUN"
     iterations = 0
 
     def declare_options(self, declare) -> None:
-        """Declare the driver's options."""
+        """Declare the options of the driver."""
 
     def get_exit_status(self) -> str:
-        """Return in words how the last run ended."""
+        """Return the message of the last run."""
         return super().get_exit_status() if self._finding else self.exit_message
 
-    # options given as keyword arguments are set before a subclass' __init__ goes on
+    # options given as keyword arguments are set before the __init__ of a subclass continues
     def _declare_options(self):
         super()._declare_options()
         self.declare_options(self.options.declare)
@@ -124,7 +113,7 @@ class SqliteHooks(om.SqliteRecorder):
 
     @property
     def path(self) -> str:
-        """The recorder file; where the database is made when the run begins."""
+        """Recorder file; the database is created there when the run begins."""
         return self._filepath
 
     @path.setter
@@ -141,20 +130,20 @@ class SqliteHooks(om.SqliteRecorder):
         self._counter = number
 
     def is_started(self, requester) -> bool:
-        """Whether this requester has announced itself."""
+        """Return whether the recorder has been started for this requester."""
         return requester in self._started
 
     def make_database(self, comm) -> None:
-        """Make a new database at ``path``."""
+        """Create a database at ``path``."""
         super()._initialize_database(comm)
 
     def use_database(self, connection) -> None:
-        """Record into a database that is there already."""
+        """Record into an existing database."""
         self.connection = self.metadata_connection = connection
         self._database_initialized = True
 
     def open_database(self, comm) -> None:
-        """Make or open the database; the place to override."""
+        """Create or open the database; to be overridden."""
         self.make_database(comm)
 
     def _initialize_database(self, comm):
@@ -165,18 +154,18 @@ class SqliteHooks(om.SqliteRecorder):
 
 
 def problem_of(driver: Driver) -> om.Problem:
-    """The problem; a driver keeps a weak reference to it."""
+    """Return the problem of a driver, which has a weak reference to it."""
     return driver._problem()
 
 
 def sources(driver: Driver) -> dict[str, str]:
-    """Absolute names behind design variables, objectives and constraints, by their own names."""
+    """Return the sources of design variables, objectives and constraints by their names."""
     tables = (driver._designvars, driver._responses)
     return {name: meta["source"] for table in tables for name, meta in table.items()}
 
 
 def variable_settings(driver: Driver) -> dict[str, dict]:
-    """Settings of design variables, objectives and constraints by name, as recorder files hold them."""
+    """Return the settings of design variables and responses by name, in the form of recorder files."""
     tables = (driver._designvars, driver._objs, driver._cons)
     plain = {
         name: {key: make_serializable(value) for key, value in meta.items()}
@@ -187,39 +176,37 @@ def variable_settings(driver: Driver) -> dict[str, dict]:
 
 
 def with_unscaled_bounds(setting: dict) -> dict:
-    """One of the ``variable_settings`` with its bounds as they were given.
-
-    Releases before 3.44 keep (bound + adder) scaler in their place, but for infinite ones.
-    """
+    """Return one of the ``variable_settings`` with its bounds before scaling."""
     if not SCALED_METADATA:
         return setting
+    # releases before 3.44 replace finite bounds by (bound + adder) scaler
     scaler, adder = (setting.get(key) for key in ("scaler", "adder"))
     found = {}
     for key in ("lower", "upper", "equals"):
         bound = np.array(setting.get(key), float)
         if setting.get(key) is not None and np.abs(bound).max() < INFINITE:
             bound = bound / (1.0 if scaler is None else scaler) - (0.0 if adder is None else adder)
-            found[key] = np.round(bound, 12).tolist()  # what scaling to and fro has rounded
+            found[key] = np.round(bound, 12).tolist()  # rounding of the scaling
     return setting | found
 
 
 def linear_constraints(driver: Driver) -> list[str]:
-    """Names of the linear constraints."""
+    """Return the names of the linear constraints."""
     return [name for name, meta in driver._cons.items() if meta["linear"]]
 
 
 def nonlinear_responses(driver: Driver) -> list[str]:
-    """Objective and nonlinear constraints in the row order that a total colouring assumes."""
+    """Return objective and nonlinear constraints in the row order that a total colouring assumes."""
     return list(driver._get_ordered_nl_responses())
 
 
 def approximates_derivatives(model: Group) -> bool:
-    """Whether any group approximates its derivatives; OpenMDAO's relevance is not reliable then."""
+    """Return whether any group approximates derivatives; OpenMDAO's relevance is unreliable then."""
     return any(group._has_approx for group in model.system_iter(True, True, typ=Group))
 
 
 def constant_constraints(driver: Driver) -> list[str]:
-    """Names of the constraints that depend on no design variable, as OpenMDAO itself warns."""
+    """Return the constraints that depend on no design variable, of which OpenMDAO itself warns."""
     model = problem_of(driver).model
     if approximates_derivatives(model):
         return []
@@ -247,7 +234,7 @@ def scaled_bounds(driver: Driver, kind: str) -> dict[str, tuple]:
 
 
 def begin_run(driver: Driver) -> None:
-    """Forget the last run, and check objective and design variables as OpenMDAO's drivers do."""
+    """Reset the last run; check objective and design variables as OpenMDAO's drivers do."""
     driver.result.reset()
     driver.iter_count = 0
     driver._total_jac = driver._total_jac_linear = None
@@ -256,8 +243,9 @@ def begin_run(driver: Driver) -> None:
 
 
 def set_design(driver: Driver, x: np.ndarray, slices: dict[str, slice]) -> None:
-    """Put a design in driver scaling into the model."""
+    """Set a design in driver scaling in the model."""
     comm = problem_of(driver).comm
+    # the design of process 0 on all processes
     if comm.size > 1:
         comm.Bcast(x, root=0)
     if getattr(driver, "_vectors", None) is None:  # before 3.44
@@ -269,16 +257,18 @@ def set_design(driver: Driver, x: np.ndarray, slices: dict[str, slice]) -> None:
 
 
 def run_model(driver: Driver) -> None:
-    """Run what depends on the design; a run that raises is counted and timed as well."""
-    relevance = problem_of(driver).model._relevance  # leaves out what runs once before or after
+    """Run the model; a run that raises is counted as well."""
+    # without components that do not depend on the design and run once, before or after
+    relevance = problem_of(driver).model._relevance
     with relevance.nonlinear_active("iter"), counting_failures(driver.result, "model"):
         driver._run_solve_nonlinear()
 
 
 def compute_totals(driver: Driver, of: list[str], wrt: list[str], once: bool) -> np.ndarray:
-    """Total derivatives in driver scaling, with the set-up that OpenMDAO keeps from call to call.
+    """Compute total derivatives in driver scaling.
 
-    The set-up fits one list of responses only; those that are asked for ``once`` have their own.
+    OpenMDAO reuses the set-up of the last call, which fits one list of responses only; responses
+    requested ``once`` have their own.
     """
     kept = driver._total_jac
     if once:
@@ -292,7 +282,7 @@ def compute_totals(driver: Driver, of: list[str], wrt: list[str], once: bool) ->
 
 
 def report_singular(driver: Driver) -> None:
-    """Report zero rows and columns of the total Jacobian, as OpenMDAO's drivers do for the first."""
+    """Report zero rows and columns of the total Jacobian, as OpenMDAO's drivers do once."""
     if driver._total_jac is not None and not approximates_derivatives(problem_of(driver).model):
         driver._total_jac.check_total_jac(
             raise_error=driver.options["singular_jac_behavior"] == "error",
@@ -317,7 +307,7 @@ def snapshot(model: Group) -> Callable[[], None]:
 
 
 def silence_after_failure(driver: Driver) -> None:
-    """Forget how deep in the tree of solvers the failed analysis was, which indents their output."""
+    """Reset the depth of the failed analysis in the tree of solvers, which indents their output."""
     problem_of(driver).model._clear_iprint()
 
 
@@ -336,12 +326,12 @@ def counting_failures(result, kind: str):
 
 
 def recording(driver: Driver) -> RecordingDebugging:
-    """Context whose end records a case and does ``debug_print``."""
+    """Return the context that records a case, and prints for ``debug_print``, at its end."""
     return RecordingDebugging(driver._get_name(), driver.iter_count, driver)
 
 
 def record_totals(driver: Driver, totals: dict) -> None:
-    """Hand derivatives (by ``"of!wrt"``) that were not computed just now to the recorders."""
+    """Record derivatives (by ``"of!wrt"``) that have not been computed by OpenMDAO in this run."""
     if not (driver.recording_options["record_derivatives"] and driver._rec_mgr.has_recorders()):
         return
     name, stack = driver._get_name(), driver._recording_iter
@@ -353,28 +343,28 @@ def record_totals(driver: Driver, totals: dict) -> None:
 
 
 def recorders(driver: Driver) -> list:
-    """The recorders of a driver."""
+    """Return the recorders of a driver."""
     return list(driver._rec_mgr)
 
 
 def recorder_file(recorder: om.SqliteRecorder) -> str:
-    """Path of the file of a recorder."""
+    """Return the path of the file of a recorder."""
     return recorder._filepath
 
 
 def recorder_path(problem: om.Problem, path) -> Path:
-    """Where OpenMDAO's recorders put a file: a bare name is in the problem's output folder."""
+    """Return the path of a recorder file: a bare name is in the problem's output folder."""
     bare = not (os.path.sep in str(path) or "/" in str(path))
     return (Path(problem.get_outputs_dir()) if bare else Path()).absolute() / path
 
 
 def find_value(vector, name: str) -> np.ndarray | None:
-    """View of a variable in a vector of the model, flat; None if it is not there."""
+    """Return a flat view of a variable in a vector of the model; None if it is not there."""
     return vector._abs_get_val(name) if vector._contains_abs(name) else None
 
 
 def independent_outputs(driver: Driver) -> set[str]:
-    """Absolute names of all that the model takes as given."""
+    """Return the absolute names of all independent variables of the model."""
     model = problem_of(driver).model
     return {
         name for name, meta in model.abs_meta_iter("output") if "openmdao:indep_var" in meta["tags"]

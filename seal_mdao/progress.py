@@ -21,8 +21,8 @@ def hidden() -> bool | None:
 class LoadStepProgress:
     """Progress bar (tqdm) over load steps; pass it to ``analyze`` or ``SealGroup`` as ``callback``.
 
-    The bar restarts with every analysis and numbers them. It is shown on a terminal and in Jupyter.
-    Elsewhere only ``begin_analysis`` prints a line for every analysis.
+    The bar restarts with every analysis and counts them. It is shown on a terminal and in Jupyter;
+    elsewhere only ``begin_analysis`` prints a line for every analysis.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Extensions by name: friction laws, materials, terms, profiles and measures of other packages.
 
-An installed distribution offers them as entry points, a script by ``register``. Seal files know them by
-name alone: what a file names is looked up here, never imported from a path or a module in the file.
+An installed distribution offers them as entry points, a script by ``register``. Seal files refer to them
+by name only: a name is looked up here; a file cannot import a path or a module.
 """
 
 from collections.abc import Callable, Iterable
@@ -30,19 +30,11 @@ CONTRACTS = {
     "profiles": ("a dataclass with names and profile()", _is_shape),
     "measures": ("a dataclass that derives from Measure", _is_dataclass_of(Measure)),
 }
-"""What an extension of every kind has to be. The entry points of a kind are ``seal_mdao.KIND``."""
+"""Requirement on the extensions of every kind, whose entry points are ``seal_mdao.KIND``."""
 
 
 class Extension(NamedTuple):
-    """Something that is known by name.
-
-    Attributes
-    ----------
-    source : str
-        Where it comes from, for messages.
-    load : callable
-        Gives it.
-    """
+    """A named extension: its source, for messages, and the function that loads it."""
 
     source: str
     load: Callable
@@ -52,22 +44,21 @@ _registered: dict[tuple[str, str], Extension] = {}
 
 
 def register(kind: str, name: str, value=None):
-    """Register an extension for seal files that this process reads; also a decorator of it.
+    """Register an extension for seal files that this process reads; also usable as a decorator.
 
     Parameters
     ----------
     kind : {"friction_laws", "materials", "terms", "profiles", "measures"}
     name : str
-        What seal files call it.
+        Name in seal files.
     value : object, optional
-        A function of the pressure and constants for a friction law, else a class; left out in a
+        A function of the pressure and constants for a friction law, else a class; omitted in a
         decorator.
 
     Raises
     ------
     ValueError
-        For an unknown kind, a name that is no identifier or that something else has, or a value that is
-        no such extension.
+        For an unknown kind, a name that is no identifier or already in use, or an invalid extension.
 
     Examples
     --------
@@ -83,6 +74,7 @@ def register(kind: str, name: str, value=None):
     if not isinstance(name, str) or not name.isidentifier():
         raise ValueError(f"the name of an extension must be an identifier, got {name!r}")
     new = Extension(f"register() in the module {value.__module__!r}", lambda: value)
+    # the same definition may be registered again, as when a module is reloaded
     old = _registered.get((kind, name), new)
     if old.source != new.source or old.load().__qualname__ != value.__qualname__:
         raise ValueError(f"{_what(kind)} {name!r} is known already, from {old.source}")
@@ -92,34 +84,30 @@ def register(kind: str, name: str, value=None):
 
 
 def names(kind: str) -> tuple:
-    """Names of all extensions of a kind, sorted; nothing is loaded."""
+    """List the names of all extensions of a kind, sorted; nothing is loaded."""
     own = {name for of, name in _registered if of == kind}
     return tuple(sorted(own | {*installed(kind)}))
 
 
 def installed(kind: str) -> tuple:
-    """Names of the extensions of a kind that installed distributions offer, sorted."""
+    """List the names of the extensions of a kind in installed distributions, sorted."""
     return tuple(sorted({point.name for point in _installed(kind)}))
 
 
 def find(kind: str, name: str, shipped: Iterable[str] = ()):
-    """Find the extension of a name; None where there is none of it, or it is that of the package alone.
-
-    Parameters
-    ----------
-    shipped : iterable of str
-        Names that the package itself has of this kind.
+    """Find the extension of a name; None if there is none, or only one ``shipped`` with the package.
 
     Raises
     ------
     ValueError
-        One line with the distribution, for a name that several have or that is no identifier, an entry
-        point that fails to load, or one that is no such extension.
+        One line with the distribution, for a name in several distributions or that is no identifier, an
+        entry point that fails to load, or an invalid extension.
     """
     found = [own for (of, its), own in _registered.items() if (of, its) == (kind, name)]
     for point in _installed(kind):
         if point.name == name:
             found.append(Extension(f"the distribution {point.dist.name!r}", point.load))
+    # a name must be unique among the package, registered extensions and distributions
     sources = [own.source for own in found]
     if name in shipped:
         sources.insert(0, "seal_mdao itself")

@@ -1,20 +1,19 @@
-"""Standard output and error of a command, whatever is at their ends."""
+"""Standard streams of a command: closed ones, and encodings that lack characters."""
 
 import codecs
 import os
 import sys
 
 PLAIN = {"²": "^2", "³": "^3", "≥": ">=", "≤": "<=", "°": " deg", "±": "+-", "·": "*", "µ": "u"}
-"""What stands for characters that the encoding of a stream does not have."""
+"""Replacements of characters that the encoding of a stream lacks."""
 HANDLER = "seal_mdao.plain"
 
 
 def make_writable() -> None:
-    """Let everything be printed: characters that an encoding does not have are written otherwise, and
-    streams that were closed (``2>&-``) lead nowhere.
+    """Replace characters that an encoding lacks, and open closed streams (``2>&-``) as the null device.
 
-    A closed stream is opened as the null device under its own number. Otherwise the next file, a
-    recorder file perhaps, would be given that number, and what libraries print would end up in it.
+    Otherwise the next file, such as a recorder file, would take the number of a closed stream, and
+    libraries would print into it.
     """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
@@ -23,18 +22,19 @@ def make_writable() -> None:
             # the lowest number that is free is this one
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
         if getattr(sys, name) is None:
-            way = "r" if name == "stdin" else "w"
-            setattr(sys, name, os.fdopen(number, way, encoding="utf-8", closefd=False))
+            mode = "r" if name == "stdin" else "w"
+            setattr(sys, name, os.fdopen(number, mode, encoding="utf-8", closefd=False))
     codecs.register_error(HANDLER, _plain)
     for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):  # not what notebooks and tests put in their place
+        # notebooks and tests replace the streams by other objects
+        if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors=HANDLER)
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:
-    """What is written in place of characters that cannot be encoded."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
+    # from the table, else as an escape sequence
     signs = error.object[error.start : error.end]
     found = (PLAIN.get(sign) or sign.encode("ascii", "backslashreplace").decode() for sign in signs)
     return "".join(found), error.end

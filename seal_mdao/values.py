@@ -1,4 +1,4 @@
-"""Check values given by users; one-line errors say what was wrong and what is allowed."""
+"""Check values given by users; one-line errors (ValueError, TypeError) state what is allowed."""
 
 import math
 from numbers import Integral, Real
@@ -25,10 +25,9 @@ def real(name: str, value, low=-math.inf, high=math.inf, *, above=None, below=No
     """
     number = _as_float(value)
     allowed = number is not None and math.isfinite(number) and low <= number <= high
-    if allowed and above is not None:
-        allowed = number > above
-    if allowed and below is not None:
-        allowed = number < below
+    # exclusive bounds
+    if allowed:
+        allowed = (above is None or number > above) and (below is None or number < below)
     if not allowed:
         raise ValueError(
             f"{name} must be a number{_range(low, high, above, below)}, got {shown(value)}"
@@ -62,13 +61,7 @@ def _range(low, high, above, below) -> str:
 
 
 def integer(name: str, value, low: int, high: int | None = None) -> int:
-    """Check an integer from ``low`` to ``high`` (not a boolean) and return it.
-
-    Raises
-    ------
-    ValueError
-        For a value that is no integer, or out of bounds.
-    """
+    """Check an integer from ``low`` to ``high`` (not a boolean) and return it; else raise ValueError."""
     is_one = isinstance(value, Integral) and not isinstance(value, bool | np.bool_)
     if not is_one or value < low or (high is not None and value > high):
         upper = "" if high is None else f" and at most {high}"
@@ -77,52 +70,28 @@ def integer(name: str, value, low: int, high: int | None = None) -> int:
 
 
 def one_of(name: str, value, choices: tuple) -> str:
-    """Check that a string is one of the ``choices`` and return it.
-
-    Raises
-    ------
-    ValueError
-        For any other value.
-    """
+    """Check that a string is one of the ``choices`` and return it; else raise ValueError."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} must be one of {choices}, got {shown(value)}")
     return str(value)
 
 
 def flag(name: str, value) -> bool:
-    """Check a boolean and return it; 0 and 1 are refused.
-
-    Raises
-    ------
-    ValueError
-        For any other value.
-    """
+    """Check a boolean and return it; raise ValueError for any other value, 0 and 1 included."""
     if not isinstance(value, bool | np.bool_):
         raise ValueError(f"{name} must be True or False, got {shown(value)}")
     return bool(value)
 
 
 def instance(name: str, value, kind: type) -> None:
-    """Check that a value is an instance of a class.
-
-    Raises
-    ------
-    TypeError
-        With the required class.
-    """
+    """Raise TypeError if a value is not an instance of a class."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         raise TypeError(f"{name} must be {article} {kind.__name__}, got {shown(value)}")
 
 
 def callback(name: str, value) -> None:
-    """Check that a value is callable or None.
-
-    Raises
-    ------
-    TypeError
-        For any other value.
-    """
+    """Raise TypeError if a value is neither callable nor None."""
     if value is not None and not callable(value):
         raise TypeError(f"{name} must be callable or None, got {shown(value)}")
 
@@ -163,13 +132,7 @@ def array(name: str, given, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def require(condition, message: str) -> None:
-    """Raise ValueError with a message unless a condition holds.
-
-    Raises
-    ------
-    ValueError
-        With ``message``.
-    """
+    """Raise ValueError with a message unless a condition holds."""
     if not condition:
         raise ValueError(message)
 

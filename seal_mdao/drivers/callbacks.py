@@ -35,7 +35,7 @@ class SolverCallbacks:
     Attributes
     ----------
     best : Evaluation
-        Feasible point of lowest objective, or the least infeasible one until there is one.
+        Feasible point of lowest objective; the least infeasible one until there is one.
     firm : Evaluation
         The best point among those with derivatives, from which a run may be restarted.
     eager : bool
@@ -75,7 +75,7 @@ class SolverCallbacks:
         return self.best.violation <= self._feas_tol
 
     def start(self, prepare) -> NDArray[np.float64]:
-        """Evaluate the start, where every error is raised; ``prepare`` its derivatives."""
+        """Evaluate the start, where every error is raised; ``prepare`` is called before derivatives."""
         self.best = self.firm = self.evaluator.start()
         prepare()
         # derivatives that fail here would leave nothing to restart from

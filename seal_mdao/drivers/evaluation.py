@@ -30,18 +30,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Values of a successfully analysed point, in driver scaling.
-
-    Attributes
-    ----------
-    x : ndarray, shape (n,)
-        Design variables.
-    objective : float
-    constraints : ndarray, shape (m,)
-        Constraints, linear and constant ones included.
-    violation : float
-        Largest constraint violation.
-    """
+    """Values of a successfully analysed point, in driver scaling: design variables (n,), objective,
+    constraints (m,) with linear and constant ones, and largest violation."""
 
     x: NDArray[np.float64]
     objective: float

@@ -27,10 +27,6 @@ class InterruptGuard:
             self._previous = signal.signal(signal.SIGINT, self._handle)
         return self
 
-    def _take(self) -> None:
-        if self._previous is not None:
-            signal.signal(signal.SIGINT, self._handle)
-
     def __exit__(self, *exc_info) -> None:
         if self._previous is not None:
             signal.signal(signal.SIGINT, self._previous)
@@ -40,7 +36,8 @@ class InterruptGuard:
     def running(self):
         """Context in which Ctrl-C interrupts at once."""
         self._running = True
-        self._take()
+        if self._previous is not None:
+            signal.signal(signal.SIGINT, self._handle)
         try:
             # requested between two runs: do not begin another one
             if self.requested:

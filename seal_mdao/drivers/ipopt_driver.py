@@ -79,6 +79,7 @@ class IpoptDriver(OptimizerDriver):
     def prepare(self, callbacks: SolverCallbacks):
         """Return the function that runs Ipopt from a start; see the base class."""
         problem = _ipopt_problem(self, callbacks)
+        # opt_settings override the options of the driver
         settings = {
             **DEFAULTS, "tol": self.options["tol"], "constr_viol_tol": self.options["feas_tol"],
             "max_iter": self.options["maxiter"], **self.opt_settings,
@@ -147,7 +148,7 @@ def _ipopt_problem(driver: IpoptDriver, callbacks: SolverCallbacks):
 
 
 def import_ipyopt():
-    """Import ipyopt when it is needed."""
+    """Import ipyopt on demand."""
     return import_library("ipyopt", "IpoptDriver", '"seal_mdao[ipopt]"')
 
 

@@ -86,12 +86,12 @@ class OptimizerDriver(access.DriverHooks):
         self._forget_run()
 
     def prepare(self, callbacks: SolverCallbacks) -> Callable[[NDArray], SolverEnd]:
-        """Return the function that runs the optimiser from a start.
+        """Return the function that runs the optimiser from a start, before the model is run.
 
         Raises
         ------
         ValueError
-            If the optimiser rejects an entry of ``opt_settings``; the model has not been run yet.
+            If the optimiser rejects an entry of ``opt_settings``.
         """
         raise NotImplementedError
 

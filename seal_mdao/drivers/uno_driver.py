@@ -29,8 +29,7 @@ CHOICES = {
     "QP_solver": ("BQPD", "HiGHS"),
     "logger": ("SILENT", "DISCRETE", "WARNING", "INFO", "DEBUG", "DEBUG2", "DEBUG3"),
 }
-"""Values of the options that Uno 2.9 does not validate; most invalid ones end the process with a
-segmentation fault."""
+"""Values of the options that Uno 2.9 does not validate; most invalid ones cause a segmentation fault."""
 
 STUCK = ("ALGORITHMIC_ERROR", "FEASIBLE_SMALL_STEP", "INFEASIBLE_SMALL_STEP")
 LEAP = 10.0
@@ -92,12 +91,14 @@ class UnoDriver(OptimizerDriver):
 
     def prepare(self, callbacks: SolverCallbacks):
         """Return the function that runs Uno from a start; see the base class."""
+        # opt_settings override the options of the driver
         settings = {
             "hessian_model": "LBFGS", "logger": "SILENT", "primal_tolerance": self.options["feas_tol"],
             "dual_tolerance": self.options["tol"], "max_iterations": self.options["maxiter"],
             "TR_radius": self.options["trust_radius"], **self.opt_settings,
         }  # fmt: skip
         solver = _solver(settings)
+        # called in every iteration; accepted points are reported
         solver.set_termination_callback(lambda *state: callbacks.stopping)
         solver.set_notify_acceptable_iterate_callback(
             lambda *state: callbacks.guarded(self._note, callbacks, *state)
@@ -130,18 +131,12 @@ class UnoDriver(OptimizerDriver):
 
 
 def import_unopy():
-    """Import unopy when it is needed."""
+    """Import unopy on demand."""
     return import_library("unopy", "UnoDriver", "unopy")
 
 
 def _solver(settings: dict):
-    """Create the solver with its settings.
-
-    Raises
-    ------
-    ValueError
-        If Uno does not know a name or rejects a value.
-    """
+    """Create the solver with its settings; raise ValueError for unknown names or rejected values."""
     # checked here, because Uno does not
     for name, choice in CHOICES.items():
         if settings.get(name, choice[0]) not in choice:
@@ -191,7 +186,6 @@ def _status(result) -> str:
 
 
 def _end(result, n: int) -> SolverEnd:
-    """Return result and status of Uno."""
     status = _status(result)
     return SolverEnd(
         # slack variables of Uno follow the design variables
