@@ -247,6 +247,19 @@ def test_values_of_other_sizes_are_not_continued(cases, text):
         sm.restart(valley_problem(sm.UnoDriver()), cases)
 
 
+def test_settings_to_compare_are_read_from_their_table_only(cases):
+    """A restart compares the recorded settings of variables with those of the problem."""
+    change(
+        cases,
+        "ALTER TABLE metadata RENAME TO other",
+        "CREATE VIEW metadata AS SELECT * FROM other",
+    )
+    with pytest.raises(
+        ValueError, match=r"cases\.sql is not a file of .*(prohibited|not authorized)"
+    ):
+        sm.restart(valley_problem(sm.UnoDriver()), cases)
+
+
 TRIGGERS = (
     "CREATE TRIGGER once AFTER INSERT ON driver_iterations BEGIN DELETE FROM driver_derivatives; END",
     "CREATE TRIGGER once AFTER INSERT ON run_log BEGIN DELETE FROM driver_derivatives; END",
