@@ -57,6 +57,7 @@ class AggregateComp(om.ExplicitComponent):
         for name in self.options["shapes"]:
             values = inputs[f"{name}_scenarios"]
             completed = _completed(values)
+            # over completed scenarios only
             for ending, (function, _) in self._functions.items():
                 outputs[f"{name}_{ending}"] = function(values[completed])[0]
         # a scenario fails in all measures: they have the same NaN rows

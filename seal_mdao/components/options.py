@@ -105,6 +105,7 @@ class OffsetsComp(om.ExplicitComponent):
 
 def check_parameters(seal: Seal, names) -> None:
     """Raise ValueError for parameters that the seal does not have."""
+    # before inputs are added: the message lists the known ones
     unknown = [name for name in names if name not in seal.scalars]
     if unknown:
         raise ValueError(
@@ -121,6 +122,7 @@ def check_outputs(seal: Seal, measures, taken=()) -> None:
             "option 'measures': there is no measure with a value, so no output; name at least one (None "
             "stands for the seal's standard ones, of which a seal file has those of its [[measure]])"
         )
+    # promoted outputs and inputs of one name would collide
     for measure in measures:
         if measure.name in taken:
             raise ValueError(
@@ -142,6 +144,7 @@ def _check_measures(name, value):
         return
     if isinstance(value, str | Measure):
         raise ValueError(f"option {name!r} must be a sequence of measures, got {value!r}")
+    # names and measures may be mixed
     wrong = [item for item in value if not isinstance(item, str | Measure)]
     if wrong:
         raise ValueError(f"option {name!r} holds {wrong[0]!r}, which is no measure")

@@ -53,6 +53,7 @@ class RandomDirectionsComp(om.ExplicitComponent):
 
     def _avoid_small_directions(self):
         """Advance NumPy's generator until the next draw has no small number for a scalar input."""
+        # the threshold decreases with the number of inputs, so that few draws suffice
         shapes = [data["shape"] for data in self.get_io_metadata("input", ["shape"]).values()]
         least = min(SMALLEST, 1.0 / len(shapes))
         while True:

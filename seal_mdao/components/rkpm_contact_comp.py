@@ -67,6 +67,7 @@ class RkpmContactComp(RandomDirectionsComp):
             )
 
     def setup_partials(self):
+        # every measure depends on every particle and parameter
         self.declare_partials("*", "*")
         check = {"method": "fd", "form": "central"}
         self.set_check_partial_options(wrt="particles", step=PARTICLE_STEP, **check)

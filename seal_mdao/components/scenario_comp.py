@@ -74,6 +74,7 @@ class ScenarioComp(RandomDirectionsComp):
         names = tuple(dict.fromkeys((*inputs, *scenarios.parameters)))
         check_outputs(seal, measures)
         kept = tuple(measure for measure in measures if not is_empty(measure, seal))
+        # scenarios may vary parameters that are no inputs of the component
         self._task = SealTask(seal, kept, names, self.options["sensitivity"], derivatives=True)
         self._named, self._workers, self._last = tuple(inputs), _workers(self.options), None
         self._check_admissible()
@@ -117,6 +118,7 @@ class ScenarioComp(RandomDirectionsComp):
             for name in outputs:
                 outputs[name] = np.nan
             raise om.AnalysisError(too_many)
+        # columns (S, M) of all measures, split by measure
         for name, values in self._task.by_measure(found.values).items():
             outputs[f"{name}_scenarios"] = values
 
@@ -158,6 +160,7 @@ class ScenarioComp(RandomDirectionsComp):
 
 def _workers(options) -> int | Processes | Executor:
     """Convert the option ``workers`` to an object that persists between evaluations."""
+    # processes are created once; a pool per evaluation would start them anew
     chosen = options["workers"]
     chosen = usual_workers() if chosen is None else chosen
     return Processes(chosen) if isinstance(chosen, int) and chosen else chosen

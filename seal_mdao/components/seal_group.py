@@ -23,6 +23,7 @@ class DesignGroup(om.Group):
 
     def setup(self):
         seal = self.options["seal"]
+        # recorders store options that are text: a report rebuilds the seal from them
         self.options[SETTINGS_OPTION] = seal.settings()
         # no feedback between the components: each runs once
         self.nonlinear_solver = RunOnce()
@@ -52,5 +53,6 @@ class SealGroup(DesignGroup):
         seal = self.options["seal"]
         self.add_subsystem("geometry", SplineGeometryComp(seal=seal), promotes=["*"])
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
+        # all options of the group but its settings
         chosen = {name: self.options[name] for name in CONTACT_OPTIONS}
         self.add_subsystem("contact", RkpmContactComp(**chosen), promotes=["*"])

@@ -36,6 +36,7 @@ class InterruptGuard:
     def running(self):
         """Context in which Ctrl-C interrupts at once."""
         self._running = True
+        # the optimiser may have installed its own handler
         if self._previous is not None:
             signal.signal(signal.SIGINT, self._handle)
         try:

@@ -68,6 +68,7 @@ class ProblemLayout:
 
     def rows(self, names: list[str]) -> NDArray[np.intp]:
         """Return the rows of the constraint vector of the constraints among ``names``."""
+        # the empty part gives an array of integers if no name is a constraint
         every = np.arange(self.m)
         parts = [every[self.constraints[name]] for name in names if name in self.constraints]
         return np.concatenate([every[:0], *parts])
@@ -124,6 +125,7 @@ def flat(values: dict) -> NDArray[np.float64]:
 
 
 def _slices(values: dict) -> dict[str, slice]:
+    # consecutive slices of a flat array
     ends = np.cumsum([0, *(np.size(value) for value in values.values())]).tolist()
     return {name: slice(*ends[i : i + 2]) for i, name in enumerate(values)}
 

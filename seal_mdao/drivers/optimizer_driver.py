@@ -78,6 +78,7 @@ class OptimizerDriver(access.DriverHooks):
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
+        # OpenMDAO refuses problems with unsupported features
         for feature in SUPPORTED:
             self.supports[feature] = True
         self.supports["integer_design_vars"] = self.supports["distributed_design_vars"] = False

@@ -43,6 +43,7 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         ValueError
             For an invalid tolerance or iteration limit.
         """
+        # OpenMDAO's driver does not check its options
         tolerance("tol", self.options["tol"])
         count("maxiter", self.options["maxiter"])
         self.failed_analyses, self.case_failure = 0, ""
@@ -79,6 +80,7 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
             self.case_failure = str(error) or "the analysis failed"
         else:
             self._restore = snapshot(self._model)
+        # above SciPy's own output and any progress bar
         if self.options["disp"]:
             value = super().get_objective_values()
             text = self.case_failure or ", ".join(f"{n} = {v.item():.6e}" for n, v in value.items())

@@ -52,6 +52,7 @@ def set_option(set_one, name: str, value) -> None:
     ValueError
         If the optimiser does not know the name or rejects the value.
     """
+    # the libraries refuse NumPy scalars
     value = value.item() if isinstance(value, np.generic) else value
     # first as given, then as a float: the libraries do not convert 1 to 1.0
     integer = isinstance(value, int) and not isinstance(value, bool)

@@ -159,6 +159,7 @@ def _uno_model(callbacks: SolverCallbacks):
         lambda x: _given(callbacks.values(x)).objective,
         lambda x, out: np.copyto(out, _given(callbacks.derivatives(x))[0]),
     )
+    # constraints l <= c(x) <= u with a dense Jacobian
     rows = np.flatnonzero(layout.active)
     if rows.size:
         model.set_constraints(

@@ -55,6 +55,7 @@ class RecordedEvaluations:
             raise RuntimeError("a run can be continued (hotstart_file) on one process only")
         self.path = Path(path)
         cases = read_cases(self.path)
+        # a continued run numbers its iterations from here
         self.next_iteration = 1 + max((number for number, _ in cases), default=-1)
         # the design: design variables, and all other recorded values that the model takes as given
         sources = access.sources(driver)
@@ -64,6 +65,7 @@ class RecordedEvaluations:
         self._sources = sorted(
             given.union(sources[name] for name in driver.get_design_var_values())
         )
+        # only cases with all variables of the driver replace an analysis
         needed = {*sources.values(), *self._sources}
         finished = [case for _, case in cases if not case.failure.startswith(UNFINISHED)]
         self._by_design: dict[bytes, Case] = {}
@@ -139,6 +141,7 @@ class RecordedEvaluations:
 
 def recorded_jacobian(case: Case, of, wrt) -> np.ndarray | None:
     """Assemble rows of all ``of`` over columns of all ``wrt``; None if one was not recorded."""
+    # J = [d of / d wrt] in blocks
     if not case.totals.keys() >= {f"{o}!{w}" for o in of for w in wrt}:
         return None
     return np.vstack([np.hstack([case.totals[f"{o}!{w}"] for w in wrt]) for o in of])
@@ -160,6 +163,7 @@ def _fits(case: Case, model) -> bool:
 
 
 def _key(values) -> bytes:
+    # the bits of all values in a fixed order
     return b"".join(np.ascontiguousarray(value, float).tobytes() for value in values)
 
 
@@ -173,6 +177,7 @@ def read_cases(path) -> list[tuple[int, Case]]:
     """
     try:
         with reading(path) as database:
+            # derivatives and cases are in different tables
             totals, cases = read_totals(database), read_driver_cases(database)
     except ValueError as error:
         raise RestartError(str(error)) from error

@@ -57,6 +57,7 @@ class PlainDatabase:
         beside = [path.with_name(path.name + ending) for ending in ("-journal", "-wal")]
         if beside[0].is_file() and beside[0].read_bytes()[-8:] == TWO_FILES:
             raise ValueError(f"the journal beside {path} is that of several files")
+        # limits of what is read follow from the size of the file
         self._bytes = sum(file.stat().st_size for file in (path, *beside) if file.is_file())
         self._steps = LEAST_STEPS + STEPS_PER_BYTE * self._bytes
         self._connection = own = sqlite3.connect(path)
@@ -125,6 +126,7 @@ def _rows_of_tables(action, table, column, database, view) -> int:
 
 def without_programs(connection: sqlite3.Connection) -> sqlite3.Connection:
     """Restrict a connection: every trigger and every view of the file fails."""
+    # the fifth argument names the trigger or view
     connection.execute("PRAGMA trusted_schema = OFF")
     connection.set_authorizer(
         lambda *asked: sqlite3.SQLITE_OK if asked[4] is None else sqlite3.SQLITE_DENY
@@ -134,6 +136,7 @@ def without_programs(connection: sqlite3.Connection) -> sqlite3.Connection:
 
 def unpacked(blob: bytes):
     """Decompress and decode a column of JSON."""
+    # decompression stops at a limit: a small file may expand without end
     decompressor = zlib.decompressobj()
     text = decompressor.decompress(blob, LARGEST_JSON)
     if not decompressor.eof:

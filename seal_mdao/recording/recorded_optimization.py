@@ -81,6 +81,7 @@ class Constraint:
 
 def label(name: str) -> str:
     """Describe a recorded variable; its entry counts from 1."""
+    # name[3] is entry 4 of an array
     entry = re.fullmatch(r"(.*)\[(\d+)\]", name)
     if entry is None:
         return NAMES.get(own_name(name), own_name(name).replace("_", " "))
@@ -172,6 +173,7 @@ class RecordedOptimization:
 
 def unit_of(history: RecordedOptimization, name: str) -> str:
     """Return the unit of a recorded variable, with raised exponents; empty if it has none."""
+    # all entries of an array have one unit
     name = name.split("[")[0]
     return shown_unit(history.units.get(name, DESIGN_UNITS.get(own_name(name), "")))
 
@@ -207,12 +209,14 @@ def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
 
 def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
     model = read_model(database)
+    # successful cases of the driver
     recorded = [case for _, case in read_driver_cases(database)]
     evaluated = [case for case in recorded if not case.failure and _finite(model, case)]
     if not evaluated:
         raise ValueError(f"{path} holds no case of a driver")
     if not model.values(evaluated[0], OBJECTIVE):
         raise ValueError(f"{path} holds no objective, so there is nothing to follow")
+    # points of the history, and the seals at them
     runs = run_log.read_runs(database)
     cases, major = _points(database, model, evaluated, bool(runs) and runs[-1].cut_off)
     seals = read_seals(model, cases, given)
@@ -250,6 +254,7 @@ def _points(database, model, evaluated: list, cut_off: bool) -> tuple[list, bool
     cases = [case for case in evaluated if case.counter in begun]
     if not cases:
         return evaluated, False
+    # a run that was cut off has no end
     if not cut_off:
         final, last = read_problem_case(database), evaluated[-1]
         cases.append(final if final is not None and final.counter > last.counter else last)
@@ -292,6 +297,7 @@ def _constraints(model: RecordedModel, cases: list) -> list[Constraint]:
     for name, values in _stacked(model, cases, CONSTRAINT).items():
         size = values.shape[1]
         lower, upper = _limits(model.variables[name], size)
+        # one scalar constraint per entry of an array
         names = [name] if size == 1 else [f"{name}[{i}]" for i in range(size)]
         found += map(Constraint, names, values.T, lower, upper)
     return found
@@ -301,6 +307,7 @@ def _limits(settings: dict, size: int) -> tuple[np.ndarray, np.ndarray]:
     """Return lower and upper limits as arrays; infinite where there are none."""
     limits = []
     for side, none in (("lower", -np.inf), ("upper", np.inf)):
+        # an equality constraint has both limits at its value
         value = settings["equals"] if settings["equals"] is not None else settings[side]
         limit = np.broadcast_to(np.asarray(none if value is None else value, float), size)
         limits.append(np.where(np.abs(limit) >= NO_LIMIT, none, limit))

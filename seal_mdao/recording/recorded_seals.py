@@ -80,6 +80,7 @@ class RecordedSeal:
     def particles(self, index: int) -> np.ndarray:
         """Return the undeformed particles of a point, shape (n, 2), mm."""
         values = self.values[index]
+        # recorded, or moved with the offsets
         if "particles" in values:
             return np.reshape(values["particles"], self.seal.drawn_particles.shape)
         return self.seal.particles(values["boundary_offsets"])
@@ -173,10 +174,12 @@ def read_seals(model: RecordedModel, cases: list, given: dict | None = None) -> 
 
 
 def _recorded_seal(name, seal, model, cases, given) -> RecordedSeal:
+    # a seal without settings in the file has no known parameters
     path, known = f"{name}." if name else "", {} if seal is None else seal.scalars
     component, arrays = _design_inputs(path, model.sources)
     scalars = [component + own for own in known if component + own in model.sources]
     units = ARRAYS | {own: scalar.units for own, scalar in known.items()}
+    # inputs at every point by their own names, as far as they are known
     values = []
     for case in cases:
         found = {t: _value(case, t, model, units, given) for t in (*arrays, *scalars)}
@@ -205,6 +208,7 @@ def _design_inputs(path: str, links: dict) -> tuple[str, list[str]]:
 
 def _value(case, target, model, units, given) -> np.ndarray | None:
     """Return an input in its own units; None if the file does not contain it."""
+    # recorded, else the connected output, else one of the given constants
     source = model.sources.get(target)
     if target not in case.inputs and source not in case.outputs:
         return given.get(target)

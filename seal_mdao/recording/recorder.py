@@ -65,6 +65,7 @@ class RestartRecorder(SqliteHooks):
     def record_metadata_system(self, system, run_number=None):
         """Record the options of a system once per run number; the root's make the file complete."""
         self._once(super().record_metadata_system, system, run_number)
+        # variables and tree have been recorded before: with these options the file is complete
         if not system.pathname and self.connection:
             if not self._append:
                 self._log_begin()
@@ -80,6 +81,7 @@ class RestartRecorder(SqliteHooks):
             # OpenMDAO has counted the case already
             self.counter -= 1
             return
+        # variables of all seals, listed once
         if self._seals is None:
             model = problem_of(driver).model
             self._seals = inputs_of_seals(model), outputs_of_seals(model)
@@ -95,6 +97,7 @@ class RestartRecorder(SqliteHooks):
         if repeated is None:
             super().record_derivatives_driver(driver, data, metadata)
         elif self.connection and not self._has_derivatives(repeated):
+            # under the number of the repeated case, which lacks them
             counter, self.counter = self.counter, repeated
             super().record_derivatives_driver(driver, data, metadata)
             self.counter = counter
@@ -150,6 +153,7 @@ class RestartRecorder(SqliteHooks):
         if self._append and path.is_file():
             self.use_database(without_programs(sqlite3.connect(path)))
             return
+        # OpenMDAO creates the database at ``path``: point it to the temporary name meanwhile
         self._unpublished = path.with_name(path.name + ".new")
         _remove(self._unpublished)
         self.path = self._unpublished
@@ -160,6 +164,7 @@ class RestartRecorder(SqliteHooks):
         """Give the new file its name."""
         if self._unpublished is None:
             return
+        # SQLite would apply a journal of the old file to the new one
         self.connection.close()
         _remove(Path(self.path), LEFTOVERS)
         os.replace(self._unpublished, self.path)
@@ -215,6 +220,7 @@ def copy_record(source, target) -> None:
     finally:
         here.close()
         there.close()
+    # replaced in one step, as in ``_publish``
     _remove(target, LEFTOVERS)
     os.replace(fresh, target)
 

@@ -81,6 +81,7 @@ class RecordedModel:
         """Return the flat values of the driver's variables of one kind, in their declared units."""
         found = {}
         for name, settings in self.variables.items():
+            # a variable may be objective and constraint at once
             source = settings["source"]
             if kind not in self.kinds[source] or source not in case.outputs:
                 continue
@@ -111,6 +112,7 @@ def read_model(database: PlainDatabase) -> RecordedModel:
     ValueError
         For a format that is not supported, or metadata of several models.
     """
+    # one row per model
     versions = database.rows("metadata", {"format_version": int})
     if len(versions) != 1:
         raise ValueError(f"its table 'metadata' has {len(versions)} rows, not one")
@@ -167,6 +169,7 @@ def read_totals(database: PlainDatabase) -> dict[int, dict]:
     found = {}
     columns = {"counter": int, "derivatives": bytes}
     for counter, blob in database.numbered_rows("driver_derivatives", columns):
+        # the fields of the array are named "of!wrt"
         found.setdefault(counter, {}).update(fields(blob))
     return found
 
@@ -183,5 +186,6 @@ def read_gradient_counters(database: PlainDatabase) -> set[int]:
 
 
 def _case(counter, success, message, inputs, outputs) -> Case:
+    # the driver may give no reason of a failure
     failure = "" if success else message or "the analysis failed"
     return Case(counter, failure, numbers(inputs), numbers(outputs))

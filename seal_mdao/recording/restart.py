@@ -67,10 +67,12 @@ def restart(problem, path) -> None:
             f"only UnoDriver and IpoptDriver can continue a run, not {type(driver).__name__}; "
             "Problem.load_case takes any driver to a recorded point, from which it begins anew"
         )
+    # variables and scaling of the driver are known after the final setup
     problem.final_setup()
     path = access.recorder_path(problem, path)
     recorded = RecordedEvaluations(path, driver)
     _require_same_setup(path, driver)
+    # the driver begins at the recorded start and finds all later points in the file
     recorded.load_start()
     driver.options["hotstart_file"] = str(path)
     record_all(driver, RestartRecorder(path, append=True))
@@ -78,6 +80,7 @@ def restart(problem, path) -> None:
 
 def _require_same_setup(path, driver) -> None:
     """Compare a driver with that of the last run in a recorder file; see ``restart``."""
+    # errors first: other steps would be taken for certain
     runs = run_log.read(path)
     different, here = [], type(driver).__name__
     if runs and runs[-1].driver != here:
@@ -88,6 +91,7 @@ def _require_same_setup(path, driver) -> None:
             f"{path} was recorded with another problem, so the optimiser would not come by its "
             f"points: {'; '.join(different)}"
         )
+    # other options may lead to other steps: a warning
     changed = _different_options(runs[-1].options, run_log.options_of(driver)) if runs else []
     if changed:
         warnings.warn(
@@ -126,6 +130,7 @@ def _different_variables(recorded: dict | None, here: dict) -> list:
     found = [f"{name!r} was not in it" for name in here if name not in recorded]
     found += [f"{name!r} is not in this one" for name in recorded if name not in here]
     for name in (name for name in here if name in recorded):
+        # bounds before scaling: recorded ones may be scaled
         old, new = (access.with_unscaled_bounds(table[name]) for table in (recorded, here))
         for key in COMPARED:
             was, now = old.get(key), new.get(key)

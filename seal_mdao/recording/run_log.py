@@ -68,6 +68,7 @@ class LoggedRun:
 def begin(connection: sqlite3.Connection, driver) -> int:
     """Log the beginning of a run and return the number of its row."""
     columns = ", ".join(f"{name} {SQL_TYPES[kind]}" for name, kind in COLUMNS.items())
+    # incomplete until ``end``: the column ``ended`` is empty
     options, used = json.dumps(options_of(driver)), json.dumps(versions())
     row = (_now(), "", type(driver).__name__, options, used, 0, "", 0, 0, 0.0)
     with connection:
@@ -103,6 +104,7 @@ def read(path) -> list[LoggedRun]:
 
 def read_runs(database: PlainDatabase) -> list[LoggedRun]:
     """Read the runs of an open recorder file."""
+    # files of other recorders lack the table
     if not database.has(TABLE):
         return []
     rows, found = database.numbered_rows(TABLE, COLUMNS), []
@@ -116,6 +118,7 @@ def read_runs(database: PlainDatabase) -> list[LoggedRun]:
 
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the installed packages."""
+    # packages that are not installed are omitted
     found = {"python": platform.python_version()}
     for name in PACKAGES:
         try:
@@ -128,6 +131,7 @@ def versions() -> dict[str, str]:
 def options_of(driver) -> dict:
     """Return the options of a driver and of its optimiser, as text if JSON cannot represent them."""
     plain = (bool, int, float, str, type(None))
+    # settings of the optimiser under a name of their own
     options = dict(driver.options.items())
     options |= {f"opt_settings[{k!r}]": v for k, v in getattr(driver, "opt_settings", {}).items()}
     return {k: v if isinstance(v, plain) else repr(v) for k, v in options.items()}

@@ -22,14 +22,11 @@ class Evaluated(NamedTuple):
         Derivatives in the boundary offsets and parameters of the design; zero in failed rows.
     failures : tuple of str
         Reason of a failure; empty for a success.
-    seconds : ndarray, shape (S,)
-        Duration of each scenario.
     """
 
     values: np.ndarray
     gradients: np.ndarray | None
     failures: tuple
-    seconds: np.ndarray
 
 
 def evaluate(
@@ -68,7 +65,6 @@ def evaluate(
         np.stack([outcome.values for outcome in ordered]),
         gradients,
         tuple(outcome.failure for outcome in ordered),
-        np.array([outcome.seconds for outcome in ordered]),
     )
 
 

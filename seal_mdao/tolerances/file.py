@@ -39,6 +39,7 @@ class BoundaryTable(Table):
 
 def _vary_table(name: str) -> type[Table]:
     """Make the table of a distribution with its numbers as keys."""
+    # one key per field of the distribution, with its default
     keys = {"distribution": (one_of(name), key("of what varies"))}
     for own in fields(DISTRIBUTIONS[name]):
         default = () if own.default is MISSING else (own.default,)
@@ -90,12 +91,14 @@ def _read(given: dict) -> Tolerances:
             raise SealFileError(f"[vary]: {shown(name)} is no name; use printable characters")
     written = checked(TypeAdapter(Written), given)
     scattered = tuple(_tolerance(name, own) for name, own in written.vary.items())
+    # the boundary is optional
     if written.boundary is None:
         return Tolerances(scattered)
     return Tolerances(scattered, BoundaryTolerance(**asdict(written.boundary)))
 
 
 def _tolerance(name: str, own: VaryTable) -> Tolerance:
+    # the distribution checks its own numbers; the message names the table
     law = DISTRIBUTIONS[own.distribution]
     variation = Variation(name, own.kind, own.parameters)
     try:

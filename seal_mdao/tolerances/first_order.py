@@ -4,10 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.errors import LoadPathError
-from seal_mdao.scenarios.task import SealTask
 from seal_mdao.scenarios.variation import Scenarios
-from seal_mdao.tolerances.tolerance_set import Tolerances
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,37 +48,3 @@ class FirstOrder:
         # m + dm/dn (n - mean) + dm/db b
         found = self.values + (scenarios.numbers - self.means) @ self.by_number.T
         return found + scenarios.offsets @ self.by_offset.T
-
-
-def first_order(
-    task: SealTask, tolerances: Tolerances, offsets: np.ndarray, design: dict
-) -> FirstOrder:
-    """Analyse the mean of all tolerances, with its gradient.
-
-    Parameters
-    ----------
-    task : SealTask
-        With derivatives.
-    tolerances : Tolerances
-    offsets : ndarray, shape (P,)
-        Boundary offsets of the design, mm.
-    design : dict of str to float
-        Scalar parameters of the design, those of the task.
-
-    Raises
-    ------
-    LoadPathError
-        If it cannot be analysed.
-    """
-    middle = tolerances.middle(task.seal)
-    values = middle.values(0, design)
-    outcome = task.run(offsets, np.array([values[name] for name in design]))
-    if outcome.failure:
-        raise LoadPathError(f"the middle of all tolerances: {outcome.failure}")
-    n = task.seal.n_offsets
-    # dm/dn = dm/dp dp/dn
-    by_number = outcome.gradient[:, n:] @ middle.rates(0, design)[1]
-    return FirstOrder(
-        outcome.values, by_number, outcome.gradient[:, :n], tolerances.means,
-        tolerances.deviations, tolerances.offsets_covariance(task.seal),
-    )  # fmt: skip

@@ -46,9 +46,11 @@ class StudyRecord:
 
     def __init__(self, path, settings: dict, inputs: tuple, measures: tuple):
         self.path, self._inputs, self._measures = Path(path), tuple(inputs), tuple(measures)
+        # one process writes the file at a time
         self._lock = claim(self.path)
         try:
             self._file = without_programs(sqlite3.connect(self.path))
+            # write-ahead log: readers do not block the study
             self._file.execute("PRAGMA journal_mode = WAL")
             self._begin(settings)
         except sqlite3.DatabaseError as error:
@@ -99,6 +101,7 @@ class StudyRecord:
     def samples(self, made: np.ndarray) -> np.ndarray:
         """Return the samples of the file, shape (S, len(inputs)); store ``made`` if it has none yet."""
         with self._file:
+            # a resumed study has its samples already
             if not self._file.execute("SELECT COUNT(*) FROM samples").fetchone()[0]:
                 marks = ", ".join("?" * (1 + len(self._inputs)))
                 rows = [(number, *row) for number, row in enumerate(made.tolist())]

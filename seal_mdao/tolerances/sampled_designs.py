@@ -33,6 +33,7 @@ class SampledLimit(NamedTuple):
 
     def numbers(self, values: np.ndarray) -> np.ndarray | None:
         """Return the limited entry of values (n, m), shape (n,); None for several."""
+        # without an entry the measure must be a scalar
         if self.entry is None and values.shape[1] > 1:
             return None
         return values[:, self.entry or 0]
@@ -69,11 +70,13 @@ class SampledDesign:
 
     def share(self, limit: SampledLimit) -> float:
         """Return the fraction of all samples that satisfy a limit."""
+        # failed samples count in the denominator only
         return float(np.sum(limit.kept(self.values[limit.measure])) / self.samples)
 
     def summary(self, limits) -> dict:
         """Summarise the samples in numbers."""
         found = {"samples": self.samples, "failed": self.failed, self.cost: described(self.costs)}
+        # limited measures, then the fractions that satisfy them
         for limit in limits:
             numbers = limit.numbers(self.values[limit.measure])
             if numbers is not None:

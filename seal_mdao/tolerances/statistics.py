@@ -8,6 +8,7 @@ LEVELS = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 def described(values: np.ndarray) -> dict:
     """Compute mean, standard deviation, extremes and quantiles of one measure's samples (S,)."""
+    # the sample standard deviation, with S - 1
     found = {
         "mean": values.mean(),
         "std": values.std(ddof=1) if len(values) > 1 else 0.0,
@@ -32,6 +33,7 @@ def rank_correlations(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
 
 
 def _standardised(ranks: np.ndarray) -> np.ndarray:
+    # (r - mean) / |r - mean|
     away = ranks - ranks.mean(axis=0)
     size = np.linalg.norm(away, axis=0)
     return away / np.where(size == 0.0, 1.0, size)

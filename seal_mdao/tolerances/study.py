@@ -6,9 +6,11 @@ from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from hashlib import sha256
+from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.errors import LoadPathError
 from seal_mdao.scenarios.evaluate import points_of
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import run_scenarios
@@ -16,7 +18,7 @@ from seal_mdao.scenarios.task import Outcome, SealTask
 from seal_mdao.scenarios.variation import Scenarios
 from seal_mdao.seals.result import frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
-from seal_mdao.tolerances.first_order import FirstOrder, first_order
+from seal_mdao.tolerances.first_order import FirstOrder
 from seal_mdao.tolerances.record import StudyRecord
 from seal_mdao.tolerances.tolerance_set import Tolerances
 
@@ -51,12 +53,14 @@ class ToleranceStudy:
         """Task that is run at every sample."""
         found = frozen_measures(self.seal, self.measures)
         kept = tuple(measure for measure in found if not is_empty(measure, self.seal))
+        # parameters of all variations and of the design, each once
         varied = [name for own in self.tolerances.variations for name in own.parameters]
         return SealTask(self.seal, kept, tuple(dict.fromkeys((*varied, *(self.design or {})))))
 
     @cached_property
     def nominal(self) -> dict:
         """Scalar parameters of the design by name."""
+        # values of the design replace those of the seal
         own = {name: float(self.seal.scalars[name].value) for name in self.task.parameters}
         return own | (self.design or {})
 
@@ -103,9 +107,28 @@ class ToleranceStudy:
         }
 
     def first_order(self) -> FirstOrder:
-        """Estimate the scatter from the gradient at the mean of all tolerances; see ``first_order``."""
-        task = replace(self.task, derivatives=True)
-        return first_order(task, self.tolerances, self.boundary, self.nominal)
+        """Estimate the scatter from one analysis, at the mean of all tolerances, and its gradient.
+
+        Raises
+        ------
+        LoadPathError
+            If it cannot be analysed.
+        """
+        middle, n = self.tolerances.middle(self.seal), self.seal.n_offsets
+        parameters = np.array([*middle.values(0, self.nominal).values()])
+        outcome = replace(self.task, derivatives=True).run(self.boundary, parameters)
+        if outcome.failure:
+            raise LoadPathError(f"the middle of all tolerances: {outcome.failure}")
+        # dm/dn = dm/dp dp/dn
+        by_number = outcome.gradient[:, n:] @ middle.rates(0, self.nominal)[1]
+        return FirstOrder(
+            outcome.values,
+            by_number,
+            outcome.gradient[:, :n],
+            self.tolerances.means,
+            self.tolerances.deviations,
+            self.tolerances.offsets_covariance(self.seal),
+        )
 
     def run(
         self,
@@ -140,6 +163,7 @@ class ToleranceStudy:
             points = points_of(scenarios, self.boundary, self.nominal)
             left = [point for point in points if point.index not in finished]
             for number, outcome in run_scenarios(self.task, left, workers):
+                # committed before anything else can fail
                 record.add(number, outcome)
                 if callback is not None:
                     callback(number, outcome)
@@ -147,14 +171,14 @@ class ToleranceStudy:
         return Sampled(scenarios, values, messages, seconds)
 
     def _scenarios(self, table) -> Scenarios:
+        # columns: K numbers, then P offsets if the boundary varies
         k = len(self.tolerances.scattered)
         varied = table.shape[1] > k
         offsets = table[:, k:] if varied else np.zeros((len(table), self.seal.n_offsets))
         return Scenarios(self.tolerances.variations, table[:, :k], offsets)
 
 
-@dataclass(frozen=True, eq=False)
-class Sampled:
+class Sampled(NamedTuple):
     """All analysed samples of a study.
 
     Attributes

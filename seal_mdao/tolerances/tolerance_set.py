@@ -75,6 +75,7 @@ class Tolerances:
         """
         values.integer("number of samples", count, 1, MOST_SAMPLES)
         values.one_of("method", method, METHODS)
+        # one dimension per number and, if the boundary varies, per offset
         n_numbers = len(self.scattered)
         dimensions = n_numbers + (seal.n_offsets if self.boundary is not None else 0)
         if dimensions == 0:
