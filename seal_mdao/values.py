@@ -30,7 +30,7 @@ def real(name: str, value, low=-math.inf, high=math.inf, *, above=None, below=No
         allowed = (above is None or number > above) and (below is None or number < below)
     if not allowed:
         raise ValueError(
-            f"{name} must be a number{_range(low, high, above, below)}, got {shown(value)}"
+            f"{name} must be a number{_range(low, high, above, below)}, got {formatted(value)}"
         )
     return number
 
@@ -65,21 +65,23 @@ def integer(name: str, value, low: int, high: int | None = None) -> int:
     is_one = isinstance(value, Integral) and not isinstance(value, bool | np.bool_)
     if not is_one or value < low or (high is not None and value > high):
         upper = "" if high is None else f" and at most {high}"
-        raise ValueError(f"{name} must be an integer of at least {low}{upper}, got {shown(value)}")
+        raise ValueError(
+            f"{name} must be an integer of at least {low}{upper}, got {formatted(value)}"
+        )
     return int(value)
 
 
 def one_of(name: str, value, choices: tuple) -> str:
     """Check that a string is one of the ``choices`` and return it; else raise ValueError."""
     if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{name} must be one of {choices}, got {shown(value)}")
+        raise ValueError(f"{name} must be one of {choices}, got {formatted(value)}")
     return str(value)
 
 
 def flag(name: str, value) -> bool:
     """Check a boolean and return it; raise ValueError for any other value, 0 and 1 included."""
     if not isinstance(value, bool | np.bool_):
-        raise ValueError(f"{name} must be True or False, got {shown(value)}")
+        raise ValueError(f"{name} must be True or False, got {formatted(value)}")
     return bool(value)
 
 
@@ -87,13 +89,13 @@ def instance(name: str, value, kind: type) -> None:
     """Raise TypeError if a value is not an instance of a class."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise TypeError(f"{name} must be {article} {kind.__name__}, got {shown(value)}")
+        raise TypeError(f"{name} must be {article} {kind.__name__}, got {formatted(value)}")
 
 
 def callback(name: str, value) -> None:
     """Raise TypeError if a value is neither callable nor None."""
     if value is not None and not callable(value):
-        raise TypeError(f"{name} must be callable or None, got {shown(value)}")
+        raise TypeError(f"{name} must be callable or None, got {formatted(value)}")
 
 
 def numbers(name: str, values) -> np.ndarray:
@@ -113,7 +115,7 @@ def numbers(name: str, values) -> np.ndarray:
         if None not in found:
             return np.array(found, float).reshape(array.shape)
     if array.dtype.kind not in "iuf":
-        raise ValueError(f"{name} must be real numbers, got {shown(values)}")
+        raise ValueError(f"{name} must be real numbers, got {formatted(values)}")
     return np.asarray(array, float)
 
 
@@ -137,7 +139,7 @@ def require(condition, message: str) -> None:
         raise ValueError(message)
 
 
-def shown(value) -> str:
+def formatted(value) -> str:
     """Format a value for an error message: one line of at most 60 characters."""
     try:
         text = " ".join(repr(value).split())

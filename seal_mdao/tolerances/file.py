@@ -14,7 +14,7 @@ from seal_mdao.seals.file.schema import Table, checked, chosen_by, key, known, t
 from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
 from seal_mdao.tolerances.distributions import DISTRIBUTIONS
 from seal_mdao.tolerances.tolerance_set import Tolerance, Tolerances
-from seal_mdao.values import shown
+from seal_mdao.values import formatted
 
 OF_THE_DOOR = Path(__file__).with_name("door_seal.toml")
 """Default tolerances, those of the door seal."""
@@ -88,7 +88,7 @@ def _read(given: dict) -> Tolerances:
         raise SealFileError("nothing varies; write [vary.name] for a parameter, or [boundary]")
     for name in vary:
         if not name.strip() or not name.isprintable():
-            raise SealFileError(f"[vary]: {shown(name)} is no name; use printable characters")
+            raise SealFileError(f"[vary]: {formatted(name)} is no name; use printable characters")
     written = checked(TypeAdapter(Written), given)
     scattered = tuple(_tolerance(name, own) for name, own in written.vary.items())
     # the boundary is optional

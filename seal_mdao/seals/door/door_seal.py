@@ -229,7 +229,7 @@ class DoorSeal(Seal):
         values.require(
             pair.shape == (2,) and bool(np.all((pair > 1.0) & (pair <= MOST_SUPPORT))),
             f"support must be a positive number, or two above 1 and at most {MOST_SUPPORT} (around and "
-            f"across the wall), got {values.shown(self.support)}",
+            f"across the wall), got {values.formatted(self.support)}",
         )
         object.__setattr__(self, "support", tuple(pair.tolist()))
 
@@ -238,7 +238,7 @@ class DoorSeal(Seal):
             values.require(
                 len(self.n_gauss) == 2,
                 "n_gauss must be an integer, or two (around and across the wall), got "
-                f"{values.shown(self.n_gauss)}",
+                f"{values.formatted(self.n_gauss)}",
             )
             pair = (values.integer("n_gauss", points, *GAUSS_POINTS) for points in self.n_gauss)
             object.__setattr__(self, "n_gauss", tuple(pair))
@@ -276,7 +276,7 @@ class DoorSeal(Seal):
         values.require(
             ends.shape == (self.n_steps,) and increases_to_one(ends),
             f"step_ends must be {self.n_steps} increasing shares of the way (n_steps), the last one 1; "
-            f"got {values.shown(self.step_ends)}",
+            f"got {values.formatted(self.step_ends)}",
         )
         object.__setattr__(self, "step_ends", tuple(ends.tolist()))
 
@@ -548,7 +548,7 @@ def door_seal(
     values.one_of("accuracy", accuracy, tuple(ACCURACIES))
     values.require(
         steps is None or (isinstance(steps, str) and steps == "auto"),
-        f'steps must be None or "auto", got {values.shown(steps)}',
+        f'steps must be None or "auto", got {values.formatted(steps)}',
     )
     seal = DoorSeal(**{**ACCURACIES[accuracy], **changes})
     if steps is None:

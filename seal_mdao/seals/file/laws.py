@@ -26,7 +26,7 @@ from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.file.extensions import Extensible, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
 from seal_mdao.seals.file.schema import LINE, Table, chosen_by, key, table, table_of
-from seal_mdao.values import shown
+from seal_mdao.values import formatted
 
 MODULI = {"c10", "c01", "c20", "c30", "mu", "shear_modulus", "bulk_modulus"}
 """Constants in kPa."""
@@ -162,12 +162,12 @@ AnyLaw = Annotated[
 def _named(given):
     """Refuse what are no materials with names."""
     if not isinstance(given, dict) or not given:
-        line = f"[material.NAME] must be a table for every material, got {shown(given)}"
+        line = f"[material.NAME] must be a table for every material, got {formatted(given)}"
         raise PydanticCustomError(LINE, "{line}", {"line": line})
     for name, value in given.items():
         if not isinstance(value, dict):
             line = (
-                f"[material]: {name} = {shown(value)}, but a material needs a name: write "
+                f"[material]: {name} = {formatted(value)}, but a material needs a name: write "
                 "[material.rubber]"
             )
             raise PydanticCustomError(LINE, "{line}", {"line": line})

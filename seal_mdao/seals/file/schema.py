@@ -25,7 +25,7 @@ from pydantic_core import ArgsKwargs, PydanticCustomError, PydanticUndefined, co
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.forms import FORM, Form
-from seal_mdao.values import shown
+from seal_mdao.values import formatted
 
 MOST_ROWS = 10_000
 """Tables of one list."""
@@ -195,7 +195,7 @@ def _line(error: dict, given: dict) -> str:
     names = [own for own in loc if isinstance(own, str)]
     if error["type"] == "table":
         written = f", written [{names[0]}]" if isinstance(value, list) and len(names) == 1 else ""
-        return f"{_place(loc, given)} must be one table{written}, got {shown(value)}"
+        return f"{_place(loc, given)} must be one table{written}, got {formatted(value)}"
     if error["type"] == CHOICE:
         loc, value = (*loc, context["key"]), value.get(context["key"], PydanticUndefined)
     before = _place(loc[:-1], given)
@@ -205,7 +205,7 @@ def _line(error: dict, given: dict) -> str:
     if error["type"] == ROWS:
         return where + _no_rows(".".join(names), value)
     if error["type"] in (FORM, CHOICE):
-        return f"{where}{name} = {shown(value)}, but it must be {context['allowed']}"
+        return f"{where}{name} = {formatted(value)}, but it must be {context['allowed']}"
     if error["type"] == LINE:
         return context["line"]
     if isinstance(value, dict):  # of a table by itself
@@ -216,7 +216,7 @@ def _line(error: dict, given: dict) -> str:
 def _no_rows(name: str, value) -> str:
     if isinstance(value, list) and len(value) > MOST_ROWS:
         return f"[[{name}]]: {len(value)} of them, but at most {MOST_ROWS} are read"
-    return f"{name} must be a list of tables, each written [[{name}]], got {shown(value)}"
+    return f"{name} must be a list of tables, each written [[{name}]], got {formatted(value)}"
 
 
 def _place(loc: tuple, given) -> str:
