@@ -38,7 +38,7 @@ from seal_mdao.progress import LoadStepProgress, hidden
 from seal_mdao.recording.recorded_optimization import label, read_optimization, shown_unit
 from seal_mdao.recording.restart import restart
 from seal_mdao.recording.settings import open_model, recorded_settings
-from seal_mdao.report.samples import samples_section
+from seal_mdao.report.sample_section import samples_section
 from seal_mdao.report.write import write_report
 from seal_mdao.robust_optimization import (
     COST,
