@@ -22,9 +22,9 @@ from _common import (
 )
 
 from seal_mdao import plotting
+from seal_mdao.export.csv_tables import travel_table
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.plotting.reaction import travel_table
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.door.measures import DOOR
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap

@@ -22,10 +22,9 @@ from _seal_file import file_errors, file_of, seal_of
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.export import vtu
-from seal_mdao.export.tables import write_contact, write_curves
+from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_curves
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.mesh_files import library
-from seal_mdao.plotting.reaction import reaction_tables
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
 from seal_mdao.seals.profiles import ProfileHistory, profile_histories

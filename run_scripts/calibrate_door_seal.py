@@ -15,7 +15,7 @@ from _common import WrongArgumentError, checked_arguments, parser, run, write_su
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.geometry.motion import Stage, staged_motion
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 
 UNKNOWNS = ("c10", "friction")
 TRUE = {"c10": 92.0, "friction": 0.32}

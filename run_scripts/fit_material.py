@@ -12,10 +12,10 @@ from seal_mdao import plotting
 from seal_mdao.calibration.data import MaterialDataError, read_tests
 from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
 from seal_mdao.calibration.fit import Fit, fit
-from seal_mdao.calibration.outliers import residual_table, write_residuals
+from seal_mdao.calibration.fit_errors import residual_table, write_residuals
+from seal_mdao.calibration.material_stability import MARGIN, UnstableMaterialError
 from seal_mdao.calibration.residuals import WEIGHTINGS
 from seal_mdao.calibration.seal_file import material_table
-from seal_mdao.calibration.stability import MARGIN, UnstableMaterialError
 from seal_mdao.materials.by_name import LAWS
 
 MOST_TOLD = 10

@@ -39,7 +39,7 @@ from seal_mdao.recording.recorded_optimization import label, read_optimization, 
 from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.recording.restart import restart
-from seal_mdao.report.samples import samples_section
+from seal_mdao.report.sample_section import samples_section
 from seal_mdao.report.write import write_report
 from seal_mdao.robust_optimization import (
     COST,

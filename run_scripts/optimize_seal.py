@@ -20,7 +20,7 @@ from _restart import recorded_optimizer, recorder_file
 from _seal_file import file_errors, file_of, seal_of
 
 import seal_mdao as sm
-from seal_mdao.export.tables import write_boundary
+from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
     CHOSEN,
     file_problem,

@@ -11,7 +11,7 @@ from seal_mdao.components.rkpm_contact_comp import BESIDE
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.measures.contact import BetweenContacts
+from seal_mdao.measures.gap import BetweenContacts
 from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for

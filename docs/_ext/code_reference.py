@@ -29,12 +29,13 @@ from seal_mdao.seals.result import frozen_measures
 ROOT = Path(__file__).resolve().parents[2]
 COMPONENTS = (sm.SplineGeometryComp, sm.AreaComp, sm.RkpmContactComp, sm.SealGroup)
 DRIVERS = (sm.UnoDriver, sm.IpoptDriver, sm.SlsqpDriver)
+OPTIONS = ["option", "default", "values", "meaning"]
 DATACLASSES = (sm.DoorSeal, Section, MooneyRivlin, NewtonOptions)
 
 
-def markdown_table(header: list[str], rows: list[list[str]]) -> str:
-    """A MyST list-table, in which cells may hold any symbol."""
-    lines = ["```{list-table}", ":header-rows: 1"]
+def markdown_table(header: list[str], rows: list[list[str]], *options: str) -> str:
+    """Format a MyST list-table, in which cells may hold any symbol."""
+    lines = ["```{list-table}", ":header-rows: 1", *options]
     for row in [header, *rows]:
         lines += ["", f"* - {row[0]}", *(f"  - {cell}".rstrip() for cell in row[1:])]
     return "\n".join([*lines, "```", ""])
@@ -59,23 +60,17 @@ def variables(system, kind: str) -> list[list[str]]:
     )  # fmt: skip
     rows = {}
     for _, meta in listing:
-        shape = ", ".join(map(str, meta["shape"]))
-        row = [
-            _literal(meta["prom_name"]),
-            f"({shape})",
-            _literal(meta["units"] or ""),
-            meta["desc"],
-        ]
-        rows.setdefault(meta["prom_name"], row)
+        name, shape = meta["prom_name"], ", ".join(map(str, meta["shape"]))
+        row = [_literal(name), f"({shape})", _literal(meta["units"] or ""), meta["desc"]]
+        rows.setdefault(name, row)
     return list(rows.values())
 
 
 def option_rows(declared, inherited) -> list[list[str]]:
     """Name, default, values and description of the options that ``inherited`` does not have."""
-    known = set(inherited)
     rows = []
     for name, meta in sorted(declared._dict.items()):
-        if name in known:
+        if name in inherited:
             continue
         default = "required" if not meta["has_been_set"] else _literal(_value(meta["val"]))
         allowed = ", ".join(map(str, meta["values"])) if meta["values"] is not None else ""
@@ -96,21 +91,21 @@ def component(cls) -> str:
         made = {row[0] for row in inside[1]}
         inside = [row for row in inside[0] if row[0] not in made], inside[1]
     header = ["name", "shape", "units", "meaning"]
-    parts = [f"## {cls.__name__}\n", f"{{py:class}}`{cls.__module__}.{cls.__name__}`\n"]
-    parts += [_paragraphs(cls), "**Inputs**\n", markdown_table(header, inside[0])]
+    parts = [_heading(cls), _paragraphs(cls), "**Inputs**\n", markdown_table(header, inside[0])]
     parts += ["**Outputs**\n", markdown_table(header, inside[1])]
     rows = option_rows(cls().options, base().options)
-    parts += ["**Options**\n", markdown_table(["option", "default", "values", "meaning"], rows)]
-    return "\n".join(parts)
+    return "\n".join([*parts, "**Options**\n", markdown_table(OPTIONS, rows)])
 
 
 def driver(cls) -> str:
     """One section of the driver reference."""
+    summary = inspect.cleandoc(cls.__doc__).splitlines()[0] + "\n"
     rows = option_rows(cls().options, Driver().options)
-    parts = [f"## {cls.__name__}\n", f"{{py:class}}`{cls.__module__}.{cls.__name__}`\n"]
-    parts.append(inspect.cleandoc(cls.__doc__).splitlines()[0] + "\n")
-    parts.append(markdown_table(["option", "default", "values", "meaning"], rows))
-    return "\n".join(parts)
+    return "\n".join([_heading(cls), summary, markdown_table(OPTIONS, rows)])
+
+
+def _heading(cls) -> str:
+    return f"## {cls.__name__}\n\n{{py:class}}`{cls.__module__}.{cls.__name__}`\n"
 
 
 def optional_inputs() -> str:

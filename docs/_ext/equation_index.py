@@ -8,6 +8,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
+from code_reference import markdown_table
+
 DATA = Path(__file__).resolve().parent.parent / "equation_index.toml"
 NUMBERS = range(1, 72)
 STATES = {"as printed", "corrected", "discrete", "replaced", "not computed"}
@@ -33,18 +35,13 @@ class Equation(NamedTuple):
     what: str
     state: str
     functions: tuple
-    note: str
+    note: str = ""
 
 
 def read(path: Path = DATA) -> list[Equation]:
     """The index in the order of the file."""
     entries = tomllib.loads(path.read_text(encoding="utf-8"))["equation"]
-    return [
-        Equation(
-            e["number"], e["what"], e["state"], tuple(e.get("functions", ())), e.get("note", "")
-        )
-        for e in entries
-    ]
+    return [Equation(**own | {"functions": tuple(own.get("functions", ()))}) for own in entries]
 
 
 def resolve(dotted: str):
@@ -69,20 +66,14 @@ def resolve(dotted: str):
     raise ModuleNotFoundError(dotted)
 
 
-def _short(dotted: str) -> str:
-    return dotted.removeprefix("seal_mdao.")
-
-
 def _row(e: Equation) -> list[str]:
-    functions = ", ".join(f"{{py:obj}}`{_short(f)} <{f}>`" for f in e.functions)
+    functions = ", ".join(f"{{py:obj}}`{f.removeprefix('seal_mdao.')} <{f}>`" for f in e.functions)
     number = f"{{eq}}`eq-{e.number}`"
     return [number, " ".join(e.what.split()), e.state, functions, " ".join(e.note.split())]
 
 
 def table(equations: list[Equation]) -> str:
     """The page's table in MyST markdown."""
-    rows = [["Eq.", "content", "computed", "by", "remarks"], *map(_row, equations)]
-    lines = ["```{list-table}", ":header-rows: 1", ":widths: 6 20 10 34 30", ":class: equations"]
-    for row in rows:
-        lines += ["", f"* - {row[0]}", *(f"  - {cell}".rstrip() for cell in row[1:])]
-    return "\n".join([*lines, "```", ""])
+    head = ["Eq.", "content", "computed", "by", "remarks"]
+    options = ":widths: 6 20 10 34 30", ":class: equations"
+    return markdown_table(head, list(map(_row, equations)), *options)

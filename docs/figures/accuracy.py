@@ -33,8 +33,9 @@ from verification.outline_errors import (
 from verification.pressed_elements import CORNER, FLAT, GAP
 from verification.ray_bulb import limit, ray_bulb
 
+from figures.drawing import ROOT, picture
 from figures.tables import percent, table
-from seal_mdao.plotting.style import CYCLE, GREY, MARKERS, save, styled, subplots
+from seal_mdao.plotting.style import BESIDE, CYCLE, GREY, MARKERS
 from seal_mdao.seals.choice import (
     STEP_TOLERANCE,
     choose,
@@ -51,8 +52,7 @@ from seal_mdao.seals.penalty_error import NORMAL, penalties_of
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import CONTACT_POINTS
 
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-REFERENCES = Path(__file__).resolve().parents[2] / "tests" / "verification" / "references"
+EXAMPLES, REFERENCES = ROOT / "examples", ROOT / "tests" / "verification" / "references"
 FINER = 4
 """Times as many load steps that a path is compared with."""
 PRODUCT = (1.8, 2.5)
@@ -71,43 +71,34 @@ CLOUDS = ((58, 3), (58, 5), (116, 3))
 
 def make(out: Path, reduced: bool) -> dict:
     """All figures of the page on accuracy."""
-    numbers = {}
-    for part in (
-        _support,
-        _layers,
-        _bending,
-        _integration,
-        _refinement,
-        _penalty,
-        _penalties,
-        _steps,
-        _preset,
-        _outline,
-        _rays,
-        _files,
-    ):
-        numbers |= part(out, reduced)
-    return numbers
-
-
-@styled
-def _lines(path: Path, label: str, lines: dict, value: str, ticks=None):
-    """Lines {name: (x, y)} of errors in percent, logarithmic."""
-    figure, axes = subplots(width=5.8, height=3.5)
-    for (name, (x, y)), color, marker in zip(lines.items(), CYCLE, MARKERS, strict=False):
-        axes.semilogy(x, 100 * np.array(y), marker=marker, color=color, label=name)
-    axes.axhline(0.5, color=GREY, linestyle="--", linewidth=1.0)
-    if ticks is not None:
-        axes.set_xticks(*ticks)
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
-    axes.set_xlabel(label)
-    axes.set_ylabel(value)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    save(figure, path)
+    parts = (
+        _support, _layers, _bending, _integration, _refinement, _penalty, _penalties, _steps, _preset,
+        _outline, _rays, _files,
+    )  # fmt: skip
+    return {name: value for part in parts for name, value in part(out, reduced).items()}
 
 
 WORST = "worst error of the reaction (%)"
+
+
+def _lines(path: Path, label: str, lines: dict, value: str = WORST, ticks=None) -> None:
+    """Lines {name: (x, y)} of errors in percent, logarithmic; integer ``ticks`` of x."""
+    with picture(path, width=5.8, height=3.5) as axes:
+        for (name, (x, y)), color, marker in zip(lines.items(), CYCLE, MARKERS, strict=False):
+            axes.semilogy(x, 100 * np.array(y), marker=marker, color=color, label=name)
+        axes.axhline(0.5, color=GREY, linestyle="--", linewidth=1.0)
+        if ticks is not None:
+            axes.set_xticks(ticks, [str(n) for n in ticks])
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_minor_formatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
+        axes.set(xlabel=label, ylabel=value)
+        axes.legend(**BESIDE)
+
+
+def _by_layers(path: Path, lines: dict, rows: list, heads, layers, words=" across the wall") -> str:
+    """Write the picture of errors over the layers of particles, and return their table."""
+    _lines(path, f"layers of particles{words}", lines, ticks=layers)
+    return table([*heads, *(f"{n} layers" for n in layers)], rows)
 
 
 def _support(out, reduced) -> dict:
@@ -120,7 +111,7 @@ def _support(out, reduced) -> dict:
         lines[f"{rays} × {layers}, round"] = supports, found
         product = worst_error(rays=rays, layers=layers, support=PRODUCT)
         rows.append([f"{rays} × {layers}", *map(percent, found), percent(product)])
-    _lines(out / "error_support.png", "support of round kernels", lines, WORST)
+    _lines(out / "error_support.png", "support of round kernels", lines)
     head = ["particles", *(f"round {s:g}" for s in supports), "product 1.8, 2.5"]
     return {"support_table": table(head, rows)}
 
@@ -142,10 +133,8 @@ def _layers(out, reduced) -> dict:
         if rays < 174 and scheme in (BY_CELL[0], THROUGH[0], THROUGH[2]):
             lines[f"{rays} rays, {kernel}, {basis}, {pressure}"] = layers, found
         rows.append([rays, kernel, basis, pressure, *map(percent, found)])
-    ticks = layers, [str(n) for n in layers]
-    _lines(out / "error_layers.png", "layers of particles across the wall", lines, WORST, ticks)
-    head = ["rays", "kernels", "basis", "pressure", *(f"{n} layers" for n in layers)]
-    return {"layers_table": table(head, rows)}
+    heads = ["rays", "kernels", "basis", "pressure"]
+    return {"layers_table": _by_layers(out / "error_layers.png", lines, rows, heads, layers)}
 
 
 def _bending(out, reduced) -> dict:
@@ -158,9 +147,8 @@ def _bending(out, reduced) -> dict:
             for n in across
         ]
         lines[name] = across, found
-    ticks = across, [str(n) for n in across]
     value = "worst error of the moment (%)"
-    _lines(out / "error_bending.png", "cells across the block", lines, value, ticks)
+    _lines(out / "error_bending.png", "cells across the block", lines, value, across)
     rows = [[name, *map(percent, found)] for name, (_, found) in lines.items()]
     return {"bending_table": table(["kernels", *(f"{n} cells" for n in across)], rows)}
 
@@ -181,12 +169,9 @@ def _integration(out, reduced) -> dict:
         rows.append([BASES[order], name, rays, *map(percent, found)])
         if order == 2:
             lines[f"{rays} rays, {name}"] = layers, found
-    ticks = layers, [str(n) for n in layers]
-    _lines(
-        out / "error_integration.png", "layers of particles, quadratic basis", lines, WORST, ticks
-    )
-    head = ["basis", "Gauss points", "rays", *(f"{n} layers" for n in layers)]
-    return {"integration_table": table(head, rows)}
+    path, heads = out / "error_integration.png", ["basis", "Gauss points", "rays"]
+    words = ", quadratic basis"
+    return {"integration_table": _by_layers(path, lines, rows, heads, layers, words)}
 
 
 def _refinement(out, reduced) -> dict:
@@ -206,15 +191,14 @@ def _refinement(out, reduced) -> dict:
             errors.append(found)
             if rays < 174 and functions is not FUNCTIONS[1]:
                 lines[f"{rays} rays, {name}"] = layers, found
-    ticks = layers, [str(n) for n in layers]
-    _lines(out / "error_refinement.png", "layers of particles across the wall", lines, WORST, ticks)
-    head = ["basis and support", "rays", *(f"{n} layers" for n in layers)]
+    path, heads = out / "error_refinement.png", ["basis and support", "rays"]
+    made = _by_layers(path, lines, rows, heads, layers)
     shares = FLAT / REACTION[:, 1] - 1.0
     limits = f"{percent(-shares.max(), 1)} to {percent(-shares.min(), 1)}"
     errors = np.reshape(errors, (len(every), len(every_rays), -1))
     changes = np.concatenate([np.diff(errors, axis=axis).ravel() for axis in range(3)])
     return {
-        "refinement_table": table(head, rows), "limits": limits,
+        "refinement_table": made, "limits": limits,
         "pairs": changes.size, "better": int(np.sum(changes < 0.0)),
         "corner_force": f"{CORNER[-1]:.2f}", "corner_gap": f"{GAP:.4f}",
     }  # fmt: skip

@@ -13,11 +13,12 @@ from verification.o_ring import (
 from verification.sliding import drag_block, pull_belt
 
 import seal_mdao as sm
+from figures.drawing import ROOT, curves, picture
 from figures.tables import percent, power, table
-from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
+from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION
 
 FRICTION = 0.3
-RING = Path(__file__).resolve().parents[2] / "examples" / "o_ring.toml"
+RING = ROOT / "examples" / "o_ring.toml"
 
 
 def make(out: Path, reduced: bool) -> dict:
@@ -32,26 +33,18 @@ def _hertz(out: Path, reduced: bool) -> dict:
         [str(len(h.x)), *(percent(value) for value in error)]
         for h, error in zip(found, errors, strict=True)
     ]
-    save(hertz_picture(found), out / "hertz.png")
+    s = np.linspace(0.0, np.pi, 201)
+    lines = [(np.cos(s), np.sin(s), "-", GREY, "Hertz")]
+    lines += [
+        (h.x / h.exact_half_width, h.pressure / h.exact_peak, marker, color,
+         f"{len(h.x)} points in contact", {"markersize": 4})
+        for h, color, marker in zip(found, CYCLE, MARKERS, strict=False)
+    ]  # fmt: skip
+    labels = "place / half-width", "pressure / peak pressure"
+    curves(out / "hertz.png", *labels, lines, (5.6, 3.5), {"loc": "lower center"})
     head = ["points in contact", "error of the half-width", "error of the peak pressure"]
     finest = ", ".join(percent(abs(value)) for value in errors[-1])
     return {"hertz_table": table(head, rows), "hertz": finest}
-
-
-@styled
-def hertz_picture(found: list):
-    figure, axes = subplots(width=5.6, height=3.5)
-    s = np.linspace(0.0, np.pi, 201)
-    axes.plot(np.cos(s), np.sin(s), color=GREY, label="Hertz")
-    for h, color, marker in zip(found, CYCLE, MARKERS, strict=False):
-        axes.plot(
-            h.x / h.exact_half_width, h.pressure / h.exact_peak, marker, color=color,
-            label=f"{len(h.x)} points in contact", markersize=4,
-        )  # fmt: skip
-    axes.set_xlabel("place / half-width")
-    axes.set_ylabel("pressure / peak pressure")
-    axes.legend(loc="lower center")
-    return figure
 
 
 def _o_ring(out: Path, reduced: bool) -> dict:
@@ -67,7 +60,7 @@ def _o_ring(out: Path, reduced: bool) -> dict:
         rows[-1] += [percent(ring.force[step] / law - 1.0) for ring in rings]
         peak = small_squeeze(rings[-1].force[step], *size)[2]
         rows[-1].append(percent(rings[-1].peak[step] / peak - 1.0) if c <= 0.05 else "")
-    save(o_ring_picture(rings[-1]), out / "o_ring_force.png")
+    _o_ring_picture(out / "o_ring_force.png", rings[-1])
     head = [
         "squeeze", "force (N/m)", "closed form", "Lindley",
         *(f"error at {spacing:g} mm" for spacing in spacings), "error of the peak pressure",
@@ -83,49 +76,42 @@ def _o_ring(out: Path, reduced: bool) -> dict:
     }  # fmt: skip
 
 
-@styled
-def o_ring_picture(ring):
-    figure, axes = subplots(width=5.6, height=3.5)
+def _o_ring_picture(path: Path, ring) -> None:
     squeeze, size = np.linspace(1e-3, ring.squeeze[-1], 200), (ring.diameter, ring.modulus)
-    for law, label, line in (
-        (small_force, "closed form, small squeeze", "--"), (lindley_force, "Lindley", "-"),
-    ):  # fmt: skip
-        forces = np.array([law(c, *size) for c in squeeze])
-        axes.plot(100 * squeeze, 1e-3 * forces, line, color=GREY, label=label)
-    axes.plot(
-        100 * ring.squeeze, 1e-3 * ring.force, "o", color=BLUE, markersize=3.5, label="seal_mdao"
-    )
-    axes.set_xlabel("squeeze (% of the diameter)")
-    axes.set_ylabel("force (N/mm)")
-    axes.legend()
-    return figure
+    lines = [
+        (100 * squeeze, [1e-3 * law(c, *size) for c in squeeze], look, GREY, label)
+        for law, label, look in (
+            (small_force, "closed form, small squeeze", "--"), (lindley_force, "Lindley", "-"),
+        )
+    ]  # fmt: skip
+    computed = "o", BLUE, "seal_mdao", {"markersize": 3.5}
+    lines.append((100 * ring.squeeze, 1e-3 * ring.force, *computed))
+    curves(path, "squeeze (% of the diameter)", "force (N/mm)", lines, (5.6, 3.5))
 
 
 def _drag(out: Path) -> dict:
     found = drag_block(FRICTION)
     error = np.abs(np.abs(found.ratio[found.slipping]) / FRICTION - 1.0).max()
     balance = np.abs(found.base_ratio - found.ratio).max()
-    save(drag_picture(found), out / "drag.png")
+    _drag_picture(out / "drag.png", found)
     return {"drag": power(error), "drag_base": power(balance)}
 
 
-@styled
-def drag_picture(found):
-    figure, axes = subplots(width=5.6, height=3.4)
-    for level in (-FRICTION, FRICTION):
-        axes.axhline(level, color=GREY, linestyle="--", linewidth=1.0)
-    axes.plot(found.travel, found.ratio, color=BLUE, linewidth=1.0, zorder=2)
-    for chosen, fill, label in (
-        (found.slipping, VERMILION, "all points slip"), (~found.slipping, "white", "some stick"),
-    ):  # fmt: skip
-        axes.plot(
-            found.travel[chosen], found.ratio[chosen], "o", markerfacecolor=fill,
-            markeredgecolor=BLUE, markersize=4.5, label=label, zorder=3,
-        )  # fmt: skip
-    axes.set_xlabel("travel of the plane / height of the block")
-    axes.set_ylabel("tangential / normal force")
-    axes.legend(loc="center")
-    return figure
+def _drag_picture(path: Path, found) -> None:
+    with picture(path, width=5.6, height=3.4) as axes:
+        for level in (-FRICTION, FRICTION):
+            axes.axhline(level, color=GREY, linestyle="--", linewidth=1.0)
+        axes.plot(found.travel, found.ratio, color=BLUE, linewidth=1.0, zorder=2)
+        for chosen, fill, label in (
+            (found.slipping, VERMILION, "all points slip"), (~found.slipping, "white", "some stick"),
+        ):  # fmt: skip
+            axes.plot(
+                found.travel[chosen], found.ratio[chosen], "o", markerfacecolor=fill,
+                markeredgecolor=BLUE, markersize=4.5, label=label, zorder=3,
+            )  # fmt: skip
+        axes.set_xlabel("travel of the plane / height of the block")
+        axes.set_ylabel("tangential / normal force")
+        axes.legend(loc="center")
 
 
 def _belt(out: Path, reduced: bool) -> dict:
@@ -142,23 +128,14 @@ def _belt(out: Path, reduced: bool) -> dict:
         coarse, thin = (belt.exponent / belt.exact for belt in found[-2:])
         numbers["belt"] = percent(abs(thin - 1.0))
         numbers["belt_limit"] = percent(abs(2.0 * thin - coarse - 1.0))
-    save(belt_picture(found), out / "belt.png")
+    thickness = np.array([belt.thickness for belt in found])
+    t = np.linspace(0.0, 1.05 * thickness.max(), 51)
+    corrected, exponents = found[0].exact / (1 + 0.5 * t), [belt.exponent for belt in found]
+    curves(out / "belt.png", "thickness / radius", "$\\ln(T_2 / T_1)$", [
+        (t, corrected, "--", GREY, "$\\mu\\varphi\\,R/(R + t/2)$"),
+        (0.0, found[0].exact, "s", VERMILION, "$\\mu\\varphi$"),
+        (thickness, exponents, "o", BLUE, "computed"),
+    ], (5.2, 3.3))  # fmt: skip
     head = ["thickness / radius", "$\\ln(T_2/T_1)$", "against $\\mu\\varphi$",
             "against $\\mu\\varphi\\,R/(R + t/2)$"]  # fmt: skip
     return numbers | {"belt_table": table(head, rows)}
-
-
-@styled
-def belt_picture(found):
-    figure, axes = subplots(width=5.2, height=3.3)
-    thickness = np.array([belt.thickness for belt in found])
-    exponent = np.array([belt.exponent for belt in found])
-    t = np.linspace(0.0, 1.05 * thickness.max(), 51)
-    axes.plot(t, found[0].exact / (1 + 0.5 * t), color=GREY, linestyle="--",
-              label="$\\mu\\varphi\\,R/(R + t/2)$")  # fmt: skip
-    axes.plot(0.0, found[0].exact, "s", color=VERMILION, label="$\\mu\\varphi$")
-    axes.plot(thickness, exponent, "o", color=BLUE, label="computed")
-    axes.set_xlabel("thickness / radius")
-    axes.set_ylabel("$\\ln(T_2 / T_1)$")
-    axes.legend()
-    return figure

@@ -6,47 +6,47 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from figures.seal_files import begun
+from figures.drawing import curves
+from figures.seal_files import example
 from seal_mdao.measures.work import FrictionWork
-from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, styled, subplots
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION
 
-FILE = Path(__file__).resolve().parents[2] / "examples" / "lip.toml"
 FRICTIONS = {0.0: GREY, 0.15: BLUE, 0.3: VERMILION}
 
 
 def make(out: Path, reduced: bool) -> dict:
     """The loops, and what friction takes from each."""
-    file = sm.read_seal_file(FILE)
-    file = begun(file) if reduced else file
+    file = example("lip", reduced)
     results = {friction: sm.analyze(sm.build_seal(cycle(file, friction))) for friction in FRICTIONS}
     for result in results.values():
         result.require_converged()
-    save(loops(results), out / "hysteresis.png")
+    _loops(out / "hysteresis.png", results)
     lost = [result.value(FrictionWork())[0] for result in results.values()]
     return {f"lost_{i}": f"{abs(value):.2g}" for i, value in enumerate(lost)}
 
 
 def cycle(file, friction):
-    """The file with the panel going back all the way that it came."""
+    """The file with the panel moved back to its start."""
     panel = file.profiles[0]
     there = panel.stages[0]
     back = replace(there, translate=tuple(-x for x in there.translate))
     return replace(file, profiles=(replace(panel, friction=friction, stages=(there, back)),))
 
 
-@styled
-def loops(results):
-    """Force on the panel over its way there and back."""
-    figure, axes = subplots(width=6.0, height=3.6)
+def _loops(path: Path, results) -> None:
+    """Force on the panel over its travel there and back."""
+    lines = []
     for friction, result in results.items():
         motion, steps = result.term("panel").motion, len(result.path.nominal_steps)
-        places = np.array([motion.pose(float(n)).position[0] for n in range(steps + 1)])
-        force = np.append(0.0, np.abs(result.path.reaction("panel")[:, 0]))
-        half, colour = steps // 2, FRICTIONS[friction]
-        way = np.abs(places - places[0])
-        axes.plot(way[: half + 1], force[: half + 1], color=colour, label=f"friction {friction:g}")
-        axes.plot(way[half:], force[half:], color=colour, linestyle="--")
-    axes.set_xlabel("travel of the panel (mm)")
-    axes.set_ylabel("horizontal force (N/m)")
-    axes.legend(title="solid: there, dashed: back")
-    return figure
+        x = np.array([motion.pose(float(n)).position[0] for n in range(steps + 1)])
+        travel, force = (
+            np.abs(x - x[0]),
+            np.append(0.0, np.abs(result.path.reaction("panel")[:, 0])),
+        )
+        half, color = steps // 2, FRICTIONS[friction]
+        lines += [
+            (travel[: half + 1], force[: half + 1], "-", color, f"friction {friction:g}"),
+            (travel[half:], force[half:], "--", color, None),
+        ]
+    labels = "travel of the panel (mm)", "horizontal force (N/m)"
+    curves(path, *labels, lines, (6.0, 3.6), {"title": "solid: there, dashed: back"})

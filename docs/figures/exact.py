@@ -9,17 +9,10 @@ from verification.flexure import bend_block
 from verification.patch import GRADIENT, compress_block, patch_test
 from verification.rotation import rotate_body, rotation_matrix
 
+from figures.drawing import curves, picture
 from figures.tables import percent, power, table
-from seal_mdao.plotting.style import (
-    BLUE,
-    CYCLE,
-    GREY,
-    MARKERS,
-    VERMILION,
-    save,
-    styled,
-    subplots,
-)
+from seal_mdao.plotting.section_drawing import draw_cells
+from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION
 
 RATIOS = (1e3, 1e4, 1e5, 1e6)
 
@@ -43,27 +36,20 @@ def _patch(out: Path) -> dict:
             where = "displacements and tractions" if traction else "displacements all round"
             basis = ("linear", "quadratic")[order - 1]
             rows.append([where, basis, power(found.displacement), power(found.stress)])
-    save(patch_picture(), out / "patch.png")
+    _patch_picture(out / "patch.png")
     head = ["imposed", "basis", "displacement error", "stress error"]
     return {"patch_table": table(head, rows), "patch": power(worst)}
 
 
-def _draw_cells(axes, x, cells, **line):
-    closed = np.concatenate([x[cells], x[cells[:, :1]]], axis=1)
-    axes.plot(*closed.transpose(2, 1, 0), **line)
-
-
-@styled
-def patch_picture():
-    figure, axes = subplots(width=4.6, height=3.6)
+def _patch_picture(path: Path) -> None:
     grid = Grid(6, 6)
     X = scattered(grid, 0.3, 5)
-    for x, color in ((X, GREY), (X @ (np.eye(2) + GRADIENT).T, BLUE)):
-        _draw_cells(axes, x, grid.cells, color=color, linewidth=0.8)
-        axes.plot(*x.T, "o", color=color, markersize=3)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    return figure
+    with picture(path, width=4.6, height=3.6) as axes:
+        for x, color in ((X, GREY), (X @ (np.eye(2) + GRADIENT).T, BLUE)):
+            draw_cells(axes, x, grid.cells, color=color, linewidth=0.8)
+            axes.plot(*x.T, "o", color=color, markersize=3)
+        axes.set_aspect("equal")
+        axes.set_axis_off()
 
 
 # ---- homogeneous compression ----
@@ -76,20 +62,12 @@ def _compression(out: Path) -> dict:
             np.abs(f.width / f.exact_width - 1.0).max())
         for f in found.values()
     )  # fmt: skip
-    save(compression_picture(next(iter(found.values()))), out / "compression.png")
+    own = found[1e3]
+    curves(out / "compression.png", "height / undeformed height", "pressure / shear modulus", [
+        (own.stretch, own.exact_pressure, "-", GREY, "exact"),
+        (own.stretch, own.pressure, "o", BLUE, "computed"),
+    ], (5.2, 3.4), xinverted=True)  # fmt: skip
     return {"compression": power(worst)}
-
-
-@styled
-def compression_picture(found):
-    figure, axes = subplots(width=5.2, height=3.4)
-    axes.plot(found.stretch, found.exact_pressure, color=GREY, label="exact")
-    axes.plot(found.stretch, found.pressure, "o", color=BLUE, label="computed")
-    axes.invert_xaxis()
-    axes.set_xlabel("height / undeformed height")
-    axes.set_ylabel("pressure / shear modulus")
-    axes.legend()
-    return figure
 
 
 # ---- rotation ----
@@ -97,32 +75,28 @@ def compression_picture(found):
 
 def _rotation(out: Path) -> dict:
     found = rotate_body()
-    save(rotation_picture(found), out / "rotation.png")
+    _rotation_picture(out / "rotation.png", found)
     return {
         "rotation_stress": power(found.stress.max()),
         "rotation_place": power(found.misplacement.max()),
     }
 
 
-@styled
-def rotation_picture(found):
-    figure, (left, right) = subplots(1, 2, width=8.6, height=3.4)
+def _rotation_picture(path: Path, found) -> None:
     grid = Grid(6, 6)
     X = scattered(grid, 0.3, 5)
-    for i, angle in enumerate([0.0, *found.angle[[5, 11, 16]]]):
-        turn = rotation_matrix(angle)
-        _draw_cells(left, X @ turn.T, grid.cells, color=CYCLE[i], linewidth=0.8)
-        label = f"{np.degrees(angle):.0f}°"
-        left.text(*turn @ [1.14, 0.5], label, color=CYCLE[i], ha="center", va="center")
-    left.plot(*X[grid.left].T, "s", color="black", markersize=3, zorder=3)
-    left.set_aspect("equal")
-    left.set_axis_off()
-    right.semilogy(np.degrees(found.angle), found.stress, "o-", color=BLUE)
-    right.axhline(1e-9, color=VERMILION, linestyle="--", label="tolerance")
-    right.set_xlabel("rotation (degrees)")
-    right.set_ylabel("largest stress / shear modulus")
-    right.legend(loc="center right")
-    return figure
+    with picture(path, 1, 2, width=8.6, height=3.4) as (left, right):
+        for i, angle in enumerate([0.0, *found.angle[[5, 11, 16]]]):
+            turn, label = rotation_matrix(angle), f"{np.degrees(angle):.0f}°"
+            draw_cells(left, X @ turn.T, grid.cells, color=CYCLE[i], linewidth=0.8)
+            left.text(*turn @ [1.14, 0.5], label, color=CYCLE[i], ha="center", va="center")
+        left.plot(*X[grid.left].T, "s", color="black", markersize=3, zorder=3)
+        left.set_aspect("equal")
+        left.set_axis_off()
+        right.semilogy(np.degrees(found.angle), found.stress, "o-", color=BLUE)
+        right.axhline(1e-9, color=VERMILION, linestyle="--", label="tolerance")
+        right.set(xlabel="rotation (degrees)", ylabel="largest stress / shear modulus")
+        right.legend(loc="center right")
 
 
 # ---- cylinder ----
@@ -136,7 +110,7 @@ def _cylinder(out: Path, ratios) -> dict:
     ]
     worst = max(np.abs(f.error).max() for f in found.values())
     drift = np.ptp([f.error for f in found.values()], axis=0)
-    save(cylinder_picture(found), out / "cylinder.png")
+    _cylinder_picture(out / "cylinder.png", found)
     head = ["bulk / shear modulus", "largest error of the pressure", "error at stretch 2"]
     return {
         "cylinder_table": table(head, rows),
@@ -145,22 +119,17 @@ def _cylinder(out: Path, ratios) -> dict:
     }
 
 
-@styled
-def cylinder_picture(found):
-    figure, (left, right) = subplots(1, 2, width=9.2, height=3.4)
+def _cylinder_picture(path: Path, found) -> None:
     stretch = np.linspace(1.0, 2.0, 101)
-    left.plot(stretch, inflation_pressure(stretch), color=GREY, label="closed form")
-    for (ratio, f), color, marker in zip(found.items(), CYCLE, MARKERS, strict=False):
-        label = f"$K/\\mu$ = $10^{{{np.log10(ratio):.0f}}}$"
-        look = {"color": color, "marker": marker, "linestyle": "none", "label": label}
-        left.plot(f.stretch, f.pressure, **look)
-        right.plot(f.stretch, 100 * f.error, **look | {"linestyle": "-"})
-    left.set_ylabel("bore pressure / shear modulus")
-    right.set_ylabel("error of the pressure (%)")
-    for axes in (left, right):
-        axes.set_xlabel("bore stretch")
-    left.legend()
-    return figure
+    with picture(path, 1, 2, width=9.2, height=3.4) as (left, right):
+        left.plot(stretch, inflation_pressure(stretch), color=GREY, label="closed form")
+        for (ratio, f), color, marker in zip(found.items(), CYCLE, MARKERS, strict=False):
+            label = f"$K/\\mu$ = $10^{{{np.log10(ratio):.0f}}}$"
+            left.plot(f.stretch, f.pressure, marker, color=color, label=label)
+            right.plot(f.stretch, 100 * f.error, f"{marker}-", color=color, label=label)
+        left.set(xlabel="bore stretch", ylabel="bore pressure / shear modulus")
+        right.set(xlabel="bore stretch", ylabel="error of the pressure (%)")
+        left.legend()
 
 
 # ---- flexure ----
@@ -176,17 +145,10 @@ def _flexure(out: Path, reduced: bool) -> dict:
         for ratio, f in found.items()
     ]
     worst = max(np.abs(f.error).max() for f in found.values())
-    save(flexure_picture(found[1e4]), out / "flexure.png")
+    own, degrees = found[1e4], np.degrees(found[1e4].angle)
+    labels = "angle between the end faces (degrees)", "moment / ($\\mu H^2$)"
+    curves(out / "flexure.png", *labels, [
+        (degrees, own.exact, "-", GREY, "exact"), (degrees, own.moment, "o", BLUE, "computed"),
+    ])  # fmt: skip
     head = ["bulk / shear modulus", "largest error of the moment", "misplacement / thickness"]
     return {"flexure": percent(worst), "flexure_table": table(head, rows)}
-
-
-@styled
-def flexure_picture(found):
-    figure, axes = subplots(width=5.4, height=3.4)
-    axes.plot(np.degrees(found.angle), found.exact, color=GREY, label="exact")
-    axes.plot(np.degrees(found.angle), found.moment, "o", color=BLUE, label="computed")
-    axes.set_xlabel("angle between the end faces (degrees)")
-    axes.set_ylabel("moment / ($\\mu H^2$)")
-    axes.legend()
-    return figure

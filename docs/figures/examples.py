@@ -7,7 +7,8 @@ import sys
 import textwrap
 from pathlib import Path
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "run_scripts"
+from figures.drawing import ROOT
+
 COMMANDS = {
     "analysis": "analyze_door_seal.py --out out/analysis",
     "sensitivities": (
@@ -27,21 +28,28 @@ REDUCED = {
 
 
 def make(out: Path, reduced: bool) -> dict:
-    """Run the scripts in ``out/examples`` and keep what they print as MyST fragments."""
-    folder, fragments = out / "examples", out / "fragments"
-    shutil.rmtree(folder, ignore_errors=True)  # scripts do not replace the results of another run
-    folder.mkdir(parents=True, exist_ok=True)
-    fragments.mkdir(parents=True, exist_ok=True)
+    """Run the scripts in ``out/examples`` and keep their output as MyST fragments."""
+    # scripts do not replace the results of another run
+    shutil.rmtree(out / "examples", ignore_errors=True)
     for name, command in COMMANDS.items():
-        printed = run(command + (REDUCED[name] if reduced else ""), folder, reduced)
-        shown = " \\\n    ".join(textwrap.wrap(f"$ python run_scripts/{command}", 82))
-        text = f"```text\n{shown}\n{printed.rstrip()}\n```\n"
-        (fragments / f"example_{name}.md").write_text(text, encoding="utf-8")
+        write_example(name, command, out, reduced, REDUCED[name])
     return {"commands": str(len(COMMANDS))}
 
 
+def write_example(name: str, command: str, out: Path, reduced: bool, less: str = "") -> None:
+    """Run a script in ``out/examples``, in the reduced mode with the options ``less``; write its command
+    line and its output as ``fragments/example_<name>.md``."""
+    folder, fragments = out / "examples", out / "fragments"
+    for own in (folder, fragments):
+        own.mkdir(parents=True, exist_ok=True)
+    printed = run(command + (less if reduced else ""), folder, reduced)
+    shown = " \\\n    ".join(textwrap.wrap(f"$ python run_scripts/{command}", 82))
+    text = f"```text\n{shown}\n{printed.rstrip()}\n```\n"
+    (fragments / f"example_{name}.md").write_text(text, encoding="utf-8")
+
+
 def run(command: str, folder: Path, unfinished: bool) -> str:
-    """What a script prints; with ``unfinished`` an optimisation may end at its iteration limit.
+    """Return the output of a script; with ``unfinished`` an optimisation may end at its iteration limit.
 
     Raises
     ------
@@ -49,9 +57,11 @@ def run(command: str, folder: Path, unfinished: bool) -> str:
         When it fails.
     """
     script, *arguments = command.split()
+    # the script runs in another folder: files of the repository by their full paths
+    arguments = [str(ROOT / own) if (ROOT / own).is_file() else own for own in arguments]
     environment = {**os.environ, "OPENMDAO_REPORTS": "0", "OPENMDAO_WORKDIR": str(folder)}
     done = subprocess.run(
-        [sys.executable, str(SCRIPTS / script), *arguments], cwd=folder, env=environment,
+        [sys.executable, str(ROOT / "run_scripts" / script), *arguments], cwd=folder, env=environment,
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode not in ((0, 1) if unfinished else (0,)) or not done.stdout:

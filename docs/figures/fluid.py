@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from figures.seal_files import begun
+from figures.drawing import picture
+from figures.seal_files import example
 from seal_mdao.measures.fluid import BlowOffPressure
-from seal_mdao.plotting import field
-from seal_mdao.plotting.section import draw_held, draw_profiles, fill_outline, frame, window
-from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION, save, styled, subplots
+from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.field import fine_grid
+from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION
 from seal_mdao.seals.file.tables import FixedTable
 
-FILE = Path(__file__).resolve().parents[2] / "examples" / "o_ring_under_pressure.toml"
 SHARES = 0.0, 0.5, 1.0
 """Of the fluid's pressure, at which the ring is looked at."""
 SQUEEZES = 0.25, 0.35, 0.45
@@ -25,13 +25,15 @@ WETTED = 0.5
 
 def make(out: Path, reduced: bool) -> dict:
     """The picture; how much of the pressure is passed on, and what blows off when."""
-    file = sm.read_seal_file(FILE)
-    file = begun(file) if reduced else file
+    file = example("o_ring_under_pressure", reduced)
     ring = sm.analyze(sm.build_seal(file))
     ring.require_converged()
     part = file.profiles[0].stages[0].translate[1] / -0.45
     glued = {part * s: sm.analyze(sm.build_seal(on_flange(file, part * s))) for s in SQUEEZES}
-    save(fluid_picture(ring, glued), out / "fluid_pressure.png")
+    with picture(out / "fluid_pressure.png", 2, 2, width=9.6, height=6.6) as panels:
+        _shapes(panels[0], ring)
+        _along(panels[1, 0], ring)
+        _blow_off(panels[1, 1], glued)
     own, under = (closing(ring, share).max() for share in (SHARES[0], SHARES[-1]))
     blown = [result.value(BlowOffPressure("fluid"))[0] for result in glued.values()]
     return {
@@ -70,31 +72,17 @@ def lid_peak(result, share) -> float:
     return float(lid.law.normal_penalty * np.maximum(-gap, 0.0).max())
 
 
-@styled
-def fluid_picture(ring, glued):
-    figure, ((left, right), (along, over)) = subplots(2, 2, width=9.6, height=6.6)
-    _shapes((left, right), ring)
-    _along(along, ring)
-    _blow_off(over, glued)
-    return figure
-
-
 def _shapes(panels, result):
-    fine, pressure = field.fine_grid(result), result.term("fluid").pressure
+    fine, pressure = fine_grid(result), result.term("fluid").pressure
     steps = [step_at(result, share) for share in (SHARES[0], SHARES[-1])]
-    low, high = window([field.deformed(result, fine, step) for step in steps])
+    low, high = section.window(map(fine.deformed, steps))
     for axes, step, value in zip(panels, steps, (0.0, pressure), strict=True):
-        fill_outline(
-            axes, field.deformed(result, fine, step), fine.loops, facecolor=GREY, alpha=0.25,
-            edgecolor=GREY,
-        )  # fmt: skip
-        draw_held(axes, result)
-        draw_profiles(axes, result, step + 1.0)
+        section.draw_section(axes, fine, step, facecolor=GREY, alpha=0.25, edgecolor=GREY)
         response = result.path.at_nominal("fluid")[step]
         wetted = np.flatnonzero(response.outputs[:, 0] >= WETTED)
         if value:
             axes.plot(*response.x[: 2 * wetted[-1] + 1].T, color=BLUE, linewidth=3.5)
-        frame(axes, low, high)
+        section.frame(axes, low, high)
         axes.set_title(f"fluid {value:.0f} kPa{', wetted where blue' if value else ''}")
 
 
@@ -110,8 +98,7 @@ def _along(axes, result):
         )
         if pressure:
             axes.axhline(pressure, color=colour, linestyle=":", linewidth=1.2)
-    axes.set_xlabel("way along the edge from the wet end (mm)")
-    axes.set_ylabel("contact pressure (kPa)")
+    axes.set(xlabel="way along the edge from the wet end (mm)", ylabel="contact pressure (kPa)")
     axes.legend(loc="upper left")
 
 
@@ -129,6 +116,5 @@ def _blow_off(axes, glued):
     axes.plot(
         most, (1.0 + term.share) * most, color=GREY, linestyle="--", label="the fluid's, and 5 %"
     )
-    axes.set_xlabel("fluid pressure (kPa)")
-    axes.set_ylabel("highest contact pressure (kPa)")
+    axes.set(xlabel="fluid pressure (kPa)", ylabel="highest contact pressure (kPa)")
     axes.legend(loc="lower right")

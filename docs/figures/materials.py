@@ -1,14 +1,12 @@
 """Fits to Treloar's rubber beside published constants, and the calibration of the door seal."""
 
-import textwrap
 from pathlib import Path
 
-import seal_mdao
-from figures.examples import run
+from figures.examples import write_example
 from figures.tables import percent, table
-from seal_mdao.calibration.errors import errors_of
 from seal_mdao.calibration.fit import fit
-from seal_mdao.calibration.modes import MODES
+from seal_mdao.calibration.fit_errors import errors_of
+from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.calibration.treloar import OGDEN_1972, treloar_tests
 from seal_mdao.plotting import material_fit, save
 
@@ -28,7 +26,8 @@ def make(out: Path, reduced: bool) -> dict:
     ogden, yeoh = fits["Ogden, 3 terms"], fits["Yeoh"]
     others = {"Ogden, published 1972": OGDEN_1972, "Yeoh, fitted": yeoh.law}
     save(material_fit(ogden, others), out / "treloar.png")
-    _scripts(out, reduced)
+    write_example("fit", FIT, out, reduced)
+    write_example("calibration", CALIBRATION, out, reduced, " --steps 12 --depth 6")
     absolute = fit("ogden", tests, terms=3, weighting="absolute")
     laws = {label: found.law for label, found in fits.items()}
     laws |= {"Ogden, 3 terms, absolute": absolute.law, "Ogden, published 1972": OGDEN_1972}
@@ -38,9 +37,7 @@ def make(out: Path, reduced: bool) -> dict:
     return {
         "errors": _errors(laws, tests),
         "ogden": _ogden(constants),
-        "yeoh": ", ".join(
-            f"{name} = {yeoh.law.constants[name]:.4g}" for name in ("c10", "c20", "c30")
-        ),
+        "yeoh": ", ".join(f"{name} = {yeoh.law.constants[name]:.4g}" for name in yeoh.unknowns),
         "fitted": percent(ogden.errors["all"].rms_relative, 1),
         "published": percent(errors["all"].rms_relative, 1),
     }
@@ -65,17 +62,3 @@ def _ogden(laws: dict) -> str:
         rows.append([label, *(f"{number:.4g}" for pair in pairs for number in pair)])
     head = ["Ogden", *(f"{name} {i}" for i in (1, 2, 3) for name in ("μ (kPa)", "α"))]
     return table(head, rows)
-
-
-def _scripts(out: Path, reduced: bool) -> None:
-    """Run both scripts and keep what they print."""
-    folder, fragments = out / "examples", out / "fragments"
-    folder.mkdir(parents=True, exist_ok=True)
-    fragments.mkdir(parents=True, exist_ok=True)
-    place = str(Path(seal_mdao.__file__).parents[1] / DATA)
-    small = " --steps 12 --depth 6" if reduced else ""
-    for name, command in (("fit", FIT), ("calibration", CALIBRATION + small)):
-        printed = run(command.replace(DATA, place), folder, reduced)
-        shown = " \\\n    ".join(textwrap.wrap(f"$ python run_scripts/{command}", 82))
-        text = f"```text\n{shown}\n{printed.rstrip()}\n```\n"
-        (fragments / f"example_{name}.md").write_text(text, encoding="utf-8")

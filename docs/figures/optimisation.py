@@ -8,34 +8,23 @@ import numpy as np
 import seal_mdao as sm
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, seal_problem
-from seal_mdao.plotting import (
-    constraint_history,
-    cost_history,
-    design_comparison,
-    save,
-)
+from seal_mdao.plotting import constraint_history, cost_history, design_comparison, save
 from seal_mdao.recording.recorded_optimization import read_optimization
 
 OPTIMIZER = next(iter(OPTIMIZERS))
 
 
-def optimise(iterations: int, folder: str, kept: KeptAnalyses):
-    """Recorded history of the optimisation."""
-    recorder = Path(folder) / "cases.sql"
-    problem = seal_problem(
-        sm.door_seal(), driver=OPTIMIZERS[OPTIMIZER](iterations), recorder=recorder, kept=kept,
-        work_dir=folder,
-    )  # fmt: skip
-    problem.run_driver()
-    problem.cleanup()
-    return read_optimization(recorder)
-
-
 def make(out: Path, reduced: bool) -> dict:
     """Pictures of the optimisation; two iterations in the reduced mode."""
-    kept = KeptAnalyses()
+    kept, driver = KeptAnalyses(), OPTIMIZERS[OPTIMIZER](2 if reduced else 50)
     with tempfile.TemporaryDirectory() as folder:
-        history = optimise(2 if reduced else 50, folder, kept)
+        recorder = Path(folder) / "cases.sql"
+        problem = seal_problem(
+            sm.door_seal(), driver=driver, recorder=recorder, kept=kept, work_dir=folder
+        )
+        problem.run_driver()
+        problem.cleanup()
+        history = read_optimization(recorder)
     initial, final = (kept.analyze(history.seal, *history.design_at(i)) for i in (0, -1))
     save(cost_history(history), out / "cost_history.png")
     figure = constraint_history(history, initial.measure("von_mises").points)

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, styled, subplots
+from figures.drawing import ROOT, picture
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION
 
-BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks" / "benchmarks.json"
+BENCHMARKS = ROOT / "docs" / "benchmarks" / "benchmarks.json"
 
 
 def _by_particles(table: dict, start: str) -> np.ndarray:
@@ -27,25 +28,23 @@ def _exponent(figures: dict, solver: str, kind: str) -> str:
     return "(not measured)" if table is None else f"{table[f'growth exponent, {kind}']:.2f}"
 
 
-@styled
 def make(out: Path, reduced: bool) -> dict:
     """Times of a load step and an iteration, and shares of the sensitivities, against particles."""
     figures = json.loads(BENCHMARKS.read_text(encoding="utf-8"))
     growth, shares = figures["growth, superlu"], figures["sensitivities of 8 steps"]
-    figure, (left, right) = subplots(1, 2, width=10.0, height=3.8)
-    for kind, color in (("load step", VERMILION), ("iteration", BLUE)):
-        n, time = _by_particles(growth, kind)
-        left.loglog(n, time, "o-", color=color, label=kind)
-        left.loglog(n, time[0] * n / n[0], "--", color=GREY)
-    left.plot([], [], "--", color=GREY, label="proportional to the particles")
-    left.set(xlabel="particles", ylabel="time, ms")
-    for method, color in (("direct", VERMILION), ("adjoint", BLUE)):
-        right.semilogx(*_by_particles(shares, method), "o-", color=color, label=method)
-    right.set(xlabel="particles", ylabel="sensitivities / analysis, 8 steps", ylim=(0.0, None))
-    for axes in (left, right):
-        axes.legend()
-    figure.get_layout_engine().set(wspace=0.06)
-    save(figure, out / "growth.png")
+    with picture(out / "growth.png", 1, 2, width=10.0, height=3.8) as (left, right):
+        for kind, color in (("load step", VERMILION), ("iteration", BLUE)):
+            n, time = _by_particles(growth, kind)
+            left.loglog(n, time, "o-", color=color, label=kind)
+            left.loglog(n, time[0] * n / n[0], "--", color=GREY)
+        left.plot([], [], "--", color=GREY, label="proportional to the particles")
+        left.set(xlabel="particles", ylabel="time, ms")
+        for method, color in (("direct", VERMILION), ("adjoint", BLUE)):
+            right.semilogx(*_by_particles(shares, method), "o-", color=color, label=method)
+        right.set(xlabel="particles", ylabel="sensitivities / analysis, 8 steps", ylim=(0.0, None))
+        for axes in (left, right):
+            axes.legend()
+        left.figure.get_layout_engine().set(wspace=0.06)
     return {
         f"{kind}_{solver}": _exponent(figures, solver, name)
         for solver in ("superlu", "pardiso")

@@ -9,9 +9,10 @@ from verification.frames import Frame, analyze_in_frame
 from verification.seal_refinement import LEVELS, corner_level, flat_level
 from verification.step_refinement import STEPS, refine_steps
 
+from figures.drawing import picture
 from figures.tables import percent, power, table
 from seal_mdao.analysis.newton import NewtonOptions
-from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
+from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION
 from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.result import analyze
 
@@ -40,7 +41,7 @@ def _steps(out: Path, reduced: bool) -> dict:
     more = () if reduced else (800, 1600, 3200)
     found = {"incremental": refine_steps("incremental", (*steps, *more))}
     found["accumulated"] = refine_steps("accumulated", (*steps, 4 * steps[-1]))
-    save(step_picture(found), out / "step_refinement.png")
+    _step_picture(out / "step_refinement.png", found)
     numbers = {}
     for rule, study in found.items():
         rows = [
@@ -60,35 +61,29 @@ def _steps(out: Path, reduced: bool) -> dict:
     return numbers
 
 
-@styled
-def step_picture(found: dict):
-    figure, (left, right) = subplots(1, 2, width=9.6, height=3.6)
-    looks = (("accumulated", BLUE, "o-"), ("incremental", VERMILION, "s--"))
-    for rule, color, style in looks:
-        study = found[rule]
-        left.loglog(study.steps, study.gap_square_sum, style, color=color, label=rule, base=2)
-    left.set_ylabel("sum of squared gaps (mm²)")
+def _step_picture(path: Path, found: dict) -> None:
     study = found["accumulated"]
-    for column, name in enumerate(NAMES):
-        right.loglog(
-            study.steps[:-1], study.errors[:, column], marker=MARKERS[column],
-            color=CYCLE[column], label=name, base=2,
-        )  # fmt: skip
-    line = study.errors[0].max() * study.steps[0] / study.steps[:-1]
-    right.loglog(study.steps[:-1], line, "--", color=GREY, linewidth=1.0, label="order 1")
-    right.set_xticks(study.steps[:-1], [str(n) for n in study.steps[:-1]])
-    right.set_yscale("log", base=10)
-    right.set_ylim(bottom=study.errors.min() / 60.0)
-    left.set_yscale("log", base=10)
-    steps = found["incremental"].steps
-    left.set_xticks(steps, [str(n) for n in steps])
-    right.set_title("accumulated", fontsize=10)
-    right.set_ylabel(f"distance from {study.steps[-1]} steps, relative")
-    for axes in (left, right):
-        axes.xaxis.set_minor_locator(NullLocator())
-        axes.set_xlabel("load steps")
-        axes.legend()
-    return figure
+    steps = study.steps[:-1]
+    with picture(path, 1, 2, width=9.6, height=3.6) as (left, right):
+        for rule, color, style in (("accumulated", BLUE, "o-"), ("incremental", VERMILION, "s--")):
+            own = found[rule]
+            left.loglog(own.steps, own.gap_square_sum, style, color=color, label=rule, base=2)
+        looks = zip(NAMES, MARKERS, CYCLE, study.errors.T, strict=False)
+        for name, marker, color, errors in looks:
+            right.loglog(steps, errors, marker=marker, color=color, label=name, base=2)
+        # first order: error ~ 1 / n
+        line = study.errors[0].max() * steps[0] / steps
+        right.loglog(steps, line, "--", color=GREY, linewidth=1.0, label="order 1")
+        for axes, own in ((left, found["incremental"].steps), (right, steps)):
+            axes.set_xticks(own, [str(n) for n in own])
+            axes.set_yscale("log", base=10)
+            axes.xaxis.set_minor_locator(NullLocator())
+            axes.set_xlabel("load steps")
+            axes.legend()
+        left.set_ylabel("sum of squared gaps (mm²)")
+        right.set_ylim(bottom=study.errors.min() / 60.0)
+        right.set_title("accumulated", fontsize=10)
+        right.set_ylabel(f"distance from {study.steps[-1]} steps, relative")
 
 
 # ---- frames ----
@@ -123,41 +118,42 @@ def _seal(out: Path, reduced: bool) -> dict:
     head = ["particles", "$F_x$ (N/m)", "$F_y$ (N/m)", "largest gap (mm)",
             "$\\int g_n^2\\,\\mathrm ds$ (mm³)"]  # fmt: skip
     numbers = {"seal_table": table(head, rows)}
-    save(corner_picture(found), out / "corner_levels.png")
+    _corner_picture(out / "corner_levels.png", found)
     return numbers if reduced else numbers | _last_changes(*found[1:])
 
 
 def _last_changes(middle, fine, finest) -> dict:
     """Relative changes from the second level on; the tolerances are those of the first of them."""
-    changes = {"corner_reaction": [], "corner_gap": [], "corner_integral": []}
-    for a, b in ((middle, fine), (fine, finest)):
-        changes["corner_reaction"].append(abs(a.reaction[1] / b.reaction[1] - 1.0))
-        changes["corner_gap"].append(abs(a.max_gap / b.max_gap - 1.0))
-        changes["corner_integral"].append(abs(a.gap_square_integral / b.gap_square_integral - 1.0))
-    numbers = {name: percent(first) for name, (first, _) in changes.items()}
-    last = {f"{name}_last": percent(value) for name, (_, value) in changes.items()}
-    return numbers | last | {"corner_changes": ", ".join(numbers.values())}
+    values = {
+        "corner_reaction": lambda level: level.reaction[1],
+        "corner_gap": lambda level: level.max_gap,
+        "corner_integral": lambda level: level.gap_square_integral,
+    }
+
+    def changes(a, b, suffix=""):
+        return {name + suffix: percent(abs(of(a) / of(b) - 1.0)) for name, of in values.items()}
+
+    numbers = changes(middle, fine)
+    changed = ", ".join(numbers.values())
+    return numbers | changes(fine, finest, "_last") | {"corner_changes": changed}
 
 
-@styled
-def corner_picture(found):
+def _corner_picture(path: Path, found) -> None:
     """Every quantity over its value on the finest particles, against the spacing of the rays."""
-    figure, axes = subplots(width=5.8, height=3.5)
     spacing = np.array([58.0 / s.rays for s in found])
     columns = {
         "vertical reaction": [s.reaction[1] for s in found],
         "largest gap": [s.max_gap for s in found],
         "integral of squared gap": [s.gap_square_integral for s in found],
     }
-    for (name, values), color, marker in zip(columns.items(), CYCLE, MARKERS, strict=False):
-        axes.plot(spacing, np.array(values) / values[-1], marker=marker, color=color, label=name)
-    axes.axhline(1.0, color=GREY, linewidth=1.0, zorder=1)
-    axes.set_xlim(0.0, 1.05)
-    axes.set_xticks(spacing, [f"{s.rays} × {s.layers}" for s in found], rotation=25)
-    axes.set_xlabel("particles, placed at their spacing")
-    axes.set_ylabel("value / value on the finest")
-    axes.legend()
-    return figure
+    with picture(path, width=5.8, height=3.5) as axes:
+        for (name, own), color, marker in zip(columns.items(), CYCLE, MARKERS, strict=False):
+            axes.plot(spacing, np.array(own) / own[-1], marker=marker, color=color, label=name)
+        axes.axhline(1.0, color=GREY, linewidth=1.0, zorder=1)
+        axes.set_xlim(0.0, 1.05)
+        axes.set_xticks(spacing, [f"{s.rays} × {s.layers}" for s in found], rotation=25)
+        axes.set(xlabel="particles, placed at their spacing", ylabel="value / value on the finest")
+        axes.legend()
 
 
 def _flat(out: Path, reduced: bool) -> dict:
@@ -166,7 +162,7 @@ def _flat(out: Path, reduced: bool) -> dict:
         [f"{travel:g}", f"{force:.3f}", *(percent(s.reaction_error[i]) for s in found)]
         for i, (travel, force) in enumerate(REACTION)
     ]
-    save(flat_picture(found), out / "flat_door.png")
+    _flat_picture(out / "flat_door.png", found)
     names = [f"{s.rays} × {s.layers}" for s in found]
     worst = ", ".join(percent(np.abs(s.reaction_error).max()) for s in found)
     return {
@@ -176,36 +172,28 @@ def _flat(out: Path, reduced: bool) -> dict:
     }
 
 
-@styled
-def flat_picture(found):
-    figure, (left, middle, right) = subplots(1, 3, width=12.4, height=3.6)
+def _flat_picture(path: Path, found) -> None:
     result = analyze(door_seal(door="flat"))
-    left.plot(result.travel, result.reaction[:, 1], color=BLUE, label="58 × 3 particles")
-    left.plot(*REACTION.T, "s", color=VERMILION, label="finite elements")
-    left.set_ylabel("vertical reaction (N/m)")
-    for s, color, marker in zip(found, CYCLE, MARKERS, strict=False):
-        middle.plot(
-            REACTION[:, 0], 100 * s.reaction_error, marker=marker, color=color,
-            label=f"{s.rays} × {s.layers}",
-        )  # fmt: skip
-    middle.set_ylabel("difference (%)")
-    middle.axhline(0.0, color=GREY, linewidth=1.0)
-    for axes in (left, middle):
-        axes.set_xlabel("door travel (mm)")
-    _flat_shape(right, result)
-    for axes in (left, middle, right):
-        axes.legend()
-    return figure
+    with picture(path, 1, 3, width=12.4, height=3.6) as panels:
+        left, middle, right = panels
+        left.plot(result.travel, result.reaction[:, 1], color=BLUE, label="58 × 3 particles")
+        left.plot(*REACTION.T, "s", color=VERMILION, label="finite elements")
+        left.set(xlabel="door travel (mm)", ylabel="vertical reaction (N/m)")
+        for s, color, marker in zip(found, CYCLE, MARKERS, strict=False):
+            look = {"marker": marker, "color": color, "label": f"{s.rays} × {s.layers}"}
+            middle.plot(REACTION[:, 0], 100 * s.reaction_error, **look)
+        middle.axhline(0.0, color=GREY, linewidth=1.0)
+        middle.set(xlabel="door travel (mm)", ylabel="difference (%)")
+        _flat_shape(right, result)
+        for axes in panels:
+            axes.legend()
 
 
-def _flat_shape(axes, result):
+def _flat_shape(axes, result) -> None:
     """The right half of the outer boundary at 10 mm."""
     outer = result.seal.grid.free_outer
-    place = (result.particles + result.path.displacement())[outer]
-    place = place[result.particles[outer, 0] > -1e-9]
-    axes.plot(*place.T, color=BLUE, label="58 × 3 particles")
+    x = result.deformed()[outer][result.particles[outer, 0] > -1e-9]
+    axes.plot(*x.T, color=BLUE, label="58 × 3 particles")
     axes.plot(*BOUNDARY[:, 2:].T, "s", color=VERMILION, markersize=3.5, label="finite elements")
     axes.axhline(-0.5, color=GREY, linewidth=1.0, zorder=1)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x (mm)")
-    axes.set_ylabel("y (mm)")
+    axes.set(aspect="equal", xlabel="x (mm)", ylabel="y (mm)")

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
+from figures.drawing import ROOT
 from figures.tables import power, table
 from seal_mdao.drivers.optimality import measure_optimality
 from seal_mdao.file_optimization import design_bounds, file_problem
@@ -21,9 +22,9 @@ from seal_mdao.plotting import (
     save,
     section_cloud,
 )
-from seal_mdao.recording.recorded_optimization import label
+from seal_mdao.recording.recorded_optimization import label, shown_unit
 
-FILES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.toml"))
+EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("*.toml"))
 SHARE = 8
 """Of the steps and of the travel that is left in the reduced mode."""
 
@@ -31,22 +32,21 @@ SHARE = 8
 def make(out: Path, reduced: bool) -> dict:
     """Section, deformed shapes, load-deflection and optimum of every example, and its measures."""
     numbers, rows = {}, []
-    for path in FILES:
-        file = sm.read_seal_file(path)
-        seal = sm.build_seal(begun(file) if reduced else file)
+    for name in EXAMPLES:
+        file, folder = example(name, reduced), out / "seal_files"
+        seal = sm.build_seal(file)
         result = sm.analyze(seal)
         result.require_converged()
-        folder = out / "seal_files"
-        save(section_cloud(result), folder / f"{path.stem}_section.png")
-        save(deformed_shapes(result), folder / f"{path.stem}_shapes.png")
-        save(load_deflection(result), folder / f"{path.stem}_load.png")
+        save(section_cloud(result), folder / f"{name}_section.png")
+        save(deformed_shapes(result), folder / f"{name}_shapes.png")
+        save(load_deflection(result), folder / f"{name}_load.png")
         if file.optimize is not None:
             offsets, row = (sketched if reduced else optimised)(file, seal)
             best = sm.analyze(seal, offsets)
             best.require_converged()
-            save(design_comparison(result, best), folder / f"{path.stem}_optimum.png")
-            rows.append([f"`{path.stem}`", *row])
-        numbers[path.stem] = {"particles": len(result.particles)} | {
+            save(design_comparison(result, best), folder / f"{name}_optimum.png")
+            rows.append([f"`{name}`", *row])
+        numbers[name] = {"particles": len(result.particles)} | {
             re.sub(r"\W", "_", measure.name): f"{result.value(measure)[0]:.4g}"
             for measure in result.measures()
             if measure.size(result.seal)
@@ -55,7 +55,7 @@ def make(out: Path, reduced: bool) -> dict:
 
 
 HEAD = (
-    "example", "made small", "before", "after", "iterations", "analyses", "largest violation",
+    "example", "minimised", "before", "after", "iterations", "analyses", "largest violation",
     "optimality",
 )  # fmt: skip
 
@@ -74,11 +74,7 @@ def optimised(file, seal) -> tuple[np.ndarray, list]:
         after, offsets = problem.get_val(aim)[0], problem.get_val("boundary_offsets").copy()
         iterations, analyses = major_iterations(problem), driver.result.model_evals
         problem.cleanup()
-    unit = (
-        next(m.units for m in seal.standard if m.name == aim)
-        .replace("**2", "²")
-        .replace("**3", "³")
-    )
+    unit = shown_unit(next(m.units for m in seal.standard if m.name == aim))
     conditions = max(found.stationarity, found.complementarity)
     return offsets, [
         label(aim), *(f"{_short(value)} {unit}" for value in (before, after)), iterations, analyses,
@@ -94,6 +90,12 @@ def sketched(file, seal) -> tuple[np.ndarray, list]:
     """For the reduced mode: a design that is none, and its row."""
     aim, none = label(file.optimize.minimize), power(nan)
     return -0.1 * design_bounds(file), [aim, *[none] * 6]
+
+
+def example(name: str, reduced: bool):
+    """Read an example; in the reduced mode the first part of its path."""
+    file = sm.read_seal_file(ROOT / "examples" / f"{name}.toml")
+    return begun(file) if reduced else file
 
 
 def begun(file):

@@ -3,47 +3,32 @@
 from pathlib import Path
 
 import seal_mdao as sm
-from figures.seal_files import begun
+from figures.drawing import picture
+from figures.seal_files import example
 from seal_mdao.contact.friction import OPEN
-from seal_mdao.plotting import field
-from seal_mdao.plotting.section import draw_held, draw_profiles, fill_outline, frame, window
-from seal_mdao.plotting.style import BLUE, VERMILION, save, styled, subplots
+from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.field import fine_grid
+from seal_mdao.plotting.style import BLUE, VERMILION
 
-FILE = Path(__file__).resolve().parents[2] / "examples" / "folded_lip.toml"
-SHARES = 0.25, 0.5, 0.86, 1.0
+FRACTIONS = 0.25, 0.5, 0.86, 1.0
 """Of the load steps, at which the lip is drawn."""
-
-ROOM = 1.5
+CLEARANCE = 1.5
 """For the rod above the lip, mm."""
 
 
 def make(out: Path, reduced: bool) -> dict:
-    """The picture, and how many points touch."""
-    file = sm.read_seal_file(FILE)
-    result = sm.analyze(sm.build_seal(begun(file) if reduced else file))
+    """The picture of the lip on its way down, and how many points touch."""
+    result = sm.analyze(sm.build_seal(example("folded_lip", reduced)))
     result.require_converged()
-    save(fold_picture(result), out / "self_contact.png")
-    answers = result.path.at_nominal("self_contact")
-    return {"touching": max(int((answer.branch != OPEN).sum()) for answer in answers)}
-
-
-@styled
-def fold_picture(result):
-    """The lip on its way down."""
-    figure, panels = subplots(1, len(SHARES), width=12.0, height=2.6)
-    fine, last = field.fine_grid(result), len(result.path.nominal_steps) - 1
-    low, high = window([field.deformed(result, fine, round(share * last)) for share in SHARES])
-    high = high[0], high[1] + ROOM
-    for axes, share in zip(panels, SHARES, strict=True):
-        step = round(share * last)
-        fill_outline(
-            axes, field.deformed(result, fine, step), fine.loops, facecolor=BLUE, alpha=0.35,
-            edgecolor=BLUE,
-        )  # fmt: skip
-        draw_held(axes, result)
-        draw_profiles(axes, result, step + 1.0)
-        answer = result.response("self_contact", result.path.nominal_steps[step])
-        axes.plot(*answer.x[answer.branch != OPEN].T, ".", color=VERMILION, markersize=5)
-        frame(axes, low, high)
-        axes.set_title(f"step {step + 1}")
-    return figure
+    fine, responses = fine_grid(result), result.path.at_nominal("self_contact")
+    steps = [round(fraction * (len(responses) - 1)) for fraction in FRACTIONS]
+    low, high = section.window(map(fine.deformed, steps))
+    high = high[0], high[1] + CLEARANCE
+    with picture(out / "self_contact.png", 1, len(steps), width=12.0, height=2.6) as panels:
+        for axes, step in zip(panels, steps, strict=True):
+            section.draw_section(axes, fine, step, facecolor=BLUE, alpha=0.35, edgecolor=BLUE)
+            touching = responses[step].x[responses[step].branch != OPEN]
+            axes.plot(*touching.T, ".", color=VERMILION, markersize=5)
+            section.frame(axes, low, high)
+            axes.set_title(f"step {step + 1}")
+    return {"touching": max(int((own.branch != OPEN).sum()) for own in responses)}

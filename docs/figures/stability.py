@@ -6,11 +6,12 @@ import numpy as np
 from verification.patch import squeeze
 from verification.shallow_arch import critical_load, press_arch
 
+from figures.drawing import picture
 from figures.tables import percent, table
 from seal_mdao import plotting
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.plotting.style import BLUE, GREY, LIGHT_GREY, VERMILION, save, styled, subplots
+from seal_mdao.plotting.style import BLUE, GREY, LIGHT_GREY, VERMILION
 from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.result import analyze
 
@@ -39,23 +40,18 @@ def _flat(out, reduced) -> dict:
     }
 
 
-@styled
-def _branches(path: Path, stable, upright):
-    figure, axes = subplots(width=6.0, height=3.8)
-    travel, force = upright.travel, upright.reaction[:, 1]
-    axes.plot(travel, force, "--", color=GREY, label="upright, not stable")
-    axes.plot(stable.travel, stable.reaction[:, 1], color=BLUE, label="stable")
+def _branches(path: Path, stable, upright) -> None:
     first = [point.travel for point in stable.critical_points]
-    places = np.interp(first, stable.travel, stable.reaction[:, 1])
-    axes.plot(
-        first, places, "D", color="black", markerfacecolor="white", label="stability lost", zorder=5
-    )
-    axes.set_xlim(0.0, 10.5)
-    axes.set_ylim(0.0, None)
-    axes.set_xlabel("door travel (mm)")
-    axes.set_ylabel("force on the flat door without friction (N/m)")
-    axes.legend(loc="upper left")
-    save(figure, path)
+    at_loss = np.interp(first, stable.travel, stable.reaction[:, 1])
+    with picture(path, width=6.0, height=3.8) as axes:
+        force = upright.reaction[:, 1]
+        axes.plot(upright.travel, force, "--", color=GREY, label="upright, not stable")
+        axes.plot(stable.travel, stable.reaction[:, 1], color=BLUE, label="stable")
+        hollow = {"color": "black", "markerfacecolor": "white", "zorder": 5}
+        axes.plot(first, at_loss, "D", label="stability lost", **hollow)
+        axes.set(xlim=(0.0, 10.5), ylim=(0.0, None), xlabel="door travel (mm)")
+        axes.set_ylabel("force on the flat door without friction (N/m)")
+        axes.legend(loc="upper left")
 
 
 def _corners(out, reduced) -> dict:
@@ -121,26 +117,23 @@ def _first_unstable(path) -> int:
     return next(i for i, step in enumerate(path.nominal_steps) if not step.stable)
 
 
-@styled
-def _shapes(path: Path, arches):
+def _shapes(path: Path, arches) -> None:
     """Middle lines of the arches before the first critical point, their mode, and after."""
-    figure, panels = subplots(len(arches), 1, width=6.2, height=3.8, squeeze=False, sharex=True)
-    for axes, arch, rise in zip(panels[:, 0], arches, RISES, strict=True):
-        disc, first = arch.path.discretization, arch.path.critical_points[0]
-        rows = int(disc.body.cells[0, 1])  # particles are numbered column by column
-        middle = np.arange(rows // 2, disc.body.n_particles, rows)
-        place = int(first.fraction) - 1
-        before, after = (
-            (disc.particles + arch.path.displacement(step))[middle] for step in (place, place + 1)
-        )
-        drawn = disc.particles[middle]
-        mode = before + 0.5 * first.mode[middle]
-        axes.plot(*drawn.T, color=LIGHT_GREY, linewidth=3.0, label="drawn")
-        axes.plot(*before.T, color="black", label="before")
-        axes.plot(*mode.T, "--", color=VERMILION, label="critical mode")
-        axes.plot(*after.T, color=BLUE, label="after")
-        axes.set_ylabel("y over the thickness")
-        axes.set_title(f"rise {rise:g}")
-    panels[-1, 0].set_xlabel("x over the thickness")
-    panels[0, 0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    save(figure, path)
+    with picture(path, len(arches), 1, width=6.2, height=3.8, squeeze=False, sharex=True) as panels:
+        for axes, arch, rise in zip(panels[:, 0], arches, RISES, strict=True):
+            disc, first = arch.path.discretization, arch.path.critical_points[0]
+            rows = int(disc.body.cells[0, 1])  # particles are numbered column by column
+            middle = np.arange(rows // 2, disc.body.n_particles, rows)
+            k = int(first.fraction) - 1
+            before, after = (
+                (disc.particles + arch.path.displacement(step))[middle] for step in (k, k + 1)
+            )
+            wide = {"color": LIGHT_GREY, "linewidth": 3.0, "label": "undeformed"}
+            axes.plot(*disc.particles[middle].T, **wide)
+            axes.plot(*before.T, color="black", label="before")
+            mode = before + 0.5 * first.mode[middle]
+            axes.plot(*mode.T, "--", color=VERMILION, label="critical mode")
+            axes.plot(*after.T, color=BLUE, label="after")
+            axes.set(ylabel="y over the thickness", title=f"rise {rise:g}")
+        panels[-1, 0].set_xlabel("x over the thickness")
+        panels[0, 0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

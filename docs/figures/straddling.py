@@ -6,8 +6,9 @@ import numpy as np
 from verification.differences import contact_states
 
 from figures.differences import Case, at_step, case, measure_names
+from figures.drawing import picture
 from figures.tables import power, table
-from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, signed, styled, subplots
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION, signed
 
 RADII = np.linspace(4.002, 4.006, 13)
 PARAMETER = 25
@@ -67,7 +68,7 @@ def make(out: Path, reduced: bool) -> dict:
         error = abs(found.value[row] / exact - 1.0)
         shown[step] = found.value[row]
         rows.append([power(step, 0), str(found.changed), f"{found.value[row]:.6f}", power(error)])
-    save(picture(radii, low, high, origin, shown), out / "straddling.png")
+    _picture(out / "straddling.png", radii, (low, high), origin, shown)
     beyond = case(high)
     check = at_step(beyond, PARAMETER, "forward", 1e-6)
     head = ["step (mm)", "states that differ", "difference quotient", "relative error"]
@@ -82,30 +83,27 @@ def make(out: Path, reduced: bool) -> dict:
     }
 
 
-@styled
-def picture(radii, low: float, high: float, origin: Case, quotients: dict):
-    figure, (left, right) = subplots(1, 2, width=10.0, height=3.8)
-    at = np.sort(np.concatenate([radii, [low, high]]))
+def _picture(path: Path, radii, change, origin: Case, quotients: dict) -> None:
+    """The sum of squared gaps and its derivative over the radius, with the difference quotients."""
+    low, high = change
+    at = np.sort(np.concatenate([radii, change]))
     value = 1e3 * np.array([case(r).result.gap_square_sum for r in at])
-    left.plot(at, value, "o-", color=BLUE, markersize=3)
-    left.set_ylabel("sum of squared gaps ($10^{-3}$ mm²)")
-    for side, label in ((at <= low, "analytic derivative"), (at >= high, None)):
-        slopes = [slope(r) for r in at[side]]
-        right.plot(at[side], slopes, "o-", color=BLUE, markersize=3, label=label)
-    radius = origin.design.values[-1]
-    for step, quotient in quotients.items():
-        straddles = radius + step > high
-        ends = [radius - step, radius + step]
-        right.plot(
-            ends, [quotient, quotient], color=VERMILION if straddles else GREY, linewidth=1.4,
-            marker="|", markersize=7,
-        )  # fmt: skip
-    right.plot([], [], color=VERMILION, marker="|", label="difference across the change")
-    right.plot([], [], color=GREY, marker="|", label="difference beside it")
-    right.set_ylabel("its derivative (mm)")
-    for axes in (left, right):
-        axes.axvline(0.5 * (low + high), color=GREY, linestyle=":", linewidth=1.0)
-        axes.set_xlabel("door radius (mm)")
-        axes.set_xlim(radii[0] - 3e-4, radii[-1] + 3e-4)
-    figure.legend(loc="outside lower right", ncols=3)
-    return figure
+    with picture(path, 1, 2, width=10.0, height=3.8) as panels:
+        left, right = panels
+        left.plot(at, value, "o-", color=BLUE, markersize=3)
+        left.set_ylabel("sum of squared gaps ($10^{-3}$ mm²)")
+        for side, label in ((at <= low, "analytic derivative"), (at >= high, None)):
+            slopes = [slope(r) for r in at[side]]
+            right.plot(at[side], slopes, "o-", color=BLUE, markersize=3, label=label)
+        radius = origin.design.values[-1]
+        for step, quotient in quotients.items():
+            color = VERMILION if radius + step > high else GREY
+            look = {"color": color, "linewidth": 1.4, "marker": "|", "markersize": 7}
+            right.plot([radius - step, radius + step], [quotient, quotient], **look)
+        right.plot([], [], color=VERMILION, marker="|", label="difference across the change")
+        right.plot([], [], color=GREY, marker="|", label="difference beside it")
+        right.set_ylabel("its derivative (mm)")
+        for axes in panels:
+            axes.axvline(0.5 * (low + high), color=GREY, linestyle=":", linewidth=1.0)
+            axes.set(xlabel="door radius (mm)", xlim=(radii[0] - 3e-4, radii[-1] + 3e-4))
+        left.figure.legend(loc="outside lower right", ncols=3)

@@ -1,14 +1,15 @@
-"""Tolerances: the nominal and the robust optimum on other cars, and what scenarios cost."""
+"""Tolerances: the nominal and the robust optimum on samples, and what scenarios cost."""
 
 import json
 from pathlib import Path
 
 import numpy as np
 
-from seal_mdao.plotting.style import BLUE, GREY, VERMILION, save, styled, subplots
-from seal_mdao.plotting.tolerances import designs_compared
+from figures.drawing import ROOT, curves
+from seal_mdao.plotting import designs_compared, save
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION
 
-BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
+BENCHMARKS = ROOT / "docs" / "benchmarks"
 LOOKS = {0: (GREY, "in line"), 1: (BLUE, "1 worker"), 2: (VERMILION, "2 workers")}
 
 
@@ -20,28 +21,17 @@ def make(out: Path, reduced: bool) -> dict:
     gaps = {f"{name} optimum": np.array(own["gap"]) for name, own in designs.items()}
     forces = {f"{name} optimum": np.array(own["reaction"]) for name, own in designs.items()}
     band = robust["reaction_band_N_per_m"]
-    figure = designs_compared(gaps, "gap integral", "mm**3", forces, band)
+    text = "reaction of the door (N/m)"
+    figure = designs_compared(gaps, "gap integral", "mm**3", forces, band, text)
     save(figure, out / "robust_comparison.png")
-    save(scenario_costs(costs), out / "scenario_costs.png")
+    rows = {n: [row for row in costs["rows"] if row["workers"] == n] for n in LOOKS}
+    lines = [
+        ([row["scenarios"] for row in own], [row["seconds"] for row in own], "o-", *LOOKS[n])
+        for n, own in rows.items()
+    ]
+    labels, size = ("scenarios with gradients", "processor time, s"), (5.6, 3.6)
+    curves(out / "scenario_costs.png", *labels, lines, size, xlim=(0, None), ylim=(0, None))
     return numbers(found, costs)
-
-
-@styled
-def scenario_costs(costs: dict):
-    """Time against scenarios for each number of workers."""
-    figure, axes = subplots(width=5.6, height=3.6)
-    for workers, (color, label) in LOOKS.items():
-        rows = [row for row in costs["rows"] if row["workers"] == workers]
-        n, t = ([row[key] for row in rows] for key in ("scenarios", "seconds"))
-        axes.plot(n, t, "o-", color=color, label=label)
-    axes.set(
-        xlabel="scenarios with gradients",
-        ylabel="processor time, s",
-        xlim=(0, None),
-        ylim=(0, None),
-    )
-    axes.legend()
-    return figure
 
 
 def numbers(found: dict, costs: dict) -> dict:

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from seal_mdao.calibration.modes import MODES
+from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.input_files import read_text
 
 COLUMNS = ("mode", "stretch", "stress_kPa")
@@ -141,16 +141,16 @@ def read_tests(path) -> MaterialTests:
         raise MaterialDataError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise MaterialDataError(f"{path}: is not a text file in UTF-8") from None
-    # numbered lines, without empty ones and comments
-    kept = [
-        (number, line)
+    # lines with their numbers, without empty ones and comments
+    filled = [
+        (f"{path}, line {number}", line)
         for number, line in enumerate(lines, 1)
         if line.strip().strip(",") and not line.lstrip().startswith("#")
     ]
-    if not kept:
+    if not filled:
         raise MaterialDataError(f"{path}: the file is empty; it needs the line {','.join(COLUMNS)}")
-    columns = _header(path, *kept[0])
-    rows = [_row(path, number, line, columns) for number, line in kept[1:]]
+    columns = _header(*filled[0])
+    rows = [_row(*own, columns) for own in filled[1:]]
     if not rows:
         raise MaterialDataError(f"{path}: there is no reading below the line of column names")
     return _collected(rows, str(path))
@@ -163,90 +163,79 @@ def _cells(line: str) -> list[str]:
         return [""]
 
 
-def _header(path, number: int, line: str) -> list[str]:
+def _header(where: str, line: str) -> list[str]:
     """Parse and validate the names of the columns.
 
     The message quotes the line only if it has the columns of test data, because a seal file may name
     any file of the machine."""
     columns, allowed = _cells(line), (*COLUMNS, LATERAL)
-    where = f"{path}, line {number}"
     missing = [column for column in COLUMNS if column not in columns]
+    unknown = [column for column in columns if column not in allowed]
+    twice = [column for column in columns if columns.count(column) > 1]
     if missing:
         raise MaterialDataError(
             f"{where}: there is no column {missing[0]!r}; the columns are {', '.join(COLUMNS)} and "
             f"perhaps {LATERAL}, separated by commas"
         )
-    unknown = [column for column in columns if column not in allowed]
     if unknown:
         raise MaterialDataError(
             f"{where}: unknown column {unknown[0][:40]!r}; allowed are {', '.join(allowed)}, "
             "separated by commas"
         )
-    twice = [column for column in columns if columns.count(column) > 1]
     if twice:
         raise MaterialDataError(f"{where}: the column {twice[0]!r} is there twice")
     return columns
 
 
-def _row(path, number: int, line: str, columns: list[str]) -> tuple:
-    """Parse and validate one line: its mode and numbers."""
+def _row(where: str, line: str, columns: list[str]) -> tuple:
+    """Parse and validate one line: mode, stretch, stress and perhaps lateral stretch."""
     cells = _cells(line)
-    where = f"{path}, line {number}"
     if len(cells) != len(columns):
         raise MaterialDataError(
             f"{where}: {len(cells)} values for {len(columns)} columns ({', '.join(columns)}); "
             "decimals need a point"
         )
-    by_name = dict(zip(columns, cells, strict=True))
-    numbers = []
+    found = dict(zip(columns, cells, strict=True))
     for column in columns:
-        if column == "mode":
-            continue
         try:
             # Python alone reads 1_0 as a number: refuse it
-            numbers.append(float(by_name[column].replace("_", "?")))
+            if column != "mode":
+                found[column] = float(found[column].replace("_", "?"))
         except ValueError:
             raise MaterialDataError(
-                f"{where}, column {column}: {by_name[column][:40]!r} is not a number"
+                f"{where}, column {column}: {found[column][:40]!r} is not a number"
             ) from None
-    order = [column for column in columns if column != "mode"]
-    named = dict(zip(order, numbers, strict=True))
-    # stretch, stress, lateral stretch, whatever the order of the columns
-    values = [named[column] for column in (*COLUMNS[1:], LATERAL) if column in named]
-    _check(where, by_name["mode"], *values)
-    return (by_name["mode"], *values)
+    # in this order, whatever the order of the columns
+    row = tuple(found[column] for column in (*COLUMNS, LATERAL) if column in found)
+    _check(where, *row)
+    return row
 
 
 def _check(where: str, mode: str, stretch: float, stress: float, lateral: float = 1.0) -> None:
     """Validate one reading."""
-    if mode not in MODES:
-        raise MaterialDataError(
-            f"{where}, column mode: unknown mode {mode[:40]!r}; allowed are {', '.join(MODES)}"
-        )
     low, high = STRETCH_RANGE
+    checks = [
+        (mode in MODES, "mode", f"unknown mode {mode[:40]!r}; allowed are {', '.join(MODES)}")
+    ]
     for column, value in (("stretch", stretch), (LATERAL, lateral)):
-        if not np.isfinite(value):
-            raise MaterialDataError(f"{where}, column {column}: {value} is not a finite number")
-        if value <= 0.0:
-            raise MaterialDataError(
-                f"{where}, column {column}: {value:g} is not positive; a stretch is length over "
-                "undeformed length"
-            )
-        if not low <= value <= high:
-            raise MaterialDataError(
-                f"{where}, column {column}: {value:g} is not between {low:g} and {high:g}; a "
-                "stretch is length over undeformed length"
-            )
-    if not abs(stress) <= LARGEST_STRESS:
-        raise MaterialDataError(
-            f"{where}, column stress_kPa: {stress:g} is not a number within {LARGEST_STRESS:g} kPa"
-        )
+        ratio, limits = "a stretch is length over undeformed length", f"{low:g} and {high:g}"
+        checks += [
+            (np.isfinite(value), column, f"{value} is not a finite number"),
+            (value > 0.0, column, f"{value:g} is not positive; {ratio}"),
+            (low <= value <= high, column, f"{value:g} is not between {limits}; {ratio}"),
+        ]
     # tension has lambda > 1 and P > 0, compression lambda < 1 and P < 0
-    if (stretch - 1.0) * stress < 0.0 and abs(stretch - 1.0) > NEAR_ONE:
-        raise MaterialDataError(
-            f"{where}, column stretch: {stretch:g} has a stress of {stress:g} kPa with the wrong "
-            "sign; compression is a stretch below 1 with a negative stress (is this a strain?)"
-        )
+    opposite = (stretch - 1.0) * stress < 0.0 and abs(stretch - 1.0) > NEAR_ONE
+    checks += [
+        (abs(stress) <= LARGEST_STRESS, "stress_kPa",
+         f"{stress:g} is not a number within {LARGEST_STRESS:g} kPa"),
+        (not opposite, "stretch",
+         f"{stretch:g} has a stress of {stress:g} kPa with the wrong sign; compression is a stretch "
+         "below 1 with a negative stress (is this a strain?)"),
+    ]  # fmt: skip
+    for valid, column, text in checks:
+        if not valid:
+            raise MaterialDataError(f"{where}, column {column}: {text}")
 
 
 def _collected(rows, source: str) -> MaterialTests:

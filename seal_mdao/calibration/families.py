@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.calibration.data import MaterialTests
-from seal_mdao.calibration.modes import MODES
+from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.gent import Gent
 from seal_mdao.materials.hyperfoam import Hyperfoam
@@ -70,30 +70,32 @@ class Family:
     convex: bool
 
 
-def _plain(law, template, **bounds) -> Family:
+FREE, POSITIVE = (-np.inf, np.inf), (0.0, np.inf)
+
+
+def _linear(law, template, **bounds) -> Family:
+    """A law of moduli alone."""
     unknowns = [Unknown(name, *box) for name, box in bounds.items()]
     return Family(law, template, lambda rng: (unknowns, {}), True)
 
 
 def _neo_hookean(tests, terms, nu, bulk):
-    return _plain("neo_hookean", NeoHookean(1.0, bulk), c10=(0.0, np.inf))
+    return _linear("neo_hookean", NeoHookean(1.0, bulk), c10=POSITIVE)
 
 
 def _mooney_rivlin(tests, terms, nu, bulk):
-    box = (0.0, np.inf)
-    return _plain("mooney_rivlin", MooneyRivlin(1.0, 1.0, bulk), c10=box, c01=box)
+    return _linear("mooney_rivlin", MooneyRivlin(1.0, 1.0, bulk), c10=POSITIVE, c01=POSITIVE)
 
 
 def _yeoh(tests, terms, nu, bulk):
-    free = (-np.inf, np.inf)
-    return _plain("yeoh", Yeoh(1.0, 0.0, 0.0, bulk), c10=(0.0, np.inf), c20=free, c30=free)
+    return _linear("yeoh", Yeoh(1.0, 0.0, 0.0, bulk), c10=POSITIVE, c20=FREE, c30=FREE)
 
 
 def _gent(tests, terms, nu, bulk):
     # Jm > max(I1 - 3) of the data: the law must be defined at all readings
     least = 1.0001 * largest_distortion(tests)
     unknowns = [
-        Unknown("shear_modulus", 0.0, np.inf),
+        Unknown("shear_modulus", *POSITIVE),
         Unknown("limit", least, max(LARGEST_LIMIT, 2.0 * least), modulus=False),
     ]
 
@@ -103,29 +105,27 @@ def _gent(tests, terms, nu, bulk):
     return Family("gent", Gent(1.0, 2.0 * least, bulk), draw, False)
 
 
-def _signed_box(name: str, sign: float, lower: float, upper: float, modulus: bool) -> Unknown:
-    ends = sorted((sign * lower, sign * upper))
-    return Unknown(name, *ends, modulus)
-
-
 def _exponents(rng, terms: int):
-    """Sample signs and exponents of one start: |alpha| log-uniform between 0.5 and 10."""
+    """Sample the signs of one start and the exponents: |alpha| log-uniform between 0.5 and 10."""
     signs = rng.choice([1.0, -1.0], terms, p=[0.6, 0.4])
-    return signs, signs * 0.5 * 20.0 ** rng.uniform(0.0, 1.0, terms)
+    alpha = signs * 0.5 * 20.0 ** rng.uniform(0.0, 1.0, terms)
+    # bounds keep the signs of the start
+    unknowns = [_signed(f"alpha_{i}", s, *EXPONENTS, False) for i, s in enumerate(signs, 1)]
+    return signs, unknowns, {f"alpha_{i}": a for i, a in enumerate(alpha, 1)}
+
+
+def _signed(name: str, sign: float, lower: float, upper: float, modulus: bool) -> Unknown:
+    return Unknown(name, *sorted((sign * lower, sign * upper)), modulus)
 
 
 def _ogden(tests, terms, nu, bulk):
     def draw(rng):
-        signs, alpha = _exponents(rng, terms)
-        pairs = list(enumerate(signs, 1))
+        signs, exponents, values = _exponents(rng, terms)
         # mu alpha > 0: every term, hence the law, is stable at every stretch
-        # the signs of mu and alpha are those of the start; bounds keep them
-        moduli = [_signed_box(f"mu_{i}", s, 0.0, np.inf, True) for i, s in pairs]
-        powers = [_signed_box(f"alpha_{i}", s, *EXPONENTS, False) for i, s in pairs]
-        return [*moduli, *powers], {f"alpha_{i}": a for i, a in enumerate(alpha, 1)}
+        moduli = [_signed(f"mu_{i}", s, *POSITIVE, True) for i, s in enumerate(signs, 1)]
+        return [*moduli, *exponents], values
 
-    ones = (1.0,) * terms
-    return Family("ogden", Ogden(ones, (2.0,) * terms, bulk), draw, False)
+    return Family("ogden", Ogden((1.0,) * terms, (2.0,) * terms, bulk), draw, False)
 
 
 def _hyperfoam(tests, terms, nu, bulk):
@@ -134,22 +134,19 @@ def _hyperfoam(tests, terms, nu, bulk):
             f"hyperfoam needs the column lateral_stretch for every mode, or a given Poisson's ratio; "
             f"{tests.source} has none"
         )
+    numbers = range(1, terms + 1)
 
     def draw(rng):
-        signs, alpha = _exponents(rng, terms)
-        pairs = list(enumerate(signs, 1))
-        unknowns = [Unknown(f"mu_{i}", 0.0, np.inf) for i, _ in pairs]
-        unknowns += [_signed_box(f"alpha_{i}", s, *EXPONENTS, False) for i, s in pairs]
-        values = {f"alpha_{i}": a for i, a in enumerate(alpha, 1)}
+        _, exponents, values = _exponents(rng, terms)
+        unknowns = [*(Unknown(f"mu_{i}", *POSITIVE) for i in numbers), *exponents]
         if nu is None:
-            unknowns += [Unknown(f"nu_{i}", *POISSON, modulus=False) for i, _ in pairs]
-            values |= {f"nu_{i}": rng.uniform(0.02, 0.45) for i, _ in pairs}
+            unknowns += [Unknown(f"nu_{i}", *POISSON, modulus=False) for i in numbers]
+            values |= {f"nu_{i}": rng.uniform(0.02, 0.45) for i in numbers}
         return unknowns, values
 
-    ones = (1.0,) * terms
     # a template: its values are replaced by those of the starts
     ratios = (0.2 if nu is None else nu,) * terms
-    return Family("hyperfoam", Hyperfoam(ones, (2.0,) * terms, ratios), draw, False)
+    return Family("hyperfoam", Hyperfoam((1.0,) * terms, (2.0,) * terms, ratios), draw, False)
 
 
 _FAMILY_OF = {

@@ -2,19 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares, lsq_linear
 
 from seal_mdao.calibration.data import MaterialDataError, MaterialTests
-from seal_mdao.calibration.errors import errors_of
 from seal_mdao.calibration.families import Family, family
-from seal_mdao.calibration.residuals import Residuals, residuals
-from seal_mdao.calibration.stability import (
-    MARGIN,
-    check_stability,
-    require_stable,
-)
+from seal_mdao.calibration.fit_errors import errors_of
+from seal_mdao.calibration.material_stability import MARGIN, check_stability, require_stable
+from seal_mdao.calibration.residuals import residuals
 from seal_mdao.materials.isotropic import Isotropic
 
 DRAWS, STARTS = 200, 12
@@ -135,9 +132,13 @@ def fit(
     # Poisson's ratios are fitted to the lateral stretches unless given
     lateral = law == "hyperfoam" and options.get("nu") is None
     differences = residuals(tests, weighting, lateral)
-    rng = np.random.default_rng(seed)
-    _require_readings(tests, len(kind.draw(np.random.default_rng(seed))[0]), law, lateral)
-    ends = _ends(kind, differences, rng, progress)
+    count = len(kind.draw(np.random.default_rng(seed))[0])
+    if tests.count * (2 if lateral else 1) < count:
+        raise MaterialDataError(
+            f"{tests.source}: {tests.count} readings are too few for the {count} constants of {law}"
+        )
+    scale = max(np.abs(data.stress).max() for data in tests.modes.values())
+    ends = _ends(kind, differences, scale, np.random.default_rng(seed), progress)
     ranges = {name: data.range for name, data in tests.modes.items()}
     chosen, stability = _first_stable(ends, ranges, margin, allow_unstable, law, tests.source)
     deviations, correlation = _uncertainty(differences, chosen)
@@ -147,14 +148,6 @@ def fit(
         law, chosen.law, tests, weighting, errors_of(chosen.law, tests), stability, margin,
         chosen.cost, len(ends), agreeing, deviations, chosen.unknowns, correlation,
     )  # fmt: skip
-
-
-def _require_readings(tests, count, law, lateral):
-    readings = tests.count * (2 if lateral else 1)
-    if readings < count:
-        raise MaterialDataError(
-            f"{tests.source}: {tests.count} readings are too few for the {count} constants of {law}"
-        )
 
 
 def _first_stable(ends, ranges, margin, allow_unstable, law, source):
@@ -172,20 +165,16 @@ def _first_stable(ends, ranges, margin, allow_unstable, law, source):
 # ---- starts ----
 
 
-def _ends(kind: Family, differences: Residuals, rng, progress) -> list[_End]:
+def _ends(kind: Family, differences, scale: float, rng, progress) -> list[_End]:
     """Minimise from all starts; return the results, the best first."""
     # sample the nonlinear constants, solve for the moduli, and descend from the best samples
-    draws = 1 if kind.convex else DRAWS
-    scale = max(np.abs(part.data.stress).max() for part in differences.parts)
     started = []
-    for _ in range(draws):
+    for _ in range(1 if kind.convex else DRAWS):
         unknowns, values = kind.draw(rng)
         found = _best_moduli(kind.template, unknowns, values, differences, scale)
         if found is not None:
             started.append((*found, unknowns))
-    started.sort(key=lambda start: start[0])
-    ends = []
-    chosen = started[:STARTS]
+    chosen, ends = sorted(started, key=lambda start: start[0])[:STARTS], []
     for i, (_, values, unknowns) in enumerate(chosen, 1):
         ends.append(_descend(kind.template, unknowns, values, differences, scale))
         if progress is not None:
@@ -230,33 +219,21 @@ def _descend(template, unknowns, values, differences, scale):
     names = tuple(unknown.name for unknown in unknowns)
     # all unknowns of order one
     units = np.array([scale if unknown.modulus else 1.0 for unknown in unknowns])
-    lower = np.array([unknown.lower for unknown in unknowns]) / units
-    upper = np.array([unknown.upper for unknown in unknowns]) / units
+    bounds = np.array([(unknown.lower, unknown.upper) for unknown in unknowns]).T / units
     start = np.array([values[name] for name in names]) / units
 
     def law_of(x):
-        return template.with_(**dict(zip(names, (x * units).tolist(), strict=True)))
+        return template.with_(**dict(zip(names, (np.array(x) * units).tolist(), strict=True)))
 
     # least_squares requests residuals and Jacobian separately at the same point
-    last = {}
-
-    def both(x):
-        key = x.tobytes()
-        if key not in last:
-            last.clear()
-            last[key] = differences(law_of(x), names)
-        return last[key]
-
-    def value(x):
-        return both(x)[0]
-
-    def slope(x):
-        return both(x)[1] * units
+    @lru_cache(1)
+    def both(*x):
+        return differences(law_of(x), names)
 
     try:
         found = least_squares(
-            value, start, slope, bounds=(lower, upper), x_scale="jac", max_nfev=EVALUATIONS,
-            xtol=1e-12, ftol=1e-12, gtol=1e-12,
+            lambda x: both(*x)[0], start, lambda x: both(*x)[1] * units, bounds=bounds,
+            x_scale="jac", max_nfev=EVALUATIONS, xtol=1e-12, ftol=1e-12, gtol=1e-12,
         )  # fmt: skip
     except (ValueError, np.linalg.LinAlgError):  # residuals not finite, or invalid constants
         return None
@@ -271,8 +248,8 @@ def _sorted_terms(law):
     size = [-abs(m.mu * m.alpha * m.alpha * m.scale) for m in law.terms]
     order, changed = np.argsort(size, kind="stable"), {}
     for field in ("mu", "alpha", "nu"):
-        if hasattr(law, field):
-            own = getattr(law, field)
+        own = getattr(law, field, None)
+        if own is not None:
             changed |= {f"{field}_{i}": own[k] for i, k in enumerate(order, 1)}
     return law.with_(**changed)
 

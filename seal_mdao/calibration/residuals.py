@@ -9,12 +9,12 @@ are noise. Differences are divided by the square root of the number of readings 
 test of a thousand readings has the same weight as a biaxial one of ten.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
 from seal_mdao.calibration.data import MaterialTests
-from seal_mdao.calibration.modes import MODES, response
+from seal_mdao.calibration.loading_modes import MODES, response
 
 WEIGHTINGS = ("relative", "absolute")
 FLOOR = 0.02
@@ -23,55 +23,8 @@ LATERAL_FLOOR = 0.01
 """Smallest lateral strain to which differences of lateral stretch are related."""
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
-    """Readings of one mode with the scales of their residuals.
-
-    Attributes
-    ----------
-    mode : Mode
-    data : ModeData
-    stress_scale, lateral_scale : ndarray, shape (m,)
-        The second is None where the free stretch is not fitted.
-    """
-
-    mode: object
-    data: object
-    stress_scale: np.ndarray
-    lateral_scale: np.ndarray | None
-
-    def evaluate(self, law, names):
-        """Evaluate weighted differences and their derivatives in the constants ``names``."""
-        found = response(law, self.mode, self.data.stretch)
-        # r_i = (P(lambda_i) - P_i) / s_i, and likewise for the lateral stretch
-        rows = [law.names.index(name) for name in names]
-        values = [(found.stress - self.data.stress) / self.stress_scale]
-        slopes = [found.stress_rates[rows] / self.stress_scale]
-        if self.lateral_scale is not None:
-            values.append((found.lateral - self.data.lateral) / self.lateral_scale)
-            slopes.append(found.lateral_rates[rows] / self.lateral_scale)
-        return np.concatenate(values), np.concatenate(slopes, axis=1).T
-
-
-@dataclass(frozen=True, eq=False)
-class Residuals:
-    """Weighted differences of all modes as functions of a law.
-
-    Attributes
-    ----------
-    parts : tuple of Part
-    """
-
-    parts: tuple
-
-    def __call__(self, law, names) -> tuple[np.ndarray, np.ndarray]:
-        """Evaluate differences (m,) and derivatives (m, k) in the constants ``names``."""
-        found = [part.evaluate(law, names) for part in self.parts]
-        return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
-
-
-def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool = False):
-    """Build the ``Residuals`` of some data.
+def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool = False) -> Callable:
+    """Build the weighted differences of all modes as a function of a law.
 
     Parameters
     ----------
@@ -79,27 +32,45 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
     weighting : {"relative", "absolute"}
     lateral : bool
         Whether measured lateral stretches are fitted as well.
+
+    Returns
+    -------
+    callable
+        ``differences(law, names)`` returns differences (m,) and their derivatives (m, k) in the
+        constants ``names``.
     """
     if weighting not in WEIGHTINGS:
         raise ValueError(f"weighting must be one of {', '.join(WEIGHTINGS)}, got {weighting!r}")
-    scales, parts = weighted_by(tests, weighting), []
-    for name, data in tests.modes.items():
-        # s_i sqrt(m): every mode has the weight of one reading
-        root = np.sqrt(data.stretch.size)
-        scale = scales[name] * root
-        across = None
-        if lateral:
-            strain = data.lateral - 1.0
-            largest = max(np.abs(strain).max(), LATERAL_FLOOR)
-            across = np.maximum(_scale(strain, largest, weighting), LATERAL_FLOOR) * root
-        parts.append(Part(MODES[name], data, scale, across))
-    return Residuals(tuple(parts))
+    scales = stress_scales(tests, weighting)
+
+    def differences(law, names):
+        values, slopes = [], []
+        rows = [law.names.index(name) for name in names]
+        for name, data in tests.modes.items():
+            found = response(law, MODES[name], data.stretch)
+            columns = [(found.stress, data.stress, found.stress_rates, scales[name])]
+            if lateral:
+                scale = _lateral_scale(data.lateral - 1.0, weighting)
+                columns.append((found.lateral, data.lateral, found.lateral_rates, scale))
+            # r_i = (P(lambda_i) - P_i) / (s_i sqrt(m)): every mode has the weight of one reading
+            root = np.sqrt(data.stretch.size)
+            for computed, measured, rates, scale in columns:
+                values.append((computed - measured) / (scale * root))
+                slopes.append((rates[rows] / (scale * root)).T)
+        return np.concatenate(values), np.concatenate(slopes)
+
+    return differences
 
 
-def weighted_by(tests: MaterialTests, weighting: str) -> dict[str, np.ndarray]:
+def stress_scales(tests: MaterialTests, weighting: str) -> dict[str, np.ndarray]:
     """Compute the scale of the stress residuals, kPa, for every reading of every mode."""
     largest = max(np.abs(data.stress).max() for data in tests.modes.values())
     return {name: _scale(data.stress, largest, weighting) for name, data in tests.modes.items()}
+
+
+def _lateral_scale(strain, weighting):
+    largest = max(np.abs(strain).max(), LATERAL_FLOOR)
+    return np.maximum(_scale(strain, largest, weighting), LATERAL_FLOOR)
 
 
 def _scale(values, largest, weighting):
@@ -107,10 +78,10 @@ def _scale(values, largest, weighting):
     if weighting == "absolute":
         return np.full(values.shape, largest)
     # relative: |P_i|, at least the floor
-    return np.maximum(share_of(values), 1e-6 * largest)
+    return np.maximum(relative_to(values), 1e-6 * largest)
 
 
-def share_of(readings: np.ndarray) -> np.ndarray:
+def relative_to(readings: np.ndarray) -> np.ndarray:
     """Compute the reference of relative differences: |reading|, at least the floor."""
     size = np.abs(readings)
     return np.maximum(size, FLOOR * size.max())

@@ -1,4 +1,4 @@
-"""Lengths along the contact points of a boundary, and their derivatives."""
+"""Lengths and integrals along the contact points of a boundary, and their derivatives."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -86,3 +86,38 @@ def add_deformed_seeds(partials, row: int, on_deformed: np.ndarray) -> None:
     """Add derivatives (n, 2) in the deformed particles x = X + u(X) to those in X and in u."""
     partials.particles[row] += on_deformed
     partials.displacement()[row] += on_deformed
+
+
+def opened_square_integral(gap: np.ndarray, length: np.ndarray):
+    """Integrate max(g, 0)^2 along a line of points, with g linear between them.
+
+    Parameters
+    ----------
+    gap : ndarray, shape (k,)
+    length : ndarray, shape (k - 1,)
+        Distances between neighbours.
+
+    Returns
+    -------
+    value : float
+    by_gap, by_length : ndarray, shapes (k,), (k - 1,)
+    """
+    a, b = gap[:-1], gap[1:]
+    both, first, second = (a >= 0) & (b >= 0), (a >= 0) & (b < 0), (a < 0) & (b >= 0)
+    # gaps a, b at the ends of a segment of length L:
+    # both open:     L (a^2 + a b + b^2) / 3
+    # a >= 0 > b:    L a^3 / (3 (a - b)), open up to the fraction a / (a - b);  b >= 0 > a: mirrored
+    on_first, on_second = np.where(first, a, 0.0), np.where(second, b, 0.0)
+    span = np.where(first | second, np.abs(a - b), 1.0)
+    mean = np.where(both, (a * a + a * b + b * b) / 3.0, (on_first**3 + on_second**3) / (3 * span))
+    by_a = np.where(both, (2 * a + b) / 3.0, 0.0)
+    by_b = np.where(both, (a + 2 * b) / 3.0, 0.0)
+    # d/da = a^2 / (a - b) - a^3 / (3 (a - b)^2),  d/db = a^3 / (3 (a - b)^2); mirrored
+    square, cube = on_first**2 / span, on_first**3 / (3 * span**2)
+    by_a, by_b = by_a + square - cube, by_b + cube
+    square, cube = on_second**2 / span, on_second**3 / (3 * span**2)
+    by_b, by_a = by_b + square - cube, by_a + cube
+    by_gap = np.zeros_like(gap)
+    by_gap[:-1] += length * by_a
+    by_gap[1:] += length * by_b
+    return float(length @ mean), by_gap, mean

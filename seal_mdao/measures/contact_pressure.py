@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from seal_mdao.measures.aggregates import MEAN_ORDER, lehmer_mean
 from seal_mdao.measures.boundary_line import (
     BoundaryLine,
     add_deformed_seeds,
@@ -21,6 +20,7 @@ from seal_mdao.measures.boundary_line import (
 )
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import contact_patches
+from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
 
 
 @dataclass(frozen=True)

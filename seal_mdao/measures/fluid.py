@@ -1,4 +1,4 @@
-"""Measure of the pressure at which a fluid blows through a seal."""
+"""Measures of fluids: pressure of trapped air, pressure at which a fluid blows through a seal."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -9,6 +9,26 @@ from seal_mdao.measures.measure import Measure
 
 BEYOND = 0.1
 """Limit of extrapolation beyond the last load step that held, as a fraction of the fluid pressure."""
+
+
+@dataclass(frozen=True)
+class CavityPressure(Measure):
+    """Excess pressure of trapped air over the outside, at the end of the path.
+
+    Attributes
+    ----------
+    air : str
+        Label of the ``TrappedAir``.
+    """
+
+    air: str
+    name: str = "cavity_pressure"
+    units = "kPa"
+    text = "Excess pressure of the air in a hole over the outside."
+
+    def evaluate(self, result, partials):
+        partials.output(self.air, "pressure")[0] += 1.0
+        return result.response(self.air).outputs[0, 0]
 
 
 class _State(NamedTuple):

@@ -5,9 +5,9 @@ from math import ceil, log, log1p
 
 import numpy as np
 
-from seal_mdao.measures.aggregates import NORM_ORDER, p_norm
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import boundary_peaks
+from seal_mdao.measures.smooth_peaks import NORM_ORDER, p_norm
 from seal_mdao.structure.particle_stress import particle_stress
 from seal_mdao.values import real
 
@@ -61,6 +61,18 @@ class VonMises(Measure):
         return stress
 
 
+def _stress_norm(result, points, order, partials, on_gradient) -> float:
+    """Compute the p-norm of the von Mises stress at points, and add its derivatives in F to
+    ``on_gradient`` (N, 4)."""
+    stress, by_gradient, by_constants = particle_stress(result.path, points)
+    # N = (sum sigma_i^p)^(1/p),  dN/dF_i = (dN/d sigma_i) d sigma_i/dF_i
+    value, weight = p_norm(stress, order)
+    on_gradient[points] += weight[:, None] * by_gradient
+    for name, row in by_constants.items():
+        partials.parameter(name)[0] += weight @ row
+    return value
+
+
 @dataclass(frozen=True)
 class StressNorm(Measure):
     """p-norm of the von Mises stress over particles: a smooth upper bound of the largest.
@@ -81,13 +93,7 @@ class StressNorm(Measure):
     def evaluate(self, result, partials):
         n = len(result.particles)
         points = np.arange(n) if self.points is None else np.array(self.points, int)
-        stress, by_gradient, by_constants = particle_stress(result.path, points)
-        # N = (sum sigma_i^p)^(1/p),  dN/dF_i = (dN/d sigma_i) d sigma_i/dF_i
-        value, weight = p_norm(stress, self.order)
-        partials.gradient()[0, points] += weight[:, None] * by_gradient
-        for name, row in by_constants.items():
-            partials.parameter(name)[0] += weight @ row
-        return value
+        return _stress_norm(result, points, self.order, partials, partials.gradient()[0])
 
 
 @dataclass(frozen=True)
@@ -129,9 +135,5 @@ class LargestVonMises(Measure):
     def evaluate(self, result, partials):
         # particles, midpoints of sides, centres of cells
         points = np.arange(len(result.seal.body.samples.anchors))
-        stress, by_gradient, by_constants = particle_stress(result.path, points)
-        value, weight = p_norm(stress, self.order(points.size))
-        partials.section_gradient()[0] += weight[:, None] * by_gradient
-        for name, row in by_constants.items():
-            partials.parameter(name)[0] += weight @ row
-        return value
+        order, on_gradient = self.order(points.size), partials.section_gradient()[0]
+        return _stress_norm(result, points, order, partials, on_gradient)

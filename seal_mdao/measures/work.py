@@ -1,4 +1,4 @@
-"""Measures of the work of moving profiles and of friction."""
+"""Measures of energy: strain energy, work of moving profiles and of friction."""
 
 from dataclasses import dataclass
 
@@ -6,6 +6,19 @@ import numpy as np
 
 from seal_mdao.geometry.pose import quarter_turn
 from seal_mdao.measures.measure import Measure
+
+
+@dataclass(frozen=True)
+class StrainEnergy(Measure):
+    """Elastic energy of the body at the end of the path, per unit depth."""
+
+    name: str = "strain_energy"
+    units = "mJ/m"
+    text = "Elastic energy of the body per unit depth."
+
+    def evaluate(self, result, partials):
+        partials.energy()[0] += 1.0
+        return result.term("structure").energy(result.end.d)
 
 
 @dataclass(frozen=True)

@@ -6,36 +6,26 @@ of them work without a display; ``save`` writes one to a file.
 
 from importlib import import_module
 
-# function: module; imported at first use, so that matplotlib is loaded only where figures are made
-_LAZY = {
-    "save": "seal_mdao.plotting.style",
-    "deformed_shapes": "seal_mdao.plotting.deformation",
-    "load_deflection": "seal_mdao.plotting.reaction",
-    "critical_modes": "seal_mdao.plotting.critical",
-    "section_cloud": "seal_mdao.plotting.cloud",
-    "contact_pressure": "seal_mdao.plotting.contact",
-    "contact_width": "seal_mdao.plotting.contact",
-    "gap_profile": "seal_mdao.plotting.gap",
-    "cost_history": "seal_mdao.plotting.history",
-    "objective_history": "seal_mdao.plotting.history",
-    "constraint_history": "seal_mdao.plotting.history",
-    "design_comparison": "seal_mdao.plotting.comparison",
-    "sensitivity_errors": "seal_mdao.plotting.sensitivity",
-    "step_study": "seal_mdao.plotting.sensitivity",
-    "material_fit": "seal_mdao.plotting.fitted_material",
-    "calibration_figure": "seal_mdao.plotting.calibration",
-    "distributions": "seal_mdao.plotting.tolerances",
-    "correlations": "seal_mdao.plotting.tolerances",
-    "designs_compared": "seal_mdao.plotting.tolerances",
+# public functions by module; imported at first use, so that matplotlib is loaded only for figures
+_FUNCTIONS = {
+    "style": "save",
+    "section_figures": "deformed_shapes critical_modes section_cloud design_comparison",
+    "travel_curves": "load_deflection contact_width",
+    "contact_curves": "contact_pressure gap_profile",
+    "iteration_curves": "cost_history objective_history constraint_history",
+    "derivative_errors": "sensitivity_errors step_study",
+    "material_figures": "material_fit calibration_figure",
+    "sample_statistics": "distributions correlations designs_compared",
 }
+_MODULE_OF = {name: module for module, names in _FUNCTIONS.items() for name in names.split()}
 
-__all__ = list(_LAZY)
+__all__ = list(_MODULE_OF)
 
 
 def __getattr__(name):
-    if name not in _LAZY:
+    if name not in _MODULE_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_LAZY[name]), name)
+    return getattr(import_module(f"{__name__}.{_MODULE_OF[name]}"), name)
 
 
 def __dir__():

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.tri import Triangulation
 
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table
@@ -23,6 +22,7 @@ class FineGrid:
 
     Attributes
     ----------
+    result : SealResult
     table : PointTable
         Points, bilinear in the corners of the background cells, and their shape functions.
     region : ndarray of int, shape (k,)
@@ -35,6 +35,7 @@ class FineGrid:
         Points along the boundary, the body on the left; the first is not repeated.
     """
 
+    result: SealResult
     table: PointTable
     region: np.ndarray
     quads: np.ndarray
@@ -44,6 +45,31 @@ class FineGrid:
     @property
     def points(self) -> PointSet:
         return self.table.points
+
+    def undeformed(self) -> np.ndarray:
+        """Compute undeformed coordinates, shape (k, 2), mm."""
+        return self.points.at(self.result.particles)
+
+    def deformed(self, step: int = -1) -> np.ndarray:
+        """Compute deformed coordinates after a nominal step, shape (k, 2), mm."""
+        # x = X + sum_I Phi_I(X) d_I
+        u = np.empty((len(self.points.anchors), 2))
+        interpolate(self.table.table, self.result.path.nominal_steps[step].d, u)
+        return self.undeformed() + u
+
+    def von_mises(self, step: int = -1) -> np.ndarray:
+        """Compute the von Mises stress after a nominal step, shape (k,), kPa.
+
+        Points between quadrature points may exceed the limit of a material law, where it gives no
+        stress; they get the highest stress of all other points.
+        """
+        # |F|^2 = F_ij F_ij and J of every point, then the law of its region
+        f = deformation_gradients(self.table.table, self.result.path.nominal_steps[step].d)
+        square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
+        for number, region in enumerate(self.result.term("structure").definition.regions):
+            at = self.region == number
+            stress[at] = region.material.von_mises(square[at], jacobian[at])[0]
+        return np.nan_to_num(stress, nan=np.nanmax(stress))
 
 
 def fine_grid(result: SealResult, divisions: int | None = None) -> FineGrid:
@@ -58,19 +84,12 @@ def fine_grid(result: SealResult, divisions: int | None = None) -> FineGrid:
     disc, cells = result.path.discretization, result.seal.body.cells
     if divisions is None:
         divisions = int(np.clip(np.sqrt(WANTED / len(cells)), 1, FINEST))
-    region = _cell_regions(result)
-    points, of_cell, of_point = _refined(cells, region, divisions)
-    quads = _quads(of_cell)
-    return FineGrid(
-        build_table(disc.cloud, points, disc.transformation), of_point,
-        quads, _triangles(quads), boundary_loops(cells, of_cell),
-    )  # fmt: skip
-
-
-def _cell_regions(result) -> np.ndarray:
-    """Return the index of the material of every cell."""
     body = result.term("structure").definition
-    return body.per_cell(range(len(body.regions)), len(result.seal.body.cells), int)
+    region = body.per_cell(range(len(body.regions)), len(cells), int)
+    points, of_cell, of_point = _refined(cells, region, divisions)
+    quads, table = _quads(of_cell), build_table(disc.cloud, points, disc.transformation)
+    loops = boundary_loops(cells, of_cell)
+    return FineGrid(result, table, of_point, quads, _triangles(quads), loops)
 
 
 def _refined(cells, region, n: int):
@@ -103,16 +122,22 @@ def _refined(cells, region, n: int):
 
 
 def _quads(of_cell) -> np.ndarray:
-    a, b = of_cell[:, :-1, :-1].ravel(), of_cell[:, 1:, :-1].ravel()
-    c, d = of_cell[:, 1:, 1:].ravel(), of_cell[:, :-1, 1:].ravel()
-    return np.column_stack([a, b, c, d])
+    """Corners of the pieces of all cells, counter-clockwise."""
+    low, high = slice(None, -1), slice(1, None)
+    corners = (low, low), (high, low), (high, high), (low, high)
+    return np.column_stack([of_cell[:, i, j].ravel() for i, j in corners])
 
 
 def _triangles(quads) -> np.ndarray:
-    a, b, c, d = quads.T
-    found = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    different = (found != np.roll(found, 1, axis=1)).all(axis=1)
-    return found[different]
+    """Two triangles for each quadrilateral, one where two of its corners are the same."""
+    found = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    return found[(found != np.roll(found, 1, axis=1)).all(axis=1)]
+
+
+def cell_loops(body) -> tuple:
+    """Trace the closed boundaries of a body through its particles."""
+    # two points along a side of a cell: its corners
+    return boundary_loops(body.cells, body.cells[:, [[0, 3], [1, 2]]])
 
 
 def boundary_loops(cells: np.ndarray, of_cell: np.ndarray) -> tuple:
@@ -134,35 +159,3 @@ def boundary_loops(cells: np.ndarray, of_cell: np.ndarray) -> tuple:
             parts.append(points)
         loops.append(np.concatenate(parts))
     return tuple(loops)
-
-
-def undeformed(result: SealResult, fine) -> np.ndarray:
-    """Compute undeformed coordinates of the fine grid, shape (k, 2), mm."""
-    return fine.points.at(result.particles)
-
-
-def deformed(result: SealResult, fine, step: int = -1) -> np.ndarray:
-    """Compute deformed coordinates of the fine grid after a nominal step, shape (k, 2), mm."""
-    # x = X + sum_I Phi_I(X) d_I
-    u = np.empty((len(fine.points.anchors), 2))
-    interpolate(fine.table.table, result.path.nominal_steps[step].d, u)
-    return undeformed(result, fine) + u
-
-
-def von_mises(result: SealResult, fine, step: int = -1) -> np.ndarray:
-    """Compute the von Mises stress on the fine grid after a nominal step, shape (k,), kPa.
-
-    Points between quadrature points may exceed the limit of a material law, where it gives no stress;
-    they get the highest stress of all other points.
-    """
-    f = deformation_gradients(fine.table.table, result.path.nominal_steps[step].d)
-    square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
-    for number, region in enumerate(result.term("structure").definition.regions):
-        at = fine.region == number
-        stress[at] = region.material.von_mises(square[at], jacobian[at])[0]
-    return np.nan_to_num(stress, nan=np.nanmax(stress))
-
-
-def triangulation(coordinates: np.ndarray, fine: FineGrid) -> Triangulation:
-    """Build the triangulation of the fine grid at the given coordinates (k, 2)."""
-    return Triangulation(*coordinates.T, fine.triangles)

@@ -7,13 +7,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 # palette of Okabe and Ito, distinguishable with any colour vision
-BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
-GREY, LIGHT_GREY = "#6E6E6E", "#DADADA"
+ORANGE, SKY, GREEN, BLUE = "#E69F00", "#56B4E9", "#009E73", "#0072B2"
+VERMILION, PURPLE = "#D55E00", "#CC79A7"
+GREY, LIGHT_GREY, CELL_GREY = "#6E6E6E", "#DADADA", "#C9C9C9"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 STRESS_MAP = "viridis"
+BESIDE = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
+"""Options of a legend on the right of its axes."""
 
 SETTINGS = {
     "font.size": 10.0,
@@ -39,8 +41,8 @@ styled = matplotlib.rc_context(SETTINGS)
 
 
 def signed(value: float, digits: int = 1) -> str:
-    """Format a number with a typographic minus sign."""
-    return f"{value:.{digits}f}".replace("-", "\u2212")
+    """Format a number with a typographic minus sign, zero without a sign."""
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "\u2212")
 
 
 def scientific(value: float, digits: int = 2) -> str:
@@ -70,6 +72,32 @@ def subplots(rows: int = 1, columns: int = 1, *, width: float, height: float, **
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, **options)
+
+
+def panels(count: int, most: int, size, **options):
+    """Create a figure with ``count`` axes in rows of at most ``most``.
+
+    Parameters
+    ----------
+    count, most : int
+    size : callable
+        ``size(rows, columns)`` returns width and height, inches.
+    **options
+        For ``Figure.subplots``.
+
+    Returns
+    -------
+    figure : Figure
+    axes : list of Axes
+        Those in use; the rest of the last row is hidden.
+    """
+    columns = min(count, most)
+    rows = -(-count // columns)  # rounded up
+    width, height = size(rows, columns)
+    figure, grid = subplots(rows, columns, width=width, height=height, squeeze=False, **options)
+    for axes in grid.flat[count:]:
+        axes.set_visible(False)
+    return figure, list(grid.flat[:count])
 
 
 @styled

@@ -11,9 +11,9 @@ from urllib.parse import quote
 from seal_mdao._version import __version__
 from seal_mdao.recording.recorded_optimization import RecordedOptimization, label
 from seal_mdao.recording.recorded_seals import RecordedSeal
-from seal_mdao.report import tables
-from seal_mdao.report.history import FEASIBLE, history_data
-from seal_mdao.report.shapes import Pictures
+from seal_mdao.report import html_tables as tables
+from seal_mdao.report.picture_data import Pictures
+from seal_mdao.report.recorded_charts import FEASIBLE, history_data
 from seal_mdao.seals.gaps import gaps_unmeasured_by
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import SealResult
@@ -26,8 +26,6 @@ KINDS = {
     "doe": "Design of experiments with",
     "runs": "Runs of a model with",
 }
-
-
 WORDS = {
     True: ("Start", "End", "Through the iterations"),
     False: ("First point", "Last point", "Through the points"),
@@ -79,7 +77,7 @@ def render(
     figures=(),
     notes=(),
 ) -> str:
-    """The page as text.
+    """Format the page as HTML that needs no other file.
 
     Parameters
     ----------
@@ -87,26 +85,22 @@ def render(
     source : str
         Name of the recorder file.
     seals : list of ShownSeal
-        None when no shapes are known.
+        Empty when no shapes are known.
     numbers : list of int
         Which points of the history these are.
     further : str
         HTML of further sections.
     figures, notes : sequence
         Further figures and warnings, as of ``write_report``.
-
-    Returns
-    -------
-    str
-        HTML that needs no other file.
     """
     kind, short, long = status(history)
-    first, last, through = WORDS[history.kind == "optimisation"]
     shapes = [Pictures(*s.ends, s.designs).as_data() | {"numbers": numbers} for s in seals]
     data = {
         "history": history_data(history), "seals": [seal.name for seal in seals],
         "shapes": shapes[0] if shapes else None, "others": shapes[1:],
     }  # fmt: skip
+    notes = [*warnings(history, seals), *(escape(f"{note}.") for note in notes)]
+    several = len(seals) > 1
     return Template(_asset("page.html")).substitute(
         title=escape(title(history)),
         source=escape(source),
@@ -116,22 +110,17 @@ def render(
         status=escape(short),
         message=escape(long),
         figures="".join(_figure(*own) for own in [*key_figures(history, seals), *figures]),
-        warning="".join(
-            f'<p class="warning">{text}</p>'
-            for text in [*warnings(history, seals), *(escape(f"{note}.") for note in notes)]
-        ),
-        choice=_choice(seals) if len(seals) > 1 else "",
+        warning="".join(f'<p class="warning">{text}</p>' for text in notes),
+        choice=_choice(seals) if several else "",
         shapes="" if seals else "hidden",
-        first=first,
-        last=last,
-        through=through,
+        **dict(
+            zip(("first", "last", "through"), WORDS[history.kind == "optimisation"], strict=True)
+        ),
         limits=tables.limits_table(history),
         further=further,
         analyses="".join(
-            tables.analysis_table(
-                *seal.ends, seal.recorded.measures, seal.name if len(seals) > 1 else ""
-            )
-            for seal in seals
+            tables.analysis_table(*own.ends, own.recorded.measures, own.name if several else "")
+            for own in seals
         ),
         history=tables.history_table(history),
         runs=tables.runs_table(history) if history.runs else "",
@@ -144,23 +133,22 @@ def render(
 
 
 def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]:
-    """What the reader has to know before looking at the pictures, as HTML."""
+    """List restrictions of the pictures and warnings of the analyses, as HTML."""
     found = []
     for seal in history.seals:
-        name = escape(seal.name or "the model")
+        name, assumed = escape(seal.name or "the model"), escape(", ".join(seal.assumed))
+        hidden = f"The shapes of {name} are not shown: the file does not"
         if seal.seal is None:
-            found.append(
-                f"The shapes of {name} are not shown: the file does not describe its kind of seal."
-            )
+            found.append(f"{hidden} describe its kind of seal.")
         elif not seal.drawable:
             found.append(
-                f"The shapes of {name} are not shown: the file does not hold what its inputs were. "
-                f"Record with <code>sm.RestartRecorder</code>, or with {RECORD_ALL}."
+                f"{hidden} hold what its inputs were. Record with <code>sm.RestartRecorder</code>, or "
+                f"with {RECORD_ALL}."
             )
         elif seal.assumed:
             found.append(
-                f"The file does not hold {escape(', '.join(seal.assumed))} of {name}: the pictures are "
-                f"those with the values of the drawn seal. Record with {RECORD_ALL}."
+                f"The file does not hold {assumed} of {name}: the pictures are those with the values of "
+                f"the nominal seal. Record with {RECORD_ALL}."
             )
     found += [
         f"The analyses of {escape(seal.name)} for this report do not give the recorded values of "
@@ -170,12 +158,11 @@ def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]
         if (changed := seal.changed)
     ]
     for seal in seals:
-        for name, design in zip(("First", "Last"), seal.ends, strict=True):
-            found += [
-                f"{name} design of {escape(seal.name)}: {escape(t)}." for t in design.warnings
-            ]
-        unseen = gaps_unmeasured_by(seal.ends[1], history.objective_name.rsplit(".", 1)[-1])
-        found += [f"Last design of {escape(seal.name)}: {escape(text)}." for text in unseen]
+        texts = [("First", text) for text in seal.ends[0].warnings]
+        texts += [("Last", text) for text in seal.ends[1].warnings]
+        objective = history.objective_name.rsplit(".", 1)[-1]
+        texts += [("Last", text) for text in gaps_unmeasured_by(seal.ends[1], objective)]
+        found += [f"{end} design of {escape(seal.name)}: {escape(text)}." for end, text in texts]
     return found
 
 
@@ -185,82 +172,75 @@ def _choice(seals: list[ShownSeal]) -> str:
 
 
 def title(history: RecordedOptimization) -> str:
-    """What was done: the optimisation of a seal's shape, else what the driver did with what."""
+    """Return the heading: the optimisation of a seal's shape, else the kind of run and its objective."""
     if history.settings and history.kind == "optimisation":
         return "Shape of a seal"
     return f"{KINDS[history.kind]} {history.objective_name}"
 
 
 def status(history: RecordedOptimization) -> tuple[str, str, str]:
-    """Class, word and sentence on how the optimisation ended."""
+    """Return class, word and sentence on how the optimisation ended."""
     worst = history.max_violation[-1]
     feasible = worst <= FEASIBLE
-    limits = (
-        "All constraints are satisfied."
-        if feasible
-        else f"A constraint is violated by {tables.share(worst)}."
-    )
+    limits = f"A constraint is violated by {tables.share(worst)}."
+    if feasible:
+        limits = "All constraints are satisfied."
     if history.kind != "optimisation":
-        good, failed = len(history.objective), history.failed
-        text = f"{good} {'point' if good == 1 else 'points'} with values, {failed} failed."
+        points = _counted(len(history.objective), "point", "points")
+        text = f"{points} with values, {history.failed} failed."
         return "unknown", "No optimisation", text
     if not history.runs:
         return "unknown", "End not recorded", f"The file does not say how the run ended. {limits}"
     last = history.runs[-1]
     if last.cut_off:
-        many = "analysis" if history.evaluations == 1 else "analyses"
-        text = f"The run was cut off after {history.evaluations} recorded {many}. {limits}"
-        return "stopped", "Cut off", text
+        analyses = _counted(history.evaluations, "recorded analysis", "recorded analyses")
+        return "stopped", "Cut off", f"The run was cut off after {analyses}. {limits}"
+    kind = ("stopped", "Not converged")
     if last.success and feasible:
-        return "converged", "Converged", f"{last.message}. {limits}"
-    return "stopped", "Not converged", f"{last.message}. {limits}"
+        kind = ("converged", "Converged")
+    return *kind, f"{last.message}. {limits}"
+
+
+def _counted(count: int, one: str, several: str) -> str:
+    return f"{count} {one if count == 1 else several}"
 
 
 def key_figures(
     history: RecordedOptimization, seals: list[ShownSeal]
 ) -> list[tuple[str, str, str]]:
-    """Name, value and explanation of the figures at the top of the page."""
+    """List name, value and explanation of the figures at the top of the page."""
+    name, values, short = label(history.objective_name), history.objective, tables.number
     if history.kind != "optimisation":
-        return _range_figures(history)
-    first, last = history.objective[[0, -1]]
-    kind = "gradients" if history.major else "evaluations"
-    found = [
-        (
-            label(history.objective_name),
-            tables.share(last / first) if first else tables.number(last),
-            f"of its start: {tables.number(first, 3)} → {tables.number(last, 3)}",
-        ),
-        (kind, str(len(history.objective) - 1), f"{history.evaluations} evaluations recorded"),
-        ("largest violation", tables.share(history.max_violation[-1]), "of a constraint at the end"),
-    ]  # fmt: skip
-    place = 1
+        return [
+            ("points", str(len(values)), f"{history.failed} failed"),
+            (f"lowest {name}", short(values.min(), 3), f"point {values.argmin()}"),
+            (f"highest {name}", short(values.max(), 3), f"point {values.argmax()}"),
+        ]
+    first, last = values[[0, -1]]
+    gaps, forces = [], []
     for seal in seals:
         start, end = map(tables.measures, seal.ends)
-        labels = [contact.label for contact in contacts(seal.ends[1].seal)]
-        for profile in labels:
-            at = f", {profile}" if len(labels) > 1 else ""
+        profiles = [contact.label for contact in contacts(seal.ends[1].seal)]
+        for profile in profiles:
+            at = f", {profile}" if len(profiles) > 1 else ""
             of = (f", {seal.name}" if len(seals) > 1 else "") + at
-            gap, force = f"largest gap between contacts{at}", f"vertical force on the profile{at}"
-            before = f"between the contacts; start {tables.number(start[gap][1], 2)} mm"
-            found.insert(place, (f"largest gap{of}", f"{tables.number(end[gap][1], 2)} mm", before))
-            change = _change(start[force][1], end[force][1])
-            found.append((f"vertical force{of}", f"{tables.number(end[force][1], 3)} N/m", change))
-            place += 1
-    return found
-
-
-def _change(start: float, end: float) -> str:
-    return f"{tables.share(end / start)} of its start" if start else ""
-
-
-def _range_figures(history: RecordedOptimization) -> list[tuple[str, str, str]]:
-    """Of points that no optimiser has chosen."""
-    name, values = label(history.objective_name), history.objective
+            # rows of ``tables.measures`` of this profile: (unit, value)
+            old, new = (own[f"largest gap between contacts{at}"][1] for own in (start, end))
+            before = f"between the contacts; start {short(old, 2)} mm"
+            gaps.append((f"largest gap{of}", f"{short(new, 2)} mm", before))
+            old, new = (own[f"vertical force on the profile{at}"][1] for own in (start, end))
+            change = f"{tables.share(new / old)} of its start" if old else ""
+            forces.append((f"vertical force{of}", f"{short(new, 3)} N/m", change))
+    kind, done = "gradients" if history.major else "evaluations", history.evaluations
+    worst = tables.share(history.max_violation[-1])
     return [
-        ("points", str(len(values)), f"{history.failed} failed"),
-        (f"lowest {name}", tables.number(values.min(), 3), f"point {values.argmin()}"),
-        (f"highest {name}", tables.number(values.max(), 3), f"point {values.argmax()}"),
-    ]
+        (name, tables.share(last / first) if first else short(last),
+         f"of its start: {short(first, 3)} → {short(last, 3)}"),
+        *gaps,
+        (kind, str(len(values) - 1), f"{done} evaluations recorded"),
+        ("largest violation", worst, "of a constraint at the end"),
+        *forces,
+    ]  # fmt: skip
 
 
 def _figure(name: str, value: str, text: str) -> str:

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 from tqdm import tqdm
 
 from seal_mdao.kept_analyses import KeptAnalyses
@@ -10,10 +9,11 @@ from seal_mdao.progress import hidden
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report.page import ShownSeal, render
+from seal_mdao.report.picture_data import evenly_spread
 from seal_mdao.seals.result import SealResult, frozen_measures
 
 DESIGNS = 40
-"""Points of the history whose designs are analysed again at most; of more, evenly spread ones."""
+"""Largest number of points whose designs are analysed again; of more, evenly spread ones."""
 
 
 def write_report(
@@ -42,16 +42,11 @@ def write_report(
     kept : KeptAnalyses, optional
         Analyses of the run that wrote the file.
     further : str
-        HTML of further sections, such as ``report.samples.samples_section``.
+        HTML of further sections, such as ``report.sample_section.samples_section``.
     figures : sequence of (str, str, str)
         Further figures at the top of the page: name, value and explanation.
     notes : sequence of str
         Further warnings.
-
-    Returns
-    -------
-    Path
-        The report.
 
     Raises
     ------
@@ -63,7 +58,7 @@ def write_report(
     cases = Path(cases)
     history, kept = read_optimization(cases, given), KeptAnalyses() if kept is None else kept
     seals = [seal for seal in history.seals if seal.drawable]
-    numbers = chosen_points(len(history.objective)) if seals else []
+    numbers = evenly_spread(len(history.objective), DESIGNS).tolist() if seals else []
     shown = [ShownSeal(seal, analyze_points(seal, numbers, kept)) for seal in seals]
     text = render(history, cases.name, shown, numbers, further, figures, notes)
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
@@ -72,22 +67,15 @@ def write_report(
     return out
 
 
-def chosen_points(count: int) -> list[int]:
-    """Points of the history whose designs are shown, the first and the last among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, DESIGNS)).round().astype(int)).tolist()
-
-
 def analyze_points(
     recorded: RecordedSeal, numbers: list[int], kept: KeptAnalyses
 ) -> list[SealResult]:
-    """Designs of a seal, analysed; all are measured where the recorded run did."""
+    """Analyse designs of a seal; all are measured where the recorded run did."""
     measures = frozen_measures(recorded.seal, None, kept.analyze)
-    bar = tqdm(numbers, desc="report", unit="analysis", disable=hidden(), leave=False)
-    return [_analyzed(kept, recorded, number).at(measures) for number in bar]
-
-
-def _analyzed(kept: KeptAnalyses, recorded: RecordedSeal, number: int) -> SealResult:
-    """A design analysed, without looking for places of its measures."""
-    offsets, parameters = recorded.design(number)
-    seal = recorded.seal.with_parameters(parameters)
-    return kept.analyze_particles(seal, recorded.particles(number), offsets)
+    results = []
+    for number in tqdm(numbers, desc="report", unit="analysis", disable=hidden(), leave=False):
+        offsets, parameters = recorded.design(number)
+        seal = recorded.seal.with_parameters(parameters)
+        result = kept.analyze_particles(seal, recorded.particles(number), offsets)
+        results.append(result.at(measures))
+    return results

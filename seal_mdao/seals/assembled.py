@@ -11,7 +11,7 @@ from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.default_penalties import completed
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body
-from seal_mdao.measures.shape import cells_area
+from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.seals.seal import Seal
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.contact import Gap
+from seal_mdao.measures.gap import Gap
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.seals.profiles import contact_places, contacts

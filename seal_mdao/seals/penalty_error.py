@@ -14,9 +14,9 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact, SelfContactTerm
 from seal_mdao.dsa.parameters import parameter_rates
 from seal_mdao.dsa.sensitivity import Wanted, direct_rates
-from seal_mdao.measures.contact import Reaction
 from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.measures.reaction import Reaction
 
 NORMAL, TANGENT = "normal_penalty", "tangent_penalty"
 SMALL_LENGTH = 0.01

@@ -8,10 +8,10 @@ from laws import LAWS
 
 from seal_mdao.calibration.data import MaterialDataError, material_tests
 from seal_mdao.calibration.fit import fit
-from seal_mdao.calibration.modes import MODES, lateral_stretch, nominal_stress
+from seal_mdao.calibration.loading_modes import MODES, lateral_stretch, nominal_stress
+from seal_mdao.calibration.material_stability import UnstableMaterialError
 from seal_mdao.calibration.residuals import residuals
 from seal_mdao.calibration.seal_file import material_table
-from seal_mdao.calibration.stability import UnstableMaterialError
 from seal_mdao.materials import by_name
 from seal_mdao.materials.gent import Gent
 from seal_mdao.materials.hyperfoam import Hyperfoam

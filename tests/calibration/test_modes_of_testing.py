@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from laws import LAWS, moved, principal_energy, principal_forces, size
 
-from seal_mdao.calibration.modes import (
+from seal_mdao.calibration.loading_modes import (
     EQUIBIAXIAL,
     MODES,
     PLANAR,

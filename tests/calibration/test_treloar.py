@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from seal_mdao.calibration.errors import errors_of
 from seal_mdao.calibration.fit import fit
+from seal_mdao.calibration.fit_errors import errors_of
+from seal_mdao.calibration.material_stability import check_stability
 from seal_mdao.calibration.residuals import residuals
-from seal_mdao.calibration.stability import check_stability
 from seal_mdao.calibration.treloar import OGDEN_1972
 
 

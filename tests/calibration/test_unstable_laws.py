@@ -5,8 +5,8 @@ import pytest
 from laws import LAWS
 from scipy.optimize import brentq
 
-from seal_mdao.calibration.modes import EQUIBIAXIAL, MODES, PLANAR, UNIAXIAL
-from seal_mdao.calibration.stability import (
+from seal_mdao.calibration.loading_modes import EQUIBIAXIAL, MODES, PLANAR, UNIAXIAL
+from seal_mdao.calibration.material_stability import (
     UnstableMaterialError,
     check_mode,
     check_stability,

@@ -6,7 +6,7 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao.geometry.spline_profile import spline_profile
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.structure.elastic_body import elastic_body
 
 LAYERS, INNER, OUTER = 4, 9.5, 10.5

@@ -10,7 +10,7 @@ from squeezed_ring import itself, ring, ring_body
 import seal_mdao as sm
 from seal_mdao.contact.friction import SLIP, ContactLaw
 from seal_mdao.contact.self_contact import SelfContact, SelfContactTerm
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.checks import findings
 
 LIP = Path(__file__).parent / "folded_lip.toml"

@@ -8,7 +8,7 @@ import pytest
 from verification.flat_door_reference import REACTION
 
 import seal_mdao as sm
-from seal_mdao.measures.contact import GapSquareIntegral
+from seal_mdao.measures.gap import GapSquareIntegral
 from seal_mdao.seals.result import frozen_measures
 
 FILE = Path(__file__).parents[2] / "examples" / "paper_seal.toml"

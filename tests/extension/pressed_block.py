@@ -11,7 +11,7 @@ from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.geometry.motion import Stage, staged_motion
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import edge_points
 

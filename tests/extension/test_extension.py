@@ -11,7 +11,7 @@ from pressed_block import pressed_block
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 
 EXTENSIONS = ("arruda_boyce", "elastic_foundation", "ellipse", "highest_point")
 # of the parameter: truncation h^2 / 6 and noise / h are both below 1e-6 of the derivative there

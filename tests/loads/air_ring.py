@@ -10,9 +10,9 @@ from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.loads.trapped_air import TrappedAir
-from seal_mdao.measures.cavity import CavityPressure
-from seal_mdao.measures.contact import Reaction
-from seal_mdao.measures.shape import CavityArea
+from seal_mdao.measures.fluid import CavityPressure
+from seal_mdao.measures.reaction import Reaction
+from seal_mdao.measures.section_shape import CavityArea
 from seal_mdao.structure.elastic_body import elastic_body
 
 RAYS, LAYERS, INNER, OUTER = 24, 3, 4.0, 6.0

@@ -7,9 +7,9 @@ from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.measures.contact import Reaction
 from seal_mdao.measures.contact_pressure import PeakPressure
 from seal_mdao.measures.fluid import BlowOffPressure
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.outline.design import EdgeDesign
 from seal_mdao.seals.outline.edge_fluid import EdgeFluid

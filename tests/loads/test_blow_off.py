@@ -9,8 +9,8 @@ from fluid_seals import gasket, quotient, states, steps_of
 import seal_mdao as sm
 from seal_mdao.analysis.result import Status
 from seal_mdao.errors import LoadPathError
-from seal_mdao.measures.contact import Reaction
 from seal_mdao.measures.fluid import BlowOffPressure
+from seal_mdao.measures.reaction import Reaction
 
 PRESSURE = 2000.0
 NAMES = ("c10", "bulk_modulus", "lid_normal_penalty", "lid_friction", "squeeze", "fluid_pressure")

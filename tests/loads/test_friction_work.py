@@ -6,8 +6,7 @@ from air_ring import air_ring
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP
-from seal_mdao.measures.energy import StrainEnergy
-from seal_mdao.measures.work import FrictionWork
+from seal_mdao.measures.work import FrictionWork, StrainEnergy
 
 LOST = FrictionWork()
 

@@ -8,7 +8,7 @@ import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.trapped_air import TrappedAir
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 
 PRESSURE, GAMMA = 101.325, 1.4
 

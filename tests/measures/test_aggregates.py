@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from seal_mdao.measures.aggregates import lehmer_mean, opened_square_integral, p_norm
+from seal_mdao.measures.boundary_line import opened_square_integral
+from seal_mdao.measures.smooth_peaks import lehmer_mean, p_norm
 
 
 def central(function, x, step=1e-6):

@@ -10,7 +10,7 @@ from seal_mdao.export.vtu import point_data
 from seal_mdao.measures.boundary_line import way_round
 from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.measures.work import ProfileWork
-from seal_mdao.report.contacts import contact_points
+from seal_mdao.report.picture_data import contact_points
 from seal_mdao.seals.door.measures import FURTHER, STANDARD
 from seal_mdao.terms.points import edge_points
 

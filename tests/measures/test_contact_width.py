@@ -11,8 +11,9 @@ from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.measures.contact import LargestGap, Reaction
 from seal_mdao.measures.contact_pressure import ContactWidth, PeakPressure
+from seal_mdao.measures.gap import LargestGap
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import edge_points

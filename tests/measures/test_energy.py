@@ -9,8 +9,8 @@ from quotients import quotients
 
 import seal_mdao as sm
 from seal_mdao.loads.imposed import ImposedDisplacements
-from seal_mdao.measures.contact import Reaction
-from seal_mdao.measures.energy import StrainEnergy
+from seal_mdao.measures.reaction import Reaction
+from seal_mdao.measures.work import StrainEnergy
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 
 SOFT, HARD = np.arange(12), np.arange(12, 24)

@@ -6,14 +6,9 @@ from quotients import quotients
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN
-from seal_mdao.measures.contact import (
-    GapSquareIntegral,
-    LargestGap,
-    OpenGapSquareSum,
-    Reaction,
-    open_between,
-)
 from seal_mdao.measures.contact_pressure import ContactPressure, ContactWidth, PeakPressure
+from seal_mdao.measures.gap import GapSquareIntegral, LargestGap, OpenGapSquareSum, open_between
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.stress import LargestVonMises
 
 TIGHT = sm.NewtonOptions(tolerance=1e-12)

@@ -10,7 +10,7 @@ from pressed_block import pressed_block
 
 import seal_mdao as sm
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion, straight_motion
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.door.measures import CURVE_TRAVELS, ReactionCurve
 
 TIGHT = sm.NewtonOptions(tolerance=1e-11)

@@ -11,7 +11,8 @@ from pressed_block import pressed_block
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.geometry.polygon import polygon_area
-from seal_mdao.plotting import field, section
+from seal_mdao.plotting import field
+from seal_mdao.plotting import section_drawing as section
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 
@@ -32,12 +33,12 @@ def pressed():
 
 def test_points_between_materials_lie_twice(pressed):
     fine = field.fine_grid(pressed, 3)
-    places = field.undeformed(pressed, fine)
+    places = fine.undeformed()
     twice = np.unique(np.round(places, 9), axis=0)
     # between the first 12 cells and the others lie 8 sides above and one across: 28 points
     assert len(places) - len(twice) == 9 * 3 + 1
     assert set(fine.region) == {0, 1}
-    stress = field.von_mises(pressed, fine)
+    stress = fine.von_mises()
     both = [np.flatnonzero(np.hypot(*(places - p).T) < 1e-9) for p in places[fine.region == 0]]
     jumps = [abs(np.ptp(stress[at])) for at in both if at.size == 2]
     assert jumps
@@ -61,7 +62,7 @@ def test_closed_profile_is_filled_where_it_is(pressed):
 
 
 def test_what_is_held_is_found_without_a_name(pressed):
-    (line,) = section.held_lines(pressed)
+    (line,) = section.fixed_lines(pressed)
     assert "base" not in pressed.seal.body.edges
     assert line[[0, -1]].tolist() == [[-3.0, 0.0], [3.0, 0.0]]
 

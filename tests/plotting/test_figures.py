@@ -10,8 +10,8 @@ from matplotlib.contour import ContourSet
 
 import seal_mdao as sm
 from seal_mdao import plotting
-from seal_mdao.plotting import section
-from seal_mdao.plotting.contact import arc_length
+from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.contact_curves import arc_length
 from seal_mdao.recording.recorded_optimization import Constraint, RecordedOptimization
 from seal_mdao.seals.profiles import contacts
 

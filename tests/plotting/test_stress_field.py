@@ -23,14 +23,14 @@ def test_field_holds_the_particles(drawn, fine):
     points, particles = at_particles(drawn, fine)
     assert np.array_equal(np.sort(particles), np.arange(len(drawn.particles)))
     for step in (40, -1):
-        coordinates = field.deformed(drawn, fine, step)[points]
+        coordinates = fine.deformed(step)[points]
         assert np.allclose(coordinates, drawn.deformed(step)[particles], atol=1e-12)
-        stress = field.von_mises(drawn, fine, step)[points]
+        stress = fine.von_mises(step)[points]
         assert np.allclose(stress, drawn.stress_field(step)[particles], rtol=1e-10, atol=1e-10)
 
 
 def test_loops_go_round_the_section_once(drawn, fine):
-    areas = [polygon_area(field.undeformed(drawn, fine)[loop])[0] for loop in fine.loops]
+    areas = [polygon_area(fine.undeformed()[loop])[0] for loop in fine.loops]
     assert len(areas) == 2
     assert max(areas) > 0.0 > min(areas)  # the hole clockwise
     assert sum(areas) == pytest.approx(drawn.path.discretization.weights.sum(), rel=1e-12)
@@ -42,18 +42,18 @@ def test_triangles_tile_the_section(drawn, fine):
         u, v = b - a, c - a
         return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
-    undeformed = signed_areas(field.undeformed(drawn, fine))
+    undeformed = signed_areas(fine.undeformed())
     assert undeformed.min() > 0.0
     weights = drawn.path.discretization.weights
     assert undeformed.sum() == pytest.approx(weights.sum(), rel=1e-12)
-    deformed = signed_areas(field.deformed(drawn, fine))
+    deformed = signed_areas(fine.deformed())
     assert deformed.min() > 0.0
     assert deformed.sum() == pytest.approx(undeformed.sum(), rel=1e-2)  # nearly incompressible
 
 
 def test_smooth_between_particles(drawn):
     fine = field.fine_grid(drawn, 8)
-    places = field.deformed(drawn, fine)
+    places = fine.deformed()
     outer = max((places[loop] for loop in fine.loops), key=len)
     steps = np.hypot(*np.diff(outer, axis=0).T)
     assert steps.max() < 0.3

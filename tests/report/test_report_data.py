@@ -14,10 +14,10 @@ from penalty_warnings import further_warnings
 import seal_mdao as sm
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.recording.recorded_optimization import read_optimization
-from seal_mdao.report import tables
+from seal_mdao.report import html_tables as tables
 from seal_mdao.report.page import status
-from seal_mdao.report.shapes import FULL, Pictures
-from seal_mdao.report.write import DESIGNS, chosen_points, write_report
+from seal_mdao.report.picture_data import FULL, Pictures, evenly_spread
+from seal_mdao.report.write import DESIGNS, write_report
 from seal_mdao.seals.profiles import contact_counts, contacts, nominal_pressure, true_pressure
 
 
@@ -246,9 +246,9 @@ def test_changed_seal_is_pointed_out(seal_page, tmp_path):
 
 
 def test_many_points_are_thinned_evenly():
-    assert chosen_points(1) == [0]
-    assert chosen_points(DESIGNS) == list(range(DESIGNS))
-    chosen = chosen_points(201)
+    assert evenly_spread(1, DESIGNS).tolist() == [0]
+    assert evenly_spread(DESIGNS, DESIGNS).tolist() == list(range(DESIGNS))
+    chosen = evenly_spread(201, DESIGNS)
     assert len(chosen) == DESIGNS
     assert (chosen[0], chosen[-1]) == (0, 200)
     assert set(np.diff(chosen)) <= {5, 6}

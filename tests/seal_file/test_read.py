@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.calibration.modes import MODES, nominal_stress
+from seal_mdao.calibration.loading_modes import MODES, nominal_stress
 from seal_mdao.contact.kinematics import closest_point
 from seal_mdao.geometry.motion import Stage
 from seal_mdao.geometry.profile import circle_profile, polyline_profile, trace
 from seal_mdao.materials.by_name import LAWS
-from seal_mdao.measures.contact import GapSquareSum, OpenGapSquareSum
+from seal_mdao.measures.gap import GapSquareSum, OpenGapSquareSum
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.stress import LargestVonMises, VonMises
 from seal_mdao.seals.file.laws import LAW_TABLES

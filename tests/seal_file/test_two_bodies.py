@@ -8,7 +8,7 @@ from test_two_rubbers import BLOCK, exact_force
 
 import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import discretize
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.result import frozen_measures
 

@@ -7,8 +7,8 @@ import pytest
 from two_profiles import two_profiles
 
 import seal_mdao as sm
-from seal_mdao.measures.contact import Reaction
-from seal_mdao.measures.energy import StrainEnergy
+from seal_mdao.measures.reaction import Reaction
+from seal_mdao.measures.work import StrainEnergy
 from seal_mdao.seals.choice import (
     choose,
     divided,

@@ -7,7 +7,7 @@ import pytest
 from boundaries import circle, paper_ring, polygon
 
 from seal_mdao.geometry.polygon import polygon_area
-from seal_mdao.measures.shape import cells_area
+from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
 from seal_mdao.seals.outline.boundary import doubled
 from seal_mdao.seals.outline.cloud import cloud, graded, longest_side, wall_spacing, wall_thickness

@@ -3,7 +3,7 @@
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.measures.contact import Gap, GapSquareIntegral, GapSquareSum, OpenGapSquareSum
+from seal_mdao.measures.gap import Gap, GapSquareIntegral, GapSquareSum, OpenGapSquareSum
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.seals.gaps import (
     gaps_unmeasured_by,

@@ -8,9 +8,9 @@ from verification.flat_door_reference import REACTION
 import seal_mdao as sm
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.geometry.motion import straight_motion
-from seal_mdao.measures.contact import Reaction
-from seal_mdao.measures.energy import StrainEnergy
-from seal_mdao.measures.shape import CavityArea, SectionArea
+from seal_mdao.measures.reaction import Reaction
+from seal_mdao.measures.section_shape import CavityArea, SectionArea
+from seal_mdao.measures.work import StrainEnergy
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.outline.design import EdgeDesign
 from seal_mdao.seals.outline.seal import EdgeContact, outline_seal, reseed

@@ -8,7 +8,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import ContactLaw
-from seal_mdao.measures.contact import Reaction
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.choice import PENALTY_TOLERANCE, choose, most_penalty, relative_error
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.export import write_design

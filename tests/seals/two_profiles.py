@@ -11,8 +11,7 @@ from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.profile import circle_profile, flat_profile
-from seal_mdao.measures.energy import StrainEnergy
-from seal_mdao.measures.work import ProfileWork
+from seal_mdao.measures.work import ProfileWork, StrainEnergy
 from seal_mdao.structure.elastic_body import elastic_body
 
 

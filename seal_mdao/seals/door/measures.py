@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-from seal_mdao.measures.contact import Gap, GapSquareIntegral, GapSquareSum, Reaction
 from seal_mdao.measures.contact_pressure import ContactPressure
+from seal_mdao.measures.gap import Gap, GapSquareIntegral, GapSquareSum
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.stress import StressNorm, VonMises
 
 DOOR = "door"

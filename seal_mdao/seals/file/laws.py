@@ -17,9 +17,9 @@ from pydantic_core import PydanticCustomError
 from seal_mdao.calibration.data import read_tests
 from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
 from seal_mdao.calibration.fit import fit
-from seal_mdao.calibration.modes import MODES
+from seal_mdao.calibration.loading_modes import MODES
+from seal_mdao.calibration.material_stability import check_stability, require_stable
 from seal_mdao.calibration.residuals import WEIGHTINGS
-from seal_mdao.calibration.stability import check_stability, require_stable
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.isotropic import Isotropic

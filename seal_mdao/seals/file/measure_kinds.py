@@ -9,23 +9,20 @@ from pydantic import AfterValidator, model_validator
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.motion import ROUNDING
-from seal_mdao.measures.cavity import CavityPressure
-from seal_mdao.measures.contact import (
-    TRAVEL,
+from seal_mdao.measures.contact_pressure import ContactPressure, ContactWidth, PeakPressure
+from seal_mdao.measures.fluid import BlowOffPressure, CavityPressure
+from seal_mdao.measures.gap import (
     Gap,
     GapSquareIntegral,
     GapSquareSum,
     LargestGap,
     OpenGapSquareSum,
-    Reaction,
 )
-from seal_mdao.measures.contact_pressure import ContactPressure, ContactWidth, PeakPressure
-from seal_mdao.measures.energy import StrainEnergy
-from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.measures.measure import Measure
-from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
+from seal_mdao.measures.reaction import TRAVEL, Reaction
+from seal_mdao.measures.section_shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
-from seal_mdao.measures.work import FrictionWork, ProfileWork
+from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
 from seal_mdao.seals.file.extensions import Extensible, keys_of
 from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import (

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.measures.contact import BetweenContacts, Gap
 from seal_mdao.measures.contact_pressure import ContactPressure
+from seal_mdao.measures.gap import BetweenContacts, Gap
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.measure_kinds import EXTENSIONS, KINDS

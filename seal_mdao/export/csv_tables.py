@@ -28,13 +28,11 @@ EDGE_HEADER = (
 """``pressure_kPa`` is the nominal pressure, force over undeformed length."""
 
 
-def write_curves(result, folder) -> list[Path]:
-    """Write ``curve_NAME.csv`` for every profile: a row for each nominal step.
+STATE_NAMES = {OPEN: "open", SLIP: "slip"}
 
-    Returns
-    -------
-    list of Path
-    """
+
+def write_curves(result, folder) -> list[Path]:
+    """Write ``curve_NAME.csv`` for every profile: a row for each nominal step."""
     written = []
     for history in profile_histories(result):
         # columns in the order of CURVE_HEADER; 0.1 m of seal: N/m to N per 100 mm
@@ -50,12 +48,7 @@ def write_curves(result, folder) -> list[Path]:
 
 def write_contact(result, folder, steps=None) -> list[Path]:
     """Write ``contact_NAME.csv`` for every profile: gap, pressures and state of every
-    contact point, at nominal ``steps`` from 0 (``result.key_steps()``).
-
-    Returns
-    -------
-    list of Path
-    """
+    contact point, at nominal ``steps`` from 0 (``result.key_steps()``)."""
     steps, written = result.key_steps() if steps is None else steps, []
     for contact in contacts(result.seal):
         points, rows = contact_places(result, contact.label), []
@@ -63,9 +56,7 @@ def write_contact(result, folder, steps=None) -> list[Path]:
         arc = np.concatenate([[0.0], np.cumsum(side_lengths(result, contact.label))])
         for step in steps:
             response = result.path.at_nominal(contact.label)[step]
-            words = [
-                "open" if s == OPEN else "slip" if s == SLIP else "stick" for s in response.state
-            ]
+            words = [STATE_NAMES.get(state, "stick") for state in response.state]
             true = true_pressure(result, contact, step)
             nominal = nominal_pressure(contact, response)
             # columns in the order of EDGE_HEADER; steps are numbered from 1 in files
@@ -93,6 +84,23 @@ def write_boundary(seal, offsets, path) -> Path:
         rows += [(name, *nominal, *now) for nominal, now in
                  zip(seal.drawn_particles[ring], particles[ring], strict=True)]  # fmt: skip
     return _write(Path(path), ("edge", "drawn_x_mm", "drawn_y_mm", "x_mm", "y_mm"), rows)
+
+
+def travel_table(result) -> np.ndarray:
+    """Tabulate travel of the leading profile (mm) and both components of the force on it (N/m) of
+    every step, shape (n_steps, 3)."""
+    return np.column_stack([np.round(result.travel, 12), result.reaction])
+
+
+def reaction_tables(result) -> dict[str, list]:
+    """Tabulate stage (from 1), travel in it (mm), Fx, Fy (N/m) of every step for every profile."""
+    return {
+        own.label: [
+            [int(stage), round(float(travel), 12), *map(float, force)]
+            for stage, travel, force in zip(own.stage, own.travel, own.force, strict=True)
+        ]
+        for own in profile_histories(result)
+    }
 
 
 def _write(path: Path, header, rows) -> Path:

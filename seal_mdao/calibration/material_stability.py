@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from seal_mdao.calibration.modes import MODES, Mode, is_compressible, lateral_stretch
+from seal_mdao.calibration.loading_modes import MODES, Mode, is_compressible, lateral_stretch
 from seal_mdao.materials.isotropic import Isotropic
 
 MARGIN = 0.1
@@ -30,10 +30,8 @@ class UnstableMaterialError(ValueError):
 
 
 def smallest_stiffness(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
-    """Compute the smallest eigenvalue of the tangent relative to the undeformed state.
-
-    Shape of ``stretch``; positive where the law is stable, -inf where it is not defined.
-    """
+    """Compute the smallest eigenvalue of the tangent relative to the undeformed state, shape of
+    ``stretch``; positive where the law is stable, -inf where it is not defined."""
     stretch = np.asarray(stretch, float)
     return _smallest(law, mode, stretch) / abs(_smallest(law, mode, np.ones(1))[0])
 
@@ -132,7 +130,7 @@ def _begin(law, mode, end: float) -> float | None:
 
 
 def check_stability(law: Isotropic, ranges: dict, margin: float = MARGIN) -> dict:
-    """Check the stability in all modes.
+    """Check the stability in all modes; return ``ModeStability`` by mode.
 
     Parameters
     ----------
@@ -140,10 +138,6 @@ def check_stability(law: Isotropic, ranges: dict, margin: float = MARGIN) -> dic
     ranges : dict of str to (float, float)
         Smallest and largest tested stretch by mode; other modes are reported, but need not be stable.
     margin : float
-
-    Returns
-    -------
-    dict of str to ModeStability
     """
     required = {name: widened(*ranges.get(name, (1.0, 1.0)), margin) for name in MODES}
     return {name: check_mode(law, MODES[name], *required[name]) for name in MODES}

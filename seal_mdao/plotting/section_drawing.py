@@ -8,13 +8,15 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
 from shapely import MultiPolygon, Polygon, area, polygons, union_all
 
 from seal_mdao.contact.friction import OPEN
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.curve import LINE, curve_point
 from seal_mdao.geometry.profile import RigidProfile, trace
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.plotting import field
+from seal_mdao.plotting.field import FineGrid, cell_loops
 from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP
 from seal_mdao.seals.profiles import contacts, self_contacts
 from seal_mdao.seals.result import SealResult
@@ -24,10 +26,13 @@ USUAL, PEAK = 0.99, 2.0
 """Quantile of the stresses, and the multiple of it at which the colour scale ends at most."""
 FAR = 10.0
 """Length by which open profiles are extended beyond their ends, over the size of the section."""
-DEPTH, HELD_DEPTH = 0.16, 0.04
+DEPTH, FIXED_DEPTH = 0.16, 0.04
 """Depth of the hatched sides of profiles and of fixed boundaries, over the size of the section."""
 SMOOTH = 0.004
 """Distance of points along curved profiles, over the size of the section."""
+HATCHED = {"edgecolor": GREY, "linewidth": 0.0, "zorder": 1}
+PANEL_AREA = 16.0
+"""Area of the panel of one shape, square inches; its aspect ratio is that of the section."""
 
 
 def stress_levels(highest: float) -> np.ndarray:
@@ -83,20 +88,16 @@ def face_of(profile: RigidProfile, size: float) -> np.ndarray:
     """
     far = FAR * size
     # bound of the extent of the profile in its own coordinates
-    around = float(
-        np.abs(profile.origin).max() + profile.length.max() + np.abs(profile.radius).max()
-    )
-    face = trace(profile, SMOOTH * size, 2.0 * (around + far))
-    # open profile: points on end lines at natural coordinates beyond their ends by ``far``
+    around = np.abs(profile.origin).max() + profile.length.max() + np.abs(profile.radius).max()
+    face = trace(profile, SMOOTH * size, 2.0 * (float(around) + far))
     if profile.period == 0.0:
-        ends = (0, profile.start[0] - far), (-1, profile.start[-1] + profile.length[-1] + far)
-        first, last = (
-            [curve_point(profile, piece % len(profile.kind), xi)[0]]
-            if profile.kind[piece] == LINE
-            else np.empty((0, 2))
-            for piece, xi in ends
-        )
-        face = np.vstack([first, face, last])
+        # open profile: points on end lines at natural coordinates beyond their ends by ``far``
+        first, last = 0, len(profile.kind) - 1
+        if profile.kind[first] == LINE:
+            face = np.vstack([curve_point(profile, first, profile.start[first] - far)[0], face])
+        if profile.kind[last] == LINE:
+            end = profile.start[last] + profile.length[last] + far
+            face = np.vstack([face, curve_point(profile, last, end)[0]])
     return face
 
 
@@ -113,9 +114,7 @@ def rigid_side(profile: RigidProfile, face: np.ndarray, size: float):
         return left_of(face, depth)
     # closed: counter-clockwise is a solid body, clockwise a hole in a rigid body around it
     inside = Polygon(face)
-    if inside.exterior.is_ccw:
-        return inside
-    return inside.buffer(depth) - inside
+    return inside if inside.exterior.is_ccw else inside.buffer(depth) - inside
 
 
 def left_of(line: np.ndarray, depth: float):
@@ -136,34 +135,17 @@ def left_of(line: np.ndarray, depth: float):
     return union_all([*pieces, *wedges[area(wedges) > 1e-9 * depth**2]])
 
 
-def draw_profiles(axes: Axes, result: SealResult, fraction: float) -> None:
-    """Plot all rigid profiles after ``fraction`` nominal steps as hatched bodies."""
-    for contact in contacts(result.seal):
-        _hatch(axes, profile_body(result, contact, fraction), LIGHT_GREY, "////")
-        face = profile_face(result, contact, fraction)
-        axes.plot(*face.T, color="black", linewidth=1.4, zorder=4)
-
-
 def outlines(body) -> list[np.ndarray]:
     """Closed lines (k, 2) around a shapely polygon, or several, and around their holes."""
     parts = body.geoms if isinstance(body, MultiPolygon) else [body]
     return [np.asarray(ring.coords) for part in parts for ring in (part.exterior, *part.interiors)]
 
 
-def _hatch(axes, body, face, hatch) -> None:
-    rings = [Path(ring, closed=True) for ring in outlines(body)]
-    patch = PathPatch(
-        Path.make_compound_path(*rings), facecolor=face, edgecolor=GREY, hatch=hatch, linewidth=0.0,
-        zorder=1,
-    )  # fmt: skip
-    axes.add_patch(patch)
-
-
-def held_lines(result: SealResult) -> list[np.ndarray]:
+def fixed_lines(result: SealResult) -> list[np.ndarray]:
     """List the fixed lines of the nominal boundary, the body on the left, shapes (k, 2), mm."""
     body, found = result.seal.body, []
     fixed = body.fixed.all(axis=1)
-    for loop in field.boundary_loops(body.cells, body.cells[:, [[0, 3], [1, 2]]]):
+    for loop in cell_loops(body):
         free = np.flatnonzero(~fixed[loop])
         # start at a free particle, so that no fixed line crosses the end of the list
         ring = np.append(loop, loop[0]) if free.size == 0 else np.roll(loop, -free[0])
@@ -172,29 +154,59 @@ def held_lines(result: SealResult) -> list[np.ndarray]:
     return found
 
 
-def draw_held(axes: Axes, result: SealResult) -> None:
-    """Plot the fixed boundary of the section with hatched ground."""
-    depth = HELD_DEPTH * size_of(result)
-    for line in held_lines(result):
-        _hatch(axes, left_of(line[::-1], depth), "white", "\\\\\\\\")
-        axes.plot(*line.T, color="black", linewidth=1.6, zorder=3)
+# ---- drawing ----
 
 
-def draw_outline(axes: Axes, coordinates: np.ndarray, loops, **line) -> None:
-    """Plot boundary loops of the points ``coordinates`` (k, 2)."""
-    label = line.pop("label", None)
-    for number, loop in enumerate(loops):
-        x, y = coordinates[np.append(loop, loop[0])].T
-        axes.plot(x, y, label=None if number else label, **line)
+def draw_cells(axes: Axes, particles: np.ndarray, cells: np.ndarray, **line) -> None:
+    """Plot the outline of every cell (m, 4)."""
+    # one line a cell: axes.plot takes arrays (5 points, m cells) of x and of y
+    closed = np.concatenate([particles[cells], particles[cells[:, :1]]], axis=1)
+    axes.plot(*closed.transpose(2, 1, 0), **line)
+
+
+def _fill(axes: Axes, rings, **patch) -> None:
+    """Fill the region between closed lines (k, 2)."""
+    paths = [Path(ring, closed=True) for ring in rings]
+    axes.add_patch(PathPatch(Path.make_compound_path(*paths), **patch))
 
 
 def fill_outline(axes: Axes, coordinates: np.ndarray, loops, **patch) -> None:
     """Fill the section between boundary loops of the points ``coordinates`` (k, 2)."""
-    rings = [Path(coordinates[np.append(loop, loop[0])], closed=True) for loop in loops]
-    axes.add_patch(PathPatch(Path.make_compound_path(*rings), **patch))
+    _fill(axes, [coordinates[np.append(loop, loop[0])] for loop in loops], **patch)
 
 
-def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int, scale: Scale):
+def draw_outline(axes: Axes, coordinates: np.ndarray, loops, label=None, **line) -> None:
+    """Plot boundary loops of the points ``coordinates`` (k, 2)."""
+    for number, loop in enumerate(loops):
+        ring = coordinates[np.append(loop, loop[0])]
+        axes.plot(*ring.T, label=None if number else label, **line)
+
+
+def draw_fixed(axes: Axes, result: SealResult) -> None:
+    """Plot the fixed boundary of the section with hatched ground."""
+    for line in fixed_lines(result):
+        ground = left_of(line[::-1], FIXED_DEPTH * size_of(result))
+        _fill(axes, outlines(ground), facecolor="white", hatch="\\\\\\\\", **HATCHED)
+        axes.plot(*line.T, color="black", linewidth=1.6, zorder=3)
+
+
+def draw_surroundings(axes: Axes, result: SealResult, fraction: float) -> None:
+    """Plot the fixed boundary, and all rigid profiles after ``fraction`` nominal steps, hatched."""
+    draw_fixed(axes, result)
+    for contact in contacts(result.seal):
+        body = profile_body(result, contact, fraction)
+        _fill(axes, outlines(body), facecolor=LIGHT_GREY, hatch="////", **HATCHED)
+        face = profile_face(result, contact, fraction)
+        axes.plot(*face.T, color="black", linewidth=1.4, zorder=4)
+
+
+def draw_section(axes: Axes, fine: FineGrid, step: int, **patch) -> None:
+    """Fill the deformed section after a nominal step, with the fixed boundary and the profiles."""
+    fill_outline(axes, fine.deformed(step), fine.loops, **patch)
+    draw_surroundings(axes, fine.result, fine.result.path.nominal_steps[step].fraction)
+
+
+def draw_stress(axes: Axes, fine: FineGrid, step: int, scale: Scale):
     """Plot the deformed body with filled von Mises contours, and the profiles around it.
 
     Returns
@@ -202,55 +214,56 @@ def draw_stress(axes: Axes, result: SealResult, fine: field.FineGrid, step: int,
     contours : ContourSet
         For the colour bar.
     """
-    coordinates = field.deformed(result, fine, step)
-    stress, levels = field.von_mises(result, fine, step), scale.levels
+    coordinates, (levels, extend) = fine.deformed(step), scale
     contours = axes.tricontourf(
-        field.triangulation(coordinates, fine), np.maximum(stress, 0.0), levels=levels,
-        cmap=STRESS_MAP, norm=Normalize(levels[0], levels[-1]), extend=scale.extend, zorder=2,
+        Triangulation(*coordinates.T, fine.triangles), np.maximum(fine.von_mises(step), 0.0),
+        levels=levels, cmap=STRESS_MAP, norm=Normalize(levels[0], levels[-1]), extend=extend,
+        zorder=2,
     )  # fmt: skip
     draw_outline(axes, coordinates, fine.loops, color="black", linewidth=0.8, zorder=3)
-    draw_held(axes, result)
-    draw_profiles(axes, result, result.path.nominal_steps[step].fraction)
-    draw_contact(axes, result, step)
+    draw_surroundings(axes, fine.result, fine.result.path.nominal_steps[step].fraction)
+    draw_contact(axes, fine.result, step)
     return contours
 
 
 def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
     """Plot points in contact with a profile or another wall, and open points between contacts."""
-
-    def responses(terms):
-        return [result.path.at_nominal(term.label)[step] for term in terms]
-
-    rigid, folded = responses(contacts(result.seal)), responses(self_contacts(result.seal))
-    touching = [own.x[own.branch != OPEN] for own in (*rigid, *folded)]
-    opened = [own.x[opened_points(own.branch)] for own in rigid]
+    touching, opened = [np.empty((0, 2))], [np.empty((0, 2))]
+    for term in (*contacts(result.seal), *self_contacts(result.seal)):
+        own = result.path.at_nominal(term.label)[step]
+        touching.append(own.x[own.branch != OPEN])
+        # with itself a wall has no order of points, hence no region between contacts
+        if isinstance(term, RigidContact):
+            opened.append(own.x[opened_points(own.branch)])
     for fill, label, points in (
         (ORANGE, "in contact", touching), ("white", "open between contacts", opened),
     ):  # fmt: skip
         axes.plot(
-            *np.concatenate([np.empty((0, 2)), *points]).T, linestyle="none", marker="o",
-            markersize=4.2, zorder=5, markerfacecolor=fill, markeredgecolor="black",
-            markeredgewidth=0.7, label=label,
+            *np.concatenate(points).T, linestyle="none", marker="o", markersize=4.2, zorder=5,
+            markerfacecolor=fill, markeredgecolor="black", markeredgewidth=0.7, label=label,
         )  # fmt: skip
 
 
 def frame(axes: Axes, low, high) -> None:
     """Set equal aspect, window and axis labels."""
-    axes.set_aspect("equal")
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
+    axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
     axes.grid(False)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-    axes.set_xlabel("x (mm)")
-    axes.set_ylabel("y (mm)")
 
 
 def window(shapes, margin: float = 0.08) -> tuple[np.ndarray, np.ndarray]:
-    """Compute lower left and upper right corner around all ``shapes`` (n, 2).
-
-    With a margin as a fraction of the larger side.
-    """
+    """Compute lower left and upper right corner around all ``shapes`` (n, 2), with a margin as a
+    fraction of the larger side."""
     points = np.vstack([np.reshape(shape, (-1, 2)) for shape in shapes])
     border = margin * np.ptp(points, axis=0).max()
     return points.min(axis=0) - border, points.max(axis=0) + border
+
+
+def panel_size(low, high) -> tuple[float, float]:
+    """Compute width and height of the panel of a window, inches."""
+    width, height = high - low
+    # equal area for all aspect ratios, at most 6 by 5 inches
+    scale = min((PANEL_AREA / (width * height)) ** 0.5, 6.0 / width, 5.0 / height)
+    return scale * width, scale * height

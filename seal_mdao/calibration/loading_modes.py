@@ -46,6 +46,13 @@ class Mode:
         """r = d ln x / d ln lambda at J = 1."""
         return -sum(self.pulled) / sum(self.free)
 
+    @property
+    def along(self) -> np.ndarray:
+        """Direction of the work of the imposed stretch, shape (3,)."""
+        # (pulled + r free) / n
+        free = self.incompressible_rate * np.array(self.free)
+        return (np.array(self.pulled) + free) / sum(self.pulled)
+
     def stretches(self, stretch, lateral) -> np.ndarray:
         """Compute the three principal stretches, shape (3, m)."""
         # ln lambda_i = pulled_i ln(lambda) + free_i ln(x)
@@ -71,8 +78,10 @@ def lateral_stretch(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
         # J = 1: ln x = r ln lambda
         return np.exp(mode.incompressible_rate * log)
     free = np.array(mode.free, float)
-    # start from the linear solution ln x = -(free . A pulled) / (free . A free) ln lambda
-    across, change = _small_strain_rate(law, mode) * log, np.inf
+    # start from the linear solution, exact for a foam with equal nu:
+    # free . A (pulled ln lambda + free ln x) = 0 with the tangent A of the undeformed state
+    pull = free @ law.principal_tangent(np.ones(3))
+    across, change = float(-(pull @ np.array(mode.pulled)) / (pull @ free)) * log, np.inf
     with np.errstate(all="ignore"):
         for _ in range(NEWTON_STEPS):
             state = mode.stretches(np.exp(log), np.exp(across))
@@ -87,14 +96,6 @@ def lateral_stretch(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
     return np.where(change <= 1e-9, np.exp(across), np.nan)
 
 
-def _small_strain_rate(law, mode) -> float:
-    """Compute d ln x / d ln lambda of the undeformed state, exact for a foam with equal nu."""
-    # free . A (pulled + free d ln x/d ln lambda) = 0
-    tangent = law.principal_tangent(np.ones(3))
-    free, pulled = np.array(mode.free), np.array(mode.pulled)
-    return float(-(free @ tangent @ pulled) / (free @ tangent @ free))
-
-
 def nominal_stress(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
     """Compute the nominal stress in a pulled direction, in the unit of the constants.
 
@@ -107,8 +108,8 @@ def nominal_stress(law: Isotropic, mode: Mode, stretch) -> np.ndarray:
     """
     stretch = np.asarray(stretch, float)
     state = mode.stretches(stretch, lateral_stretch(law, mode, stretch))
-    # P = tau . (pulled + r free) / (n lambda)
-    return _along(mode) @ law.principal_stress(state) / stretch
+    # P = along . tau / lambda
+    return mode.along @ law.principal_stress(state) / stretch
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +134,8 @@ def response(law: Isotropic, mode: Mode, stretch) -> ModeResponse:
     """Compute stress, free stretch and their exact derivatives in the constants of the law."""
     stretch = np.asarray(stretch, float)
     lateral = lateral_stretch(law, mode, stretch)
-    state, along = mode.stretches(stretch, lateral), _along(mode)
-    # P = along . tau / lambda,  along = (pulled + r free) / n
+    state, along = mode.stretches(stretch, lateral), mode.along
+    # P = along . tau / lambda
     stress = along @ law.principal_stress(state) / stretch
     rates = law.principal_constants(state)
     by_constant = np.einsum("i,ki...->k...", along, rates)
@@ -147,9 +148,3 @@ def response(law: Isotropic, mode: Mode, stretch) -> ModeResponse:
     moved = -np.einsum("i,ki...->k...", free, rates) / np.einsum("i,i...->...", free, pull)
     total = by_constant + np.einsum("i,i...->...", along, pull) * moved
     return ModeResponse(stress, lateral, total / stretch, lateral * moved)
-
-
-def _along(mode: Mode) -> np.ndarray:
-    """Compute (pulled + r free) / n."""
-    free = mode.incompressible_rate * np.array(mode.free)
-    return (np.array(mode.pulled) + free) / sum(mode.pulled)

@@ -8,18 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
+from seal_mdao.plotting.style import BESIDE, BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
 from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
 
 PAPER_RATIO = 0.0075
 """Final over initial cost in Kim et al. (2000)."""
 LOWEST_RATIO = 1e-8
 """Lower limit of the logarithmic axis, for gaps that close completely."""
-
-
-def _iteration_axis(axes: Axes, history: RecordedOptimization) -> None:
-    axes.set_xlabel("major iteration" if history.major else "model evaluation")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 
 
 @styled
@@ -32,9 +27,8 @@ def cost_history(history: RecordedOptimization) -> Figure:
         xytext=(-2, 3), textcoords="offset points", ha="right", color=GREY, fontsize=9.0,
     )  # fmt: skip
     _draw_objective(axes, history, np.maximum(history.objective_ratio, LOWEST_RATIO))
-    axes.set_yscale("log")
+    axes.set(yscale="log", ylabel="cost / its start")
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{100 * v:g} %"))
-    axes.set_ylabel("cost / its start")
     axes.legend(loc="lower left")
     return figure
 
@@ -44,8 +38,7 @@ def objective_history(history: RecordedOptimization) -> Figure:
     """Plot the objective in its unit, infeasible points marked."""
     figure, axes = subplots(width=6.4, height=4.2)
     _draw_objective(axes, history, history.objective)
-    name = _words(history.objective_name)
-    unit = unit_of(history, history.objective_name)
+    name, unit = _words(history.objective_name), unit_of(history, history.objective_name)
     axes.set_ylabel(f"{name} ({unit})" if unit else name)
     axes.margins(y=0.12)
     axes.legend(loc="best")
@@ -73,30 +66,31 @@ def _draw_objective(axes: Axes, history: RecordedOptimization, values: np.ndarra
 def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
     """Plot the utilisation of constraints; a feasible design lies on or below 1.
 
+    For a positive upper limit the curve is value / limit.
+
     Parameters
     ----------
     history : RecordedOptimization
     particles : sequence of int, optional
         Particles of the stresses, for the legend.
-
-    Returns
-    -------
-    Figure
-        For a positive upper limit the curve is value / limit.
     """
     figure, axes = subplots(width=8.2, height=4.6)
-    number = np.arange(len(history.objective))
     uses = {_legend(c.name, particles): c.use() for c in history.constraints}
     uses = {text: use for text, use in uses.items() if np.isfinite(use).all()}  # there is a limit
     # colour and marker change with every curve, the dash after all colours are used
     looks = itertools.product(("-", "--", ":"), zip(CYCLE, MARKERS, strict=True))
     for (text, use), (dash, (color, marker)) in zip(uses.items(), looks, strict=False):
-        axes.plot(number, use, color=color, marker=marker, linestyle=dash, label=text)
+        axes.plot(use, color=color, marker=marker, linestyle=dash, label=text)
     _shade_violated(axes, np.concatenate([[1.0], *uses.values()]))
     axes.set_ylabel("use of the limit")
     _iteration_axis(axes, history)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.legend(**BESIDE)
     return figure
+
+
+def _iteration_axis(axes: Axes, history: RecordedOptimization) -> None:
+    axes.set_xlabel("major iteration" if history.major else "model evaluation")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 
 
 def _shade_violated(axes: Axes, shown: np.ndarray) -> None:

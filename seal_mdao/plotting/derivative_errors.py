@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
+from seal_mdao.plotting.style import BESIDE, BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
 
 LOWEST, HIGHEST = 1e-12, 1e-3
 """Range of the colour scale of relative errors."""
@@ -24,10 +24,6 @@ def sensitivity_errors(errors: np.ndarray, measures, parameters, judged, one_sid
         False for parameters whose perturbed runs have another contact sequence.
     one_sided : ndarray of bool, shape (P,)
         Parameters for which the difference is one-sided.
-
-    Returns
-    -------
-    Figure
     """
     m, count = errors.shape
     figure, axes = subplots(width=max(6.0, 2.6 + 0.33 * count), height=1.7 + 0.3 * m)
@@ -38,19 +34,18 @@ def sensitivity_errors(errors: np.ndarray, measures, parameters, judged, one_sid
     for line in np.arange(1, max(m, count)) - 0.5:
         axes.axhline(line, color="white", linewidth=0.4)
         axes.axvline(line, color="white", linewidth=0.4)
-    axes.set_xlim(-0.5, count - 0.5)
-    axes.set_ylim(m - 0.5, -0.5)
+    axes.set(xlim=(-0.5, count - 0.5), ylim=(m - 0.5, -0.5), xlabel="parameter")
     axes.set_xticks(range(count), parameters, rotation=90, fontsize=8.5)
     axes.set_yticks(range(m), measures, fontsize=8.5)
     # marks above the columns: 1 one-sided difference, x not judged
-    for column in np.flatnonzero(one_sided & judged):
-        axes.text(column, -0.62, "1", ha="center", va="bottom", color=BLUE, fontsize=9.0)
-    for column in np.flatnonzero(~np.asarray(judged)):
-        axes.text(column, -0.62, "×", ha="center", va="bottom", color=VERMILION, fontsize=11.0)
+    for marked, text, color, size in (
+        (one_sided & judged, "1", BLUE, 9.0), (~np.asarray(judged), "×", VERMILION, 11.0),
+    ):  # fmt: skip
+        for column in np.flatnonzero(marked):
+            axes.text(column, -0.62, text, ha="center", va="bottom", color=color, fontsize=size)
     axes.set_title(_summary(errors, measures, judged, one_sided), loc="left", pad=18, fontsize=9.5)
-    axes.set_xlabel("parameter")
-    bar = figure.colorbar(picture, ax=axes, pad=0.015, aspect=30, extend="both")
-    bar.set_label("relative error")
+    label = "relative error"
+    figure.colorbar(picture, ax=axes, pad=0.015, aspect=30, extend="both", label=label)
     return figure
 
 
@@ -70,7 +65,8 @@ def _summary(errors, measures, judged, one_sided) -> str:
 
 @styled
 def step_study(steps: np.ndarray, groups: dict) -> Figure:
-    """Plot the relative error of difference quotients against the step size.
+    """Plot the relative error of difference quotients against the step size: medians as lines, the
+    10 % to 90 % quantiles as bands.
 
     Parameters
     ----------
@@ -79,11 +75,6 @@ def step_study(steps: np.ndarray, groups: dict) -> Figure:
     groups : dict of str to ndarray
         For every group of measures the relative errors of its derivatives, (number, n) each; nan
         where a quotient cannot be judged.
-
-    Returns
-    -------
-    Figure
-        Medians as lines, the 10 % to 90 % quantiles as bands.
     """
     figure, axes = subplots(width=7.4, height=4.6)
     for (name, errors), color, marker in zip(groups.items(), CYCLE, MARKERS, strict=False):
@@ -95,15 +86,13 @@ def step_study(steps: np.ndarray, groups: dict) -> Figure:
         at = np.asarray(steps)[usable]
         axes.fill_between(at, low, high, color=color, alpha=0.12, linewidth=0)
         axes.plot(at, middle, color=color, marker=marker, label=name)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log", ylabel="relative error")
+    axes.set_xlabel("step of the difference quotient (mm), smaller to the right")
+    axes.set_title("median over the derivatives, bands: middle 80 %", loc="left", fontsize=9.5)
+    # room for the words below at the top, and the smallest step on the right
     axes.set_ylim(top=10.0 * axes.get_ylim()[1])
     axes.invert_xaxis()
-    axes.set_xlabel("step of the difference quotient (mm), smaller to the right")
-    axes.set_ylabel("relative error")
-    title = "median over the derivatives, bands: middle 80 %"
-    axes.set_title(title, loc="left", fontsize=9.5)
     for x, text, side in ((0.01, "truncation", "left"), (0.99, "rounding", "right")):
         axes.text(x, 0.97, text, transform=axes.transAxes, ha=side, va="top", color=GREY)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.legend(**BESIDE)
     return figure

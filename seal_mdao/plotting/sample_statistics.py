@@ -1,0 +1,141 @@
+"""Figures of samples of measures: distributions, correlations, comparison of designs."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from seal_mdao.plotting.style import BLUE, GREY, VERMILION, panels, signed, styled, subplots
+
+BINS = 30
+SMALLEST = 1e-4
+"""Lower limit of the cost axis over the largest cost."""
+STRONG = 0.6
+"""Correlation above which numbers are white."""
+DESIGN_COLOURS = (GREY, BLUE, VERMILION)
+"""Of up to three designs; of two the last ones."""
+
+
+def _labelled(name: str, unit: str | None = None) -> str:
+    text = name.replace("_", " ")
+    return f"{text} ({unit.replace('**2', '²').replace('**3', '³')})" if unit else text
+
+
+@styled
+def distributions(values, names, units, linear=None) -> Figure:
+    """Plot a histogram of every measure.
+
+    Parameters
+    ----------
+    values : ndarray, shape (S, M)
+        Values of the completed samples.
+    names, units : sequence of str
+        Of the measures.
+    linear : ndarray, shape (S, M), optional
+        First-order estimate for the same samples.
+    """
+    size = lambda rows, columns: (3.4 * columns, 2.7 * rows + 0.4)  # noqa: E731
+    figure, panel = panels(values.shape[1], 3, size)
+    for number, axes in enumerate(panel):
+        own = values[:, number]
+        # bins common to both histograms, so that their heights compare
+        both = own if linear is None else np.concatenate([own, linear[:, number]])
+        edges = np.histogram_bin_edges(both, BINS)
+        axes.hist(own, edges, color=BLUE, alpha=0.55, label="sampled")
+        if linear is not None:
+            outlined = {"histtype": "step", "color": VERMILION, "linewidth": 1.4}
+            axes.hist(linear[:, number], edges, label="first order", **outlined)
+        for level, style in ((0.5, "-"), (0.95, "--")):
+            axes.axvline(np.quantile(own, level), color=GREY, linestyle=style, linewidth=1.1)
+        axes.set_xlabel(_labelled(names[number], units[number]))
+        axes.locator_params(axis="x", nbins=5)
+        if axes.get_subplotspec().is_first_col():
+            axes.set_ylabel("samples")
+    handles, labels = panel[0].get_legend_handles_labels()
+    # the two vertical lines, median and 95 % quantile, are the last lines of the axes
+    handles += panel[0].get_lines()[-2:]
+    figure.legend(handles, [*labels, "median", "95 %"], loc="outside upper center", ncols=4)
+    return figure
+
+
+@styled
+def correlations(table, measures, inputs) -> Figure:
+    """Plot rank correlations (M, K) of measures with the varied inputs as a map."""
+    wide = len(inputs) > 12
+    figure, axes = subplots(
+        width=2.6 + (0.3 if wide else 0.75) * len(inputs), height=1.9 + 0.34 * len(measures)
+    )
+    image = axes.imshow(table, cmap="RdBu_r", vmin=-1.0, vmax=1.0, aspect="auto")
+    turned = {"rotation": 90, "ha": "center"} if wide else {"rotation": 30, "ha": "right"}
+    axes.set_xticks(range(len(inputs)), map(_labelled, inputs), **turned)
+    axes.set_yticks(range(len(measures)), map(_labelled, measures))
+    axes.grid(False)
+    # numbers in the cells as long as they are legible
+    if not wide:
+        for (row, column), value in np.ndenumerate(table):
+            look = {"color": "white" if abs(value) > STRONG else "black", "fontsize": 8.5}
+            axes.text(column, row, signed(value, 2), ha="center", va="center", **look)
+    figure.colorbar(image, ax=axes, label="rank correlation", pad=0.02)
+    return figure
+
+
+@styled
+def designs_compared(
+    samples: dict, name: str, unit: str, limited: dict | None = None, band=(None, None),
+    text: str = "vertical force (N/m)",
+) -> Figure:  # fmt: skip
+    """Plot cumulative distributions of a cost, and of a measure with limits, for several designs.
+
+    Parameters
+    ----------
+    samples : dict of str to ndarray, shape (S,)
+        The cost by the label of the design.
+    name, unit : str
+        Of the cost.
+    limited : dict of str to ndarray, shape (S,), optional
+        A measure with limits by the label.
+    band : pair of float, optional
+        Its limits; None where there is none.
+    text : str
+        What it is, with its unit.
+    """
+    count = 1 if limited is None else 2
+    figure, grid = subplots(1, count, width=4.6 * count, height=3.7, squeeze=False)
+    _draw_cumulative(grid[0, 0], samples)
+    grid[0, 0].set_xlabel(_labelled(name, unit))
+    if limited is not None:
+        _draw_limited(grid[0, 1], limited, band)
+        grid[0, 1].set_xlabel(text)
+    return figure
+
+
+def _draw_cumulative(axes, samples: dict) -> None:
+    """Plot the fraction of samples below a cost for every design, with the 95 % quantile."""
+    # a closed gap has cost zero: costs far below the largest are drawn at the left end
+    least = SMALLEST * max(values.max() for values in samples.values())
+    for (label, values), color in zip(
+        samples.items(), DESIGN_COLOURS[-len(samples) :], strict=True
+    ):
+        # i-th smallest of S samples: fraction (i - 1/2) / S below
+        fraction = (np.arange(values.size) + 0.5) / values.size
+        shown = np.sort(values) if values.min() < 0.0 else np.maximum(np.sort(values), least)
+        axes.plot(shown, 100.0 * fraction, color=color, label=label)
+        axes.plot(max(np.quantile(values, 0.95), least), 95.0, "o", color=color)
+    axes.axhline(95.0, color=GREY, linewidth=0.8, linestyle=":")
+    axes.set(ylabel="fraction of samples below (%)", ylim=(0.0, 100.0))
+    if least > 0.0 and min(values.min() for values in samples.values()) >= 0.0:
+        axes.set_xscale("log")
+        axes.set_xlim(left=least)
+    axes.legend(loc="lower right")
+
+
+def _draw_limited(axes, limited: dict, band) -> None:
+    """Plot histograms of a measure for every design, and the band between its limits."""
+    edges = np.histogram_bin_edges(np.concatenate([*limited.values()]), BINS)
+    for (label, values), color in zip(
+        limited.items(), DESIGN_COLOURS[-len(limited) :], strict=True
+    ):
+        axes.hist(values, edges, histtype="step", color=color, linewidth=1.5, label=label)
+    ends = [
+        own if given is None else given for own, given in zip(axes.get_xlim(), band, strict=True)
+    ]
+    axes.axvspan(*ends, color=GREY, alpha=0.15, linewidth=0.0)
+    axes.set(ylabel="samples", title="grey: required range")

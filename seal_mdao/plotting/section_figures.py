@@ -1,0 +1,255 @@
+"""Figures of the section: cloud, deformed shapes with stress, critical modes, two designs.
+
+``deformed_shapes`` is Figure 4 of Kim et al. (2000), ``design_comparison`` their Figure 7.
+"""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from shapely import box
+
+from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.field import cell_loops, fine_grid
+from seal_mdao.plotting.style import (
+    BESIDE,
+    BLUE,
+    CELL_GREY,
+    CYCLE,
+    GREY,
+    LIGHT_GREY,
+    VERMILION,
+    panels,
+    styled,
+    subplots,
+)
+from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.result import SealResult
+
+STRESS = "von Mises stress (kPa)"
+MOST_POINTS = 6
+"""Largest number of critical points in a figure; of more those with the largest displacement."""
+MODE_SIZE = 0.08
+"""Largest displacement of a plotted mode, over the size of the section."""
+
+
+# ---- cloud ----
+
+
+@styled
+def section_cloud(result: SealResult) -> Figure:
+    """Plot particles, background cells, edges by name, and the profiles at the start.
+
+    Parameters
+    ----------
+    result : SealResult
+        Its undeformed section is plotted.
+    """
+    seal, particles = result.seal, result.particles
+    low, high = _cloud_window(result)
+    width, height = section.panel_size(low, high)
+    figure, axes = subplots(width=1.35 * width + 2.2, height=1.35 * height + 0.6)
+    section.draw_cells(axes, particles, seal.body.cells, color=CELL_GREY, linewidth=0.5, zorder=2)
+    fine = fine_grid(result, 1)
+    section.fill_outline(
+        axes, fine.undeformed(), fine.loops, facecolor=LIGHT_GREY, alpha=0.25, lw=0
+    )
+    # smaller dots for more particles
+    size = float(np.clip(60.0 / np.sqrt(len(particles)), 0.8, 3.0))
+    axes.plot(*particles.T, "o", color="#777777", markersize=size, zorder=3)
+    for number, (name, edge) in enumerate(seal.body.edges.items()):
+        ring = np.append(edge.particles, edge.particles[:1]) if edge.closed else edge.particles
+        color = CYCLE[number % len(CYCLE)]
+        axes.plot(*particles[ring].T, color=color, linewidth=2.4, label=name, zorder=4)
+    fixed = particles[seal.body.fixed.any(axis=1)]
+    axes.plot(*fixed.T, "s", color="black", markersize=3.5, zorder=5, label="fixed")
+    section.draw_surroundings(axes, result, 0.0)
+    _name_profiles(axes, result, low, high)
+    section.frame(axes, low, high)
+    axes.set_title(f"{len(particles)} particles, {len(seal.body.cells)} cells", loc="left")
+    axes.legend(**BESIDE, title="edges", alignment="left")
+    return figure
+
+
+def _name_profiles(axes, result, low, high) -> None:
+    """Write the name of each profile inside its visible part."""
+    for contact in contacts(result.seal):
+        # buffer(0) makes the polygon valid for the intersection with the window
+        body = section.profile_body(result, contact, 0.0).buffer(0.0).intersection(box(*low, *high))
+        if not body.is_empty:
+            axes.text(
+                *body.representative_point().coords[0], contact.label, ha="center", va="center",
+                zorder=6, bbox={"facecolor": "white", "edgecolor": "none", "pad": 2.0},
+            )  # fmt: skip
+
+
+def _cloud_window(result):
+    """Compute the window around the section and nearby parts of the profiles."""
+    low, high = section.window([result.particles], 0.2)
+    faces = [section.profile_face(result, contact, 0.0) for contact in contacts(result.seal)]
+    # profiles extend far beyond the section: only their points within 20 % of its size count
+    near = [face[((face >= low) & (face <= high)).all(axis=1)] for face in faces]
+    return section.window([result.particles, *near], 0.1)
+
+
+# ---- along the path ----
+
+
+@styled
+def deformed_shapes(result: SealResult, steps=None) -> Figure:
+    """Plot deformed shapes with von Mises contours in one colour scale, and the rigid profiles.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+    steps : sequence of int, optional
+        Nominal steps, from 0; ``result.key_steps()`` when left out.
+
+    Raises
+    ------
+    ValueError
+        For a result without any converged step.
+    """
+    if len(result.path.nominal_steps) == 0:
+        raise ValueError("the result has no converged load step to draw")
+    steps = result.key_steps() if steps is None else steps
+    # shape functions on the fine grid are evaluated once for all steps (Lagrangian)
+    fine = fine_grid(result)
+    scale = section.stress_scale(map(fine.von_mises, steps))
+    low, high = section.window([fine.undeformed(), *map(fine.deformed, steps)])
+    width, height = section.panel_size(low, high)
+    figure, panel = panels(
+        len(steps), 2 if width > 3.0 else 3, sharex=True, sharey=True,
+        size=lambda rows, columns: (max(width * columns + 1.3, 5.0), rows * (height + 0.45) + 0.4),
+    )  # fmt: skip
+    every = list(figure.axes)
+    for axes, step in zip(panel, steps, strict=True):
+        contours = section.draw_stress(axes, fine, step, scale)
+        section.frame(axes, low, high)
+        axes.set_title(result.caption(step))
+        axes.label_outer()
+    figure.legend(*panel[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    figure.colorbar(contours, ax=every, shrink=0.7, aspect=30, pad=0.02, label=STRESS)
+    return figure
+
+
+@styled
+def critical_modes(result: SealResult) -> Figure:
+    """Plot the shape before every critical point, the critical mode, and the shape after.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+
+    Raises
+    ------
+    ValueError
+        For a path that did not lose its stability.
+    """
+    points, last = result.critical_points, len(result.path.nominal_steps) - 1
+    if not points:
+        raise ValueError("the path has no critical point to draw")
+    limit = sorted((point.moved for point in points), reverse=True)[:MOST_POINTS][-1]
+    points = [point for point in points if point.moved >= limit][:MOST_POINTS]
+    # nominal step k, from 0, ends at the path parameter k + 1
+    before = [min(max(int(point.fraction) - 1, 0), last) for point in points]
+    steps = [(k, min(k + 1, last)) for k in before]
+    low, high = section.window([result.deformed(step) for pair in steps for step in pair])
+    width, height = section.panel_size(low, high)
+    figure, panel = panels(
+        len(points), 3, sharex=True, sharey=True,
+        size=lambda rows, columns: (
+            max(0.75 * width * columns + 1.0, 4.5), rows * (0.75 * height + 0.7) + 0.7
+        ),
+    )  # fmt: skip
+    loops = cell_loops(result.seal.body)
+    for axes, point, pair in zip(panel, points, steps, strict=True):
+        _draw_mode(axes, result, point, *pair, loops)
+        section.frame(axes, low, high)
+        axes.label_outer()
+    figure.legend(*panel[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def _draw_mode(axes: Axes, result, point, before: int, after: int, loops) -> None:
+    shape = result.deformed(before)
+    section.fill_outline(axes, shape, loops, facecolor=LIGHT_GREY, edgecolor="black", linewidth=0.8)
+    # a filled patch has no line for the legend: an empty line stands for its edge
+    axes.plot([], [], color="black", linewidth=0.8, label="last load step before")
+    # x + MODE_SIZE L phi: the mode has its largest component 1
+    mode = shape + MODE_SIZE * section.size_of(result) * point.mode
+    for x, label, look in (
+        (mode, "critical mode", {"color": VERMILION, "linestyle": "--", "linewidth": 1.2}),
+        (result.deformed(after), "first load step after", {"color": BLUE, "linewidth": 1.4}),
+    ):
+        section.draw_outline(axes, x, loops, label=label, **look)
+    section.draw_surroundings(axes, result, result.path.nominal_steps[after].fraction)
+    # the travel is NaN where the profiles have none in common
+    where = f"travel {point.travel:.2f} mm" if point.travel == point.travel else ""
+    axes.set_title(f"{where}: {point.kind}, {_energy(point.released)}", fontsize=9.0)
+
+
+def _energy(released: float) -> str:
+    if np.isnan(released):
+        return "energy unknown"
+    return f"{released:.2g} mJ/m" if abs(released) >= 1e-3 else "< 0.001 mJ/m"
+
+
+# ---- two designs ----
+
+
+@styled
+def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "")) -> Figure:
+    """Plot both undeformed sections in one panel, and the deformed ones with one colour scale.
+
+    Parameters
+    ----------
+    initial, optimised : SealResult
+        Completed analyses of two designs of one model.
+    numbers : pair of str
+        Text in the titles of both.
+    """
+    fines = fine_grid(initial), fine_grid(optimised)
+    # one scale and one window for both designs, so that colours and sizes compare
+    scale = section.stress_scale(fine.von_mises() for fine in fines)
+    low, high = section.window([x for fine in fines for x in (fine.deformed(), fine.undeformed())])
+    width, height = section.panel_size(low, high)
+    figure, panel = subplots(1, 3, width=3 * width + 1.6, height=height + 1.2, sharey=True)
+    # left panel: both undeformed shapes; right panels: deformed shapes with stress
+    _draw_undeformed(panel[0], *fines)
+    section.frame(panel[0], low, high)
+    panel[0].set_title("undeformed")
+    names = ("initial", "optimised")
+    for axes, fine, name, text in zip(panel[1:], fines, names, numbers, strict=True):
+        contours = section.draw_stress(axes, fine, -1, scale)
+        section.frame(axes, low, high)
+        axes.set(title=f"{name}: {text}" if text else name, ylabel="")
+    # one legend for all panels: shapes of the first, contact points of the second
+    shapes, points = (axes.get_legend_handles_labels() for axes in panel[:2])
+    entries = [both[0] + both[1] for both in zip(shapes, points, strict=True)]
+    figure.legend(*entries, loc="outside lower center", ncols=6)
+    figure.colorbar(contours, ax=panel, shrink=0.85, aspect=28, pad=0.01, label=STRESS)
+    return figure
+
+
+def _draw_undeformed(axes: Axes, initial, optimised) -> None:
+    section.draw_fixed(axes, initial.result)
+    section.fill_outline(
+        axes, optimised.undeformed(), optimised.loops, color=BLUE, alpha=0.12, lw=0
+    )
+    for fine, name, width, look in (
+        (initial, "initial", 1.2, {"color": GREY, "linestyle": "--"}),
+        (optimised, "optimised", 1.6, {"color": BLUE, "linestyle": "-"}),
+    ):
+        section.draw_outline(
+            axes, fine.undeformed(), fine.loops, linewidth=width, label=name, **look
+        )
+        for contact in contacts(fine.result.seal):
+            # profiles with parameters, such as a radius, show their values in the legend
+            text = ", ".join(
+                f"{key.replace('_', ' ')} {getattr(contact.shape, key):.2f} mm"
+                for key in contact.shape.names
+            )
+            face = section.profile_face(fine.result, contact, 0.0)
+            axes.plot(*face.T, linewidth=1.2, label=text or None, **look)

@@ -1,0 +1,169 @@
+"""Curves over travel: forces on every profile, contact width and peak pressure.
+
+A row of panels for each profile, a column for each load-unload segment.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
+from seal_mdao.seals.profiles import profile_histories
+from seal_mdao.seals.result import SealResult
+
+WIDTHS = (6.6, 9.0, 11.0)
+"""Widths of figures with one, two or three and more columns, inches."""
+UNIT_SEAL = 0.1
+"""Reference length of seal for forces in N per 100 mm, m."""
+COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
+
+
+@styled
+def load_deflection(result: SealResult) -> Figure:
+    """Plot compression-load-deflection curves: force on every profile against its travel, in N/m on
+    the left axis, in N per 100 mm of seal on the right one.
+
+    Loading and unloading along one line share a panel.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+
+    Raises
+    ------
+    ValueError
+        For a result without profiles or without any converged step.
+    """
+    figure, panels = _segment_panels(result, "force on {} (N/m)")
+    for history, segment, axes, last in panels:
+        travel, force = _with_start(segment, history.force)
+        axes.axhline(0.0, color="black", linewidth=0.8)
+        for component, name, color, style in COMPONENTS:
+            own = force[:, component]
+            axes.plot(travel, own, color=color, linestyle=style, label=name)
+            axes.plot(travel[-1], own[-1], "o", color=color)
+            axes.annotate(
+                signed(own[-1]), (travel[-1], own[-1]), xytext=(6, 0), textcoords="offset points",
+                va="center" if own[-1] > 0.0 else "top", color=color,  # keep off the zero line
+            )  # fmt: skip
+        _mark_critical(axes, result, segment, travel, force)
+        if last:
+            right = axes.secondary_yaxis(
+                "right", functions=(lambda f: f * UNIT_SEAL, lambda f: f / UNIT_SEAL)
+            )
+            right.set_ylabel("N per 100 mm of seal")
+    panels[0][2].legend(loc="best", title="component")
+    return figure
+
+
+def _mark_critical(axes, result, segment, travel: np.ndarray, force: np.ndarray) -> None:
+    """Mark the losses of stability within a load-unload segment."""
+    # path parameters at the start and the step ends of the segment
+    ends = np.arange(segment.steps.start, segment.steps.stop + 1)
+    fractions = [point.fraction for point in result.critical_points]
+    fractions = [fraction for fraction in fractions if ends[0] < fraction <= ends[-1]]
+    if fractions:
+        # the force before a jump, that of the step end before the critical point
+        before = np.clip(np.searchsorted(ends, fractions) - 1, 0, len(ends) - 1)
+        axes.plot(
+            np.interp(fractions, ends, travel), force[before, 1], linestyle="none", marker="D",
+            markerfacecolor="white", markeredgecolor="black", markersize=5.0, zorder=5,
+            label="stability lost",
+        )  # fmt: skip
+
+
+@styled
+def contact_width(result: SealResult) -> Figure:
+    """Plot deformed contact width and peak true pressure of every profile against its travel.
+
+    Thin lines are the nominal values.
+
+    Parameters
+    ----------
+    result : SealResult
+        Complete, or up to the step at which the path ended.
+
+    Raises
+    ------
+    ValueError
+        For a result without profiles or without any converged step.
+    """
+    figure, panels = _segment_panels(result, "width in contact with {} (mm)")
+    for history, segment, axes, last in panels:
+        # width on the left axis, peak pressure on a second one, labelled in the last column only
+        right = axes.twinx()
+        right.spines["right"].set_visible(last)
+        right.grid(False)
+        lines = _true_and_nominal(axes, segment, history.width, history.nominal_width, BLUE, "-")
+        lines += _true_and_nominal(
+            right, segment, history.peak, history.nominal_peak, VERMILION, "--"
+        )
+        if last:
+            right.set_ylabel("peak pressure (kPa)", color=VERMILION)
+        else:
+            right.tick_params(right=False, labelright=False)
+    words = ["deformed width", "nominal width", "true peak pressure", "nominal peak pressure"]
+    panels[0][2].legend(lines, words, loc="best")
+    return figure
+
+
+def _true_and_nominal(axes, segment, true, nominal, color, style) -> list:
+    """Plot the true values of a segment and, as a thin dotted line, the nominal ones."""
+    lines = axes.plot(*_with_start(segment, true), color=color, linestyle=style, zorder=3)
+    thin = {"linewidth": 0.8, "alpha": 0.7, "zorder": 2}
+    lines += axes.plot(*_with_start(segment, nominal), color=color, linestyle=":", **thin)
+    # the axis starts at zero and leaves 12 % for the legend
+    axes.set_ylim(0.0, 1.12 * max(true.max(), nominal.max(), 1e-3))
+    return lines
+
+
+def _segment_panels(result: SealResult, text: str):
+    """Create a figure with axes for every load-unload segment of every profile, a row for a profile.
+
+    Returns
+    -------
+    figure : Figure
+    panels : list of (ProfileHistory, Course, Axes, bool)
+        The flag marks the last axes of a row.
+    """
+    histories = profile_histories(result)
+    if not histories or not len(histories[0].stage):
+        raise ValueError("the result has no profile, or no converged load step to draw")
+    # one grid for all profiles: as many columns as the longest row needs
+    columns, rows = max(len(history.courses) for history in histories), len(histories)
+    width = WIDTHS[min(columns, len(WIDTHS)) - 1]
+    figure, grid = subplots(
+        rows, columns, width=width, height=0.6 + 3.4 * rows, squeeze=False, sharey="row"
+    )
+    panels = []
+    for history, row in zip(histories, grid, strict=True):
+        row[0].set_ylabel(text.format(history.label))
+        for axes in row[len(history.courses) :]:
+            axes.set_visible(False)
+        for segment, axes in zip(history.courses, row, strict=False):
+            _label(axes, history, segment)
+            panels.append((history, segment, axes, segment is history.courses[-1]))
+    if not result.converged:
+        figure.suptitle("path not completed: up to the last converged step", fontsize=10.5)
+    return figure, panels
+
+
+def _label(axes, history, segment) -> None:
+    """Label the axis of travel, with 20 % of it free at its end and, after unloading, its beginning."""
+    axes.set_xlabel("turn (°)" if segment.turns else "travel (mm)")
+    several = len(segment.stages) > 1
+    if len(history.courses) > 1 or several:
+        numbers = ", ".join(map(str, segment.stages))
+        axes.set_title(f"stage{'s' if several else ''} {numbers}", fontsize=9.5)
+    margin = 0.2 * (np.ptp(segment.along) or 1.0)
+    low, high = min(segment.begin, segment.along.min()), max(0.0, segment.along.max())
+    axes.set_xlim(low - margin * (low < segment.begin), high + margin)
+
+
+def _with_start(segment, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return travel (k + 1,) and values (k + 1, ...) of a load-unload segment with its initial state,
+    from the values (n, ...) at every nominal step, which are zero before the first."""
+    # before[k]: values at the beginning of step k; the segment begins at the end of the step before it
+    before = np.concatenate([np.zeros_like(values[:1]), values])
+    begun = slice(segment.steps.start, segment.steps.stop + 1)
+    return np.append(segment.begin, segment.along), before[begun]

@@ -1,0 +1,226 @@
+"""The pictures of the report as numbers: deformed sections with stress, contact, profiles.
+
+Coordinates and stress of a fine grid between the particles are rounded to 16-bit integers, which is
+some micrometres and a tenth of a kilopascal, and written as base64 text.
+"""
+
+import base64
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
+
+from seal_mdao.contact.friction import OPEN
+from seal_mdao.measures.boundary_line import is_closed
+from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.stress import VonMises
+from seal_mdao.plotting import field
+from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.contact_curves import arc_length
+from seal_mdao.plotting.style import STRESS_MAP
+from seal_mdao.seals.profiles import contacts, profile_histories, self_contacts, true_pressure
+from seal_mdao.seals.result import SealResult
+
+POINTS = 600
+"""Points of the fine grid that are enough for a picture; with more particles one at each."""
+FRAMES = 130
+"""Largest number of load steps in a page; of more, evenly spread ones."""
+COLOURS = 64
+MARGIN = 0.08
+"""Clearance around the shapes, over their size."""
+FULL = 32000
+"""Integer that stands for the largest coordinate, and for the end of the stress scale."""
+BETWEEN = 3
+"""Mark of a point that is open between others in contact; 0, 1 and 2 are its contact states."""
+
+
+def evenly_spread(count: int, most: int) -> np.ndarray:
+    """Choose at most ``most`` of the indices below ``count``, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+
+
+class Pictures:
+    """Data with which the page draws designs of one seal in one scale.
+
+    Parameters
+    ----------
+    start, end : SealResult
+        The first and the last design, whose complete paths are shown.
+    between : list of SealResult
+        Designs of which the last load step is shown, ``start`` and ``end`` among them.
+    """
+
+    def __init__(self, start: SealResult, end: SealResult, between: list[SealResult]):
+        fine = {id(result): _fine_grid(result) for result in (start, end, *between)}
+        self._ends, self._between = ([fine[id(r)] for r in own] for own in ((start, end), between))
+        self._steps = [
+            evenly_spread(len(own.path.nominal_steps), FRAMES).tolist() for own in (start, end)
+        ]
+        frames = [
+            (own, step)
+            for own, steps in zip(self._ends, self._steps, strict=True)
+            for step in steps
+        ]
+        shapes = [own.deformed(step) for own, step in frames]
+        shapes += [own.deformed() for own in self._between]
+        shapes += [own.undeformed() for own in self._ends]
+        self._low, self._high = section.window(shapes, MARGIN)
+        # one integer scale of lengths, one of stress up to the end of the colour scale
+        self._length = max(np.abs(shape).max() for shape in shapes) / FULL
+        highest = max(own.von_mises(step).max() for own, step in frames)
+        self._top = float(section.stress_levels(highest)[-1])
+
+    def as_data(self) -> dict:
+        """Return the pictures in types of JSON."""
+        start = self._ends[0]
+        return {
+            "quads": start.quads.tolist(),
+            "loops": [loop.tolist() for loop in start.loops],
+            "length": self._length,
+            "stress": self._top / FULL,
+            "top": self._top,
+            "colours": [to_hex(c) for c in colormaps[STRESS_MAP](np.linspace(0.0, 1.0, COLOURS))],
+            "low": self._low.tolist(),
+            "high": self._high.tolist(),
+            "held": [_rounded(line) for line in section.fixed_lines(start.result)],
+            "watched": _watched(start),
+            "paths": [self._path(*pair) for pair in zip(self._ends, self._steps, strict=True)],
+            "designs": [self._design(fine) for fine in self._between],
+        }
+
+    def _frame(self, fine: field.FineGrid, step: int) -> dict:
+        """One load step: x, y, stress of all points of the grid, x, y of the contact points."""
+        result, stress = fine.result, fine.von_mises(step)
+        scaled = np.minimum(stress * FULL / self._top, FULL)
+        touching, marks = contact_points(result, step)
+        return {
+            "points": packed(np.column_stack([fine.deformed(step) / self._length, scaled])),
+            "touching": packed(touching / self._length),
+            "marks": marks,
+            "poses": _poses(result, result.path.nominal_steps[step].fraction),
+            "peak": float(np.round(stress.max(), 2)),
+        }
+
+    def _path(self, fine: field.FineGrid, steps) -> dict:
+        result = fine.result
+        profiles = zip(contacts(result.seal), profile_histories(result), strict=True)
+        return {
+            "frames": [self._frame(fine, step) for step in steps],
+            "captions": [result.caption(step) for step in steps],
+            "profiles": _profile_shapes(result),
+            "curves": [_curves(result, *profile, steps) for profile in profiles],
+            "completed": result.converged,
+        }
+
+    def _design(self, fine: field.FineGrid) -> dict:
+        return {
+            "frame": self._frame(fine, -1),
+            "boundary": packed(fine.undeformed()[np.concatenate(fine.loops)] / self._length),
+            "begin": _poses(fine.result, 0.0),
+            "profiles": _profile_shapes(fine.result),
+            "completed": fine.result.converged,
+        }
+
+
+def _fine_grid(result: SealResult) -> field.FineGrid:
+    """A grid with about as many points whatever the model's refinement."""
+    cells = len(result.seal.body.cells)
+    return field.fine_grid(result, max(1, round(np.sqrt(POINTS / cells))))
+
+
+def _watched(fine: field.FineGrid) -> list[list[int]]:
+    """Points of the fine grid at the particles whose stresses are a measure, each between its
+    neighbours along the boundary; alone inside of the section."""
+    beside = {}
+    for loop in fine.loops:
+        ring = zip(np.roll(loop, 1), loop, np.roll(loop, -1), strict=True)
+        beside |= {int(at): [int(a), int(at), int(b)] for a, at, b in ring}
+    # points of the grid with all weight on one particle
+    anchors = fine.points.anchors
+    alone = np.flatnonzero((anchors == anchors[:, :1]).all(axis=1))
+    at = dict(zip(anchors[alone, 0].tolist(), alone.tolist(), strict=True))
+    watched = (m for m in fine.result.measures() if isinstance(m, VonMises))
+    points = [at[particle] for measure in watched for particle in measure.points]
+    return [beside.get(point, [point]) for point in points]
+
+
+# ---- profiles and contact ----
+
+
+def _profile_shapes(result) -> list[dict]:
+    """Every profile in its own frame: points along its face, and outlines of its rigid side, mm."""
+    size, found = section.size_of(result), []
+    for contact in contacts(result.seal):
+        profile = contact.shape.profile()
+        face = section.face_of(profile, size)
+        rings = section.outlines(section.rigid_side(profile, face, size))
+        body = [_rounded(ring) for ring in rings]
+        found.append({"name": contact.label, "face": _rounded(face), "body": body})
+    return found
+
+
+def _poses(result, fraction: float) -> list:
+    """Pose of every profile after ``fraction`` nominal steps: x, y (mm) of the origin of its frame,
+    cosine and sine of its angle."""
+    found = [contact.motion.pose(fraction) for contact in contacts(result.seal)]
+    origin = np.zeros((1, 2))
+    return [[*_rounded(pose.places(origin)[0], 6), pose.cos, pose.sin] for pose in found]
+
+
+def _curves(result, contact, history, steps) -> dict:
+    """Curves of a profile at nominal steps: along its contact points, and over its travel."""
+    label, responses = contact.label, result.path.at_nominal(contact.label)
+    words, along = "load step", np.arange(1.0, 1.0 + len(history.force))
+    # travel where all of the path is one load-unload segment
+    if len(history.courses) == 1:
+        (course,) = history.courses
+        words, along = "turn (°)" if course.turns else "travel (mm)", course.along
+    return {
+        "name": label,
+        "arc": _rounded(arc_length(result, label)),
+        "along": _rounded(along[steps], 6),
+        "words": words,
+        "reaction": _rounded(history.force[steps]),
+        "state": ["".join(map(str, _marks(result, label, responses[step]))) for step in steps],
+        "pressure": [_rounded(true_pressure(result, contact, step), 2) for step in steps],
+        "gap": [_rounded(responses[step].gap, 5) for step in steps],
+    }
+
+
+def contact_points(result, step: int) -> tuple[np.ndarray, str]:
+    """Find the points in contact with a profile or another wall after a nominal step, and those that a
+    profile leaves open between contacts.
+
+    Returns
+    -------
+    x : ndarray, shape (k, 2)
+        mm.
+    marks : str
+        A mark of each.
+    """
+    places, found = [np.empty((0, 2))], [np.empty(0, int)]
+    for term in (*contacts(result.seal), *self_contacts(result.seal)):
+        response = result.path.at_nominal(term.label)[step]
+        own = _marks(result, term.label, response)
+        places.append(response.x[own != OPEN])
+        found.append(own[own != OPEN])
+    return np.concatenate(places), "".join(map(str, np.concatenate(found)))
+
+
+def _marks(result, label: str, response) -> np.ndarray:
+    """States of the points of a contact, ``BETWEEN`` where a profile leaves them between contacts."""
+    state = np.array(response.branch)
+    where = getattr(result.term(label), "where", None)
+    if where is not None:
+        state[opened_points(response.branch, is_closed(where))] = BETWEEN
+    return state
+
+
+def _rounded(numbers, digits: int = 4) -> list:
+    return np.round(numbers, digits).tolist()
+
+
+def packed(arrays) -> str:
+    """Encode arrays of integers up to 32767 in size as base64 text, little-endian, 16 bit."""
+    numbers = np.round(np.array(arrays)).astype("<i2")
+    return base64.b64encode(numbers.tobytes()).decode("ascii")

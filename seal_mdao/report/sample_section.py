@@ -1,0 +1,49 @@
+"""Designs on samples of their tolerances, as a section of the report."""
+
+import io
+from base64 import b64encode
+
+from matplotlib.figure import Figure
+
+from seal_mdao.report.html_tables import number, share, table
+from seal_mdao.tolerances.sampled_designs import SampledDesign
+
+NOTE = (
+    "Every sample has its own deviations, none of them among the scenarios of the optimisation; all "
+    "designs are analysed with the same samples."
+)
+COST_ROWS = {
+    "mean": "mean", "standard deviation": "std", "95 % of the samples are below": "q95",
+    "largest": "highest",
+}  # fmt: skip
+
+
+def samples_section(designs: list[SampledDesign], limits, cost: str, figure: Figure) -> str:
+    """Format a table and a figure as HTML that needs no other file.
+
+    Parameters
+    ----------
+    designs : list of SampledDesign
+    limits : sequence of SampledLimit
+    cost : str
+        The minimised measure, with its unit.
+    figure : Figure
+    """
+    costs = [design.summary(())[design.cost] for design in designs]
+    rows = [
+        [head, *(number(own[key], 3) for own in costs)]
+        for head, key in ({f"{cost}, median": "q50"} | COST_ROWS).items()
+    ]
+    rows += [[limit.text, *(share(design.share(limit)) for design in designs)] for limit in limits]
+    rows.append(["samples that could not be analysed", *(str(own.failed) for own in designs)])
+    heads = ["", *(design.label for design in designs)]
+    caption = f"On {designs[0].samples} fresh samples of all tolerances"
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=160)
+    image = b64encode(drawn.getvalue()).decode("ascii")
+    return (
+        '<section aria-labelledby="samples-title"><h2 id="samples-title">Scatter by tolerances</h2>'
+        f'<div class="tables">{table(heads, rows, caption)}</div>'
+        f'<figure><img src="data:image/png;base64,{image}" alt="{caption}" '
+        f'style="max-width:100%"></figure><p class="note">{NOTE}</p></section>'
+    )
