@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.rkpm.cells import add_weight_seeds
-from seal_mdao.rkpm.integration import cell_table_seeds
 from seal_mdao.rkpm.transformed import TableRates
 from seal_mdao.structure.energy_gradient import EnergySeeds, add_gradient_rates, energy_gradient
 from seal_mdao.structure.force_products import (
@@ -74,9 +73,7 @@ class CellBasis:
     def pull_back(self, seeds: BodyDesign, particles_bar):
         disc = self.discretization
         weight_bar = seeds.weights.reshape(*disc.weights.shape, -1)
-        matrix_bar = cell_table_seeds(
-            disc.cloud, disc.cells, seeds.grad, weight_bar, particles_bar, disc.transformation
-        )
+        matrix_bar = disc.cells.pull_back(seeds.grad, weight_bar, particles_bar)
         add_weight_seeds(disc.body.cell_map, disc.particles, weight_bar, particles_bar)
         return matrix_bar
 

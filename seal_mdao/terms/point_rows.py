@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.rkpm.tables import table_seeds
 from seal_mdao.rkpm.transformed import TableRates
 from seal_mdao.terms.linearization import Inputs
 
@@ -87,6 +86,4 @@ class PointRows:
         x_bar = law.x + law.reference if law.reference.shape[1] else law.x
         self.where.add_length_seeds(disc.particles, law.measure[:, 0], particles_bar)
         self.where.add_point_seeds(x_bar, particles_bar)
-        return table_seeds(
-            disc.cloud, self.table, seeds.phi, none, particles_bar, disc.transformation
-        )
+        return self.table.pull_back(seeds.phi, none, particles_bar)
