@@ -16,12 +16,11 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from seal_mdao.analysis.result import PathResult
-from seal_mdao.dsa.factors import solve_transposed
+from seal_mdao.dsa.factors import is_full, solve_transposed
 from seal_mdao.dsa.probe import Probe
 from seal_mdao.dsa.shape_rates import add_matrix_seeds
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.measures.measure import Seeds
-from seal_mdao.terms.blocks import is_full
 
 
 @dataclass(frozen=True, eq=False)

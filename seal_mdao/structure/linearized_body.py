@@ -28,7 +28,7 @@ from seal_mdao.structure.force_products import (
     add_tangent_product,
 )
 from seal_mdao.structure.internal_force import assemble_internal
-from seal_mdao.terms.term import LinearizedTerm
+from seal_mdao.terms.linearized_term import LinearizedTerm
 
 
 class BodyDesign(NamedTuple):
