@@ -33,7 +33,7 @@ from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.pose import quarter_turn, rigid_velocity
 from seal_mdao.geometry.shape import Shape
-from seal_mdao.terms.handed_on import HandedOn, directions_of
+from seal_mdao.terms.linearization import HandedOn, directions_of
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import Scalar, TermDefinition

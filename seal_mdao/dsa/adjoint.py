@@ -16,12 +16,11 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from seal_mdao.analysis.result import PathResult
-from seal_mdao.dsa.factors import solve_transposed
-from seal_mdao.dsa.probe import ProbeReverse
+from seal_mdao.dsa.factors import is_full, solve_transposed
+from seal_mdao.dsa.probe import Probe
 from seal_mdao.dsa.shape_rates import add_matrix_seeds
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.measures.measure import Seeds
-from seal_mdao.terms.blocks import is_full
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +69,7 @@ class AdjointSweep:
         self.path, self.problem, self.m = path, path.problem, n_measures
         wanted = set(path.problem.names if names is None else names)
         self.designs = [term.basis.no_seeds(n_measures, wanted) for term in self.problem.terms]
-        self.probe = ProbeReverse(path.discretization, probe, n_measures)
+        self.probe = Probe(path.discretization, probe, n_measures)
         imposed = self.problem.imposed
         self.held = np.zeros((0 if imposed is None else len(imposed.names), n_measures))
         self.swept, self.size = [], 0
@@ -205,7 +204,7 @@ class AdjointSweep:
         no_adjoints = np.zeros((disc.layout.n_equations + 1, 0)), np.zeros((0, self.m))
         self._pull_back(terms, bars, *no_adjoints, None)
         particles_bar = np.zeros((*disc.particles.shape, self.m))
-        scalars, matrix_bar = np.zeros((len(names), self.m)), self.probe.finish(particles_bar)
+        scalars, matrix_bar = np.zeros((len(names), self.m)), self.probe.pull_back(particles_bar)
         owners = [
             (term.names, own.parameters)
             for term, own in zip(self.problem.terms, self.designs, strict=True)

@@ -15,11 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.analysis.result import PathResult
-from seal_mdao.dsa.factors import converged_factor, solve_transposed
+from seal_mdao.dsa.factors import blocks, converged_factor, solve_transposed
 from seal_mdao.dsa.parameters import ParameterRates
 from seal_mdao.dsa.shape_rates import discretization_rates
 from seal_mdao.equilibrium.threads import one_blas_thread
-from seal_mdao.terms.blocks import blocks
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,12 @@
-"""Factors of converged tangents, and what both sweeps solve with them."""
+"""What both sweeps share: factors of converged tangents, and blocks of load steps."""
 
 import numpy as np
 
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep
+
+BLOCK_BYTES = 64 * 2**20
+"""Loads or adjoints of one block."""
 
 
 def converged_factor(problem: PathProblem, step: ConvergedStep):
@@ -20,3 +23,14 @@ def solve_transposed(problem: PathProblem, step: ConvergedStep, loads: np.ndarra
         loads[:-1] = converged_factor(problem, step).solve(loads[:-1], transposed=True)
     loads[-1] = 0.0
     return loads
+
+
+def blocks(places, n_equations: int, n_columns: int) -> list:
+    """Consecutive pieces of ``places``, as long as their vectors fit in ``BLOCK_BYTES``."""
+    size = max(1, BLOCK_BYTES // (8 * n_equations * n_columns))
+    return [places[first : first + size] for first in range(0, len(places), size)]
+
+
+def is_full(nbytes: int) -> bool:
+    """Whether vectors of that size make a block."""
+    return nbytes >= BLOCK_BYTES

@@ -8,7 +8,7 @@ from seal_mdao.dsa.adjoint import AdjointGradient, AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.kinks import warn_of_kinks
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
-from seal_mdao.dsa.probe import probe_rates
+from seal_mdao.dsa.probe import Probe
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.measures.measure import Derived, stacked
 
@@ -207,21 +207,22 @@ def _base(measure):
 
 def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
     """Rates of all wanted measures, (M, P), by the direct method."""
-    disc, stack, terms = result.path.discretization, wanted.stack, result.path.problem.terms
+    stack, terms = wanted.stack, result.path.problem.terms
     sweep = DirectSweep(result.path, rates)
     by_place = sweep.run(stack.seeds)
     out = np.einsum("mni,pni->mp", stack.particles, rates.velocity, optimize=True)
     for name, own in stack.parameters.items():
         out += np.outer(own, rates.of((name,))[0])
+    if stack.at.size:
+        probe = Probe(result.path.discretization, wanted.probe)
+        shape = wanted.probe.rates(rates.velocity, sweep.shape.matrix)
     for place, seeds in stack.seeds.items():
-        here = by_place[place]
+        here, step = by_place[place], result.path.steps[place]
         for term, found in zip(terms, here.terms, strict=True):
             if term.label in seeds.terms:
                 out += seeds.terms[term.label].times(found)
         if stack.at.size:
-            moved, f_rate = probe_rates(
-                disc, wanted.probe, sweep, result.path.steps[place], here.solution
-            )
+            moved, f_rate = probe.rates(shape, step, here.solution, sweep.held(step))
             out += np.tensordot(seeds.displacement, moved, 2)
             out += np.tensordot(seeds.gradient, f_rate, 2)
     return out

@@ -7,8 +7,6 @@ import numpy as np
 from seal_mdao.equilibrium.discretization import Discretization
 from seal_mdao.rkpm.cells import weight_rates
 from seal_mdao.rkpm.essential import rows_on_union, transformation_rates, transformation_seeds
-from seal_mdao.rkpm.integration import cell_table_rates
-from seal_mdao.rkpm.tables import PointTable, raw_rates, table_rates, table_seeds
 from seal_mdao.rkpm.transformed import TableRates
 
 
@@ -35,7 +33,7 @@ class DiscretizationRates:
 def _matrix_rates(discretization: Discretization, velocity: np.ndarray) -> np.ndarray:
     """T' along design velocities (P, n, 2), shape (c, u, P)."""
     transformation, rows = discretization.transformation, discretization.constrained_rows
-    rates = raw_rates(discretization.cloud, rows, velocity)
+    rates = rows.raw_rates(velocity)
     dense = np.zeros((rows.raw.neighbours.size, len(velocity)))
     for g in range(rows.raw.n_groups):
         which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
@@ -55,25 +53,16 @@ def add_matrix_seeds(discretization: Discretization, matrix_bar, particles_bar) 
     point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
     phi_bar = rows_bar[point, np.searchsorted(transformation.union, raw.neighbours)]
     grad_bar = np.zeros((raw.grad.size, particles_bar.shape[2]))
-    table_seeds(discretization.cloud, rows, np.ascontiguousarray(phi_bar), grad_bar, particles_bar)
+    rows.pull_back(np.ascontiguousarray(phi_bar), grad_bar, particles_bar)
 
 
 def discretization_rates(discretization: Discretization, velocity) -> DiscretizationRates:
     """All rates of the discretisation along design velocities (P, n, 2)."""
-    body, cloud, t = discretization.body, discretization.cloud, discretization.transformation
     matrix = _matrix_rates(discretization, velocity)
-    weights = weight_rates(body.cell_map, cloud.particles, velocity)
+    weights = weight_rates(discretization.body.cell_map, discretization.particles, velocity)
     return DiscretizationRates(
         matrix,
-        cell_table_rates(cloud, discretization.cells, velocity, weights, t, matrix),
-        tuple(
-            None if table is None else point_table_rates(discretization, table, velocity, matrix)
-            for table in discretization.tables
-        ),
+        discretization.cells.rates(velocity, weights, matrix),
+        tuple(table and table.rates(velocity, matrix) for table in discretization.tables),
         weights,
     )
-
-
-def point_table_rates(discretization, table: PointTable, velocity, matrix) -> TableRates:
-    """Rates of a table of single points."""
-    return table_rates(discretization.cloud, table, velocity, discretization.transformation, matrix)

@@ -21,20 +21,8 @@ from seal_mdao.compilation import compiled, inlined
 from seal_mdao.rkpm.cells import CellMap
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
-from seal_mdao.rkpm.tables import (
-    PointTable,
-    add_point_seeds,
-    raw_rates,
-    raw_seeds,
-    raw_tables,
-    runs,
-)
-from seal_mdao.rkpm.transformed import (
-    touched_groups,
-    transform_table,
-    transformed_rates,
-    untransformed_rows,
-)
+from seal_mdao.rkpm.tables import PointTable, add_point_seeds, raw_tables, runs
+from seal_mdao.rkpm.transformed import TableRates, TableTransform
 
 EDGE_POINTS = 8
 
@@ -154,6 +142,8 @@ class CellTable:
         Consistent gradients at the Gauss points.
     table : ShapeTable
         After the essential transformation; what the analysis uses.
+    transform : TableTransform
+        From ``raw`` to ``table``.
     """
 
     rule: EdgeRule
@@ -162,11 +152,71 @@ class CellTable:
     edges: PointTable
     raw: ShapeTable
     table: ShapeTable
+    transform: TableTransform
 
     @property
     def column_weights(self) -> np.ndarray:
         """Quadrature weights by columns, shape (n_columns, cells of a column * q)."""
         return self.weights.reshape(self.raw.n_groups, self.raw.group_size)
+
+    @property
+    def normals(self) -> np.ndarray:
+        """Outward normals times weights at the edge points, shape (n_cells, 8, 2)."""
+        return edge_normals(self.rule, self.gauss.cloud.particles)
+
+    def rates(self, velocity, weight_rates, matrix_rate) -> TableRates:
+        """Differentiate the table along design velocities V (P, n, 2).
+
+        Parameters
+        ----------
+        weight_rates : ndarray, shape (P, n_cells, q)
+        matrix_rate : ndarray, shape (c, u, P)
+            T' of ``essential.transformation_rates``.
+        """
+        rates = self.gauss.raw_rates(velocity, self.transform)
+        at_edges = self.edges.raw_rates(velocity, like=rates)
+        # the edge normals are linear in the particles: their rates are the normals of the velocities
+        _correct_rates(
+            self.raw, self.edges.raw, self.rule.place, rates, at_edges, self.weights, self.normals,
+            weight_rates, edge_normals(self.rule, velocity),
+        )  # fmt: skip
+        return self.transform.rates(rates, matrix_rate)
+
+    def pull_back(self, grad_bar, weight_bar, x_bar) -> np.ndarray:
+        """Apply the transpose of ``rates``: seeds (grad.size, M) back to the particles.
+
+        ``weight_bar`` (n_cells, q, M) and ``x_bar`` (n, 2, M) are added to; returns the seeds on T.
+        """
+        m, raw, gauss, edges, transform = (
+            grad_bar.shape[1], self.raw, self.gauss, self.edges, self.transform
+        )  # fmt: skip
+        matrix_bar = np.zeros((*transform.transformation.matrix.shape, m))
+        normals = self.normals
+        normal_bar, gauss_bar, edge_bar = (
+            np.zeros((*of.shape, m)) for of in (normals, gauss.coordinates, edges.coordinates)
+        )
+        # run by run, so that the coefficients of the derivatives stay in the cache
+        nothing = np.empty((0, m))
+        for columns in runs(raw, ~transform.touched) + runs(raw, transform.touched):
+            ends = list(columns)
+            # Phi~ = Phi T: seeds on the raw gradients and on T
+            seeds = grad_bar[slice(*(2 * raw.group_size * self.table.start[ends]))]
+            seeds = transform.pull_back(columns, raw.grad, 2, seeds, matrix_bar)
+            # consistent gradients -> gradients at Gauss points, values at edge points, weights, normals
+            on_slopes, n = np.empty(seeds.shape), np.diff(raw.start[ends])[0]
+            on_values = np.zeros((n * edges.raw.group_size, m))
+            _correct_seeds(
+                raw, edges.raw, self.rule.place, self.weights, normals, columns, seeds, on_slopes,
+                on_values, weight_bar, normal_bar,
+            )  # fmt: skip
+            # -> particles and points
+            gauss.add_raw_seeds(columns, nothing, on_slopes, x_bar, gauss_bar)
+            edges.add_raw_seeds(columns, on_values, nothing, x_bar, edge_bar)
+        # normals and points move with the particles
+        add_normal_seeds(self.rule, normal_bar, x_bar)
+        add_point_seeds(gauss.points, gauss_bar, x_bar)
+        add_point_seeds(edges.points, edge_bar, x_bar)
+        return matrix_bar
 
 
 @inlined
@@ -314,61 +364,5 @@ def build_cell_table(
     grad, normals = np.empty(gauss.raw.grad.size), edge_normals(rule, cloud.particles)
     _correct(gauss.raw.start, gauss.raw.grad, edges.raw, rule.place, weights, normals, grad)
     raw = gauss.raw._replace(grad=grad)
-    return CellTable(rule, weights, gauss, edges, raw, transform_table(raw, transformation))
-
-
-def cell_table_rates(cloud, cells: CellTable, velocity, weight_rates, transformation, matrix_rate):
-    """Differentiate the table of the cells along design velocities V (P, n, 2).
-
-    Parameters
-    ----------
-    weight_rates : ndarray, shape (P, n_cells, q)
-    matrix_rate : ndarray, shape (c, u, P)
-        T' of ``essential.transformation_rates``.
-    """
-    rates = raw_rates(cloud, cells.gauss, velocity, transformation)
-    at_edges = raw_rates(cloud, cells.edges, velocity, like=rates)
-    # the edge normals are linear in the particles: their rates are the normals of the velocities
-    _correct_rates(
-        cells.raw, cells.edges.raw, cells.rule.place, rates, at_edges, cells.weights,
-        edge_normals(cells.rule, cloud.particles), weight_rates, edge_normals(cells.rule, velocity),
-    )  # fmt: skip
-    return transformed_rates(cells.raw, cells.table, rates, transformation, matrix_rate)
-
-
-def cell_table_seeds(cloud, cells: CellTable, grad_bar, weight_bar, x_bar, transformation):
-    """Apply the transpose of ``cell_table_rates``: seeds (grad.size, M) back to the particles.
-
-    ``weight_bar`` (n_cells, q, M) and ``x_bar`` (n, 2, M) are added to; returns the seeds on T.
-    """
-    m, raw, gauss, edges = grad_bar.shape[1], cells.raw, cells.gauss, cells.edges
-    normals = edge_normals(cells.rule, cloud.particles)
-    matrix_bar = np.zeros((*transformation.matrix.shape, m))
-    normal_bar, gauss_bar, edge_bar = (
-        np.zeros((*of.shape, m)) for of in (normals, gauss.coordinates, edges.coordinates)
-    )
-    # run by run, so that the coefficients of the derivatives stay in the cache
-    nothing, touched = np.empty((0, m)), touched_groups(raw, transformation)
-    for first, last in runs(raw, ~touched) + runs(raw, touched):
-        columns = first, last
-        seeds = grad_bar[slice(*(2 * raw.group_size * cells.table.start[[first, last]]))]
-        if touched[first]:
-            # Phi~ = Phi T: seeds on the raw gradients and on T
-            seeds = untransformed_rows(
-                raw, cells.table, columns, transformation, raw.grad, 2, seeds, matrix_bar
-            )
-        # consistent gradients -> gradients at Gauss points, values at edge points, weights, normals
-        on_slopes, n = np.empty(seeds.shape), raw.start[last] - raw.start[first]
-        on_values = np.zeros((n * edges.raw.group_size, m))
-        _correct_seeds(
-            raw, edges.raw, cells.rule.place, cells.weights, normals, columns, seeds, on_slopes,
-            on_values, weight_bar, normal_bar,
-        )  # fmt: skip
-        # -> particles and points
-        raw_seeds(cloud, gauss, columns, nothing, on_slopes, x_bar, gauss_bar)
-        raw_seeds(cloud, edges, columns, on_values, nothing, x_bar, edge_bar)
-    # normals and points move with the particles
-    add_normal_seeds(cells.rule, normal_bar, x_bar)
-    add_point_seeds(gauss.points, gauss_bar, x_bar)
-    add_point_seeds(edges.points, edge_bar, x_bar)
-    return matrix_bar
+    transform = TableTransform(raw, transformation)
+    return CellTable(rule, weights, gauss, edges, raw, transform.table, transform)

@@ -1,7 +1,8 @@
 """Shape function tables of a point set: neighbours, values, and their design derivatives.
 
-``build_table`` is the analysis side, ``table_rates`` the forward derivative along design velocities
-(direct differentiation), ``table_seeds`` its transpose (adjoint).
+``build_table`` is the analysis side. A table owns its derivatives: ``PointTable.rates`` along design
+velocities (direct differentiation) and ``PointTable.pull_back``, its transpose (adjoint). Both are
+products with the same coefficients of ``shape_derivatives`` and the same ``TableTransform``.
 """
 
 from dataclasses import dataclass, replace
@@ -20,14 +21,7 @@ from seal_mdao.rkpm.shape_derivatives import (
     reverse_shape_functions,
 )
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable, evaluate_shape_functions
-from seal_mdao.rkpm.transformed import (
-    TableRates,
-    entry_starts,
-    touched_groups,
-    transform_table,
-    transformed_rates,
-    untransformed_seeds,
-)
+from seal_mdao.rkpm.transformed import TableRates, TableTransform, entry_starts
 
 RUN_ROWS = 2048
 """Rows (point, neighbour) differentiated at once, so that their coefficients stay in the cache."""
@@ -47,6 +41,9 @@ class PointTable:
         After the essential transformation; what the analysis uses.
     inverses : ndarray, shape (n_points, m, m)
         M^-1 of Eq. (7), which the derivatives use too.
+    cloud : Cloud
+    transform : TableTransform or None
+        From ``raw`` to ``table``.
     """
 
     points: PointSet
@@ -54,6 +51,106 @@ class PointTable:
     raw: ShapeTable
     table: ShapeTable
     inverses: np.ndarray
+    cloud: Cloud
+    transform: TableTransform | None = None
+
+    def rates(self, velocity: np.ndarray, matrix_rate: np.ndarray | None = None) -> TableRates:
+        """Differentiate the table along design velocities V (P, n_particles, 2).
+
+        Parameters
+        ----------
+        matrix_rate : ndarray, shape (c, u, P)
+            T' of ``essential.transformation_rates``, where the table is transformed.
+        """
+        if self.transform is None:
+            return self.raw_rates(velocity)
+        # Phi~' = Phi' T + Phi T'
+        return self.transform.rates(self.raw_rates(velocity, self.transform), matrix_rate)
+
+    def pull_back(self, phi_bar, grad_bar, x_bar):
+        """Apply the transpose of ``rates``: seeds on the table back to the particles.
+
+        Parameters
+        ----------
+        phi_bar, grad_bar : ndarray, shapes (phi.size, M), (grad.size, M)
+        x_bar : ndarray, shape (n_particles, 2, M)
+            Added to.
+
+        Returns
+        -------
+        ndarray, shape (c, u, M), or None
+            Seeds on T, which the caller sums over all tables before pulling them back.
+        """
+        raw, matrix_bar, every = self.raw, None, (0, self.raw.n_groups)
+        if self.transform is not None:
+            transform = self.transform
+            matrix_bar = np.zeros((*transform.transformation.matrix.shape, x_bar.shape[2]))
+            phi_bar = transform.pull_back(every, raw.phi, 1, phi_bar, matrix_bar)
+            grad_bar = transform.pull_back(every, raw.grad, 2, grad_bar, matrix_bar)
+        point_bar = np.zeros((*self.coordinates.shape, x_bar.shape[2]))
+        for first, last in runs(raw):
+            rows = slice(*(raw.start[[first, last]] * raw.group_size))
+            slopes = slice(2 * rows.start, 2 * rows.stop)
+            self.add_raw_seeds((first, last), phi_bar[rows], grad_bar[slopes], x_bar, point_bar)
+        add_point_seeds(self.points, point_bar, x_bar)
+        return matrix_bar
+
+    def raw_rates(self, velocity, transform=None, like: TableRates | None = None) -> TableRates:
+        """Differentiate the raw shape functions along design velocities (P, n_particles, 2).
+
+        ``transform`` is the one that the rates go through afterwards; ``like``, if given, are those of
+        a table whose groups have the same neighbours and anchors, so the same active parameters.
+        """
+        points, raw = self.points, self.raw
+        start, active = (
+            self._active(velocity, transform) if like is None else (like.start[:, 0], like.active)
+        )
+        starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
+        # V(x) = sum_k w_k V(X_k) of the anchors
+        point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
+        size = starts[-1, 1]
+        dphi, dgrad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
+        for groups in runs(raw, np.diff(start) > 0):
+            forward_shape_functions(
+                self._linearized(groups), raw.start, raw.neighbours, groups, velocity,
+                point_velocity, active, starts, dphi, dgrad,
+            )  # fmt: skip
+        return TableRates(starts, active, dphi, dgrad)
+
+    def add_raw_seeds(self, groups, phi_bar, grad_bar, x_bar, point_bar) -> None:
+        """Apply the transpose of ``raw_rates`` to the ``groups`` (first, last): seeds on their raw rows
+        added to ``x_bar`` (n_particles, 2, M) and, on the points, to ``point_bar`` (n_points, 2, M)."""
+        reverse_shape_functions(
+            self._linearized(groups), self.raw.start, self.raw.neighbours, groups, phi_bar, grad_bar,
+            x_bar, point_bar,
+        )  # fmt: skip
+
+    def _linearized(self, groups):
+        """Compute the coefficients of the derivatives of the ``groups`` (first, last)."""
+        raw, points = self.raw, self.points
+        return linearize_shape_functions(
+            self.cloud, self.coordinates, self.inverses, raw.start, raw.neighbours, groups,
+            points.group_size, 3 if points.sloped else 1,
+        )  # fmt: skip
+
+    def _active(self, velocity, transform):
+        """Find the parameters that move a neighbour or an anchor of each group, as (start, active)."""
+        raw, points = self.raw, self.points
+        moves = np.any(velocity != 0.0, axis=2).T.astype(np.int32)  # particle, parameter
+        # incidence (group, neighbour) and (group, anchor), times (particle, parameter)
+        sees = csr_array(
+            (np.ones(raw.neighbours.size, np.int32), raw.neighbours, raw.start),
+            shape=(raw.n_groups, len(moves)),
+        )
+        ends = np.arange(raw.n_groups + 1) * points.anchors[: points.group_size].size
+        anchored = csr_array(
+            (np.ones(points.anchors.size, np.int32), points.anchors.ravel(), ends), shape=sees.shape
+        )
+        hit = (sees @ moves + anchored @ moves) > 0
+        if transform is not None and transform.transformation.constrained.size:
+            # T' depends on the particles of the union
+            hit[transform.touched] |= moves[transform.transformation.union].any(axis=0)
+        return np.concatenate([[0], np.cumsum(hit.sum(axis=1))]), np.nonzero(hit)[1]
 
 
 def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
@@ -129,7 +226,7 @@ def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
             "this point; use a larger support"
         )
     raw = ShapeTable(start, neighbours, phi, grad, points.group_size)
-    return PointTable(points, coordinates, raw, raw, inverses)
+    return PointTable(points, coordinates, raw, raw, inverses, cloud)
 
 
 def build_table(
@@ -139,30 +236,8 @@ def build_table(
     (plain,) = raw_tables(cloud, points)
     if transformation is None:
         return plain
-    return replace(plain, table=transform_table(plain.raw, transformation))
-
-
-def _active_parameters(point_table, velocity, transformation):
-    """Find the parameters that move a neighbour or an anchor of each group, as (start, active)."""
-    raw, points = point_table.raw, point_table.points
-    moves = np.any(velocity != 0.0, axis=2).T.astype(np.int32)  # particle, parameter
-    n_particles = moves.shape[0]
-    # incidence (group, neighbour) and (group, anchor), times (particle, parameter)
-    sees = csr_array(
-        (np.ones(raw.neighbours.size, np.int32), raw.neighbours, raw.start),
-        shape=(raw.n_groups, n_particles),
-    )
-    ends = np.arange(raw.n_groups + 1) * points.anchors[: points.group_size].size
-    anchored = csr_array(
-        (np.ones(points.anchors.size, np.int32), points.anchors.ravel(), ends), shape=sees.shape
-    )
-    hit = (sees @ moves + anchored @ moves) > 0
-    if transformation is not None and transformation.constrained.size:
-        # T' depends on the particles of the union
-        touched = touched_groups(raw, transformation)
-        hit[touched] |= moves[transformation.union].any(axis=0)
-    start = np.concatenate([[0], np.cumsum(hit.sum(axis=1))])
-    return start, np.nonzero(hit)[1]
+    transform = TableTransform(plain.raw, transformation)
+    return replace(plain, table=transform.table, transform=transform)
 
 
 def runs(raw: ShapeTable, wanted=None) -> list:
@@ -173,93 +248,6 @@ def runs(raw: ShapeTable, wanted=None) -> list:
     cuts = np.flatnonzero((np.diff(groups) > 1) | (np.diff(number) > 0)) + 1
     ends = [0, *cuts, groups.size] if groups.size else []
     return [(int(groups[a]), int(groups[b - 1]) + 1) for a, b in pairwise(ends)]
-
-
-def _linearized(cloud: Cloud, point_table: PointTable, groups):
-    """Compute the coefficients of the derivatives of the ``groups`` (first, last)."""
-    raw, points = point_table.raw, point_table.points
-    return linearize_shape_functions(
-        cloud, point_table.coordinates, point_table.inverses, raw.start, raw.neighbours, groups,
-        points.group_size, 3 if points.sloped else 1,
-    )  # fmt: skip
-
-
-def raw_rates(
-    cloud, point_table: PointTable, velocity, transformation=None, like: TableRates | None = None
-) -> TableRates:
-    """Differentiate the raw shape functions along design velocities ``velocity`` (P, n_particles, 2).
-
-    ``like``, if given, are those of a table whose groups have the same neighbours and anchors, so the
-    same active parameters.
-    """
-    points, raw = point_table.points, point_table.raw
-    if like is None:
-        start, active = _active_parameters(point_table, velocity, transformation)
-    else:
-        start, active = like.start[:, 0], like.active
-    starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
-    # V(x) = sum_k w_k V(X_k) of the anchors
-    point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
-    size = starts[-1, 1]
-    dphi, dgrad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
-    for groups in runs(raw, np.diff(start) > 0):
-        forward_shape_functions(
-            _linearized(cloud, point_table, groups), raw.start, raw.neighbours, groups, velocity,
-            point_velocity, active, starts, dphi, dgrad,
-        )  # fmt: skip
-    return TableRates(starts, active, dphi, dgrad)
-
-
-def table_rates(
-    cloud: Cloud,
-    point_table: PointTable,
-    velocity: np.ndarray,
-    transformation: EssentialTransformation | None = None,
-    matrix_rate: np.ndarray | None = None,
-) -> TableRates:
-    """Differentiate a transformed table along design velocities V (P, n_particles, 2)."""
-    # Phi~' = Phi' T + Phi T'
-    rates = raw_rates(cloud, point_table, velocity, transformation)
-    return transformed_rates(point_table.raw, point_table.table, rates, transformation, matrix_rate)
-
-
-def raw_seeds(cloud, point_table: PointTable, groups, phi_bar, grad_bar, x_bar, point_bar) -> None:
-    """Apply the transpose of ``raw_rates`` to the ``groups`` (first, last): seeds on their raw rows
-    added to ``x_bar`` (n_particles, 2, M) and, on the points, to ``point_bar`` (n_points, 2, M)."""
-    raw = point_table.raw
-    reverse_shape_functions(
-        _linearized(cloud, point_table, groups), raw.start, raw.neighbours, groups, phi_bar, grad_bar,
-        x_bar, point_bar,
-    )  # fmt: skip
-
-
-def table_seeds(cloud, point_table: PointTable, phi_bar, grad_bar, x_bar, transformation=None):
-    """Apply the transpose of ``table_rates``: seeds on a transformed table back to the particles.
-
-    Parameters
-    ----------
-    phi_bar, grad_bar : ndarray, shapes (phi.size, M), (grad.size, M)
-    x_bar : ndarray, shape (n_particles, 2, M)
-        Added to.
-
-    Returns
-    -------
-    ndarray, shape (c, u, M), or None
-        Seeds on T, which the caller sums over all tables before pulling them back.
-    """
-    phi_bar, grad_bar, matrix_bar = untransformed_seeds(
-        point_table.raw, point_table.table, phi_bar, grad_bar, transformation
-    )
-    raw, points = point_table.raw, point_table.points
-    point_bar = np.zeros((*point_table.coordinates.shape, x_bar.shape[2]))
-    for first, last in runs(raw):
-        rows = slice(*(raw.start[[first, last]] * raw.group_size))
-        slopes = slice(2 * rows.start, 2 * rows.stop)
-        raw_seeds(
-            cloud, point_table, (first, last), phi_bar[rows], grad_bar[slopes], x_bar, point_bar
-        )
-    add_point_seeds(points, point_bar, x_bar)
-    return matrix_bar
 
 
 def add_point_seeds(points: PointSet, point_bar: np.ndarray, x_bar: np.ndarray) -> None:

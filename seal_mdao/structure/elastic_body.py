@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.structure.column_law import BodyStates
 from seal_mdao.structure.deformation import (
     Deformation,
     deform,
@@ -320,6 +321,14 @@ class StructuralTerm(Term):
 
     def linearization(self, step, following=None, measured=True) -> LinearizedBody:
         return LinearizedBody(self, step)
+
+    def states(self, d: np.ndarray) -> BodyStates:
+        """The body at displacement fields (K, n, 2) of converged steps, and its derivatives W_T, ..."""
+        deformation = self.deformation_of(d)
+        return BodyStates(
+            self.cells.table, self.cells.column_weights, self.functions, self.bulk, d, deformation,
+            self.energy_derivatives(deformation),
+        )  # fmt: skip
 
     def linearization_of_block(self, steps) -> BodyBlock:
         return BodyBlock(self, steps)

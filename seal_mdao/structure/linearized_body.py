@@ -5,11 +5,12 @@ the projected pressure, and constants c,
 
     f = B^T w P(F, w, c),    F = 1 + B d
 
-direct     F' = B' d,    f' = B^T (w P)' + B'^T w P,    a'_V of Eq. (46)         ``rates``
-adjoint    e = -B lambda,    B_bar = w P e^T + w S d^T with S = (dP/dF)^T e      ``seeds``
+direct     F' = B' d,    f' = B^T (w P)' + B'^T w P,    a'_V of Eq. (46)
+adjoint    e = -B lambda,    B_bar = w P e^T + w S d^T with S = (dP/dF)^T e
 
-Both are matrix products of a block of steps in each column of cells. What imposed displacements do, and
-the strain energy, which measures may take, is taken step by step.
+Both are products with the same L = dP/dF (``column_law``), for a block of steps in each column of cells
+(``force_products``). What imposed displacements do, and the strain energy, which measures may take, is
+taken step by step.
 """
 
 from dataclasses import dataclass, replace
@@ -19,13 +20,15 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.rkpm.cells import add_weight_seeds
-from seal_mdao.rkpm.integration import cell_table_seeds
 from seal_mdao.rkpm.transformed import TableRates
 from seal_mdao.structure.energy_gradient import EnergySeeds, add_gradient_rates, energy_gradient
-from seal_mdao.structure.internal_force import add_internal_change, assemble_internal
-from seal_mdao.structure.rates import add_internal_rates
-from seal_mdao.structure.seeds import add_internal_seeds
-from seal_mdao.terms.term import LinearizedTerm
+from seal_mdao.structure.force_products import (
+    add_force_rates,
+    add_force_seeds,
+    add_tangent_product,
+)
+from seal_mdao.structure.internal_force import assemble_internal
+from seal_mdao.terms.linearized_term import LinearizedTerm
 
 
 class BodyDesign(NamedTuple):
@@ -70,9 +73,7 @@ class CellBasis:
     def pull_back(self, seeds: BodyDesign, particles_bar):
         disc = self.discretization
         weight_bar = seeds.weights.reshape(*disc.weights.shape, -1)
-        matrix_bar = cell_table_seeds(
-            disc.cloud, disc.cells, seeds.grad, weight_bar, particles_bar, disc.transformation
-        )
+        matrix_bar = disc.cells.pull_back(seeds.grad, weight_bar, particles_bar)
         add_weight_seeds(disc.body.cell_map, disc.particles, weight_bar, particles_bar)
         return matrix_bar
 
@@ -88,53 +89,43 @@ class BodyBlock:
 
     def __init__(self, term, steps):
         self.term, self.layout = term, term.discretization.layout
-        self.d = np.array([step.d for step in steps])
-        self.deformation = term.deformation_of(self.d)
-        cells = term.discretization.cells
-        self.quadrature = cells.table, cells.column_weights, term.functions
+        self.states = term.states(np.array([step.d for step in steps]))
 
     def add_rates(self, design: BodyDesign, loads) -> None:
-        """f' = B^T (w P)' + B'^T w P, and what the constants do."""
-        term = self.term
-        add_internal_rates(
-            *self.quadrature, design.grad, design.weights, self.deformation,
-            term.energy_derivatives(self.deformation), term.bulk, self.d, self.layout.equations,
-            loads,
-        )  # fmt: skip
+        """f' = B^T (w P)' + B'^T w P, Eq. (46), and what the constants do."""
+        equations = self.layout.equations
+        add_force_rates(self.states, design.grad, design.weights, equations, loads)
         if design.parameters.any():
             self._add_constants(design.parameters, loads)
 
     def _add_constants(self, constant_rates, loads):
         """The force is linear in W_T, W_J and K; so its rates are forces of their rates."""
-        by_constants = self.term.constant_derivatives(self.deformation)
+        states, by_constants = self.states, self.term.constant_derivatives(self.states.deformation)
+        quadrature, w = (states.table, states.weights, states.functions), np.zeros_like(states.w)
         for row, rate in enumerate(constant_rates):
             if not rate.any():
                 continue
-            bulk = (self.term.bulk_row == row).astype(float)
-            w = np.zeros((5, *self.deformation.square.shape))
-            w[:2] = by_constants[row]
+            # f with W_T, W_J replaced by their derivatives in the constant, and K by 1 or 0
+            bulk, w[:2] = (self.term.bulk_row == row).astype(float), by_constants[row]
             for k, load in enumerate(loads):
                 force = np.zeros(len(load))
                 assemble_internal(
-                    *self.quadrature, self.deformation, k, w[:, k], bulk,
-                    self.layout.force_scatter, force, np.empty(0),
+                    *quadrature, states.deformation, k, w[:, k], bulk, self.layout.force_scatter,
+                    force, np.empty(0),
                 )  # fmt: skip
                 load += np.outer(force, rate)
 
     def pull_back(self, adjoints, mixes, design: BodyDesign) -> None:
         """The transpose: seeds of -lambda . f on B, w and the constants."""
-        term, deformation = self.term, self.deformation
-        constants, bulk_row = (
-            np.empty((0, 2, *deformation.square.shape)),
-            np.full_like(term.bulk_row, -1),
-        )
+        term, n_steps = self.term, len(self.states.d)
+        constants = np.empty((0, *self.states.w[:2].shape))
+        bulk_row = np.full_like(term.bulk_row, -1)
         if design.wanted:
-            constants, bulk_row = term.constant_derivatives(deformation), term.bulk_row
-        add_internal_seeds(
-            *self.quadrature, deformation, term.energy_derivatives(deformation), constants,
-            term.bulk, bulk_row, self.d, np.cumsum([0, *map(len, mixes)]), np.hstack(adjoints),
-            np.vstack(mixes), self.layout.equations, design.grad, design.weights,
-            design.parameters[: len(constants)],
+            constants, bulk_row = term.constant_derivatives(self.states.deformation), term.bulk_row
+        add_force_seeds(
+            self.states, constants, bulk_row, np.repeat(np.arange(n_steps), [*map(len, mixes)]),
+            np.hstack(adjoints), np.vstack(mixes), self.layout.equations,
+            (design.grad, design.weights, design.parameters[: len(constants)]),
         )  # fmt: skip
 
 
@@ -176,13 +167,8 @@ class LinearizedBody(LinearizedTerm):
 
     def _add_change(self, nodal, equations, out) -> None:
         """Add K u for displacements u (n, 2, P) of all particles to ``out``."""
-        term = self.term
-        deformation = term.deformation_of(self.step.d[None])
-        add_internal_change(
-            term.cells.table, term.cells.column_weights, term.functions, deformation, 0,
-            term.energy_derivatives(deformation)[:, 0], term.bulk, np.ascontiguousarray(nodal),
-            equations, out,
-        )  # fmt: skip
+        states = self.term.states(self.step.d[None])
+        add_tangent_product(states, np.ascontiguousarray(nodal), equations, out)
 
     # ---- direct ----
 

@@ -106,18 +106,14 @@ class CoupledTerm(TermAtPoints):
     # ---- the contract of a term ----
 
     @property
-    def rows(self) -> tuple:
+    def rows(self) -> list:
         """Where force, history and outputs are among the rows of a ``LocalMap``."""
-        k, h = len(self.where), self.history_size
-        ends = 2 * k, (2 + h) * k, (2 + h) * k + self.output_places * len(self.output_names)
-        return slice(0, ends[0]), slice(ends[0], ends[1]), slice(ends[1], ends[2])
+        return self.spaces[0].slices
 
     @property
-    def inputs(self) -> tuple:
+    def inputs(self) -> list:
         """Where x, history, measure, parameters and X are among its columns."""
-        k, h, n = len(self.where), self.history_size, len(self.names)
-        ends = np.cumsum([0, 2 * k, h * k, k, n, 2 * k]).tolist()
-        return tuple(map(slice, ends, ends[1:]))
+        return self.spaces[1].slices
 
     def deformed(self, raw) -> np.ndarray:
         """Deformed places of the points (k, 2)."""

@@ -9,11 +9,17 @@ parameters theta and undeformed places X. Its linearisation at a converged step 
 The direct method forms ``L @ Inputs``, the adjoint method ``L.T @ Outputs``.
 """
 
+import math
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import sparray
+
+from seal_mdao.compilation import compiled
+
+# Sine of the angle between two directions below which they are one.
+PARALLEL = 1e-13
 
 
 class Inputs(NamedTuple):
@@ -99,16 +105,20 @@ class AllPoints(NamedTuple):
     kind: type
     shapes: tuple
 
+    @property
+    def slices(self) -> list:
+        """Where each field is among the rows."""
+        ends = accumulate((a * b for a, b in self.shapes), initial=0)
+        return [slice(*own) for own in pairwise(ends)]
+
     def joined(self, values) -> np.ndarray:
         if values.array is not None:
             return values.array
         return np.concatenate([part.reshape(-1, part.shape[-1]) for part in values[:-1]])
 
     def split(self, rows: np.ndarray):
-        ends = pairwise(accumulate((a * b for a, b in self.shapes), initial=0))
-        parts = zip(self.shapes, ends, strict=True)
-        views = (rows[i:j].reshape(*shape, rows.shape[1]) for shape, (i, j) in parts)
-        return self.kind(*views, rows)
+        parts = zip(self.shapes, self.slices, strict=True)
+        return self.kind(*(rows[at].reshape(*shape, rows.shape[1]) for shape, at in parts), rows)
 
     def zeros(self, s: int, count: int):
         return self.split(np.zeros((sum(a * b for a, b in self.shapes), count)))
@@ -193,3 +203,61 @@ class PassedOn(NamedTuple):
     def seeds(self, history_bar: np.ndarray) -> np.ndarray:
         """H^T h+_bar, shape (c, M)."""
         return np.tensordot(self.history, history_bar, ((0, 1), (0, 1)))
+
+
+# ---- what the displacements of one load step pass to the next ----
+#
+# Steps are coupled through the histories of terms alone. Of all displacements of a step that is not
+# measured no more is wanted than those of the points whose history the next step uses, and of these
+# often only one direction. With K_n^T Lambda_n = Phi^T q, a column for each wanted direction q of a
+# point, they move by -Lambda_n^T f'_n, whatever the parameters (direct) or measures (adjoint).
+
+
+class HandedOn(NamedTuple):
+    """Displacements that the next step uses.
+
+    Attributes
+    ----------
+    points : ndarray of int, shape (s,)
+        Points of the term; one of them once or twice.
+    directions : ndarray, shape (s, 2)
+        Unit vectors.
+    """
+
+    points: np.ndarray
+    directions: np.ndarray
+
+
+def directions_of(used: np.ndarray, slopes: np.ndarray) -> HandedOn:
+    """Directions in which the wanted functions of the points ``used`` (s,) change.
+
+    Parameters
+    ----------
+    slopes : ndarray, shape (s, 2, 2)
+        Derivatives of two functions of every point with its displacement. The second may be zero; a
+        point where both are hands on nothing.
+    """
+    points, directions = np.empty(2 * used.size, int), np.empty((2 * used.size, 2))
+    count = _fill_directions(used, slopes, points, directions)
+    return HandedOn(points[:count], directions[:count])
+
+
+@compiled
+def _fill_directions(used, slopes, points, directions):
+    """Fill points and directions; returns how many there are."""
+    count = 0
+    for k, i in enumerate(used):
+        a_x, a_y, b_x, b_y = slopes[k, 0, 0], slopes[k, 0, 1], slopes[k, 1, 0], slopes[k, 1, 1]
+        size = math.hypot(a_x, a_y)
+        if size == 0.0:
+            continue
+        points[count] = i
+        if abs(a_x * b_y - a_y * b_x) <= PARALLEL * size * math.hypot(b_x, b_y):
+            directions[count, 0], directions[count, 1] = a_x / size, a_y / size
+            count += 1
+        else:
+            points[count + 1] = i
+            directions[count, 0], directions[count, 1] = 1.0, 0.0
+            directions[count + 1, 0], directions[count + 1, 1] = 0.0, 1.0
+            count += 2
+    return count

@@ -10,8 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.terms.handed_on import HandedOn, directions_of
-from seal_mdao.terms.linearization import Inputs, Linearization, Outputs, PassedOn, PointByPoint
+from seal_mdao.terms.linearization import (
+    HandedOn,
+    Inputs,
+    Linearization,
+    Outputs,
+    PassedOn,
+    PointByPoint,
+    directions_of,
+)
 from seal_mdao.terms.linearized_points import LinearizedPoints
 from seal_mdao.terms.point_assembly import assemble_points, interpolate
 from seal_mdao.terms.term_at_points import TermAtPoints

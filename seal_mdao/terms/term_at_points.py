@@ -4,8 +4,7 @@ from functools import cached_property
 
 import numpy as np
 
-from seal_mdao.terms.linearized_points import PointSeeds
-from seal_mdao.terms.point_rows import PointRows
+from seal_mdao.terms.linearized_points import PointRows, PointSeeds
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import Term
 

@@ -12,7 +12,7 @@ from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.structure.deformation import particle_gradients
 from seal_mdao.structure.elastic_body import ElasticBody, Region, elastic_body
 from seal_mdao.structure.energy_gradient import energy_gradient
-from seal_mdao.structure.internal_force import add_internal_change
+from seal_mdao.structure.force_products import add_tangent_product
 from seal_mdao.structure.pressure import PressureSpace, through_column
 
 RUBBER = sm.MooneyRivlin(*CONSTANTS)
@@ -141,12 +141,8 @@ def test_energy_is_that_of_the_projected_volume_change(rng):
 def test_change_of_the_force_is_the_tangent_times_the_displacement(rng):
     disc = square(rng, fixed="nothing", column=5)
     d, motions, term = wave(disc, 0.15), rng.standard_normal((36, 2, 3)), structure(disc)
-    deformation = term.deformation_of(d[None])
     found = np.zeros((disc.layout.n_equations, 3))
-    add_internal_change(
-        disc.cells.table, disc.cells.column_weights, term.functions, deformation, 0,
-        term.energy_derivatives(deformation)[:, 0], term.bulk, motions, disc.layout.equations, found,
-    )  # fmt: skip
+    add_tangent_product(term.states(d[None]), motions, disc.layout.equations, found)
     matrix = dense(disc.layout, internal(disc, d)[1])
     expected = np.column_stack([matrix @ disc.layout.reduce(u) for u in np.moveaxis(motions, 2, 0)])
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())

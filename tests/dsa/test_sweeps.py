@@ -12,11 +12,11 @@ from seal_mdao.contact.friction import CARRIED, OPEN, STICK, XI
 from seal_mdao.contact.rigid_points import slip_slopes
 from seal_mdao.dsa.adjoint import AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
+from seal_mdao.dsa.factors import blocks
 from seal_mdao.dsa.parameters import parameter_rates
 from seal_mdao.dsa.sensitivity import Wanted, adjoint_gradient, particle_gradient
 from seal_mdao.measures.measure import stacked
 from seal_mdao.seals.result import analyze_particles
-from seal_mdao.terms.blocks import blocks
 
 
 def rates_of(result, names=("door_radius",)):
@@ -25,7 +25,7 @@ def rates_of(result, names=("door_radius",)):
 
 
 def test_blocks_cover_all_steps_in_order(monkeypatch):
-    monkeypatch.setattr("seal_mdao.terms.blocks.BLOCK_BYTES", 8 * 100 * 3 * 4)
+    monkeypatch.setattr("seal_mdao.dsa.factors.BLOCK_BYTES", 8 * 100 * 3 * 4)
     assert [list(block) for block in blocks(range(9, -1, -1), 100, 3)] == [
         [9, 8, 7, 6], [5, 4, 3, 2], [1, 0],
     ]  # fmt: skip
@@ -34,7 +34,7 @@ def test_blocks_cover_all_steps_in_order(monkeypatch):
 
 def test_short_blocks_give_the_same_sensitivities(drawn, monkeypatch):
     whole = [sm.differentiate(drawn, method=method) for method in ("direct", "adjoint")]
-    monkeypatch.setattr("seal_mdao.terms.blocks.BLOCK_BYTES", 8 * 334 * 26 * 10)
+    monkeypatch.setattr("seal_mdao.dsa.factors.BLOCK_BYTES", 8 * 334 * 26 * 10)
     for method, expected in zip(("direct", "adjoint"), whole, strict=True):
         found = sm.differentiate(drawn, method=method)
         for name in ("von_mises", "gap", "reaction"):

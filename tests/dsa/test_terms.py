@@ -8,7 +8,7 @@ import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
-from seal_mdao.dsa.probe import ProbeReverse, probe_rates
+from seal_mdao.dsa.probe import Probe
 from seal_mdao.dsa.shape_rates import add_matrix_seeds, discretization_rates
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.measures.measure import Seeds
@@ -245,16 +245,17 @@ def test_reverse_of_the_probe_is_the_transpose_of_its_rates(pressed, step, rng):
     rates = parameter_rates(pressed.seal.design_velocity, ("shear", "tilt"))
     sweep, probe = DirectSweep(path, rates), disc.table_at(np.array([3, 20, 26]))
     solution = rng.standard_normal((disc.layout.n_equations, rates.count))
-    moved, f_rate = probe_rates(disc, probe, sweep, step, solution)
+    shape = probe.rates(rates.velocity, sweep.shape.matrix)
+    moved, f_rate = Probe(disc, probe).rates(shape, step, solution, sweep.held(step))
     seeds = Seeds(rng.standard_normal((m, 3, 2)), rng.standard_normal((m, 3, 4)), {})
     ahead = np.tensordot(seeds.displacement, moved, 2) + np.tensordot(seeds.gradient, f_rate, 2)
-    reverse, which = ProbeReverse(disc, probe, m), np.arange(m)
+    reverse, which = Probe(disc, probe, m), np.arange(m)
     loads, x_bar = np.zeros((disc.layout.n_equations + 1, m)), np.zeros((*step.d.shape, m))
     reverse.add_measured(step, seeds, which, loads)
     every = disc.layout.every_component.equations
     on_base = reverse.nodal_seeds(step, seeds, which, every, every.size + 1)[:-1]
     on_base *= (disc.layout.equations < 0).reshape(-1, 1)
-    add_matrix_seeds(disc, reverse.finish(x_bar), x_bar)
+    add_matrix_seeds(disc, reverse.pull_back(x_bar), x_bar)
     back = loads[:-1].T @ solution + np.einsum("nim,pni->mp", x_bar, rates.velocity)
     back[:, 3:] += on_base.T @ sweep.problem.imposed.linearization(step.fraction)
     np.testing.assert_allclose(back, ahead, rtol=0.0, atol=1e-11 * np.abs(ahead).max())

@@ -12,12 +12,11 @@ from seal_mdao.rkpm.essential import transformation_seeds
 from seal_mdao.rkpm.integration import (
     EDGE_POINTS,
     add_normal_seeds,
-    cell_table_seeds,
     edge_normals,
     edge_rule,
     integration_points,
 )
-from seal_mdao.rkpm.tables import build_table, raw_rates, table_seeds
+from seal_mdao.rkpm.tables import build_table
 
 
 def at_edge_points(rule, phi):
@@ -209,7 +208,7 @@ def test_cell_rates_are_the_limit_of_central_differences(seal, rng):
     n = len(disc.particles)
     velocity = rng.standard_normal((1, n, 2))
     rates = discretization_rates(disc, velocity).cells
-    at_edges = raw_rates(disc.cloud, disc.cells.edges, velocity)
+    at_edges = disc.cells.edges.raw_rates(velocity)
     exact = (
         rate_rows(disc.cells.edges.raw, at_edges, n, 1)[0][..., 0],
         rate_rows(disc.cells.table, rates, n, 1)[1][..., 0],
@@ -234,7 +233,7 @@ def test_cell_rates_are_the_limit_of_central_differences(seal, rng):
 def test_cell_seeds_are_the_transpose_of_cell_rates(seal, rng):
     """Dot-product test through transformation, weights, normals and shape functions."""
     model, disc = seal
-    cloud, transformation, n = disc.cloud, disc.transformation, len(disc.particles)
+    transformation, n = disc.transformation, len(disc.particles)
     velocity = rng.standard_normal((2, n, 2))
     forward = discretization_rates(disc, velocity)
     _, dgrad = rate_rows(disc.cells.table, forward.cells, n, 2)
@@ -245,15 +244,14 @@ def test_cell_seeds_are_the_transpose_of_cell_rates(seal, rng):
     ahead += np.einsum("cq,pcq->p", weight_bar[..., 0], forward.weights)
 
     x_bar, weight_bar = np.zeros((n, 2, 1)), weight_bar.copy()
-    matrix_bar = cell_table_seeds(cloud, disc.cells, grad_bar, weight_bar, x_bar, transformation)
+    matrix_bar = disc.cells.pull_back(grad_bar, weight_bar, x_bar)
     add_weight_seeds(model.body.cell_map, disc.particles, weight_bar, x_bar)
     raw = disc.constrained_rows.raw
     point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
     rows_bar = transformation_seeds(transformation, matrix_bar)
     own = rows_bar[point, np.searchsorted(transformation.union, raw.neighbours)]
-    table_seeds(
-        cloud, disc.constrained_rows, np.ascontiguousarray(own), np.zeros((raw.grad.size, 1)), x_bar
-    )
+    own_bar = np.ascontiguousarray(own)
+    disc.constrained_rows.pull_back(own_bar, np.zeros((raw.grad.size, 1)), x_bar)
     back = np.einsum("ai,pai->p", x_bar[..., 0], velocity)
     size = np.abs(x_bar[..., 0] * velocity).sum(axis=(1, 2))
     np.testing.assert_allclose(back, ahead, rtol=0.0, atol=1e-12 * size.max())

@@ -11,7 +11,7 @@ from seal_mdao.rkpm.essential import (
     transformation_seeds,
 )
 from seal_mdao.rkpm.shape_functions import PointSet
-from seal_mdao.rkpm.tables import build_table, raw_rates, table_rates, table_seeds
+from seal_mdao.rkpm.tables import build_table
 
 CONSTRAINED = np.array([0, 1, 2, 8, 15])
 N = 49
@@ -87,9 +87,9 @@ def test_groups_that_see_no_constrained_particle_are_left_alone(cloud, rng):
     assert alone > 0
 
 
-def rates_of(cloud, constrained_rows, transformation, velocity):
+def rates_of(constrained_rows, transformation, velocity):
     """T' along design velocities, from the rates of the raw rows."""
-    rates = raw_rates(cloud, constrained_rows, velocity)
+    rates = constrained_rows.raw_rates(velocity)
     dense, _ = rate_rows(constrained_rows.raw, rates, N, len(velocity))
     return transformation_rates(transformation, dense[:, transformation.union])
 
@@ -97,7 +97,7 @@ def rates_of(cloud, constrained_rows, transformation, velocity):
 def test_transformation_rates_are_the_limit_of_central_differences(cloud, rng):
     velocity = rng.standard_normal((2, N, 2))
     constrained_rows, transformation, _ = transformed(cloud, at(CONSTRAINED))
-    exact = rates_of(cloud, constrained_rows, transformation, velocity)
+    exact = rates_of(constrained_rows, transformation, velocity)
     errors = []
     for step in (1e-4, 1e-5):
         sides = []
@@ -115,8 +115,8 @@ def test_transformation_rates_are_the_limit_of_central_differences(cloud, rng):
 def test_transformed_rates_are_the_limit_of_central_differences(cloud, rng):
     velocity = rng.standard_normal((2, N, 2))
     constrained_rows, transformation, table = transformed(cloud, random_points(rng, cloud))
-    matrix_rate = rates_of(cloud, constrained_rows, transformation, velocity)
-    rates = table_rates(cloud, table, velocity, transformation, matrix_rate)
+    matrix_rate = rates_of(constrained_rows, transformation, velocity)
+    rates = table.rates(velocity, matrix_rate)
     exact = [values[..., 0] for values in rate_rows(table.table, rates, N, 2)]
     step, sides = 1e-5, []
     for sign in (1.0, -1.0):
@@ -130,8 +130,8 @@ def test_transformed_rates_are_the_limit_of_central_differences(cloud, rng):
 def test_reverse_is_the_transpose_of_forward_through_the_transformation(cloud, rng):
     velocity = rng.standard_normal((3, N, 2))
     constrained_rows, transformation, table = transformed(cloud, random_points(rng, cloud))
-    matrix_rate = rates_of(cloud, constrained_rows, transformation, velocity)
-    rates = table_rates(cloud, table, velocity, transformation, matrix_rate)
+    matrix_rate = rates_of(constrained_rows, transformation, velocity)
+    rates = table.rates(velocity, matrix_rate)
     dphi, dgrad = rate_rows(table.table, rates, N, 3)
     phi_bar = rng.standard_normal((table.table.phi.size, 1))
     grad_bar = rng.standard_normal((table.table.grad.size, 1))
@@ -139,13 +139,13 @@ def test_reverse_is_the_transpose_of_forward_through_the_transformation(cloud, r
     forward = np.einsum("qa,qap->p", seed_phi, dphi) + np.einsum("qja,qjap->p", seed_grad, dgrad)
 
     x_bar = np.zeros((N, 2, 1))
-    matrix_bar = table_seeds(cloud, table, phi_bar, grad_bar, x_bar, transformation)
+    matrix_bar = table.pull_back(phi_bar, grad_bar, x_bar)
     rows_bar = transformation_seeds(transformation, matrix_bar)
     raw = constrained_rows.raw
     point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
     own_bar = rows_bar[point, np.searchsorted(transformation.union, raw.neighbours)]
     own_bar = np.ascontiguousarray(own_bar)
-    table_seeds(cloud, constrained_rows, own_bar, np.zeros((raw.grad.size, 1)), x_bar)
+    constrained_rows.pull_back(own_bar, np.zeros((raw.grad.size, 1)), x_bar)
     backward = np.einsum("ai,pai->p", x_bar[..., 0], velocity)
     size = np.abs(x_bar[..., 0] * velocity).sum(axis=(1, 2))
     np.testing.assert_allclose(backward, forward, rtol=0.0, atol=1e-12 * size.max())

@@ -11,7 +11,7 @@ from clouds import (
     rows,
 )
 
-from seal_mdao.rkpm.tables import build_table, raw_rates, table_rates, table_seeds
+from seal_mdao.rkpm.tables import build_table
 
 ORDERS = (1, 2)
 
@@ -29,7 +29,7 @@ def moving(request, rng):
 
 def test_rates_are_the_complex_step_of_a_plain_evaluation(moving):
     order, cloud, table, velocity = moving
-    rates = table_rates(cloud, table, velocity)
+    rates = table.rates(velocity)
     phi, grad = rate_rows(table.table, rates, 25, 3)
     for p, v in enumerate(velocity):
         particles = cloud.particles + 1e-30j * v
@@ -44,7 +44,7 @@ def test_rates_are_the_complex_step_of_a_plain_evaluation(moving):
 def test_rates_are_the_limit_of_central_differences(moving):
     """Quadratic convergence of the differences over two decades of the step."""
     _, cloud, table, velocity = moving
-    phi, grad = rate_rows(table.table, table_rates(cloud, table, velocity), 25, 3)
+    phi, grad = rate_rows(table.table, table.rates(velocity), 25, 3)
     errors = []
     for step in (1e-3, 1e-4, 1e-5):
         sides = []
@@ -63,9 +63,9 @@ def test_rates_are_the_limit_of_central_differences(moving):
 
 
 def test_a_common_translation_changes_nothing(moving):
-    _, cloud, table, _ = moving
+    *_, table, _ = moving
     velocity = np.broadcast_to([0.7, -0.4], (1, 25, 2))
-    rates = table_rates(cloud, table, np.ascontiguousarray(velocity))
+    rates = table.rates(np.ascontiguousarray(velocity))
     np.testing.assert_allclose(rates.phi, 0.0, atol=1e-13)
     np.testing.assert_allclose(rates.grad, 0.0, atol=1e-12)
 
@@ -77,7 +77,7 @@ def test_a_common_rotation_turns_the_gradients(rng, order):
     table = build_table(cloud, random_points(rng, cloud, groups=4))
     spin = np.array([[0.0, -1.0], [1.0, 0.0]])
     velocity = (cloud.particles @ spin.T)[None]
-    rates = table_rates(cloud, table, velocity)
+    rates = table.rates(velocity)
     dphi, dgrad = rate_rows(table.table, rates, 25, 1)
     _, grad = rows(table.table, 25)
     np.testing.assert_allclose(dphi, 0.0, atol=1e-12)
@@ -87,7 +87,7 @@ def test_a_common_rotation_turns_the_gradients(rng, order):
 def test_rates_keep_the_reproducing_conditions(moving):
     """Derivatives of the sums: sum Phi' = 0, sum Phi' X + Phi V = x', and the same for gradients."""
     _, cloud, table, velocity = moving
-    dphi, dgrad = rate_rows(table.table, table_rates(cloud, table, velocity), 25, 3)
+    dphi, dgrad = rate_rows(table.table, table.rates(velocity), 25, 3)
     phi, grad = rows(table.table, 25)
     x_rate = np.einsum("qk,pqki->qip", table.points.weights, velocity[:, table.points.anchors])
     first = np.einsum("qap,ai->qip", dphi, cloud.particles) + np.einsum(
@@ -103,13 +103,13 @@ def test_rates_keep_the_reproducing_conditions(moving):
 
 
 def test_reverse_is_the_transpose_of_forward(moving, rng):
-    _, cloud, table, velocity = moving
-    rates = table_rates(cloud, table, velocity)
+    *_, table, velocity = moving
+    rates = table.rates(velocity)
     dphi, dgrad = rate_rows(table.table, rates, 25, 3)
     phi_bar = rng.standard_normal((table.table.phi.size, 2))
     grad_bar = rng.standard_normal((table.table.grad.size, 2))
     x_bar = np.zeros((25, 2, 2))
-    assert table_seeds(cloud, table, phi_bar, grad_bar, x_bar) is None
+    assert table.pull_back(phi_bar, grad_bar, x_bar) is None
     for m in range(2):
         seed_phi, seed_grad = rows(table.table, 25, (phi_bar[:, m], grad_bar[:, m]))
         forward = np.einsum("qa,qap->p", seed_phi, dphi) + np.einsum(
@@ -125,7 +125,7 @@ def test_only_parameters_that_reach_a_group_are_stored(rng):
     table = build_table(cloud, random_points(rng, cloud))
     velocity = np.zeros((49, 49, 2))
     velocity[np.arange(49), np.arange(49)] = [1.0, 0.5]
-    rates = raw_rates(cloud, table, velocity)
+    rates = table.raw_rates(velocity)
     for g in range(table.table.n_groups):
         near = table.table.neighbours[table.table.start[g] : table.table.start[g + 1]]
         anchors = table.points.anchors[3 * g : 3 * g + 3].ravel()

@@ -11,7 +11,7 @@ from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.integration import integration_points
-from seal_mdao.rkpm.tables import build_table, raw_rates
+from seal_mdao.rkpm.tables import build_table
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import boundary_particles, edge_points
@@ -215,7 +215,7 @@ def test_rates_are_exact_beside_a_slit(rng):
     _, points = integration_points(body.cell_map, body.edge_rule)
     table, n = build_table(body.cloud(particles), points), len(particles)
     velocity, step = rng.uniform(-1.0, 1.0, (1, n, 2)), 1e-5
-    rates = raw_rates(body.cloud(particles), table, velocity)
+    rates = table.raw_rates(velocity)
     exact = rate_rows(table.raw, rates, n, 1)[0][..., 0]
     sides = [
         rows(build_table(body.cloud(particles + s * step * velocity[0]), points).raw, n)[0]

@@ -16,7 +16,8 @@ from seal_mdao.equilibrium.discretization import Body, Discretization, discretiz
 from seal_mdao.equilibrium.equations import equation_numbers, tangent_layout
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, edge_normals, integration_points
 from seal_mdao.rkpm.shape_functions import ShapeTable
-from seal_mdao.rkpm.tables import build_table, raw_tables, transform_table
+from seal_mdao.rkpm.tables import build_table, raw_tables
+from seal_mdao.rkpm.transformed import TableTransform
 
 
 def _edge_rule(cells: np.ndarray, n_edge: int, column: int) -> tuple[EdgeRule, np.ndarray]:
@@ -76,8 +77,8 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
         new = _corrected(disc.weights[cell], normals[cell], *places, phi, phi_edge, slope)
         grad.append(new.ravel())
     raw = gauss.raw._replace(phi=np.empty(0), grad=np.concatenate(grad))
-    table = transform_table(raw, disc.transformation)
-    cells = CellTable(rule, disc.weights, gauss, edges, raw, table)
+    transform = TableTransform(raw, disc.transformation)
+    cells = CellTable(rule, disc.weights, gauss, edges, raw, transform.table, transform)
     where = [term.point_set() for term in terms]
     tables = [p and build_table(disc.cloud, p, disc.transformation) for p in where]
     couples = tuple(term.couples for term in terms)

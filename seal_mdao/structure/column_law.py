@@ -1,0 +1,197 @@
+"""Linearisation L of the internal force in a column of cells: moduli and projected pressure, Eq. (44).
+
+With the displacement gradient in F = 1 + B d at the quadrature points q, weights w, and the projected
+pressure p = K sum_h N_h s_h of ``pressure``,
+
+    P = 2 W_T F + (W_J + p) cof F,    s_h = sum_q N_h w (det F - 1) / V_h.
+
+L = d(w P)/dF is a block of the column: the moduli A = dP/dF of every point, and what the pressure
+adds, of rank m. Both are symmetric, so that one product with strains e serves a tangent (e = B u), the
+rates of the direct method (e = B' d) and the seeds of the adjoint method (e = -B lambda): see
+``force_products``.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.compilation import internal
+from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.structure.deformation import Deformation, at_point, volume_of
+from seal_mdao.structure.internal_force import point_moduli, point_stress
+
+
+class BodyStates(NamedTuple):
+    """The body at K converged steps.
+
+    Attributes
+    ----------
+    table : ShapeTable
+        B, a group for a column of cells.
+    weights, functions : ndarray, shapes (n_columns, q), (m, q)
+        Of the quadrature, and of the pressure.
+    bulk : ndarray, shape (n_columns,)
+        K of the projected energy.
+    d : ndarray, shape (K, n, 2)
+    deformation : Deformation
+    w : ndarray, shape (5, K, n_columns, q)
+        W_T, W_J, W_TT, W_TJ, W_JJ.
+    """
+
+    table: ShapeTable
+    weights: np.ndarray
+    functions: np.ndarray
+    bulk: np.ndarray
+    d: np.ndarray
+    deformation: Deformation
+    w: np.ndarray
+
+
+class ColumnLaw(NamedTuple):
+    """L of a column of cells at S states side by side.
+
+    Attributes
+    ----------
+    values : ndarray, shape (q, ROWS, S)
+        P, w cof F, w A, F and det F - 1 of every point.
+    swelling : ndarray, shape (m, S)
+        s_h.
+    mean, bulk : ndarray, shape (m, q)
+        N_h / V_h, and K N_h.
+    on_cofactor : ndarray, shape (q, S)
+        Written by ``product``: w cof F : e.
+    swelling_rate : ndarray, shape (m, S)
+        Written by ``product``: s_h'.
+    pressure : ndarray, shape (S,)
+        Written by ``product``: p' of a point.
+    """
+
+    values: np.ndarray
+    swelling: np.ndarray
+    mean: np.ndarray
+    bulk: np.ndarray
+    on_cofactor: np.ndarray
+    swelling_rate: np.ndarray
+    pressure: np.ndarray
+
+
+# Rows of ``ColumnLaw.values``.
+STRESS, COFACTOR, MODULI, GRADIENT, CHANGE, ROWS = 0, 4, 8, 24, 28, 29
+
+
+@internal
+def room_of(q_count, m, count):
+    """Allocate the L of a column at ``count`` states."""
+    return ColumnLaw(
+        np.empty((q_count, ROWS, count)), np.empty((m, count)), np.empty((m, q_count)),
+        np.empty((m, q_count)), np.empty((q_count, count)), np.empty((m, count)), np.empty(count),
+    )  # fmt: skip
+
+
+@internal
+def linearize_column(states, column, step_of, law):
+    """Compute L of one column at the steps ``step_of`` (S,), sorted."""
+    weights, functions, bulk = states.weights[column], states.functions, states.bulk[column]
+    w, moduli = states.w, np.empty((4, 4))
+    for h in range(len(functions)):
+        volume = volume_of(functions[h], weights)
+        for q in range(weights.size):
+            law.mean[h, q], law.bulk[h, q] = functions[h, q] / volume, bulk * functions[h, q]
+    for s in range(step_of.size):
+        k = step_of[s]
+        swelling = states.deformation.swelling[k, column]
+        for h in range(len(functions)):
+            law.swelling[h, s] = swelling[h]
+        for q in range(weights.size):
+            values = law.values[q]
+            if s > 0 and step_of[s - 1] == k:
+                for row in range(ROWS):
+                    values[row, s] = values[row, s - 1]
+                continue
+            # the pressure acts with W_J: P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
+            f, w_t = states.deformation.f[k, column, q], w[0, k, column, q]
+            w_j = w[1, k, column, q] + bulk * at_point(functions, q, swelling)
+            w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
+            stress = point_stress(f, w_t, w_j)
+            point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, moduli)
+            for r in range(4):
+                values[STRESS + r, s], values[GRADIENT + r, s] = stress[r], f[r]
+                sign = -weights[q] if r == 1 or r == 2 else weights[q]
+                values[COFACTOR + r, s] = sign * f[3 - r]
+                for c in range(4):
+                    values[MODULI + 4 * r + c, s] = weights[q] * moduli[r, c]
+            values[CHANGE, s] = f[4]
+
+
+@internal
+def product(law, weights, strain, weight_rate, p, out):
+    """Compute L (e, w') of one column: (w P)' = w A : e + w p' cof F + w' P, with
+
+    s_h' = sum_q N_h (w cof F : e + w' (det F - 1 - s_h)) / V_h,    p' = K sum_h N_h s_h'.
+
+    Parameters
+    ----------
+    law : ColumnLaw
+    strain : ndarray, shape (2 q, P, 2, S)
+        e_ij at [(point, j), p, i].
+    weight_rate : ndarray, shape (q, P)
+        w'; zero gives the product with the transpose of L, for A and the pressure are symmetric.
+    p : int
+        The column of ``strain`` and ``weight_rate`` that is taken.
+    out : ndarray, shape (2 q, P, 2, S)
+        Written, as ``strain``.
+    """
+    law.swelling_rate[:] = 0.0
+    for q in range(weights.size):
+        on_cof, change = law.on_cofactor[q], law.values[q, CHANGE]
+        contract(law.values[q], COFACTOR, strain, q, p, on_cof)
+        for h in range(len(law.mean)):
+            if law.mean[h, q] != 0.0:
+                _add_swelling_rate(
+                    law.mean[h, q], on_cof, weight_rate[q, p], change, law.swelling[h],
+                    law.swelling_rate[h],
+                )  # fmt: skip
+    for q in range(weights.size):
+        values, pressure = law.values[q], law.pressure
+        # p' = K sum_h N_h s_h'
+        pressure[:] = 0.0
+        for h in range(len(law.bulk)):
+            _add_scaled(law.bulk[h, q], law.swelling_rate[h], pressure)
+        for r in range(4):
+            found = out[2 * q + r % 2, p, r // 2]
+            # w A : e + w p' cof F + w' P
+            contract(values, MODULI + 4 * r, strain, q, p, found)
+            _add_stress_rate(
+                values[COFACTOR + r], pressure, values[STRESS + r], weight_rate[q, p], found
+            )
+
+
+@internal
+def contract(values, row, strain, q, p, out):
+    """Contract four rows of ``values``, from ``row`` on, with the strains of a point."""
+    a0, a1, a2, a3 = values[row], values[row + 1], values[row + 2], values[row + 3]
+    e0, e1 = strain[2 * q, p, 0], strain[2 * q + 1, p, 0]
+    e2, e3 = strain[2 * q, p, 1], strain[2 * q + 1, p, 1]
+    for s in range(out.size):
+        out[s] = a0[s] * e0[s] + a1[s] * e1[s] + a2[s] * e2[s] + a3[s] * e3[s]
+
+
+@internal
+def _add_swelling_rate(mean, on_cof, weight_rate, change, swelling, out):
+    """s_h' += N_h / V_h (w cof F : e + w' (det F - 1 - s_h)), over all states."""
+    for s in range(out.size):
+        out[s] += mean * (on_cof[s] + weight_rate * (change[s] - swelling[s]))
+
+
+@internal
+def _add_scaled(factor, values, out):
+    """out += factor values."""
+    for s in range(out.size):
+        out[s] += factor * values[s]
+
+
+@internal
+def _add_stress_rate(cofactor, pressure, stress, weight_rate, out):
+    """out += w p' cof F + w' P of one component, over all states."""
+    for s in range(out.size):
+        out[s] += cofactor[s] * pressure[s] + stress[s] * weight_rate

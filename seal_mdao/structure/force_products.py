@@ -1,0 +1,277 @@
+"""Products with the linearised internal force: rates (Eq. (46)), seeds (their transpose) and tangent.
+
+Each has L of ``column_law``, the linearisation of w P in a column of cells, between rows B = grad Phi:
+
+    rates     e = B' d
+              (w P)' = w L e + w' P + w p' cof F,    p' = K sum_h N_h s_h'
+              s_h' = sum_q N_h (w cof F : e + w' (det F - 1 - s_h)) / V_h
+              f' = B^T (w P)' + B'^T w P                                          Eq. (46)
+    seeds     e = -B lambda
+              B_bar = w P e^T + w (L e) d^T
+              w_bar = P : e + sum_h N_h (det F - 1 - s_h) p_h
+    tangent   e = B u,    K u = B^T w L e                                         Eq. (44)
+
+The first two are kernels of their own, matrix products of a block of load steps in every column.
+"""
+
+import numpy as np
+
+from seal_mdao.compilation import compiled, internal
+from seal_mdao.structure.column_law import (
+    CHANGE,
+    GRADIENT,
+    STRESS,
+    contract,
+    linearize_column,
+    product,
+    room_of,
+)
+from seal_mdao.structure.deformation import block, group_displacements, widest_group
+
+
+@compiled
+def add_force_rates(states, rates, weight_rates, equations, out):
+    """Add f' = B^T (w P)' + B'^T w P, a'_V of Eq. (46), at K steps for P parameters to ``out``.
+
+    Parameters
+    ----------
+    states : BodyStates
+    rates : TableRates
+        B'.
+    weight_rates : ndarray, shape (P, n_columns, q)
+        w'.
+    equations : ndarray of int, shape (n, 2)
+    out : ndarray, shape (K, n_equations + 1, P)
+    """
+    table, functions, d = states.table, states.functions, states.d
+    q_count, n_steps, most = table.group_size, d.shape[0], out.shape[2]
+    rows, points, widest = 2 * n_steps, 2 * q_count, widest_group(table)
+    law, every = room_of(q_count, len(functions), n_steps), np.arange(n_steps)
+    displacements, turned = np.empty(rows * widest), np.empty(points * widest)
+    stress, by_parameter = np.empty((rows, points)), np.empty(points * widest * most)
+    slope_rates, stress_rates = np.empty(rows * points * most), np.empty(rows * points * most)
+    moving, moved = np.empty(rows * widest * most), np.empty(rows * widest * most)
+    weight_rate = np.empty(q_count * most)
+    for column in range(table.start.size - 1):
+        which = rates.active[rates.start[column, 0] : rates.start[column + 1, 0]]
+        count, s0 = which.size, table.start[column]
+        if count == 0:
+            continue
+        n = table.start[column + 1] - s0
+        near = table.neighbours[s0 : s0 + n]
+        grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
+        at = 2 * rates.start[column, 1]
+        b_rate = rates.grad[at : at + points * n * count].reshape(points, n * count)
+        # d of the neighbours, B and B' with the neighbour first, w' of the column
+        u, b = block(displacements, n, rows), block(turned, n, points)
+        b_rate_of = block(by_parameter, points * count, n)
+        for a in range(n):
+            for k in range(n_steps):
+                u[a, k], u[a, n_steps + k] = d[k, near[a], 0], d[k, near[a], 1]
+            for r in range(points):
+                b[a, r] = grad[r, a]
+                for p in range(count):
+                    b_rate_of[r * count + p, a] = b_rate[r, a * count + p]
+        w_rate = block(weight_rate, q_count, count)
+        for q in range(q_count):
+            for p in range(count):
+                w_rate[q, p] = weight_rates[which[p], column, q]
+        weights = states.weights[column]
+        linearize_column(states, column, every, law)
+        for k in range(n_steps):
+            for q in range(q_count):
+                for r in range(4):
+                    weighted = weights[q] * law.values[q, STRESS + r, k]
+                    stress[r // 2 * n_steps + k, 2 * q + r % 2] = weighted
+        # F' = B' d
+        f_rate = block(slope_rates, points * count, rows)
+        np.dot(b_rate_of, u, f_rate)
+        # (w P)' = L (F', w')
+        p_rate = block(stress_rates, points, count * rows)
+        strain, found = (
+            f_rate.reshape(points, count, 2, n_steps), p_rate.reshape(points, count, 2, n_steps)
+        )  # fmt: skip
+        for p in range(count):
+            product(law, weights, strain, w_rate, p, found)
+        # f' = B'^T w P + B^T (w P)'
+        on_rates, on_b = block(moving, rows, n * count), block(moved, n, count * rows)
+        np.dot(stress, b_rate, on_rates)
+        np.dot(b, p_rate, on_b)
+        for k in range(n_steps):
+            for i in range(2):
+                row = i * n_steps + k
+                for a in range(n):
+                    to = out[k, equations[near[a], i]]
+                    for p in range(count):
+                        to[which[p]] += on_rates[row, a * count + p] + on_b[a, p * rows + row]
+
+
+# ---- seeds: the transpose, for L = -lambda . f ----
+
+
+@internal
+def _outer(stress, lam, dual, d, out):
+    """Compute B_bar = w P e^T + w S d^T of every j at a point and every neighbour.
+
+    (rows, 2, S) of the stresses and (n, 2, S) of the displacements give (rows n, S).
+    """
+    n, _, total = lam.shape
+    for r in range(len(stress)):
+        for a in range(n):
+            for s in range(total):
+                # B_bar_ja = w P_ij (-lambda_ia) + w S_ij d_ia
+                out[r * n + a, s] = (
+                    stress[r, 0, s] * lam[a, 0, s]
+                    + stress[r, 1, s] * lam[a, 1, s]
+                    + dual[r, 0, s] * d[a, 0, s]
+                    + dual[r, 1, s] * d[a, 1, s]
+                )
+
+
+@internal
+def _weight_seeds(law, strain, q, out):
+    """Compute w_bar = P : e + sum_h N_h (det F - 1 - s_h) p_h, p_h = K s_h', at point ``q``."""
+    change = law.values[q, CHANGE]
+    contract(law.values[q], STRESS, strain, q, 0, out)
+    for h in range(len(law.bulk)):
+        for s in range(out.size):
+            # law.bulk is K N_h
+            out[s] += law.bulk[h, q] * (change[s] - law.swelling[h, s]) * law.swelling_rate[h, s]
+
+
+@internal
+def _constant_seeds(law, strain, weights, states, column, by_constants, bulk_row, step_of, out):
+    """Compute the seeds on the constants c, ``out`` (C, S): sum_q w (dP/dc) : e."""
+    functions, on_f, most = states.functions, np.empty(step_of.size), len(by_constants)
+    out[:] = 0.0
+    for q in range(weights.size if most > 0 else 0):
+        on_cof = law.on_cofactor[q]
+        contract(law.values[q], GRADIENT, strain, q, 0, on_f)
+        for c in range(most):
+            by_t, by_j = by_constants[c, 0], by_constants[c, 1]
+            for s in range(step_of.size):
+                # w dP/dc : e = 2 W_Tc w F : e + W_Jc w cof F : e
+                along = 2.0 * weights[q] * by_t[step_of[s], column, q] * on_f[s]
+                out[c, s] += along + by_j[step_of[s], column, q] * on_cof[s]
+        for h in range(len(functions) if bulk_row >= 0 else 0):
+            for s in range(step_of.size):
+                # w dP/dK : e = sum_h N_h s_h w cof F : e
+                out[bulk_row, s] += functions[h, q] * law.swelling[h, s] * on_cof[s]
+
+
+@internal
+def _add_rows(values, first, end, out, at):
+    """Rows ``first`` to ``end`` of ``values``, added to those of ``out`` from ``at`` on."""
+    for row in range(first, end):
+        for m in range(out.shape[1]):
+            out[at + row - first, m] += values[row, m]
+
+
+@compiled
+def add_force_seeds(states, by_constants, bulk_row, step_of, adjoints, mix, equations, out):
+    """Add the seeds of L = -lambda . f on B, w and the constants, the transpose of ``add_force_rates``.
+
+    Parameters
+    ----------
+    states : BodyStates
+    by_constants, bulk_row : ndarray, shapes (C, 2, K, n_columns, q), (n_columns,)
+        d(W_T, W_J)/dc, and which constant is K of a column, -1 for none.
+    step_of : ndarray of int, shape (S,)
+        Step of every adjoint, sorted.
+    adjoints, mix : ndarray, shapes (n_equations + 1, S), (S, M)
+        lambda of the M measures at a step is the product of both, over the columns of that step; the
+        last row of ``adjoints`` is zero.
+    equations : ndarray of int, shape (n, 2)
+    out : tuple of ndarray, shapes (grad.size, M), (n_columns, q, M), (C, M)
+        Added to.
+    """
+    table, functions, d, (grad_bar, weight_bar, constants_bar) = (
+        states.table, states.functions, states.d, out
+    )  # fmt: skip
+    q_count, rows, points = table.group_size, 2 * d.shape[0], 2 * table.group_size
+    (total, count), widest = mix.shape, widest_group(table)
+    scalars = q_count + len(by_constants)
+    law, still = room_of(q_count, len(functions), total), np.zeros((q_count, 1))
+    displacements, strain = np.empty(rows * widest), np.empty((points, 2 * total))
+    stress, dual = np.empty((points, 2, total)), np.empty((points, 2, total))
+    duals, moved = np.empty(widest * 2 * total), np.empty((widest, 2, total))
+    terms = np.empty((points * widest + scalars) * total)
+    mixed = np.empty((points * widest + scalars) * count)
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
+        near, weights = table.neighbours[s0 : s0 + n], states.weights[column]
+        grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
+        # -lambda and d of the neighbours
+        u, lam = block(displacements, rows, n), block(duals, n, 2 * total)
+        group_displacements(d, near, u)
+        for a in range(n):
+            for i in range(2):
+                own = adjoints[equations[near[a], i]]
+                for s in range(total):
+                    lam[a, i * total + s] = -own[s]
+                    moved[a, i, s] = u[2 * step_of[s] + i, a]
+        # e = -B lambda,  S = L e
+        np.dot(grad, lam, strain)
+        linearize_column(states, column, step_of, law)
+        strains, on_dual = strain.reshape(points, 1, 2, total), dual.reshape(points, 1, 2, total)
+        product(law, weights, strains, still, 0, on_dual)
+        size = points * n
+        of_adjoints = block(terms, size + scalars, total)
+        for q in range(q_count):
+            _weight_seeds(law, strains, q, of_adjoints[size + q])
+            for r in range(4):
+                own, p = stress[2 * q + r % 2, r // 2], law.values[q, STRESS + r]
+                for s in range(total):
+                    own[s] = weights[q] * p[s]
+        _constant_seeds(
+            law, strains, weights, states, column, by_constants, bulk_row[column], step_of,
+            of_adjoints[size + q_count :],
+        )  # fmt: skip
+        _outer(stress, lam.reshape(n, 2, total), dual, moved, of_adjoints)
+        # of the measures: lambda = Lambda C
+        of_measures = block(mixed, size + scalars, count)
+        np.dot(of_adjoints, mix, of_measures)
+        _add_rows(of_measures, 0, size, grad_bar, s0 * points)
+        _add_rows(of_measures, size, size + q_count, weight_bar[column], 0)
+        _add_rows(of_measures, size + q_count, size + scalars, constants_bar, 0)
+
+
+# ---- tangent ----
+
+
+@compiled
+def add_tangent_product(states, nodal, equations, out):
+    """Add K u of the first step for displacements u of all particles, Eq. (44).
+
+    Parameters
+    ----------
+    states : BodyStates
+    nodal : ndarray, shape (n, 2, P)
+        u.
+    equations : ndarray of int, shape (n, 2)
+        Row of every component.
+    out : ndarray, shape (rows, P)
+        Added to.
+    """
+    table, functions = states.table, states.functions
+    q_count, points, count = table.group_size, 2 * table.group_size, nodal.shape[2]
+    law, first = room_of(q_count, len(functions), count), np.zeros(count, np.int64)
+    still, stress = np.zeros((q_count, 1)), np.empty((points, 1, 2, count))
+    for column in range(table.start.size - 1):
+        s0 = table.start[column]
+        n = table.start[column + 1] - s0
+        near, weights = table.neighbours[s0 : s0 + n], states.weights[column]
+        grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
+        # e = B u
+        u = np.empty((n, 2 * count))
+        for a in range(n):
+            u[a] = nodal[near[a]].reshape(-1)
+        strain = np.dot(grad, u).reshape(points, 1, 2, count)
+        linearize_column(states, column, first, law)
+        product(law, weights, strain, still, 0, stress)
+        # K u = B^T w L e
+        force = np.dot(grad.T, stress.reshape(points, 2 * count)).reshape(n, 2, count)
+        for a in range(n):
+            for i in range(2):
+                out[equations[near[a], i]] += force[a, i]
