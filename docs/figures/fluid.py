@@ -11,7 +11,7 @@ from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.plotting import field
 from seal_mdao.plotting.section import draw_held, draw_profiles, fill_outline, frame, window
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION, save, styled, subplots
-from seal_mdao.seals.file.tables import FixedTable
+from seal_mdao.seals.file.edge_tables import FixedTable
 
 FILE = Path(__file__).resolve().parents[2] / "examples" / "o_ring_under_pressure.toml"
 SHARES = 0.0, 0.5, 1.0

@@ -7,8 +7,8 @@ import zlib
 from pathlib import Path
 
 from seal_mdao.seals.file.chosen import chosen_for
-from seal_mdao.seals.file.tables import SealFile
-from seal_mdao.seals.outline.seal import OutlineSeal
+from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 FILE = "seal_file"
 """Key of the text of the file among the settings of a seal."""

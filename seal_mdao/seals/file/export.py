@@ -9,11 +9,11 @@ import numpy as np
 
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
-from seal_mdao.seals.file.measures import places_of
-from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.file.measure_table import places_of
+from seal_mdao.seals.file.seal_file import SealFile
 from seal_mdao.seals.outline.cloud_file import write_cloud
 from seal_mdao.seals.outline.dxf import write_dxf
-from seal_mdao.seals.outline.seal import OutlineSeal
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 HEAD = """# A design of {name} with the particles that it was computed with; for new ones put spacing
 # in place of cloud.

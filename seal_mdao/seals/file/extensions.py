@@ -9,8 +9,18 @@ from pydantic import Strict, TypeAdapter, WrapValidator
 from pydantic_core import PydanticCustomError, core_schema
 
 from seal_mdao import registry
-from seal_mdao.seals.file.forms import Form, Names, Number, Points, Text, many, number, whole
-from seal_mdao.seals.file.schema import CHOICE, Table, key
+from seal_mdao.seals.file.forms import (
+    Form,
+    Names,
+    Number,
+    Points,
+    Text,
+    many,
+    number,
+    one_of,
+    whole,
+)
+from seal_mdao.seals.file.schema import CHOICE, Table, key, table_of
 
 WHOLE = whole(-(10**9), 10**9)
 FORMS = {
@@ -138,6 +148,29 @@ def _form_of(hint):
         entry = (*get_args(hint), float)[0]
         return LISTS.get(get_origin(entry) or entry)
     return FORMS.get(hint)
+
+
+def extension_table(
+    base: type[Table], key_: str, name: str, made, keys: dict, **more
+) -> type[Table]:
+    """Make the class of the tables of an extension.
+
+    Parameters
+    ----------
+    base : type
+        Class of all such tables.
+    key_, name : str
+        The key that names the extension, and its text.
+    made : callable
+        What it makes, ``makes`` of the class.
+    keys : dict of str to tuple
+        Its own keys, as of ``table_of``.
+    **more
+        Other attributes of the class.
+    """
+    keys = {key_: (one_of(name), key(base.entries()[key_].description))} | keys
+    own = {"makes": staticmethod(made), "__module__": made.__module__}
+    return table_of(base, f"{made.__name__}Table", keys, **own, **more)
 
 
 def arguments(own: Table, base: type[Table]) -> dict:

@@ -58,12 +58,7 @@ class PenaltiesTable(Table):
 def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float | None]:
     """Profiles whose stages have load steps, and the tolerance within which these are to be chosen.
 
-    Parameters
-    ----------
-    profiles : tuple of ProfileTable
-        Stages whose steps are to be chosen have None; they get one.
-    steps : StepsTable or None
-        None for a file without.
+    Stages whose steps are to be chosen have None; they get one.
 
     Raises
     ------
@@ -98,29 +93,3 @@ def one_step_each(profiles) -> tuple:
         replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))
         for profile in profiles
     )
-
-
-def check_steps(file) -> None:
-    """Refuse profiles that all stand still, or whose stages do not go on side by side.
-
-    Raises
-    ------
-    SealFileError
-    """
-    moving = [profile for profile in file.profiles if profile.stages]
-    if not moving:
-        raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
-    for profile in moving[1:]:
-        if profile.n_steps == moving[0].n_steps:
-            continue
-        if file.step_tolerance is not None:
-            raise SealFileError(
-                f"[[profile]]: {moving[0].name!r} has {moving[0].n_steps} of [[profile.stage]] and "
-                f"{profile.name!r} {profile.n_steps}; stages without steps go on side by side, so give "
-                "all profiles as many (one without any key stands still)"
-            )
-        raise SealFileError(
-            f"[[profile]]: the stages of {moving[0].name!r} have {moving[0].n_steps} steps in all "
-            f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage that "
-            "only has steps stands still)"
-        )

@@ -8,7 +8,10 @@ from typing import Annotated
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.contact import BetweenContacts, Gap
+from seal_mdao.measures.contact_pressure import ContactPressure
+from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.forms import Form, Name, Text, many, one_of, whole
 from seal_mdao.seals.file.schema import Table, key, known, table
 
@@ -104,3 +107,18 @@ class AtPlaces(OfProfile):
     """A measure at contact points of a profile."""
 
     places: Places | None = key("of contact points, beside a cloud", None)
+
+
+def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:
+    """Make the measure of a table, for a section with ``particles`` (n, 2)."""
+    return replace(entry.measure(particles), name=entry.name)
+
+
+def places_of(measure: Measure):
+    """Return what ``places`` of a table says of a measure that has taken its places, or None."""
+    base = measure.base if isinstance(measure, Derived) else measure
+    if isinstance(base, Gap | VonMises):
+        return base.points
+    if isinstance(base, BetweenContacts):
+        return base.nominal
+    return base.patches if isinstance(base, ContactPressure) else None

@@ -7,7 +7,7 @@ from pydantic import model_validator
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.file.forms import Point, Points, number
 from seal_mdao.seals.file.schema import Table, key, table
-from seal_mdao.seals.outline.section import Arc, Circle, Line, Spline
+from seal_mdao.seals.outline.contours import Arc, Circle, Line, Spline
 
 
 @table

@@ -26,7 +26,7 @@ from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.work import FrictionWork, ProfileWork
-from seal_mdao.seals.file.extensions import Extensible, keys_of
+from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import (
     KINDS,
@@ -36,7 +36,7 @@ from seal_mdao.seals.file.measure_table import (
     Places,
     kind,
 )
-from seal_mdao.seals.file.schema import chosen_by, key, known, table_of
+from seal_mdao.seals.file.schema import chosen_by, key, known
 
 _AXES = {"x": 0, "y": 1}
 Patches = many(Places, "a list of such lists, one for every patch")
@@ -318,14 +318,12 @@ def _nearest(point, particles) -> int:
 
 @cache
 def _extension(name: str, made: type[Measure]) -> type[MeasureTable]:
-    """The table of a type of measure of another package."""
+    """Make the table of a type of measure of another package."""
     of_profile = "profile" in [field.name for field in fields(made)]
     base = OfProfile if of_profile else MeasureTable
-    keys = {"type": (one_of(name), key("type of the measure"))}
-    keys |= keys_of(made, base, ("name", "profile"))
-    own = {"makes": staticmethod(made), "__module__": made.__module__}
     single = made.scalar or made.size is Measure.size
-    return table_of(base, f"{made.__name__}Table", keys, single=single, **own)
+    keys = keys_of(made, base, ("name", "profile"))
+    return extension_table(base, "type", name, made, keys, single=single)
 
 
 EXTENSIONS = Extensible("measures", "type", _extension, KINDS)

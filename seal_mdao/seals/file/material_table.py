@@ -23,7 +23,7 @@ from seal_mdao.calibration.stability import check_stability, require_stable
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.seals.file.extensions import Extensible, keys_of
+from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
 from seal_mdao.seals.file.schema import LINE, Table, chosen_by, key, table, table_of
 from seal_mdao.values import shown
@@ -141,10 +141,8 @@ def _fit_table(name: str) -> type[Table]:
 
 @cache
 def _extension(name: str, made: type[Isotropic]) -> type[LawTable]:
-    """The table of a law of another package."""
-    keys = {"law": (one_of(name), key("name of the law"))} | keys_of(made, LawTable)
-    own = {"makes": staticmethod(made), "__module__": made.__module__}
-    return table_of(LawTable, f"{made.__name__}Table", keys, **own)
+    """Make the table of a law of another package."""
+    return extension_table(LawTable, "law", name, made, keys_of(made, LawTable))
 
 
 LAW_TABLES = {name: _constants_table(name) for name in LAWS}

@@ -13,9 +13,9 @@ from seal_mdao.contact.friction_law import (
     constant_names,
     friction_law,
 )
-from seal_mdao.seals.file.extensions import Extensible, arguments, named
+from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, named
 from seal_mdao.seals.file.forms import Form, Number, Text, number, one_of
-from seal_mdao.seals.file.schema import Table, key, table, table_of
+from seal_mdao.seals.file.schema import Table, key, table
 
 COULOMB = "coulomb"
 """The law of the package itself."""
@@ -50,13 +50,11 @@ class ExtensionTable(Table):
 
 @cache
 def _extension(name: str, law) -> type[Table]:
-    """The table of a law of another package: constants by the names of its arguments."""
-    keys = {"law": (one_of(name), key("name of the law"))}
-    keys |= {own: (number(), key("constant of the law")) for own in constant_names(law)}
-    for own, default in constant_defaults(law).items():
-        keys[own] = number(), key("constant of the law", default)
-    own = {"makes": staticmethod(law), "__module__": law.__module__}
-    return table_of(ExtensionTable, f"{name}_table", keys, **own)
+    """Make the table of a law of another package: constants by the names of its arguments."""
+    text = "constant of the law"
+    keys = {own: (number(), key(text)) for own in constant_names(law)}
+    keys |= {own: (number(), key(text, default)) for own, default in constant_defaults(law).items()}
+    return extension_table(ExtensionTable, "law", name, law, keys)
 
 
 _LAW = TypeAdapter(

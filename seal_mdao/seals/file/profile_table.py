@@ -6,19 +6,22 @@ from typing import Annotated
 import numpy as np
 from pydantic import WrapValidator, model_validator
 
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
 from seal_mdao.geometry.profile import Pieces, RigidProfile, rigid_profile
 from seal_mdao.geometry.shape import GivenShape, Shape
-from seal_mdao.seals.file.extensions import Extensible, arguments, keys_of
+from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, keys_of
 from seal_mdao.seals.file.forms import Name, Names, Penalty, Text, number, one_of, point
-from seal_mdao.seals.file.friction import Friction
+from seal_mdao.seals.file.friction_table import Friction
 from seal_mdao.seals.file.load_steps import Steps
-from seal_mdao.seals.file.schema import Table, key, rows, table, table_of
+from seal_mdao.seals.file.schema import Table, key, rows, table
 from seal_mdao.seals.file.segment_tables import KINDS, PieceTable, SegmentTable
 from seal_mdao.seals.outline.chain import checked_chain
+from seal_mdao.seals.outline.contours import JOIN, SAGITTA, Line, Spline
 from seal_mdao.seals.outline.crossings import check_simple
-from seal_mdao.seals.outline.section import JOIN, SAGITTA, Line, Spline
+from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.terms.points import CONTACT_POINTS
 
 MOST_TURN = 3600.0
@@ -62,9 +65,8 @@ class ShapeTable(Table):
 
 @cache
 def _extension(name: str, made: type) -> type[ShapeTable]:
-    keys = {"type": (one_of(name), key("name of the curve"))} | keys_of(made, ShapeTable)
-    own = {"makes": staticmethod(made), "__module__": made.__module__}
-    return table_of(ShapeTable, f"{made.__name__}Table", keys, **own)
+    """Make the table of a curve of another package."""
+    return extension_table(ShapeTable, "type", name, made, keys_of(made, ShapeTable))
 
 
 @table(kw_only=True)
@@ -126,6 +128,19 @@ class ProfileTable(SegmentTable):
         """Length of its path, mm; rotation is no travel."""
         return float(sum(np.hypot(*stage.translate) for stage in self.stages))
 
+    @property
+    def turns(self) -> bool:
+        """Whether a stage rotates it."""
+        return any(stage.rotate for stage in self.stages)
+
+    def on(self, section: SectionBody) -> RigidContact:
+        """Bind the contact to the points of its edges."""
+        where = section.contact_points(self.contact, self.contact_points)
+        shape = GivenShape(rigid_profile_of(self)) if self.shape is None else self.shape.made
+        law = ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, True)
+        motion = motion_of(self, section.n_steps)
+        return RigidContact(self.name, where, shape, motion, law, f"{self.name}_")
+
 
 def _joined(chain) -> bool:
     return bool(np.hypot(*(chain[-1].end - chain[0].start)) <= JOIN)
@@ -142,11 +157,6 @@ def motion_of(profile: ProfileTable, n_steps: int) -> Motion:
     """The motion of a profile; one without stages stands still for ``n_steps``."""
     stages = profile.stages or (Stage(n_steps),)
     return staged_motion(stages, profile.start, profile.angle, profile.pivot)
-
-
-def shape_of(profile: ProfileTable) -> Shape:
-    """The shape of a profile, without parameters unless it is that of another package."""
-    return GivenShape(rigid_profile_of(profile)) if profile.shape is None else profile.shape.made
 
 
 def rigid_profile_of(profile: ProfileTable) -> RigidProfile:
