@@ -1,4 +1,4 @@
-"""From the decisions of a seal file to a seal that can be analysed."""
+"""Build the seal of a seal file: its cloud, terms, design and measures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -29,7 +29,7 @@ def build_seal(
     penalties: Mapping[str, float] | None = None,
     kept=None,
 ) -> OutlineSeal:
-    """The seal of a file: its cloud, terms, design and measures.
+    """Build the seal of a file: its cloud, terms, design and measures.
 
     Parameters of a profile have its name before theirs: ``door_friction``; so have constants of the
     materials where there are several: ``foot_c10``.
@@ -69,6 +69,7 @@ def build_seal(
     seal = built(file, callback, step_ends, penalties, kept)
     key = seal.key
     seal = seal.made_from(description(file, seal))
+    # the analyses of the choice are those of the seal under its new key
     if kept is not None:
         kept.carry_over(key, seal.key)
     return seal
@@ -81,9 +82,10 @@ def built(
     penalties: Mapping[str, float] | None = None,
     kept=None,
 ) -> OutlineSeal:
-    """As ``build_seal``, of a file that was read; the seal does not know what it was made from."""
+    """Build the seal of a file that was read, as ``build_seal``, without its description."""
     seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
     try:
+        # what was chosen before takes the place of a choice
         if penalties is not None:
             seal = _with_given_penalties(file, seal, penalties)
             names = ()
@@ -101,7 +103,7 @@ def built(
 
 
 def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> OutlineSeal:
-    """The seal with penalties that were chosen before."""
+    """Set penalties that were chosen before, as part of the definitions of the terms."""
     if set(penalties) != set(file.open_penalties):
         wanted = ", ".join(file.open_penalties) or "none"
         raise SealFileError(
@@ -128,7 +130,7 @@ def _begun(file: SealFile) -> OutlineSeal:
 
 
 def _measures(file: SealFile, particles):
-    """Measures of the file; those of extensions may refuse what their keys say."""
+    """Make the measures of the file; those of extensions may refuse their keys."""
     for number, entry in enumerate(file.measures, 1):
         try:
             yield measure_of(entry, particles)
@@ -140,10 +142,10 @@ def _measures(file: SealFile, particles):
 def boundaries_of(
     outline: Outline, spacing: float | Rays | GivenCloud, cuts=(), layers: int = LAYERS
 ) -> tuple:
-    """Boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
+    """Sample boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
 
-    ``cuts`` are those of ``cloud``, ``layers`` those of particles across a wall. Rays and clouds stay
-    what they are.
+    ``cuts`` are those of ``cloud``, ``layers`` those of particles across a wall. Rays and clouds are
+    returned unchanged.
 
     Raises
     ------
@@ -156,21 +158,16 @@ def boundaries_of(
         return spacing.boundaries, spacing
 
     def sample(at):
+        # every other point is put on the curve in the middle of a side of twice the spacing
         return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
 
     return graded(sample, spacing, cuts, layers)
 
 
 def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
-    """The section of a design: what has moved as splines through its boundary particles.
+    """Make the section of a design from the seal of a file and its offsets (mm).
 
-    Parameters
-    ----------
-    file : SealFile
-    seal : OutlineSeal
-        That of the file.
-    offsets : ndarray, shape (seal.n_offsets,)
-        mm.
+    Segments that have moved become splines through their boundary particles.
 
     Raises
     ------
@@ -180,7 +177,7 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
     section = file.section
     boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
     particles = seal.particles(offsets)
-    return moved_outline(file.section.outline, boundaries, [particles[loop] for loop in seal.loops])
+    return moved_outline(section.outline, boundaries, [particles[loop] for loop in seal.loops])
 
 
 def _check_places(file: SealFile, seal: OutlineSeal) -> None:
@@ -189,6 +186,7 @@ def _check_places(file: SealFile, seal: OutlineSeal) -> None:
         places = measure.arguments.get("places")
         if places is None:
             continue
+        # of contact points where the measure names a profile, else of all particles
         label, count, what = (
             measure.arguments.get("profile"),
             len(seal.drawn_particles),

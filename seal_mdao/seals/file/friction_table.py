@@ -33,7 +33,7 @@ class FrictionTable(Table):
     friction: Coefficient = key("Coulomb coefficient")
 
     def made(self) -> float:
-        """The coefficient."""
+        """Return the coefficient."""
         return self.friction
 
 
@@ -44,13 +44,14 @@ class ExtensionTable(Table):
     law: Text = key("name of the law")
 
     def made(self) -> FrictionLaw:
-        """The law with its constants."""
+        """Return the law with its constants."""
         return friction_law(self.makes, **arguments(self, ExtensionTable))
 
 
 @cache
 def _extension(name: str, law) -> type[Table]:
     """Make the table of a law of another package: constants by the names of its arguments."""
+    # arguments without a default are required
     text = "constant of the law"
     keys = {own: (number(), key(text)) for own in constant_names(law)}
     keys |= {own: (number(), key(text, default)) for own, default in constant_defaults(law).items()}
@@ -63,14 +64,15 @@ _LAW = TypeAdapter(
 
 
 class _OrLaw:
-    """Of a coefficient: it may also be a table with the name of a law and its constants."""
+    """Annotation of a coefficient that may also be a table with the name of a law."""
 
     def __get_pydantic_core_schema__(self, source, handler):
         return core_schema.no_info_wrap_validator_function(self._read, handler(source))
 
     @staticmethod
     def _read(given, coefficient):
-        if isinstance(given, FrictionLaw):  # of a table that has been read
+        # ``dataclasses.replace`` of a table that has been read gives the law itself
+        if isinstance(given, FrictionLaw):
             return given
         return _LAW.validate_python(given).made() if isinstance(given, dict) else coefficient(given)
 

@@ -1,4 +1,4 @@
-"""Load steps of a seal file: given for every stage, or left to be chosen (``[steps]``)."""
+"""Load steps and penalties of a seal file: given, or to be chosen within a tolerance."""
 
 from dataclasses import replace
 from typing import Annotated, Literal
@@ -56,7 +56,7 @@ class PenaltiesTable(Table):
 
 
 def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float | None]:
-    """Profiles whose stages have load steps, and the tolerance within which these are to be chosen.
+    """Return profiles with load steps, and the tolerance within which these are to be chosen.
 
     Stages whose steps are to be chosen have None; they get one.
 
@@ -65,6 +65,7 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
     SealFileError
         When only some of the stages have steps, or all of them and there is a tolerance.
     """
+    # all stages have steps, or none has
     named = [
         (f"[[profile]] {i} ({profile.name!r}): [[profile.stage]] {k}", stage.steps)
         for i, profile in enumerate(profiles, 1)
@@ -88,7 +89,7 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
 
 
 def one_step_each(profiles) -> tuple:
-    """The profiles with one load step for every stage, for a choice to begin with."""
+    """Give every stage one load step, for a choice to begin with."""
     return tuple(
         replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))
         for profile in profiles

@@ -42,6 +42,7 @@ def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> t
     SealFileError
         For a name of no measure; an objective with several values.
     """
+    # a measure that is named twice is added once
     every = list(measures)
     aim = _implied("[optimize]: minimize", optimize.minimize, every, profiles)
     if not aim.single:

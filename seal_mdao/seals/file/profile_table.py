@@ -1,4 +1,4 @@
-"""``[[profile]]``: rigid bodies, as the file says and as the contact needs them."""
+"""``[[profile]]``: rigid bodies, their curves and motions, and the contact of the section with them."""
 
 from functools import cache, cached_property
 from typing import Annotated
@@ -40,6 +40,7 @@ class StageTable(Table):
 
 
 def _stage(given, read) -> Stage:
+    """Make the ``Stage`` of a table; one that has been read is returned."""
     if isinstance(given, Stage):
         return given
     made = read(given)
@@ -54,7 +55,7 @@ class ShapeTable(Table):
 
     @cached_property
     def made(self) -> Shape:
-        """The curve with its parameters."""
+        """Curve with its parameters."""
         return self.makes(**arguments(self, ShapeTable))
 
     @model_validator(mode="after")
@@ -96,6 +97,7 @@ class ProfileTable(SegmentTable):
 
     @model_validator(mode="after")
     def _one_curve(self):
+        # a curve of segments, which must not cross itself, or one of an extension
         curves = [own for own in ("segment", *KINDS) if getattr(self, own) is not None]
         if self.shape is None:
             check_simple(_corners(self.segments), self.closed)
@@ -105,17 +107,18 @@ class ProfileTable(SegmentTable):
 
     @cached_property
     def segments(self) -> tuple:
-        """The chain of its curve, unless that is of another package."""
+        """Chain of its curve, unless that is of another package."""
         alone = [kind for kind in KINDS if getattr(self, kind) is not None]
         if self.segment is not None and alone:
             raise ValueError(f"{alone[0]} beside [[profile.segment]]; use one of them")
         pieces = (self,) if self.segment is None else self.segment
+        # one segment in this table, or those of [[profile.segment]] head to tail
         chain = [segment for piece in pieces for segment in piece.pieces(self.name)]
         return checked_chain(chain, JOIN, _joined(chain))
 
     @property
     def closed(self) -> bool:
-        """Whether the curve ends where it begins."""
+        """Whether the curve is closed."""
         return _joined(self.segments)
 
     @property
@@ -143,27 +146,29 @@ class ProfileTable(SegmentTable):
 
 
 def _joined(chain) -> bool:
+    """Return whether a chain ends where it begins."""
     return bool(np.hypot(*(chain[-1].end - chain[0].start)) <= JOIN)
 
 
 def _corners(segments) -> np.ndarray:
-    """Corners of a fine polygon along a chain, shape (k, 2)."""
+    """Compute the corners of a fine polygon along a chain, shape (k, 2)."""
     size = max(np.abs(segment.points([0.0, 0.5, 1.0])).max() for segment in segments)
     parts = [segment.points(segment.chords(SAGITTA * size)[:-1]) for segment in segments]
     return np.concatenate([*parts, segments[-1].points([1.0])])
 
 
 def motion_of(profile: ProfileTable, n_steps: int) -> Motion:
-    """The motion of a profile; one without stages stands still for ``n_steps``."""
+    """Make the motion of a profile; one without stages stands still for ``n_steps``."""
     stages = profile.stages or (Stage(n_steps),)
     return staged_motion(stages, profile.start, profile.angle, profile.pivot)
 
 
 def rigid_profile_of(profile: ProfileTable) -> RigidProfile:
-    """The curve of a profile in its own frame; an open one goes on beyond lines at its ends."""
+    """Make the curve of a profile in its own frame; lines at the ends of an open one are extended."""
     if profile.shape is not None:
         return profile.shape.made.profile()
     pieces = [piece for segment in profile.segments for piece in _pieces(segment)]
+    # pieces in succession by arc length; a closed curve is periodic in it
     kind, origin, angle, radius, length, coefficient = zip(*pieces, strict=True)
     start = np.concatenate([[0.0], np.cumsum(length)])
     return rigid_profile(
@@ -173,18 +178,21 @@ def rigid_profile_of(profile: ProfileTable) -> RigidProfile:
 
 
 def _pieces(segment):
-    """Kind, origin, angle, radius, length and coefficients of the pieces of a segment."""
+    """List kind, origin, angle, radius, length and coefficients of the pieces of a segment."""
     none = np.zeros((4, 2))
     if isinstance(segment, Line):
+        # x(s) = x_0 + s (cos a, sin a)
         along = np.subtract(segment.last, segment.first)
         angle = float(np.arctan2(along[1], along[0]))
         return [(LINE, segment.first, angle, 1.0, segment.length, none)]
     if isinstance(segment, Spline):
+        # one piece between two knots: x(u) = sum_k c_k u^k, ascending powers
         coefficients = segment.curve.c[::-1].transpose(1, 0, 2)
         lengths = np.diff(segment.parameter)
         return [
             (CUBIC, (0.0, 0.0), 0.0, 1.0, length, own)
             for length, own in zip(lengths, coefficients, strict=True)
         ]
+    # radius positive counter-clockwise, as the sweep
     radius = float(np.copysign(segment.radius, segment.sweep))
     return [(ARC, segment.centre, segment.angle, radius, segment.length, none)]

@@ -1,4 +1,4 @@
-"""Reading a seal file: TOML, every table checked, then all of them against each other."""
+"""Read a seal file: TOML, every table checked, then all of them against each other."""
 
 import tomllib
 from dataclasses import replace
@@ -23,7 +23,7 @@ NEEDED = tuple(name for name, own in Written.model_fields.items() if own.is_requ
 
 
 def read_seal_file(path) -> SealFile:
-    """The decisions of a seal file; nothing is analysed.
+    """Read the decisions of a seal file; nothing is analysed.
 
     Parameters
     ----------
@@ -44,6 +44,7 @@ def read_seal_file(path) -> SealFile:
 
 
 def _parsed(path) -> dict:
+    """Parse the TOML of a file; what it cannot read, it says in one line."""
     try:
         content = read_text(path)
     except FileNotFoundError:
@@ -62,6 +63,7 @@ def _parsed(path) -> dict:
 
 
 def _written(names) -> str:
+    """Write names of tables as they stand in a file."""
     forms = {"material": "[material.NAME]", "profile": "[[profile]]"}
     return ", ".join(forms.get(name, f"[{name}]") for name in names)
 
@@ -73,6 +75,7 @@ def _read(given, path) -> SealFile:
                 f"unknown table or key {name!r}{suggestion(name, TABLES)}; known are "
                 + ", ".join(TABLES)
             )
+    # tables that every seal needs
     missing = [name for name in NEEDED if name not in given]
     if missing:
         raise SealFileError(f"{_written(missing[:1])} is missing")
@@ -82,14 +85,16 @@ def _read(given, path) -> SealFile:
 
 
 def _decided(written: Written, path: Path) -> SealFile:
-    """What a file decides, with what it leaves to its other tables and files."""
+    """Decide what a file leaves to its other tables and files, and to defaults."""
     _check_profile_names(written.profile)
     profiles, step_tolerance = with_steps(written.profile, written.steps)
     measures = tuple(
         own.settled(f"[[measure]] {i}", profiles) for i, own in enumerate(written.measure, 1)
     )
+    # a problem may name types of measures that have no table of their own
     if written.optimize is not None:
         measures = with_implied(written.optimize, measures, profiles)
+    # constants may be fitted to tests, the section may be a drawing: files beside this one
     materials = {
         name: own.made(f"[material.{name}]", path.parent) for name, own in written.material.items()
     }
@@ -103,6 +108,7 @@ def _decided(written: Written, path: Path) -> SealFile:
 
 
 def _check_profile_names(profiles) -> None:
+    """Refuse names of profiles that are taken: they are labels of terms."""
     names = [profile.name for profile in profiles]
     for i, name in enumerate(names):
         if name in names[:i]:

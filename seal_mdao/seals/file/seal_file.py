@@ -1,9 +1,4 @@
-"""What a seal file has, and what it decides.
-
-Materials are found by name in ``materials.by_name.LAWS`` (their tables follow from the fields of the
-laws), types of measures in ``measure_table.KINDS``, which ``kind`` fills, and those of other packages
-in ``registry`` (``extensions.Extensible``).
-"""
+"""The tables of a seal file, and the decisions that they make for its seal."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -37,7 +32,7 @@ from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 
 
 class Written(BaseModel):
-    """The tables of a seal file, as it is written."""
+    """Tables of a seal file as they are written."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -59,29 +54,19 @@ class Written(BaseModel):
 
 @dataclass(frozen=True)
 class SealFile:
-    """All decisions of a seal file.
+    """All decisions of a seal file: its tables, and what follows from several of them.
 
     Attributes
     ----------
-    path : Path
     materials : dict of str to Isotropic
-    section : SectionTable
-    fixed : FixedTable or None
-    symmetries : tuple of SymmetryTable
-    profiles : tuple of ProfileTable
-    designs : tuple of DesignTable
+        Laws with their constants, given or fitted.
     measures : tuple of MeasureTable
         Those of the file, and those that ``[optimize]`` names by their type.
-    optimize : OptimizeTable or None
-    cavities : tuple of CavityTable
-    self_contact : SelfContactTable or None
-    fluids : tuple of FluidTable
     step_tolerance : float or None
         Within which the load steps are to be chosen: every stage has one until then. None where they
         are given.
     penalty_tolerance : float
         Within which the penalties are chosen that the contacts leave open.
-    terms : tuple of TermTable
     """
 
     path: Path
