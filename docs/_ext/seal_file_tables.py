@@ -4,14 +4,21 @@ from pathlib import Path
 
 from code_reference import markdown_table
 
-from seal_mdao.seals.file.edge_tables import DesignTable, SelfContactTable
-from seal_mdao.seals.file.fluids import CavityTable, FluidTable
-from seal_mdao.seals.file.friction import FrictionTable
-from seal_mdao.seals.file.laws import FIT_TABLES, LAW_TABLES, LawTable
+from seal_mdao.seals.file.edge_tables import (
+    CavityTable,
+    DesignTable,
+    FixedTable,
+    FluidTable,
+    SelfContactTable,
+    SymmetryTable,
+    TermTable,
+)
+from seal_mdao.seals.file.friction_table import FrictionTable
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
-from seal_mdao.seals.file.measure_kinds import KINDS, MeasureTable
-from seal_mdao.seals.file.optimization import Constraint, OptimizeTable
-from seal_mdao.seals.file.profiles import ProfileTable, StageTable
+from seal_mdao.seals.file.material_table import FIT_TABLES, LAW_TABLES, LawTable
+from seal_mdao.seals.file.measure_types import KINDS, MeasureTable
+from seal_mdao.seals.file.optimize_table import Constraint, OptimizeTable
+from seal_mdao.seals.file.profile_table import ProfileTable, StageTable
 from seal_mdao.seals.file.schema import Table
 from seal_mdao.seals.file.section_table import (
     HoleTable,
@@ -21,8 +28,6 @@ from seal_mdao.seals.file.section_table import (
     WrittenSection,
 )
 from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
-from seal_mdao.seals.file.supports import FixedTable, SymmetryTable
-from seal_mdao.seals.file.term_table import TermTable
 
 TABLES = {
     "material": LawTable, "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,

@@ -47,7 +47,7 @@ from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.load_steps import one_step_each
 from seal_mdao.seals.file.read import read_seal_file
-from seal_mdao.seals.outline.kernels import Kernels
+from seal_mdao.seals.outline.section_cloud import Kernels
 from seal_mdao.seals.penalty_error import NORMAL, penalties_of
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import CONTACT_POINTS

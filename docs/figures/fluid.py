@@ -12,7 +12,7 @@ from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION
-from seal_mdao.seals.file.tables import FixedTable
+from seal_mdao.seals.file.edge_tables import FixedTable
 
 SHARES = 0.0, 0.5, 1.0
 """Of the fluid's pressure, at which the ring is looked at."""

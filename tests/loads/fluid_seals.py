@@ -1,9 +1,12 @@
 """Half an O-ring in its groove, and a gasket glued to its base; a lid presses, then a fluid comes."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape
@@ -11,10 +14,9 @@ from seal_mdao.measures.contact_pressure import PeakPressure
 from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.file.build import boundaries_of
-from seal_mdao.seals.outline.design import EdgeDesign
-from seal_mdao.seals.outline.edge_fluid import EdgeFluid
-from seal_mdao.seals.outline.seal import EdgeContact, outline_seal
-from seal_mdao.seals.outline.section import Arc, Contour, Line, Outline
+from seal_mdao.seals.file.edge_tables import FluidTable
+from seal_mdao.seals.outline.contours import Arc, Contour, Line, Outline
+from seal_mdao.seals.outline.outline_seal import outline_seal
 
 RADIUS, WALL, CLEAR = 3.0, 3.2, 1e-3
 RUBBER = sm.MooneyRivlin(500.0, 125.0, 400_000.0)
@@ -26,16 +28,25 @@ def _lid(top, squeeze, close, steps, law):
     """Comes down by ``squeeze``, a parameter, and stays."""
     down = Stage(close, (0.0, -squeeze), rates={"squeeze": (0.0, -1.0, 0.0)})
     motion = staged_motion([down, Stage(steps)], start=(0.0, top + CLEAR))
-    return EdgeContact("lid", ("seal",), GivenShape(flat_profile()), motion, law, "lid_")
+    return _flat("lid", motion, law)
+
+
+def _flat(name, motion, law):
+    """The contact of the seal with a flat profile."""
+    shape = GivenShape(flat_profile())
+    return lambda section: RigidContact(
+        name, section.contact_points(("seal",)), shape, motion, law, f"{name}_"
+    )
 
 
 def _seal(outline, spacing, pressure, close, steps, contacts, standard, end="end", **more):
-    return outline_seal(
-        *boundaries_of(outline, spacing), RUBBER, n_steps=close + steps, contacts=contacts,
-        fluids=[EdgeFluid("fluid", ("seal",), end, pressure, steps)],
-        designs=[EdgeDesign(("seal",), 4)], standard=standard,
-        newton=sm.NewtonOptions(tolerance=1e-12), **more,
+    fluid = FluidTable(edges=("seal",), end=end, pressure=1.0, steps=steps)
+    seal = outline_seal(
+        *boundaries_of(outline, spacing), RUBBER, n_steps=close + steps,
+        contributions=[*contacts, fluid.on], designs={"seal": 4}, **more,
     )  # fmt: skip
+    seal = replace(seal, standard=standard, newton=sm.NewtonOptions(tolerance=1e-12))
+    return seal.with_parameters({"fluid_pressure": pressure})
 
 
 def ring(pressure, *, squeeze=0.45, close=6, steps=8, spacing=0.4):
@@ -46,12 +57,12 @@ def ring(pressure, *, squeeze=0.45, close=6, steps=8, spacing=0.4):
     )))  # fmt: skip
     law = ContactLaw(PENALTY, 1e-2 * PENALTY, 0.1, True)
     beside = staged_motion([Stage(close + steps)], start=(WALL, 0.0), angle=-90.0)
-    wall = EdgeContact("wall", ("seal",), GivenShape(flat_profile()), beside, law, "wall_")
+    wall = _flat("wall", beside, law)
     return _seal(
         outline, spacing, pressure, close, steps,
         [_lid(RADIUS, squeeze, close, steps, law), wall],
         (PeakPressure("lid"), Reaction("lid", name="on_lid"), Reaction("wall", name="on_wall")),
-        planes=[("middle", 1)],
+        supports={"middle": (1,)},
     )  # fmt: skip
 
 
@@ -64,7 +75,7 @@ def gasket(pressure, *, squeeze=0.2, friction=0.1, close=4, steps=20, spacing=0.
     law = ContactLaw(PENALTY, 1e-2 * PENALTY, friction, True)
     return _seal(
         outline, spacing, pressure, close, steps, [_lid(2.0, squeeze, close, steps, law)],
-        (BlowOffPressure("fluid"),), end, fixed=["base"],
+        (BlowOffPressure("fluid"),), end, supports={"base": (0, 1)},
     )  # fmt: skip
 
 

@@ -9,9 +9,9 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.fluid_pressure import FluidPressure
 from seal_mdao.seals.file.build import boundaries_of
-from seal_mdao.seals.outline.edge_fluid import EdgeFluid
-from seal_mdao.seals.outline.seal import outline_seal
-from seal_mdao.seals.outline.section import Arc, Contour, Line, Outline
+from seal_mdao.seals.file.edge_tables import FluidTable
+from seal_mdao.seals.outline.contours import Arc, Contour, Line, Outline
+from seal_mdao.seals.outline.outline_seal import outline_seal
 
 PRESSURE = 1000.0
 NAMES = (
@@ -40,10 +40,10 @@ def everywhere():
         Arc((0.0, 0.0), 3.0, 0.0, 0.5 * np.pi, "seal"),
         Line((0.0, 3.0), (0.0, 0.0), "left"), Line((0.0, 0.0), (3.0, 0.0), "bottom"),
     )))  # fmt: skip
+    fluid = FluidTable(edges=("seal",), end="end", pressure=6.0 * SHEAR_MODULUS, steps=4)
     seal = outline_seal(
         *boundaries_of(outline, 0.4), sm.MooneyRivlin(500.0, 125.0, 400_000.0), n_steps=4,
-        planes=[("left", 0), ("bottom", 1)],
-        fluids=[EdgeFluid("fluid", ("seal",), "end", 6.0 * SHEAR_MODULUS, 4)],
+        supports={"left": (0,), "bottom": (1,)}, contributions=[fluid.on],
     )  # fmt: skip
     return seal, sm.analyze(seal)
 

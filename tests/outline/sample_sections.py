@@ -1,6 +1,6 @@
 """Sections that the tests of this folder and of the seal file share."""
 
-from seal_mdao.seals.outline.section import Arc, Circle, Contour, Line, Outline, Spline
+from seal_mdao.seals.outline.contours import Arc, Circle, Contour, Line, Outline, Spline
 
 
 def lines(points, edge="seal"):

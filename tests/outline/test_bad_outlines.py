@@ -7,7 +7,7 @@ import pytest
 from sample_sections import bulb, circle, lines
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.outline.section import Arc, Circle, Contour, Line, Outline, Spline
+from seal_mdao.seals.outline.contours import Arc, Circle, Contour, Line, Outline, Spline
 
 SQUARE = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
 BASE, BACK = Line((0.0, 0.0), (4.0, 0.0), "base"), Line((4.0, 0.0), (2.0, 3.0), "seal")

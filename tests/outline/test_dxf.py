@@ -8,8 +8,8 @@ from drawings import Drawing
 from sample_sections import bulb, circle, mixed
 from scipy.interpolate import BSpline as Basis
 
+from seal_mdao.seals.outline.contours import Contour, Line, Outline, Spline
 from seal_mdao.seals.outline.dxf import add_segment, read_dxf, write_dxf
-from seal_mdao.seals.outline.section import Contour, Line, Outline, Spline
 
 S = np.linspace(0.0, 1.0, 41)
 

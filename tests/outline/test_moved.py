@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from sample_sections import bulb, circle, lines, mixed
 
+from seal_mdao.seals.outline.contours import Circle, Contour, Line, Outline, Spline, sampled
 from seal_mdao.seals.outline.dxf import read_dxf, write_dxf
 from seal_mdao.seals.outline.moved import moved_outline
-from seal_mdao.seals.outline.section import Circle, Contour, Line, Outline, Spline, sampled
 
 
 def grown(outline, spacing, edges, offset):

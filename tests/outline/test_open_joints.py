@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.contours import Arc, Circle, Contour, Line, Outline, Spline
 from seal_mdao.seals.outline.dxf import read_dxf, write_dxf
-from seal_mdao.seals.outline.section import Arc, Circle, Contour, Line, Outline, Spline
 
 OPEN = 2.7e-4
 """mm: what drawings have where ends were snapped by hand."""

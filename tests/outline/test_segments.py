@@ -6,7 +6,7 @@ from sample_sections import bulb, circle, lines, mixed
 from scipy.special import ellipe
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.outline.section import Arc, Circle, Line, Spline, sampled
+from seal_mdao.seals.outline.contours import Arc, Circle, Line, Spline, sampled
 
 S = np.linspace(0.0, 1.0, 13)
 WAVE = [(0.0, 0.0), (1.0, 2.0), (4.0, 1.0), (5.0, 3.0), (8.0, 2.5)]

@@ -7,8 +7,8 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.materials.by_name import LAWS
-from seal_mdao.seals.file.laws import FIT_TABLES, LAW_TABLES
-from seal_mdao.seals.file.measure_kinds import KINDS
+from seal_mdao.seals.file.material_table import FIT_TABLES, LAW_TABLES
+from seal_mdao.seals.file.measure_types import KINDS
 from seal_mdao.seals.file.read import TABLES
 from seal_mdao.seals.file.schema import Table
 

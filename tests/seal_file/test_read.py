@@ -17,12 +17,12 @@ from seal_mdao.materials.by_name import LAWS
 from seal_mdao.measures.gap import GapSquareSum, OpenGapSquareSum
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.stress import LargestVonMises, VonMises
-from seal_mdao.seals.file.laws import LAW_TABLES
-from seal_mdao.seals.file.measure_kinds import KINDS
-from seal_mdao.seals.file.measures import measure_of
-from seal_mdao.seals.file.optimization import Constraint
-from seal_mdao.seals.file.profiles import motion_of, rigid_profile_of
-from seal_mdao.seals.outline.section import Arc, Circle, Line
+from seal_mdao.seals.file.material_table import LAW_TABLES
+from seal_mdao.seals.file.measure_table import measure_of
+from seal_mdao.seals.file.measure_types import KINDS
+from seal_mdao.seals.file.optimize_table import Constraint
+from seal_mdao.seals.file.profile_table import motion_of, rigid_profile_of
+from seal_mdao.seals.outline.contours import Arc, Circle, Line
 
 BULB = Path(__file__).parent / "bulb.toml"
 PROFILE = "line = [[-40.0, 0.0], [40.0, 0.0]]\nstart = [0.0, 14.45]"

@@ -9,12 +9,18 @@ from boundaries import circle, paper_ring, polygon
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
-from seal_mdao.seals.outline.boundary import doubled
-from seal_mdao.seals.outline.cloud import cloud, graded, longest_side, wall_spacing, wall_thickness
-from seal_mdao.seals.outline.extension import harmonic_extension
+from seal_mdao.seals.outline.contours import Arc, Contour, Line, Outline, sampled
+from seal_mdao.seals.outline.harmonic_extension import harmonic_extension
 from seal_mdao.seals.outline.layers import thin_wall
 from seal_mdao.seals.outline.quadrilaterals import corner_angles, paired
-from seal_mdao.seals.outline.section import Arc, Contour, Line, Outline, sampled
+from seal_mdao.seals.outline.sampling import doubled
+from seal_mdao.seals.outline.section_cloud import (
+    cloud,
+    graded,
+    longest_side,
+    wall_spacing,
+    wall_thickness,
+)
 
 pytest.importorskip("netgen")
 

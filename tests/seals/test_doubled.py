@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.seals.outline.boundary import doubled
+from seal_mdao.seals.outline.sampling import doubled
 
 
 class Sampled(NamedTuple):

@@ -1,5 +1,7 @@
 """Seals from boundaries: the ring of the paper on an unstructured cloud, gradients, reseeding."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from boundaries import paper_ring
@@ -7,17 +9,17 @@ from verification.flat_door_reference import REACTION
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.section_shape import CavityArea, SectionArea
 from seal_mdao.measures.work import StrainEnergy
 from seal_mdao.seals.door.shapes import FlatDoor
-from seal_mdao.seals.outline.design import EdgeDesign
-from seal_mdao.seals.outline.seal import EdgeContact, outline_seal, reseed
+from seal_mdao.seals.outline.outline_seal import outline_seal, reseed
 
 pytest.importorskip("netgen")
 
-DESIGNS = (EdgeDesign(("outer",), 14), EdgeDesign(("cavity",), 11))
+DESIGNS = {"outer": 14, "cavity": 11}
 
 
 MEASURES = (Reaction("door"), StrainEnergy(), CavityArea("cavity"), SectionArea())
@@ -27,11 +29,15 @@ def ring(spacing, n_steps=105, depth=10.0, **options):
     """The ring under a flat door that ends ``depth`` below its top."""
     motion = straight_motion((0.0, 10.0), (0.0, 9.5 - depth), n_steps)
     law = ContactLaw(1e4, 1e2, 0.25, True)
-    return outline_seal(
+
+    def door(section):
+        return RigidContact("door", section.contact_points(("outer",)), FlatDoor(), motion, law)
+
+    seal = outline_seal(
         paper_ring(spacing), spacing, sm.MooneyRivlin(80.0, 20.0, 80_000.0), n_steps=n_steps,
-        fixed=("base",), contacts=(EdgeContact("door", ("outer",), FlatDoor(), motion, law),),
-        designs=DESIGNS, standard=MEASURES, **options,
+        supports={"base": (0, 1)}, contributions=(door,), designs=DESIGNS,
     )  # fmt: skip
+    return replace(seal, standard=MEASURES, **options)
 
 
 def reaction_errors(spacing):
@@ -129,13 +135,23 @@ def test_reseeded_seal_has_the_same_boundary_and_nearly_the_same_answer(pressed)
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"fixed": ("foot",)}, "fixed: no edge is called 'foot'; edges are base, outer, cavity"),
-        ({"designs": (EdgeDesign(("base",), 5),)}, "design: the edge 'base' is fixed"),
-        ({"designs": (EdgeDesign(("outer",), 1),)}, "'outer' needs at least 2 parameters"),
-        ({"designs": (EdgeDesign(("outer", "outer"), 5),)}, "'outer' is named twice"),
+        (
+            {"supports": {"foot": (0, 1)}},
+            "supports: no edge is called 'foot'; edges are base, outer",
+        ),
+        (
+            {"designs": {"foot": 5}},
+            "design: no edge is called 'foot'; edges are base, outer, cavity",
+        ),
+        ({"designs": {"base": 5}}, "design: the edge 'base' is fixed"),
+        ({"designs": {"outer": 1}}, "'outer' needs at least 2 parameters"),
+        (
+            {"contributions": (lambda section: section.contact_points(("foot",)),)},
+            "no edge 'foot'; its edges are: base, outer, cavity",
+        ),
     ],
 )
 def test_names_that_cannot_be_meant_are_refused(change, message):
-    given = {"fixed": ("base",), "n_steps": 1} | change
+    given = {"supports": {"base": (0, 1)}, "n_steps": 1} | change
     with pytest.raises(ValueError, match=message):
         outline_seal(paper_ring(0.9), 0.9, sm.MooneyRivlin(), **given)

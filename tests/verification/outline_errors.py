@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.seals.door.door_seal import DoorSeal
@@ -9,9 +10,9 @@ from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.outline.arcs import Arc, Circle
-from seal_mdao.seals.outline.kernels import Kernels
-from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
-from seal_mdao.seals.outline.section import Contour, Outline
+from seal_mdao.seals.outline.contours import Contour, Outline
+from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
+from seal_mdao.seals.outline.section_cloud import Kernels
 from seal_mdao.seals.outline.segments import Line
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.wall_grid import ray_directions
@@ -48,10 +49,14 @@ def flat_door_seal(
     kernels and contact points, or others."""
     end = Section().outer_radius - DEPTH
     motion = straight_motion((0.0, START), (0.0, end), STEPS)
-    contact = EdgeContact("door", ("seal",), FlatDoor(), motion, DoorSeal().law, "", contact_points)
+
+    def door(section):
+        where = section.contact_points(("seal",), contact_points)
+        return RigidContact("door", where, FlatDoor(), motion, DoorSeal().law)
+
     return outline_seal(
-        *boundaries_of(door_outline(), spacing), MooneyRivlin(), n_steps=STEPS, fixed=("base",),
-        contacts=(contact,), kernels=kernels,
+        *boundaries_of(door_outline(), spacing), MooneyRivlin(), n_steps=STEPS,
+        supports={"base": (0, 1)}, contributions=(door,), kernels=kernels,
     )  # fmt: skip
 
 

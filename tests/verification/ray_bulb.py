@@ -2,15 +2,16 @@
 
 import numpy as np
 
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.seals.door.door_seal import DoorSeal
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.outline.arcs import Arc, Circle
+from seal_mdao.seals.outline.contours import Contour, Outline
+from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
 from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.outline.seal import EdgeContact, OutlineSeal, outline_seal
-from seal_mdao.seals.outline.section import Contour, Outline
 from seal_mdao.seals.outline.segments import Line
 from seal_mdao.terms.points import CONTACT_POINTS
 from verification.file_errors import force_error, forces
@@ -32,12 +33,14 @@ def ray_bulb(rays: int, layers: int, accuracy: str, contact_points: str) -> Outl
     outline = Outline(Contour(outer), (Contour((Circle(CENTRE, HOLE, "cavity"),)),))
     stages = Stage(STEPS[0], (0.0, -DOWN)), Stage(STEPS[1], (ACROSS, 0.0))
     motion = staged_motion(stages, (0.0, TOP + CLEAR))
-    door = EdgeContact(
-        "door", ("seal",), FlatDoor(), motion, DoorSeal().law, contact_points=contact_points
-    )
+
+    def door(section):
+        where = section.contact_points(("seal",), contact_points)
+        return RigidContact("door", where, FlatDoor(), motion, DoorSeal().law)
+
     return outline_seal(
         *boundaries_of(outline, Rays(rays, layers, CENTRE, accuracy)), MooneyRivlin(),
-        n_steps=sum(STEPS), fixed=("base",), contacts=(door,),
+        n_steps=sum(STEPS), supports={"base": (0, 1)}, contributions=(door,),
     )  # fmt: skip
 
 

@@ -1,16 +1,17 @@
-"""Load steps and penalties that were chosen for the seal of a file: to be recorded and written."""
+"""Load steps and penalties that were chosen for the seal of a file, for recorders and designs."""
 
 import numpy as np
 
 from seal_mdao.geometry.motion import Motion
-from seal_mdao.seals.file.tables import SELF_CONTACT, SealFile
+from seal_mdao.seals.file.edge_tables import SELF_CONTACT
+from seal_mdao.seals.file.seal_file import SealFile
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT, penalties_of
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.seal import Seal
 
 
 def chosen_for(file: SealFile, seal: Seal) -> dict:
-    """What a file leaves open, as it was chosen for its seal: keyword arguments of ``build_seal``.
+    """Return what was chosen for the seal of a file: keyword arguments of ``build_seal``.
 
     Returns
     -------
@@ -27,31 +28,32 @@ def chosen_for(file: SealFile, seal: Seal) -> dict:
 
 
 def chosen_ends(seal: Seal) -> list[float]:
-    """Ends of the load steps that were chosen for the seal of a file, in stages (``step_ends`` of
-    ``build_seal``)."""
+    """Return the ends of the chosen load steps in stages, ``step_ends`` of ``build_seal``."""
     return _staged(seal).ends.tolist()
 
 
 def _staged(seal: Seal) -> Motion:
-    """The motion of a profile with stages; one without stands still in a single one."""
+    """Find the motion of a profile with stages; one without has a single stage, in which it rests."""
     return max((contact.motion for contact in contacts(seal)), key=lambda motion: motion.steps.size)
 
 
 def write_chosen(given: dict, file: SealFile, seal: Seal) -> None:
-    """Put what was chosen for a seal into the tables of its file, in place of what leaves it open."""
+    """Write what was chosen for a seal into the tables ``given`` of its file."""
     if file.step_tolerance is not None:
         _write_steps(given, seal)
+    # penalties of the file stay, the others are those of the seal
     values = {penalty.name: penalty.value for penalty in penalties_of(seal)}
-    owners = [(f"{profile['name']}_", profile) for profile in given["profile"]]
-    if SELF_CONTACT in given:
-        owners.append((f"{SELF_CONTACT}_", given[SELF_CONTACT]))
-    for prefix, table in owners:
+    owners = {profile["name"]: profile for profile in given["profile"]}
+    owners |= {SELF_CONTACT: given[SELF_CONTACT]} if SELF_CONTACT in given else {}
+    for name, table in owners.items():
         for kind in (NORMAL, TANGENT):
-            table.setdefault(kind, values[prefix + kind])
+            table.setdefault(kind, values[f"{name}_{kind}"])
+    # a tolerance would ask for another choice
     given.pop("penalties", None)
 
 
 def _write_steps(given: dict, seal: Seal) -> None:
+    """Write the fractions of every stage at the ends of its steps."""
     motion = _staged(seal)
     by_stage = np.split(motion.shares, np.cumsum(motion.steps)[:-1])
     given.pop("steps", None)

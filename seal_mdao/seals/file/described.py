@@ -1,4 +1,4 @@
-"""A seal file as text that recorder files keep: its tables, the files beside it, and what was chosen."""
+"""Description of the seal of a file for recorder files: text, the files beside it, what was chosen."""
 
 import base64
 import json
@@ -7,8 +7,8 @@ import zlib
 from pathlib import Path
 
 from seal_mdao.seals.file.chosen import chosen_for
-from seal_mdao.seals.file.tables import SealFile
-from seal_mdao.seals.outline.seal import OutlineSeal
+from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 FILE = "seal_file"
 """Key of the text of the file among the settings of a seal."""
@@ -19,19 +19,22 @@ MOST_BYTES = 50 * 2**20
 
 
 def note_contents(file: SealFile) -> None:
-    """Keep what a seal file and the files beside it hold now with the ``SealFile`` that was read.
+    """Attach the contents of a seal file and the files beside it to the ``SealFile`` that was read.
 
-    One that is made of it by ``dataclasses.replace`` has nothing of it.
+    ``dataclasses.replace`` does not copy them: a changed file has none.
     """
     file.__dict__[CONTENTS] = _contents(file.path)
 
 
 def _contents(path: Path) -> dict:
-    """Text of a file, with names of its own for the packed contents of those beside it; empty where one
-    is named in a way that is not found in the text."""
+    """Return the text of a file and the packed contents of those beside it, under short names.
+
+    Empty where the name of one is written in a form that is not found in the text.
+    """
     text, beside = path.read_text(encoding="utf-8"), {}
     for number, name in enumerate(named_in(tomllib.loads(text))):
         short = f"beside_{number}{Path(name).suffix}"
+        # TOML strings have double or single quotes
         written = next((q for q in (json.dumps(name), f"'{name}'") if q in text), None)
         if written is None:
             return {}
@@ -42,34 +45,31 @@ def _contents(path: Path) -> dict:
 
 
 def description(file: SealFile, seal: OutlineSeal) -> dict:
-    """What the seal of a file can be made from again, as JSON holds it; empty for a file whose contents
-    were not noted.
+    """Return what the seal of a file can be rebuilt from, for JSON; empty without ``note_contents``.
 
-    Returns
-    -------
-    dict
-        ``seal_file``, its text; ``beside``, the packed contents of the drawing, the cloud and data by
-        names that the text has in their place; ``chosen``, keyword arguments of ``build_seal``.
+    ``seal_file`` is its text; ``beside`` has the packed contents of the drawing, the cloud and data by
+    their names in the text; ``chosen`` has keyword arguments of ``build_seal``.
     """
     contents = file.__dict__.get(CONTENTS)
     return contents | {"chosen": chosen_for(file, seal)} if contents else {}
 
 
 def named_in(tables: dict) -> list[str]:
-    """Names of files in the tables of a seal file."""
+    """List the names of files in the tables of a seal file, each once."""
     found = [tables["section"].get(key) for key in ("dxf", "cloud")]
     found += [own.get("data") for own in tables["material"].values()]
     return list(dict.fromkeys(name for name in found if isinstance(name, str)))
 
 
 def unpacked(packed: str) -> bytes:
-    """Contents of a file beside a seal file.
+    """Unpack the contents of a file beside a seal file.
 
     Raises
     ------
     ValueError
-        For what is not packed, or larger than a drawing or a cloud can be.
+        For text that is not packed, or contents larger than a drawing or a cloud can be.
     """
+    # bounded: a short text may unpack to any size
     unpacker = zlib.decompressobj()
     try:
         content = unpacker.decompress(base64.b64decode(packed, validate=True), MOST_BYTES)

@@ -1,21 +1,121 @@
-"""``[[design]]`` and ``[self_contact]``: edges that may move, and edges that may touch each other."""
+"""Tables that name edges: supports, air and fluids, self-contact, terms of extensions, designs.
 
-from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.edges import check_edges
-from seal_mdao.seals.file.forms import Names, Penalty, number, whole
-from seal_mdao.seals.file.friction import Friction
+``on`` of a table binds it to a section: it returns the definition of its term.
+"""
+
+from functools import cache
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator
+
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.self_contact import SelfContact
+from seal_mdao.geometry.motion import step_shares
+from seal_mdao.loads.fluid_pressure import ENDS, SHARE, FluidPressure
+from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE, TrappedAir
+from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, keys_of
+from seal_mdao.seals.file.forms import Form, Name, Names, Penalty, Text, many, number, one_of, whole
+from seal_mdao.seals.file.friction_table import Friction
+from seal_mdao.seals.file.load_steps import MOST_STEPS
 from seal_mdao.seals.file.schema import Table, key, table
+from seal_mdao.seals.outline.section_body import SectionBody
+from seal_mdao.terms.points import edge_points
+from seal_mdao.terms.term import TermDefinition
 
+SELF_CONTACT = "self_contact"
+"""Label of the contact of a section with itself."""
+NEIGHBOURS = 3.0
+"""Distance along the boundary, over its longest side, within which points are excluded from contact."""
+MOST_PRESSURE = 1e9
+"""kPa."""
 MOST_PARAMETERS = 1000
+Stretch = Annotated[
+    Text | Names,
+    AfterValidator(lambda given: (given,) if isinstance(given, str) else given),
+    Form('the name of an edge, or a list of neighbours, such as ["left", "top"]'),
+]
 
 
 @table
-class DesignTable(Table):
-    """Edges that may move along their normals."""
+class FixedTable(Table):
+    """Edges that are fixed, and in which directions."""
 
-    edges: Names = key("edges that move; not at an end where the next edge stays")
-    parameters: whole(1, MOST_PARAMETERS) = key("number of parameters of each of them")
-    bound: number("mm", above=0.0) = key("largest offset")
+    edges: Names = key("edges that are held")
+    directions: many(one_of("x", "y"), 'a list of "x", "y" or both') = key(
+        "in which they are held", ("x", "y")
+    )
+
+
+@table
+class SymmetryTable(Table):
+    """Edges in a plane beyond which the section continues as its mirror image."""
+
+    edges: Names = key("straight edges in the plane; in a design they stay in it")
+    normal: one_of("x", "y") = key("the axis across the plane")
+
+
+@table
+class CavityTable(Table):
+    """A hole that does not let its air out."""
+
+    hole: whole(1, 1000) = key("its number, from 1")
+    name: Name = key("put before the names of its parameters: air_pressure, air_gamma", "air")
+    pressure: number("kPa", above=0.0) = key(
+        "absolute pressure outside, and inside at the start", ATMOSPHERE
+    )
+    gamma: number(above=0.0) = key(
+        "exponent: 1.4 for air that has no time to give off its heat, 1 for air that has", ADIABATIC
+    )
+
+    def on(self, section: SectionBody) -> TrappedAir:
+        """Bind the air to the particles around its hole."""
+        return TrappedAir(self.name, section.loops[self.hole], self.pressure, self.gamma)
+
+
+@table(kw_only=True)
+class FluidTable(Table):
+    """A fluid at one end of an edge: it presses on what it wets, as far as the profiles let it."""
+
+    edges: Stretch = key(
+        "an edge, or a list of neighbours, from the wet side under all that seals to the dry side",
+        alias="edge",
+    )
+    end: one_of(*ENDS) = key(
+        "the end of it where the fluid is; the outside is walked counter-clockwise, holes clockwise",
+        alias="from",
+    )
+    pressure: number("kPa", above=0.0, most=MOST_PRESSURE) = key("over that on the dry side")
+    steps: whole(1, MOST_STEPS) | None = key(
+        "the last load steps of the path, over which it grows from 0 in equal parts; those of the last "
+        "stage unless given",
+        None,
+    )
+    name: Name = key("put before the name of its parameter: fluid_pressure", "fluid")
+    share: number(above=0.0, most=1.0) = key(
+        "a point is dry where the seal presses with 1 + share times the pressure of the fluid",
+        SHARE,
+    )
+
+    def on(self, section: SectionBody, last: int | tuple = 1) -> FluidPressure:
+        """Bind the fluid to its edges, behind the contacts that may touch them.
+
+        Parameters
+        ----------
+        last : int or tuple of float
+            Steps of the last stage, over which the pressure grows unless ``steps`` is given: a number of
+            equal ones, or the fractions of the pressure at their ends.
+        """
+        particles = section.particles(section.in_order(self.edges))
+        closing = tuple(
+            own for own in section.contacts if np.isin(particles, own.where.at_particles).any()
+        )
+        # zero pressure up to the last steps, over which it grows
+        grown = step_shares(last if self.steps is None else self.steps)
+        ramp = np.concatenate([np.zeros(section.n_steps + 1 - len(grown)), grown])
+        return FluidPressure(
+            self.name, particles, self.end, self.pressure, ramp, closing, self.share
+        )
 
 
 @table
@@ -27,34 +127,56 @@ class SelfContactTable(Table):
     normal_penalty: Penalty | None = key("normal penalty; chosen unless given", None)
     tangent_penalty: Penalty | None = key("tangential penalty; chosen unless given", None)
 
+    name = SELF_CONTACT
 
-def check_designs(file) -> None:
-    """Refuse edges that there are not, that are held, or that two designs move.
-
-    Raises
-    ------
-    SealFileError
-    """
-    outline, seen = file.section.outline, {}
-    for number_, design in enumerate(file.designs, 1):
-        where = f"[[design]] {number_}"
-        check_edges(where, "edges", design.edges, outline)
-        for name in design.edges:
-            if name in file.fixed_edges:
-                raise SealFileError(f"{where}: edges has {name!r}, which [fixed] holds")
-            if name in dict(file.planes):
-                raise SealFileError(f"{where}: edges has {name!r}, which [[symmetry]] holds")
-            if name in seen:
-                raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
-            seen[name] = where
+    def on(self, section: SectionBody) -> SelfContact:
+        """Bind the contact to the loops that contain the edges."""
+        particles, drawn = section.particles(self.edges), section.body.drawn
+        own = tuple(loop for loop in section.loops if np.isin(loop, particles).any())
+        # neighbours along the boundary are always close: exclude them by their distance along it
+        first, last = section.sides(self.edges).T
+        longest = np.hypot(*(drawn[last] - drawn[first]).T).max()
+        touching = np.isin(np.concatenate(own), particles)
+        law = ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, True)
+        return SelfContact(SELF_CONTACT, own, touching, drawn, law, NEIGHBOURS * longest)
 
 
-def check_self_contact(file) -> None:
-    """Refuse edges that there are not, or that are named twice.
+TERM_NAME = "put before the names of its parameters; its type unless given"
 
-    Raises
-    ------
-    SealFileError
-    """
-    if file.self_contact is not None:
-        check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
+
+@table(kw_only=True)
+class TermTable(Table):
+    """A term by its name; its further keys are the fields of its definition, ``makes``."""
+
+    type: Text = key("name of the term")
+    name: Name | None = key(TERM_NAME, None)
+    edges: Names = key("edges on which it acts")
+
+    @property
+    def arguments(self) -> dict:
+        """Fields of its definition beside ``label`` and ``where``."""
+        return arguments(self, TermTable)
+
+    def on(self, section: SectionBody) -> TermDefinition:
+        """Bind the term to the Gauss points of the sides of its edges."""
+        points = edge_points(section.sides(self.edges))
+        return self.makes(label=self.name, where=points, **self.arguments)
+
+
+@cache
+def _extension(name: str, made: type) -> type[TermTable]:
+    """Make the table of a term of another package."""
+    keys = {"name": (Name, key(TERM_NAME, name))} | keys_of(made, TermTable, ("label", "where"))
+    return extension_table(TermTable, "type", name, made, keys)
+
+
+AnyTerm = Annotated[TermTable, Extensible("terms", "type", _extension)]
+
+
+@table
+class DesignTable(Table):
+    """Edges that may move along their normals."""
+
+    edges: Names = key("edges that move; not at an end where the next edge stays")
+    parameters: whole(1, MOST_PARAMETERS) = key("number of parameters of each of them")
+    bound: number("mm", above=0.0) = key("largest offset")

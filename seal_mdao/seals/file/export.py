@@ -1,4 +1,4 @@
-"""A design as a seal file of its own: drawing, cloud, and the tables of the file that it came from."""
+"""Write a design as a seal file of its own: drawing, cloud, and the tables of its nominal file."""
 
 import os
 import tomllib
@@ -6,14 +6,15 @@ from importlib import import_module
 from pathlib import Path
 
 import numpy as np
+import shapely
 
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
-from seal_mdao.seals.file.measures import places_of
-from seal_mdao.seals.file.tables import SealFile
+from seal_mdao.seals.file.measure_table import places_of
+from seal_mdao.seals.file.seal_file import SealFile
 from seal_mdao.seals.outline.cloud_file import write_cloud
 from seal_mdao.seals.outline.dxf import write_dxf
-from seal_mdao.seals.outline.seal import OutlineSeal
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 HEAD = """# A design of {name} with the particles that it was computed with; for new ones put spacing
 # in place of cloud.
@@ -28,8 +29,7 @@ ON_CUT = 1e-6
 def write_design(
     file: SealFile, seal: OutlineSeal, offsets, measures, folder, name: str
 ) -> list[Path]:
-    """Write a design as ``NAME.toml`` with ``NAME.dxf`` and ``NAME.vtu``, to be analysed as it is, in
-    the load steps that it has.
+    """Write a design with its particles and load steps: ``NAME.toml``, ``NAME.dxf``, ``NAME.vtu``.
 
     Parameters
     ----------
@@ -59,12 +59,14 @@ def write_design(
     write_dxf(outline_of(file, seal, offsets), paths[1])
     write_cloud(seal, offsets, paths[2])
     given = tomllib.loads(file.path.read_text(encoding="utf-8"))
+    # drawing and cloud replace the keys of outline and filling
     section = {key: value for key, value in given["section"].items() if key not in DRAWN}
     given["section"] = section | {"dxf": paths[1].name, "cloud": paths[2].name}
     _move_regions(section.get("region", []), seal, offsets)
     for material in given["material"].values():
         if "data" in material:
             material["data"] = _from(folder, file.path.parent / material["data"])
+    # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
     for own, profile in zip(given["profile"], file.profiles, strict=True):
@@ -84,7 +86,7 @@ def _writer():
 
 
 def _from(folder, path) -> str:
-    """A path relative to a folder, where there is a way."""
+    """Return a path relative to a folder where it can be."""
     path = path.resolve()
     try:
         return Path(os.path.relpath(path, folder.resolve())).as_posix()
@@ -93,32 +95,23 @@ def _from(folder, path) -> str:
 
 
 def _move_regions(regions, seal, offsets) -> None:
-    """Points in regions, and the lines between them, where they are in the design."""
-    particles, drawn = seal.particles(offsets), seal.drawn_particles
+    """Move points in regions, and the lines between them, with the particles of the design."""
+    particles, nominal = seal.particles(offsets), shapely.points(seal.drawn_particles)
     cuts = iter(seal.cuts)
     for number, region in enumerate(regions, 1):
         if "line" in region:
-            along, away = _along(drawn, next(cuts))
-            on = np.flatnonzero(away <= ON_CUT)
-            region["line"] = particles[on[np.argsort(along[on])]].tolist()
+            # the particles on the line, in order along it
+            line = shapely.linestrings(next(cuts))
+            on = np.flatnonzero(shapely.distance(line, nominal) <= ON_CUT)
+            order = np.argsort(shapely.line_locate_point(line, nominal[on]))
+            region["line"] = particles[on[order]].tolist()
+        # the centre of a cell is inside its part
         cell = seal.body.cells[np.flatnonzero(seal.parts == number)[0]]
         region["at"] = particles[cell].mean(axis=0).tolist()
 
 
-def _along(points, line):
-    """Length along a polyline to the nearest place of every point, and the distance from it."""
-    first, side = line[:-1], np.diff(line, axis=0)
-    length = np.hypot(*side.T)
-    to = points[:, None] - first
-    share = np.clip((to * side).sum(axis=-1) / length**2, 0.0, 1.0)
-    away = np.hypot(*np.moveaxis(to - share[..., None] * side, -1, 0))
-    nearest, every = away.argmin(axis=1), np.arange(len(points))
-    starts = np.concatenate([[0.0], np.cumsum(length)])
-    return starts[nearest] + (share * length)[every, nearest], away[every, nearest]
-
-
 def _with_places(rows, file, seal, offsets, measures) -> list:
-    """Tables of the measures, with the places that the drawn seal gave them."""
+    """Write the places that measures took from the nominal seal into their tables."""
     rows = {row.get("name", row["type"]): dict(row) for row in rows}
     types = {entry.name: entry for entry in file.measures}
     for measure in measures:

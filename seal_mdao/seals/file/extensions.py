@@ -1,4 +1,4 @@
-"""Extensions in a seal file: tables that are found by name, with the keys of their own definitions."""
+"""Extensions in a seal file: tables found by name, with the fields of their definitions as keys."""
 
 from collections.abc import Callable, Collection
 from dataclasses import MISSING, fields
@@ -9,8 +9,18 @@ from pydantic import Strict, TypeAdapter, WrapValidator
 from pydantic_core import PydanticCustomError, core_schema
 
 from seal_mdao import registry
-from seal_mdao.seals.file.forms import Form, Names, Number, Points, Text, many, number, whole
-from seal_mdao.seals.file.schema import CHOICE, Table, key
+from seal_mdao.seals.file.forms import (
+    Form,
+    Names,
+    Number,
+    Points,
+    Text,
+    many,
+    number,
+    one_of,
+    whole,
+)
+from seal_mdao.seals.file.schema import CHOICE, Table, key, table_of
 
 WHOLE = whole(-(10**9), 10**9)
 FORMS = {
@@ -25,18 +35,16 @@ LISTS = {
 
 
 class Extensible(Form):
-    """Of an annotation of tables: a key of theirs may name an extension, whose keys the table then has.
+    """Annotation of tables with a key that may name an extension, whose keys the table then has.
 
     Names are looked up when a file is read, so all that is installed or registered by then is known.
 
     Attributes
     ----------
-    kind : str
-        Of ``registry``.
-    key : str
-        That has the name.
+    kind, key : str
+        Kind of extension in ``registry``; key of the table that has the name.
     table : callable
-        Gives the class of the table from the name and what ``registry.find`` gives.
+        Makes the class of the table from the name and the extension.
     shipped : collection of str
         Names of the package itself, to which the annotation belongs.
     """
@@ -46,7 +54,7 @@ class Extensible(Form):
         self.kind, self.key, self.table, self.shipped = kind, key, table, shipped
 
     def found(self, name) -> type[Table] | None:
-        """The class of the table of an extension; None where no extension has the name.
+        """Find the class of the table of an extension; None where no extension has the name.
 
         Raises
         ------
@@ -62,6 +70,7 @@ class Extensible(Form):
     def _read(self, given, shipped):
         if not isinstance(given, dict):
             return shipped(given)
+        # an extension first, then what the package ships
         name = given.get(self.key)
         own = self.found(name)
         if own is not None:
@@ -84,12 +93,12 @@ class Extensible(Form):
 
 
 def named(key_: str, names: Collection[str]) -> dict:
-    """The JSON schema of tables with one of some names; their further keys are open."""
+    """Make the JSON schema of tables with one of some names; their further keys are open."""
     return {"type": "object", "properties": {key_: {"enum": list(names)}}, "required": [key_]}
 
 
 def keys_of(made: type, base: type[Table], left_out=()) -> dict:
-    """Keys of a table that becomes a dataclass, for ``table_of``: its fields by type and default.
+    """Make the keys of a table from the fields of the dataclass ``made``, by type and default.
 
     Fields of other types than numbers, texts and lists of these must have a default.
 
@@ -102,6 +111,7 @@ def keys_of(made: type, base: type[Table], left_out=()) -> dict:
     for field in fields(made):
         if not field.init or field.name in left_out:
             continue
+        # required without a default; a type without a form is left to its default
         form = _form_of(hints[field.name])
         default = field.default if field.default_factory is MISSING else field.default_factory()
         if form is None and default is MISSING:
@@ -125,22 +135,37 @@ def keys_of(made: type, base: type[Table], left_out=()) -> dict:
 
 
 def _or_default(default) -> WrapValidator:
-    """A default is right whatever its form: ``dataclasses.replace`` gives it once more."""
+    """Accept the default whatever its form: ``dataclasses.replace`` passes it again."""
     return WrapValidator(lambda given, read: given if given is default else read(given))
 
 
 def _form_of(hint):
-    """The form of the values of a field; None for a type that tables do not have."""
+    """Find the form of the values of a field; None for a type that tables do not have."""
     if get_origin(hint) in (Union, UnionType):
+        # optional: the form of the other type
         others = [own for own in get_args(hint) if own is not type(None)]
         return _form_of(others[0]) if len(others) == 1 else None
     if hint is tuple or get_origin(hint) is tuple:
+        # a list: by the type of its entries, numbers unless it says
         entry = (*get_args(hint), float)[0]
         return LISTS.get(get_origin(entry) or entry)
     return FORMS.get(hint)
 
 
+def extension_table(
+    base: type[Table], key_: str, name: str, made, keys: dict, **more
+) -> type[Table]:
+    """Make the class of the tables of an extension: ``makes`` of the class is ``made``.
+
+    ``key_`` of ``base`` names the extension by ``name``; ``keys`` and ``more`` attributes are as of
+    ``table_of``.
+    """
+    keys = {key_: (one_of(name), key(base.entries()[key_].description))} | keys
+    own = {"makes": staticmethod(made), "__module__": made.__module__}
+    return table_of(base, f"{made.__name__}Table", keys, **own, **more)
+
+
 def arguments(own: Table, base: type[Table]) -> dict:
-    """Keys of the table of an extension beside those of all such tables."""
+    """Return the values of the keys of an extension beside those of all such tables."""
     taken = base.entries()
     return {f.name: getattr(own, f.name) for f in fields(own) if f.name not in taken}

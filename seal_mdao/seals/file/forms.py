@@ -1,4 +1,4 @@
-"""Forms of the values in a seal file: pydantic types, each with the words that say what is allowed."""
+"""Forms of values in a seal file: pydantic types, each with the words that say what is allowed."""
 
 from typing import Annotated, Literal
 
@@ -22,17 +22,13 @@ MOST_POINTS = 20_000
 
 
 class Form:
-    """What a value must be, in words: of the one error for whatever is wrong in it.
-
-    Attributes
-    ----------
-    allowed : str
-    """
+    """What a value must be, in words (``allowed``): the one error for whatever is wrong in it."""
 
     def __init__(self, allowed: str):
         self.allowed = allowed
 
     def __get_pydantic_core_schema__(self, source, handler):
+        # whatever pydantic finds inside the value becomes one error with the words
         def checked(value, inner):
             try:
                 return inner(value)
@@ -49,41 +45,44 @@ Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 
 
 def number(unit: str = "", above=None, least=None, most=None):
-    """A finite number, above or not below a bound, and at most another one."""
+    """Make the form of a finite number: above or not below a bound, and at most another one."""
     words = [] if above is None else [f"above {above:g}"]
     words += [] if least is None else [f"of at least {least:g}"]
     words += [] if most is None else [f"at most {most:g}"]
+    # "a number above 0 and at most 1 (mm)"
     allowed = " ".join(["a number", " and ".join(words), f"({unit})" * bool(unit)])
     return Annotated[Number, Field(gt=above, ge=least, le=most), Form(" ".join(allowed.split()))]
 
 
 def whole(least: int, most: int):
-    """A whole number between two bounds; booleans are none."""
+    """Make the form of an integer between two bounds; booleans are none."""
     allowed = Form(f"a whole number from {least} to {most}")
     return Annotated[int, Strict(), Field(ge=least, le=most), allowed]
 
 
 def one_of(*names: str):
-    """One of some texts."""
+    """Make the form of one of some texts."""
     return Annotated[Literal[names], Form(f"one of {', '.join(names)}")]
 
 
 def many(one, allowed: str, least: int = 1, most: int | None = None):
-    """A list of values of one form."""
+    """Make the form of a list of values of one form."""
     return Annotated[tuple[one, ...], Field(min_length=least, max_length=most), Form(allowed)]
 
 
 def point(most: float | None = None):
-    """A point, with coordinates up to ``most`` in size."""
+    """Make the form of a point, with coordinates up to ``most`` in size."""
     bounds = {} if most is None else {"minimum": -most, "maximum": most}
     own = Annotated[Number, Field(ge=bounds.get("minimum"), le=most)]
     size = "" if most is None else f", at most {most:g} in size"
+    # JSON schema of draft 7 has no tuples of fixed length as pydantic writes them
     form = {"type": "array", "items": {"type": "number"} | bounds, "minItems": 2, "maxItems": 2}
     allowed = Form(f"a point [x, y] of two numbers{size} (mm)")
     return Annotated[tuple[own, own], WithJsonSchema(form), allowed]
 
 
 def _not_too_many(value):
+    # before every point is checked
     if isinstance(value, list) and len(value) > MOST_POINTS:
         raise GeometryError(f"{len(value)} points, but at most {MOST_POINTS} are read")
     return value

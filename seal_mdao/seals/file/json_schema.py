@@ -9,11 +9,11 @@ from pathlib import Path
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from seal_mdao.seals.file.tables import Written
+from seal_mdao.seals.file.seal_file import Written
 
 
 class _Schema(GenerateJsonSchema):
-    """Of what can be written: TOML has no null, and keys have no titles but their forms."""
+    """Schema of what TOML can write: it has no null; titles of keys are their forms."""
 
     schema_dialect = "http://json-schema.org/draft-07/schema#"
 
@@ -21,6 +21,7 @@ class _Schema(GenerateJsonSchema):
         return self.generate_inner(schema["schema"])
 
     def default_schema(self, schema):
+        # a default that no file can write is left out
         made = super().default_schema(schema)
         if made.get("default") in (None, []):
             made.pop("default", None)

@@ -1,4 +1,4 @@
-"""Load steps of a seal file: given for every stage, or left to be chosen (``[steps]``)."""
+"""Load steps and penalties of a seal file: given, or to be chosen within a tolerance."""
 
 from dataclasses import replace
 from typing import Annotated, Literal
@@ -56,20 +56,16 @@ class PenaltiesTable(Table):
 
 
 def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float | None]:
-    """Profiles whose stages have load steps, and the tolerance within which these are to be chosen.
+    """Return profiles with load steps, and the tolerance within which these are to be chosen.
 
-    Parameters
-    ----------
-    profiles : tuple of ProfileTable
-        Stages whose steps are to be chosen have None; they get one.
-    steps : StepsTable or None
-        None for a file without.
+    Stages whose steps are to be chosen have None; they get one.
 
     Raises
     ------
     SealFileError
         When only some of the stages have steps, or all of them and there is a tolerance.
     """
+    # all stages have steps, or none has
     named = [
         (f"[[profile]] {i} ({profile.name!r}): [[profile.stage]] {k}", stage.steps)
         for i, profile in enumerate(profiles, 1)
@@ -93,34 +89,8 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
 
 
 def one_step_each(profiles) -> tuple:
-    """The profiles with one load step for every stage, for a choice to begin with."""
+    """Give every stage one load step, for a choice to begin with."""
     return tuple(
         replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))
         for profile in profiles
     )
-
-
-def check_steps(file) -> None:
-    """Refuse profiles that all stand still, or whose stages do not go on side by side.
-
-    Raises
-    ------
-    SealFileError
-    """
-    moving = [profile for profile in file.profiles if profile.stages]
-    if not moving:
-        raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
-    for profile in moving[1:]:
-        if profile.n_steps == moving[0].n_steps:
-            continue
-        if file.step_tolerance is not None:
-            raise SealFileError(
-                f"[[profile]]: {moving[0].name!r} has {moving[0].n_steps} of [[profile.stage]] and "
-                f"{profile.name!r} {profile.n_steps}; stages without steps go on side by side, so give "
-                "all profiles as many (one without any key stands still)"
-            )
-        raise SealFileError(
-            f"[[profile]]: the stages of {moving[0].name!r} have {moving[0].n_steps} steps in all "
-            f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage that "
-            "only has steps stands still)"
-        )

@@ -8,7 +8,10 @@ from typing import Annotated
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.contact_pressure import ContactPressure
+from seal_mdao.measures.gap import BetweenContacts, Gap
+from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.forms import Form, Name, Text, many, one_of, whole
 from seal_mdao.seals.file.schema import Table, key, known, table
 
@@ -32,16 +35,17 @@ class MeasureTable(Table):
 
     @property
     def arguments(self) -> dict:
-        """Its keys beside ``type`` and ``name``."""
+        """Values of its keys beside ``type`` and ``name``."""
         every = {own.name: getattr(self, own.name) for own in fields(self)}
         return {name: own for name, own in every.items() if name not in ("type", "name")}
 
     def measure(self, particles: np.ndarray) -> Measure:
-        """The measure, for a section with ``particles`` (n, 2)."""
+        """Make the measure, for a section with ``particles`` (n, 2)."""
+        # keys that are not given are left to the measure
         return self.makes(**{name: v for name, v in self.arguments.items() if v is not None})
 
     def settled(self, where: str, profiles: tuple) -> "MeasureTable":
-        """The table with what it leaves to the profiles of the file, and its name.
+        """Return the table with what it leaves to the profiles of the file, and its name.
 
         Raises
         ------
@@ -50,7 +54,7 @@ class MeasureTable(Table):
         return replace(self, name=self.type if self.name is None else self.name)
 
     def check(self, where: str, file) -> None:
-        """Refuse what does not fit the other tables of the file.
+        """Refuse a table that does not fit the other tables of the file.
 
         Raises
         ------
@@ -63,23 +67,25 @@ KINDS = {}
 
 
 def kind(name: str, makes: Callable[..., Measure]):
-    """Make a class the table of a type of measure.
+    """Declare a class as the table of a type of measure.
 
-    Parameters
-    ----------
-    name : str
-        Of the type in seal files.
-    makes : callable
-        Gives the measure from the keys of the table that are given.
+    ``makes`` returns the measure for the keys of the table that are given.
     """
 
     def made(own: type) -> type:
+        # the first key has one value, the name of the type
         own.__annotations__ = {"type": one_of(name)} | get_annotations(own)
         own.type, own.makes = key("type of the measure"), staticmethod(makes)
         KINDS[name] = table(kw_only=True)(own)
         return KINDS[name]
 
     return made
+
+
+def simple_kind(name: str, makes: Callable[..., Measure], base: type, text: str) -> None:
+    """Add a type of measure whose table has the keys of ``base``, with its docstring."""
+    attributes = {"__doc__": text, "__annotations__": {}, "__module__": base.__module__}
+    kind(name, makes)(type(f"{name}_table", (base,), attributes))
 
 
 @table(kw_only=True)
@@ -89,6 +95,7 @@ class OfProfile(MeasureTable):
     profile: Text | None = key("name of a profile; may be left out where there is one only", None)
 
     def settled(self, where, profiles):
+        # the only profile, unless the table names one
         names = [profile.name for profile in profiles]
         if self.profile is None and len(names) > 1:
             raise SealFileError(
@@ -104,3 +111,18 @@ class AtPlaces(OfProfile):
     """A measure at contact points of a profile."""
 
     places: Places | None = key("of contact points, beside a cloud", None)
+
+
+def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:
+    """Make the measure of a table, for a section with ``particles`` (n, 2)."""
+    return replace(entry.measure(particles), name=entry.name)
+
+
+def places_of(measure: Measure):
+    """Return what ``places`` of a table says of a measure that has taken its places, or None."""
+    base = measure.base if isinstance(measure, Derived) else measure
+    if isinstance(base, Gap | VonMises):
+        return base.points
+    if isinstance(base, BetweenContacts):
+        return base.nominal
+    return base.patches if isinstance(base, ContactPressure) else None

@@ -1,36 +1,29 @@
-"""Reading a seal file: TOML, every table checked, then all of them against each other."""
+"""Read a seal file: TOML, every table checked, then all of them against each other."""
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 from pydantic import TypeAdapter
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
-from seal_mdao.seals.file.contact_points import (
-    check_contact,
-    check_contact_points,
-    with_contact_points,
-)
+from seal_mdao.seals.file.consistency import check
 from seal_mdao.seals.file.described import note_contents
-from seal_mdao.seals.file.edge_tables import check_designs, check_self_contact
-from seal_mdao.seals.file.fluids import check_cavities, check_fluids, check_names
-from seal_mdao.seals.file.load_steps import check_steps, with_steps
-from seal_mdao.seals.file.measures import check_measures
-from seal_mdao.seals.file.optimization import with_implied
+from seal_mdao.seals.file.load_steps import with_steps
+from seal_mdao.seals.file.optimize_table import with_implied
 from seal_mdao.seals.file.schema import checked, suggestion
-from seal_mdao.seals.file.section_table import check_section
-from seal_mdao.seals.file.start import check_start
-from seal_mdao.seals.file.supports import check_bodies_held, check_supports
-from seal_mdao.seals.file.tables import SealFile, Written
-from seal_mdao.seals.file.term_table import check_terms
+from seal_mdao.seals.file.seal_file import SealFile, Written
+from seal_mdao.seals.file.section_table import SectionTable
+from seal_mdao.seals.outline.rays import Rays
+from seal_mdao.seals.wall_grid import SCHEMES
 
 TABLES = tuple(Written.model_fields)
 NEEDED = tuple(name for name, own in Written.model_fields.items() if own.is_required())
 
 
 def read_seal_file(path) -> SealFile:
-    """The decisions of a seal file; nothing is analysed.
+    """Read the decisions of a seal file; nothing is analysed.
 
     Parameters
     ----------
@@ -51,6 +44,7 @@ def read_seal_file(path) -> SealFile:
 
 
 def _parsed(path) -> dict:
+    """Parse the TOML of a file; what it cannot read, it says in one line."""
     try:
         content = read_text(path)
     except FileNotFoundError:
@@ -69,6 +63,7 @@ def _parsed(path) -> dict:
 
 
 def _written(names) -> str:
+    """Write names of tables as they stand in a file."""
     forms = {"material": "[material.NAME]", "profile": "[[profile]]"}
     return ", ".join(forms.get(name, f"[{name}]") for name in names)
 
@@ -80,6 +75,7 @@ def _read(given, path) -> SealFile:
                 f"unknown table or key {name!r}{suggestion(name, TABLES)}; known are "
                 + ", ".join(TABLES)
             )
+    # tables that every seal needs
     missing = [name for name in NEEDED if name not in given]
     if missing:
         raise SealFileError(f"{_written(missing[:1])} is missing")
@@ -89,27 +85,30 @@ def _read(given, path) -> SealFile:
 
 
 def _decided(written: Written, path: Path) -> SealFile:
-    """What a file decides, with what it leaves to its other tables and files."""
+    """Decide what a file leaves to its other tables and files, and to defaults."""
     _check_profile_names(written.profile)
     profiles, step_tolerance = with_steps(written.profile, written.steps)
     measures = tuple(
         own.settled(f"[[measure]] {i}", profiles) for i, own in enumerate(written.measure, 1)
     )
+    # a problem may name types of measures that have no table of their own
     if written.optimize is not None:
         measures = with_implied(written.optimize, measures, profiles)
+    # constants may be fitted to tests, the section may be a drawing: files beside this one
     materials = {
         name: own.made(f"[material.{name}]", path.parent) for name, own in written.material.items()
     }
     section = written.section.read(path.parent)
     return SealFile(
         path, materials, section, written.fixed, written.symmetry,
-        with_contact_points(profiles, section, written.fixed, written.fluid), written.design,
+        _with_contact_points(profiles, section, written.fixed, written.fluid), written.design,
         measures, written.optimize, written.cavity, written.self_contact, written.fluid,
         step_tolerance, written.penalties.tolerance, written.term,
     )  # fmt: skip
 
 
 def _check_profile_names(profiles) -> None:
+    """Refuse names of profiles that are taken: they are labels of terms."""
     names = [profile.name for profile in profiles]
     for i, name in enumerate(names):
         if name in names[:i]:
@@ -120,28 +119,19 @@ def _check_profile_names(profiles) -> None:
             )
 
 
-def check(file: SealFile) -> None:
-    """Refuse a file whose tables contradict each other.
+def _with_contact_points(profiles, section: SectionTable, fixed, fluids) -> tuple:
+    """Choose the contact points of profiles where the file leaves them open.
 
-    Raises
-    ------
-    SealFileError
-        With the first contradiction.
+    On rays those of their scheme, unless something needs a particle where a profile touches: a fluid, a
+    body that only profiles hold, the work of a profile that turns. Else the particles, which are at the
+    corners of the section.
     """
-    check_section(file)
-    check_supports(file)
-    check_designs(file)
-    check_cavities(file)
-    check_self_contact(file)
-    check_terms(file)
-    check_measures(file)
-    check_steps(file)
-    check_fluids(file)
-    check_names(file)
-    gaps = []
-    for number, profile in enumerate(file.profiles, 1):
-        where = f"[[profile]] {number} ({profile.name!r})"
-        check_contact(where, profile, file)
-        check_contact_points(where, profile, file)
-        gaps.append(check_start(where, profile, file.section.outline))
-    check_bodies_held(file, gaps)
+    chosen = "particles"
+    if isinstance(section.spacing, Rays) and fixed is not None and not fluids:
+        chosen = SCHEMES[section.spacing.accuracy].contact_points
+    return tuple(
+        replace(profile, contact_points="particles" if profile.turns else chosen)
+        if profile.contact_points is None
+        else profile
+        for profile in profiles
+    )

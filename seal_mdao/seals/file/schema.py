@@ -50,7 +50,7 @@ table = partial(dataclass, frozen=True, config=_CONFIG)
 
 
 def key(text: str, default=PydanticUndefined, alias: str | None = None):
-    """A key of a table: what it means, what it is unless given, and its name in the file."""
+    """Declare a key of a table: its meaning, its default, and its name in the file if another."""
     return Field(default, description=text, alias=alias)
 
 
@@ -60,14 +60,14 @@ class Table:
 
     @classmethod
     def entries(cls) -> dict:
-        """Its keys by their names in the file, those first that must be given: pydantic's fields."""
+        """Return the fields of pydantic by their names in the file, required ones first."""
         fields = cls.__pydantic_fields__.items()
         own = sorted(fields, key=lambda field: not field[1].is_required())
         return {field.alias or name: field for name, field in own}
 
     @classmethod
     def allowed(cls, name: str) -> str:
-        """What the value of a key must be."""
+        """Say what the value of a key must be."""
         hints = get_type_hints(cls, include_extras=True)
         own = {field.alias or n: n for n, field in cls.__pydantic_fields__.items()}
         return form_of(hints[own[name]])
@@ -76,11 +76,13 @@ class Table:
     @classmethod
     def _known_keys(cls, given):
         """Refuse what is no table, a key that is unknown, or one that is missing."""
+        # made in Python, or checked already
         if isinstance(given, ArgsKwargs | cls):
             return given
         if not isinstance(given, dict):
             raise PydanticCustomError("table", "no table")
         keys = cls.entries()
+        # an unknown key before a missing one: it may be that one, misspelt
         for name in given:
             if name not in keys:
                 close = suggestion(name, keys)
@@ -92,18 +94,9 @@ class Table:
 
 
 def table_of(base: type[Table], name: str, keys: dict, **attributes) -> type[Table]:
-    """A class of tables with further keys.
+    """Make a class of tables with further keys.
 
-    Parameters
-    ----------
-    base : type
-        That it derives from.
-    name : str
-        Of the class.
-    keys : dict of str to tuple
-        Annotation, and what ``key`` gives.
-    **attributes
-        Others of the class.
+    ``keys`` has the annotation and the ``key`` of each; ``attributes`` are others of the class.
     """
     hints = {own: hint for own, (hint, _) in keys.items()}
     body = {own: field for own, (_, field) in keys.items()}
@@ -112,10 +105,12 @@ def table_of(base: type[Table], name: str, keys: dict, **attributes) -> type[Tab
 
 
 def form_of(hint) -> str:
-    """What values of an annotation must be, in words."""
+    """Say in words what values of an annotation must be."""
     if get_origin(hint) is Annotated:
+        # the outermost form, or that of the type inside
         forms = [own for own in hint.__metadata__ if isinstance(own, Form)]
         return forms[-1].allowed if forms else form_of(get_args(hint)[0])
+    # of an optional value: that of the value
     if get_origin(hint) in (Union, UnionType):
         return form_of(next(own for own in get_args(hint) if own is not type(None)))
     if isinstance(hint, type) and issubclass(hint, Table):
@@ -143,21 +138,14 @@ class _Rows:
 
 
 def rows(one):
-    """A list of tables."""
+    """Make the annotation of a list of tables."""
     return Annotated[tuple[one, ...], _Rows()]
 
 
 def chosen_by(name: str, classes: dict, tag=None):
-    """A table whose class is found by the text of one of its keys.
+    """Make the annotation of a table whose class is found by the text of its key ``name``.
 
-    Parameters
-    ----------
-    name : str
-        The key.
-    classes : dict of str to type
-        By tag; those whose tags are ``name: ...`` are for the same text of the key.
-    tag : callable, optional
-        Gives the tag of a table; the text of the key unless given.
+    ``classes`` are by tag: the text of the key, or what ``tag`` returns for a table, ``text: ...``.
     """
     texts = tuple(dict.fromkeys(own.partition(":")[0] for own in classes))
 
@@ -168,13 +156,14 @@ def chosen_by(name: str, classes: dict, tag=None):
             return None
         return _TAG + (given[name] if tag is None else tag(given))
 
+    # pydantic's union of tagged classes; the error names the key and the texts
     every = (Annotated[own, Tag(_TAG + own_tag)] for own_tag, own in classes.items())
     context = {"key": name, "allowed": f"one of {', '.join(texts)}"}
     return Annotated[reduce(or_, every), Discriminator(find, CHOICE, "{allowed}", context)]
 
 
 def checked(adapter: TypeAdapter, given: dict):
-    """What a pydantic type makes of the content of a file.
+    """Validate the content of a file by a pydantic type.
 
     Raises
     ------
@@ -184,12 +173,14 @@ def checked(adapter: TypeAdapter, given: dict):
     try:
         return adapter.validate_python(given)
     except ValidationError as error:
+        # one thing at a time: the first error
         first = error.errors(include_url=False)[0]
     raise SealFileError(_line(first, given)) from None
 
 
 def _line(error: dict, given: dict) -> str:
-    """The line for one of pydantic's errors."""
+    """Write the line for one of pydantic's errors."""
+    # tags of unions are no part of the place in the file
     loc = tuple(own for own in error["loc"] if not str(own).startswith(_TAG))
     value, context = error["input"], error.get("ctx", {})
     names = [own for own in loc if isinstance(own, str)]
@@ -197,7 +188,9 @@ def _line(error: dict, given: dict) -> str:
         written = f", written [{names[0]}]" if isinstance(value, list) and len(names) == 1 else ""
         return f"{_place(loc, given)} must be one table{written}, got {formatted(value)}"
     if error["type"] == CHOICE:
+        # the error is that of the key that names the class
         loc, value = (*loc, context["key"]), value.get(context["key"], PydanticUndefined)
+    # place of the table, and the key in it
     before = _place(loc[:-1], given)
     where, name = f"{before}: " if before else "", loc[-1] if loc else ""
     if value is PydanticUndefined:
@@ -220,9 +213,10 @@ def _no_rows(name: str, value) -> str:
 
 
 def _place(loc: tuple, given) -> str:
-    """The table at a place of pydantic: ``[[profile]] 1 ('door'): [[profile.stage]] 2``."""
+    """Write the place of a table: ``[[profile]] 1 ('door'): [[profile.stage]] 2``."""
     words, names = [], []
     for step in loc:
+        # follow the place into the content of the file, for the names of rows
         if isinstance(given, dict | list):
             given = given.get(step) if isinstance(given, dict) else given[step]
         if isinstance(step, int):
@@ -238,7 +232,7 @@ def _place(loc: tuple, given) -> str:
 
 
 def _row_name(name: str, number: int, given) -> str:
-    """A row of a list of tables: ``[[profile]] 1 ('door')``."""
+    """Write the place of a row of a list of tables: ``[[profile]] 1 ('door')``."""
     key_, word = LABELS.get(name, ("", ""))
     own = given.get(key_) if isinstance(given, dict) else None
     return f"[[{name}]] {number}" + (f" ({word}{own!r})" if isinstance(own, str) else "")
@@ -259,6 +253,6 @@ def known(where: str, key: str, name: str, names, what: str) -> None:
 
 
 def suggestion(name, names) -> str:
-    """ ", did you mean ...?" where a known name is close."""
+    """Write " (did you mean ...?)" where a known name is close."""
     close = get_close_matches(str(name), list(names), 1, 0.6)
     return f" (did you mean {close[0]!r}?)" if close else ""

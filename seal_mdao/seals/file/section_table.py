@@ -13,12 +13,12 @@ from seal_mdao.seals.file.forms import Point, Points, Text, number, one_of, whol
 from seal_mdao.seals.file.schema import Table, key, known, rows, table
 from seal_mdao.seals.file.segment_tables import PieceTable
 from seal_mdao.seals.outline.chain import ROUNDING
-from seal_mdao.seals.outline.cloud import LAYERS
 from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud
+from seal_mdao.seals.outline.contours import JOIN, Contour, Outline
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
 from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.outline.section import JOIN, Contour, Outline
+from seal_mdao.seals.outline.section_cloud import LAYERS
 from seal_mdao.seals.outline.segments import pair
 from seal_mdao.seals.wall_grid import SCHEMES
 

@@ -7,7 +7,7 @@ from pydantic import model_validator
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.file.forms import Point, Points, number
 from seal_mdao.seals.file.schema import Table, key, table
-from seal_mdao.seals.outline.section import Arc, Circle, Line, Spline
+from seal_mdao.seals.outline.contours import Arc, Circle, Line, Spline
 
 
 @table
@@ -39,13 +39,14 @@ class SegmentTable(Table):
     circle: CircleTable | None = key("a circle, a contour of its own", None)
 
     def pieces(self, edge: str) -> list:
-        """The segments, as parts of an edge; a line of several points gives several.
+        """Make the segments as parts of an edge; a line of several points gives several.
 
         Raises
         ------
         ValueError
             For none or several of the keys, or points that give no such segment.
         """
+        # the key that is given names the kind of segment
         given = [kind for kind in KINDS if getattr(self, kind) is not None]
         if len(given) != 1:
             raise ValueError(

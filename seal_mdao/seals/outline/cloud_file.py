@@ -13,10 +13,9 @@ from seal_mdao.input_files import read_bytes, reason_of, require_ordinary
 from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import GAUSS_POINTS, in_both_directions
-from seal_mdao.seals.outline.cloud import OutlineCloud
-from seal_mdao.seals.outline.kernels import Kernels
+from seal_mdao.seals.outline.contours import Outline
 from seal_mdao.seals.outline.located import located
-from seal_mdao.seals.outline.section import Outline
+from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud
 
 FIRST, SUPPORT, AXES = "first_place", "support_radius", "support_axes"
 """Names of point data."""

@@ -8,20 +8,6 @@ from scipy.interpolate import BSpline
 DEGREE = 3
 
 
-class EdgeDesign(NamedTuple):
-    """Edges with a variable shape.
-
-    Attributes
-    ----------
-    edges : tuple of str
-    parameters : int
-        Free control values of each edge, mm.
-    """
-
-    edges: tuple
-    parameters: int
-
-
 class Stretch(NamedTuple):
     """An edge as a range of points of its loop.
 
@@ -81,7 +67,7 @@ def checked_names(names, known, what: str) -> None:
             raise ValueError(f"{what}: no edge is called {name!r}; edges are {', '.join(known)}")
 
 
-def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
+def boundary_velocity(boundaries, designs, supports) -> np.ndarray:
     """Compute the design velocity of every boundary point, shape (P, k, 2), dimensionless.
 
     V_p = dX / db_p for parameter b_p: B-spline N_p of arc length along the nominal normals.
@@ -89,47 +75,46 @@ def boundary_velocity(boundaries, designs, fixed=(), planes=()) -> np.ndarray:
     Parameters
     ----------
     boundaries : sequence of Boundary
-    designs : sequence of EdgeDesign
-        The parameters come in this order, edge after edge, and along each edge.
-    fixed : sequence of str
-        Edges with zero velocity, as all others that are neither designed nor in a plane; the velocity
-        of a designed edge is zero where it meets one of them.
-    planes : sequence of (str, int)
-        Straight edges that stay in their plane, and the component across it: their ends move along it
-        with the adjacent edges, and the points between linearly.
+    designs : mapping of str to int
+        Parameters of the edges that move, in this order, and along each edge.
+    supports : mapping of str to tuple of int
+        Straight edges with one prescribed component stay in their plane: their ends move along it with
+        the adjacent edges, and the points between linearly. All other edges without a design have zero
+        velocity, and that of a designed edge is zero where it meets one of them.
     """
     known = stretches(boundaries)
-    checked_names([name for design in designs for name in design.edges], known, "design")
-    named = [name for design in designs for name in design.edges]
-    for name in named:
-        if name in fixed or name in dict(planes) or named.count(name) > 1:
-            what = "is fixed" if name in fixed else "is in a plane"
-            what = "is named twice" if named.count(name) > 1 else what
+    checked_names(designs, known, "design")
+    for name in designs:
+        if name in supports:
+            what = "is fixed" if len(supports[name]) == 2 else "is in a plane"
             raise ValueError(f"design: the edge {name!r} {what}")
+    planes = {name: own[0] for name, own in supports.items() if len(own) == 1}
     starts = np.cumsum([0, *(len(boundary.points) for boundary in boundaries)])
-    still = [name for name in known if name not in (*named, *dict(planes))]
-    fixed_points = {(known[name].loop, int(k)) for name in still for k in known[name].points}
+    still = [known[name] for name in known if name not in designs and name not in planes]
+    fixed_points = {(stretch.loop, int(k)) for stretch in still for k in stretch.points}
     columns = [np.zeros((0, starts[-1], 2))]
-    for design in designs:
-        for name in design.edges:
-            stretch = known[name]
-            boundary = boundaries[stretch.loop]
-            ends = [(stretch.loop, int(stretch.points[end])) in fixed_points for end in (0, -1)]
-            basis = _basis(boundary, stretch, design.parameters, ends, name)
-            column = np.zeros((design.parameters, starts[-1], 2))
-            # V_p(X_k) = N_p(s_k) n_k
-            column[:, starts[stretch.loop] + stretch.points] = basis.T[:, :, None] * _directions(
-                boundary, stretch
-            )
-            columns.append(column)
-    velocity = np.concatenate(columns)
-    for name, component in planes:
+    for name, count in designs.items():
         stretch = known[name]
         boundary = boundaries[stretch.loop]
-        arc = np.asarray(boundary.arc_length)[stretch.points]
-        along = (arc - arc[0]) % boundary.length
-        _slide(velocity, starts[stretch.loop] + stretch.points, along, component)
+        ends = [(stretch.loop, int(stretch.points[end])) in fixed_points for end in (0, -1)]
+        basis = _basis(boundary, stretch, count, ends, name)
+        # V_p(X_k) = N_p(s_k) n_k
+        own = basis.T[:, :, None] * _directions(boundary, stretch)
+        column = np.zeros((count, starts[-1], 2))
+        column[:, starts[stretch.loop] + stretch.points] = own
+        columns.append(column)
+    velocity = np.concatenate(columns)
+    for name, component in planes.items():
+        stretch = known[name]
+        points = starts[stretch.loop] + stretch.points
+        _slide(velocity, points, _along(boundaries[stretch.loop], stretch), component)
     return velocity
+
+
+def _along(boundary, stretch) -> np.ndarray:
+    """Compute the arc length of the points of a stretch from its beginning, shape (k,), mm."""
+    arc = np.asarray(boundary.arc_length)[stretch.points]
+    return (arc - arc[0]) % boundary.length
 
 
 def _slide(velocity, points, along, component) -> None:
@@ -137,7 +122,7 @@ def _slide(velocity, points, along, component) -> None:
     ends = points[[0, -1]]
     velocity[:, ends, component] = 0.0
     # V(s) = (1 - s / L) V_first + s / L V_last
-    fraction = (np.asarray(along) / along[-1])[None, :, None]
+    fraction = (along / along[-1])[None, :, None]
     first, last = (velocity[:, end][:, None] for end in ends)
     velocity[:, points] = first + fraction * (last - first)
 
@@ -152,8 +137,7 @@ def _basis(boundary, stretch, count, fixed, name) -> np.ndarray:
         raise ValueError(
             f"design: the edge {name!r} needs at least {least - sum(fixed)} parameters, got {count}"
         )
-    arc = np.asarray(boundary.arc_length)[stretch.points]
-    arc = (arc - arc[0]) % boundary.length
+    arc = _along(boundary, stretch)
     if stretch.closed:
         return _periodic(arc / boundary.length, count)
     # clamped uniform knots: only the first spline is not zero at the first point, only the last

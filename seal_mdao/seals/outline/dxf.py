@@ -9,10 +9,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.input_files import reason_of, require_ordinary
 from seal_mdao.seals.outline.b_splines import b_spline_of
 from seal_mdao.seals.outline.chain import check_count
-from seal_mdao.seals.outline.crossings import nearest_around
-from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name, pieces_of
-from seal_mdao.seals.outline.loops import loops
-from seal_mdao.seals.outline.section import (
+from seal_mdao.seals.outline.contours import (
     JOIN,
     SAGITTA,
     Arc,
@@ -21,6 +18,9 @@ from seal_mdao.seals.outline.section import (
     Line,
     Outline,
 )
+from seal_mdao.seals.outline.crossings import nearest_around
+from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name, pieces_of
+from seal_mdao.seals.outline.loops import loops
 
 MILLIMETRES = 4
 UNITS = {1: "inch", 2: "foot", 4: "mm", 5: "cm", 6: "m", 14: "dm"}

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.seals.outline.cloud import wall_thickness
+from seal_mdao.seals.outline.section_cloud import wall_thickness
 
 ENOUGH = 5
 """Layers with which forces are within half a percent (page on accuracy)."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.outline.sampling import Boundary
+from seal_mdao.seals.outline.sampling import Boundary, boundary_at
 from seal_mdao.seals.outline.segments import pair
 
 MATCH = 1e-6
@@ -61,7 +61,7 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
             f"no particle is at {pair(segments[missing[0]].start)}, where a segment of the edge "
             f"{segments[missing[0]].edge!r} begins"
         )
-    return _boundary(segments, points[order], number[order], fraction[order], arc[order]), order
+    return boundary_at(segments, number[order], fraction[order])._replace(points=points[order]), order
 
 
 def _nearest(segments, points):
@@ -88,18 +88,3 @@ def _from_beginnings(number, fraction, lengths, closest):
     fraction = np.where(fraction * lengths[number] <= closest, 0.0, fraction)
     ends = (1.0 - fraction) * lengths[number] <= closest
     return np.where(ends, (number + 1) % len(lengths), number), np.where(ends, 0.0, fraction)
-
-
-def _boundary(segments, points, number, fraction, arc) -> Boundary:
-    before, after = np.empty((2, *points.shape))
-    for i, segment in enumerate(segments):
-        here = number == i
-        before[here] = after[here] = segment.tangents(fraction[here])
-    corner = fraction == 0.0
-    last = np.array([segment.tangents([1.0])[0] for segment in segments])
-    # at a corner the tangent before is the end tangent of the preceding segment
-    before[corner] = last[number[corner] - 1]
-    return Boundary(
-        points, np.array([segment.edge for segment in segments])[number], number, corner, arc,
-        float(sum(segment.length for segment in segments)), np.stack([before, after], axis=1),
-    )  # fmt: skip

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from seal_mdao.seals.outline.contours import Contour, Outline
 from seal_mdao.seals.outline.sampling import Boundary
-from seal_mdao.seals.outline.section import Contour, Outline
 from seal_mdao.seals.outline.spline import Spline
 
 SMOOTH = 1e-3

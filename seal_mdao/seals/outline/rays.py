@@ -6,9 +6,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.outline.cloud import OutlineCloud
-from seal_mdao.seals.outline.kernels import Kernels
-from seal_mdao.seals.outline.section import JOIN, SAGITTA, Boundary, Outline
+from seal_mdao.seals.outline.contours import JOIN, SAGITTA, Boundary, Outline
+from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud
 from seal_mdao.seals.wall_grid import SCHEMES, WallGrid
 
 BACK = 1e-9

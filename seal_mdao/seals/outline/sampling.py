@@ -1,4 +1,4 @@
-"""Sampling of the boundary of a section at a given spacing."""
+"""Sample the boundary of a section at a given spacing, with an even number of sides between corners."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -40,7 +40,7 @@ class Boundary(NamedTuple):
 
 
 def sampled(outline, spacing: float | Callable[[np.ndarray], np.ndarray]) -> list[Boundary]:
-    """Sample points along every contour; ends of segments always are points.
+    """Sample points along every contour, outer contour first; ends of segments always are points.
 
     Parameters
     ----------
@@ -48,40 +48,35 @@ def sampled(outline, spacing: float | Callable[[np.ndarray], np.ndarray]) -> lis
     spacing : float or callable
         Largest distance along the boundary, mm; or a function that gives it at points (k, 2).
 
-    Returns
-    -------
-    list of Boundary
-        Outer contour first.
-
     Raises
     ------
     ValueError
         For a spacing that is not positive.
     """
-    return [_boundary(contour.segments, spacing) for contour in outline.contours]
+    found = []
+    for contour in outline.contours:
+        fractions = [_fractions(segment, spacing)[:-1] for segment in contour.segments]
+        number = np.repeat(np.arange(len(fractions)), [s.size for s in fractions])
+        found.append(boundary_at(contour.segments, number, np.concatenate(fractions)))
+    return found
 
 
-def _boundary(segments, spacing) -> Boundary:
-    fractions = [_fractions(segment, spacing) for segment in segments]
-    count = [s.size - 1 for s in fractions]
-    starts = np.concatenate([[0.0], np.cumsum([segment.length for segment in segments])])
-    tangents = [part.tangents(s) for part, s in zip(segments, fractions, strict=True)]
-    after = np.concatenate([t[:-1] for t in tangents])
+def boundary_at(segments, number: np.ndarray, fraction: np.ndarray) -> Boundary:
+    """Describe points of a contour by their segments (k,) and fractions of these (k,), below 1."""
+    lengths = np.array([segment.length for segment in segments])
+    starts = np.concatenate([[0.0], np.cumsum(lengths)])
+    points, after = np.empty((2, number.size, 2))
+    for i, segment in enumerate(segments):
+        here = number == i
+        points[here] = segment.points(fraction[here])
+        after[here] = segment.tangents(fraction[here])
     # at a corner the tangent before is that of the end of the segment before
-    before = np.concatenate(
-        [np.vstack([tangents[i - 1][-1:], t[1:-1]]) for i, t in enumerate(tangents)]
-    )
-    number = np.repeat(np.arange(len(segments)), count)
+    before, corner = after.copy(), fraction == 0.0
+    last = np.array([segment.tangents([1.0])[0] for segment in segments])
+    before[corner] = last[number[corner] - 1]
     return Boundary(
-        np.concatenate([part.points(s[:-1]) for part, s in zip(segments, fractions, strict=True)]),
-        np.array([segment.edge for segment in segments])[number],
-        number,
-        np.concatenate([[True] + [False] * (n - 1) for n in count]),
-        np.concatenate([
-            start + s[:-1] * part.length
-            for start, part, s in zip(starts, segments, fractions, strict=False)
-        ]),
-        float(starts[-1]),
+        points, np.array([segment.edge for segment in segments])[number], number, corner,
+        starts[number] + fraction * lengths[number], float(starts[-1]),
         np.stack([before, after], axis=1),
     )  # fmt: skip
 
@@ -116,3 +111,43 @@ def _require_positive(values) -> None:
     wrong = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))
     if wrong.size:
         raise ValueError(f"spacing must be a positive number, got {values[wrong[0]]}")
+
+
+def doubled(outline, boundaries) -> list:
+    """Insert a point on the curve in the middle (arc length) of every side of the boundary.
+
+    Parameters
+    ----------
+    outline : Outline
+    boundaries : sequence of Boundary
+        As ``sampled(outline, 2 * spacing)`` gives them; for ``cloud.graded``
+
+            def sample(at):
+                return doubled(outline, sampled(outline, lambda x: 2.0 * at(x)))
+    """
+    return [
+        _doubled(contour.segments, boundary)
+        for contour, boundary in zip(outline.contours, boundaries, strict=True)
+    ]
+
+
+def _doubled(segments, boundary):
+    lengths = np.array([segment.length for segment in segments])
+    starts = np.concatenate([[0.0], np.cumsum(lengths)])
+    # middle of each side in arc length; the last side ends where the contour begins
+    arc, number = boundary.arc_length, boundary.segment
+    middle = 0.5 * (arc + np.append(arc[1:], boundary.length))
+    inner = boundary_at(segments, number, (middle - starts[number]) / lengths[number])
+    return boundary._replace(
+        points=_between(boundary.points, inner.points),
+        edge=np.repeat(boundary.edge, 2),
+        segment=np.repeat(number, 2),
+        corner=_between(boundary.corner, inner.corner),
+        arc_length=_between(arc, middle),
+        tangent=_between(boundary.tangent, inner.tangent),
+    )
+
+
+def _between(values, others):
+    # interleave: values at even indices, others at odd ones
+    return np.stack([values, others], axis=1).reshape(2 * len(values), *values.shape[1:])

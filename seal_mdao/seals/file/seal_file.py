@@ -1,38 +1,38 @@
-"""What a seal file has, and what it decides.
-
-Materials are found by name in ``materials.by_name.LAWS`` (their tables follow from the fields of the
-laws), types of measures in ``measure_table.KINDS``, which ``kind`` fills, and those of other packages
-in ``registry`` (``extensions.Extensible``).
-"""
+"""The tables of a seal file, and the decisions that they make for its seal."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
-from seal_mdao.geometry.motion import Stage
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.choice import PENALTY_TOLERANCE
-from seal_mdao.seals.file.edge_tables import DesignTable, SelfContactTable
-from seal_mdao.seals.file.fluids import CavityTable, FluidTable
-from seal_mdao.seals.file.laws import Materials
+from seal_mdao.seals.file.clearance import cleared
+from seal_mdao.seals.file.edge_tables import (
+    AnyTerm,
+    CavityTable,
+    DesignTable,
+    FixedTable,
+    FluidTable,
+    SelfContactTable,
+    SymmetryTable,
+    TermTable,
+)
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
-from seal_mdao.seals.file.measure_kinds import AnyMeasure
+from seal_mdao.seals.file.material_table import Materials
 from seal_mdao.seals.file.measure_table import MeasureTable
-from seal_mdao.seals.file.optimization import OptimizeTable
-from seal_mdao.seals.file.profiles import ProfileTable
+from seal_mdao.seals.file.measure_types import AnyMeasure
+from seal_mdao.seals.file.optimize_table import OptimizeTable
+from seal_mdao.seals.file.profile_table import ProfileTable
 from seal_mdao.seals.file.schema import key, rows
 from seal_mdao.seals.file.section_table import SectionTable, WrittenSection
-from seal_mdao.seals.file.supports import FixedTable, SymmetryTable
-from seal_mdao.seals.file.term_table import AnyTerm, TermTable
+from seal_mdao.seals.outline.outline_seal import SectionRegion
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
-
-SELF_CONTACT = "self_contact"
-"""Label of the contact of a section with itself."""
 
 
 class Written(BaseModel):
-    """The tables of a seal file, as it is written."""
+    """Tables of a seal file as they are written."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -54,29 +54,19 @@ class Written(BaseModel):
 
 @dataclass(frozen=True)
 class SealFile:
-    """All decisions of a seal file.
+    """All decisions of a seal file: its tables, and what follows from several of them.
 
     Attributes
     ----------
-    path : Path
     materials : dict of str to Isotropic
-    section : SectionTable
-    fixed : FixedTable or None
-    symmetries : tuple of SymmetryTable
-    profiles : tuple of ProfileTable
-    designs : tuple of DesignTable
+        Laws with their constants, given or fitted.
     measures : tuple of MeasureTable
         Those of the file, and those that ``[optimize]`` names by their type.
-    optimize : OptimizeTable or None
-    cavities : tuple of CavityTable
-    self_contact : SelfContactTable or None
-    fluids : tuple of FluidTable
     step_tolerance : float or None
         Within which the load steps are to be chosen: every stage has one until then. None where they
         are given.
     penalty_tolerance : float
         Within which the penalties are chosen that the contacts leave open.
-    terms : tuple of TermTable
     """
 
     path: Path
@@ -98,12 +88,10 @@ class SealFile:
     @property
     def open_penalties(self) -> tuple:
         """Parameters of the seal whose values the file leaves to be chosen."""
-        contacts = [(f"{profile.name}_", profile) for profile in self.profiles]
-        if self.self_contact is not None:
-            contacts.append((f"{SELF_CONTACT}_", self.self_contact))
+        touching = (*self.profiles, *([] if self.self_contact is None else [self.self_contact]))
         return tuple(
-            prefix + kind
-            for prefix, contact in contacts
+            f"{contact.name}_{kind}"
+            for contact in touching
             for kind in (NORMAL, TANGENT)
             if getattr(contact, kind) is None
         )
@@ -119,24 +107,34 @@ class SealFile:
         return max(profile.n_steps for profile in self.profiles)
 
     @property
-    def last_stage(self) -> Stage:
-        """That of a profile that moves."""
-        return next(profile.stages[-1] for profile in self.profiles if profile.stages)
-
-    @property
     def fixed_edges(self) -> tuple:
         """Edges that ``[fixed]`` holds."""
         return () if self.fixed is None else self.fixed.edges
 
     @property
-    def held(self) -> tuple:
-        """Edges that are held in both directions."""
-        both = self.fixed is not None and len(set(self.fixed.directions)) == 2
-        return self.fixed_edges if both else ()
+    def supports(self) -> dict:
+        """Prescribed displacement components of edges: 0 for x, 1 for y."""
+        own = () if self.fixed is None else sorted(set(map("xy".index, self.fixed.directions)))
+        mirrored = {n: ("xy".index(p.normal),) for p in self.symmetries for n in p.edges}
+        return dict.fromkeys(self.fixed_edges, tuple(own)) | mirrored
 
     @property
-    def planes(self) -> tuple:
-        """Edges that are held in one direction, and its number: 0 for x, 1 for y."""
-        own = () if self.held else [(name, self.fixed.directions[0]) for name in self.fixed_edges]
-        mirrored = [(name, plane.normal) for plane in self.symmetries for name in plane.edges]
-        return tuple((name, "xy".index(axis)) for name, axis in (*own, *mirrored))
+    def regions(self) -> list:
+        """Parts of the section with their materials, that of the rest first."""
+        section, several = self.section, bool(self.section.regions)
+        prefix = f"{section.material}_" if several else ""
+        rest = SectionRegion(self.materials[section.material], prefix)
+        return [rest] + [
+            SectionRegion(self.materials[own.material], f"{own.material}_", own.at, own.line)
+            for own in section.regions
+        ]
+
+    @property
+    def contributions(self) -> list:
+        """Functions that bind every term but the body to a section, in the order of the terms."""
+        # the fluid of the last stage rises with that of a profile that moves
+        last = next(profile.stages[-1].steps for profile in self.profiles if profile.stages)
+        tables = [*(cleared(profile, self.section.outline) for profile in self.profiles)]
+        tables += [*self.cavities, *([] if self.self_contact is None else [self.self_contact])]
+        fluids = [partial(fluid.on, last=last) for fluid in self.fluids]
+        return [own.on for own in tables] + fluids + [term.on for term in self.terms]

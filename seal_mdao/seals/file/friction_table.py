@@ -13,9 +13,9 @@ from seal_mdao.contact.friction_law import (
     constant_names,
     friction_law,
 )
-from seal_mdao.seals.file.extensions import Extensible, arguments, named
+from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, named
 from seal_mdao.seals.file.forms import Form, Number, Text, number, one_of
-from seal_mdao.seals.file.schema import Table, key, table, table_of
+from seal_mdao.seals.file.schema import Table, key, table
 
 COULOMB = "coulomb"
 """The law of the package itself."""
@@ -33,7 +33,7 @@ class FrictionTable(Table):
     friction: Coefficient = key("Coulomb coefficient")
 
     def made(self) -> float:
-        """The coefficient."""
+        """Return the coefficient."""
         return self.friction
 
 
@@ -44,19 +44,18 @@ class ExtensionTable(Table):
     law: Text = key("name of the law")
 
     def made(self) -> FrictionLaw:
-        """The law with its constants."""
+        """Return the law with its constants."""
         return friction_law(self.makes, **arguments(self, ExtensionTable))
 
 
 @cache
 def _extension(name: str, law) -> type[Table]:
-    """The table of a law of another package: constants by the names of its arguments."""
-    keys = {"law": (one_of(name), key("name of the law"))}
-    keys |= {own: (number(), key("constant of the law")) for own in constant_names(law)}
-    for own, default in constant_defaults(law).items():
-        keys[own] = number(), key("constant of the law", default)
-    own = {"makes": staticmethod(law), "__module__": law.__module__}
-    return table_of(ExtensionTable, f"{name}_table", keys, **own)
+    """Make the table of a law of another package: constants by the names of its arguments."""
+    # arguments without a default are required
+    text = "constant of the law"
+    keys = {own: (number(), key(text)) for own in constant_names(law)}
+    keys |= {own: (number(), key(text, default)) for own, default in constant_defaults(law).items()}
+    return extension_table(ExtensionTable, "law", name, law, keys)
 
 
 _LAW = TypeAdapter(
@@ -65,14 +64,15 @@ _LAW = TypeAdapter(
 
 
 class _OrLaw:
-    """Of a coefficient: it may also be a table with the name of a law and its constants."""
+    """Annotation of a coefficient that may also be a table with the name of a law."""
 
     def __get_pydantic_core_schema__(self, source, handler):
         return core_schema.no_info_wrap_validator_function(self._read, handler(source))
 
     @staticmethod
     def _read(given, coefficient):
-        if isinstance(given, FrictionLaw):  # of a table that has been read
+        # ``dataclasses.replace`` of a table that has been read gives the law itself
+        if isinstance(given, FrictionLaw):
             return given
         return _LAW.validate_python(given).made() if isinstance(given, dict) else coefficient(given)
 

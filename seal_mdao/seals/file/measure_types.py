@@ -23,7 +23,7 @@ from seal_mdao.measures.reaction import TRAVEL, Reaction
 from seal_mdao.measures.section_shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
-from seal_mdao.seals.file.extensions import Extensible, keys_of
+from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import (
     KINDS,
@@ -32,8 +32,9 @@ from seal_mdao.seals.file.measure_table import (
     OfProfile,
     Places,
     kind,
+    simple_kind,
 )
-from seal_mdao.seals.file.schema import chosen_by, key, known, table_of
+from seal_mdao.seals.file.schema import chosen_by, key, known
 
 _AXES = {"x": 0, "y": 1}
 Patches = many(Places, "a list of such lists, one for every patch")
@@ -57,9 +58,7 @@ Direction = Annotated[
 ]
 
 
-@kind("section_area", SectionArea)
-class SectionAreaTable(MeasureTable):
-    """Area of the undeformed section."""
+simple_kind("section_area", SectionArea, MeasureTable, "Area of the undeformed section.")
 
 
 @kind("cavity_area", CavityArea)
@@ -69,6 +68,7 @@ class CavityAreaTable(MeasureTable):
     edge: Text = key("edge all round the hole")
 
     def check(self, where, file):
+        # a hole whose boundary is one edge
         outline = file.section.outline
         known(where, "edge", self.edge, outline.edge_names, "edge")
         holes = [hole.edge_names[0] for hole in outline.holes if len(hole.edge_names) == 1]
@@ -99,14 +99,11 @@ class BlowOffPressureTable(MeasureTable):
         known(where, "fluid", self.fluid, [own.name for own in file.fluids], "[[fluid]]")
 
 
-@kind("contact_width", ContactWidth)
-class ContactWidthTable(OfProfile):
-    """Length of the deformed boundary in contact."""
-
-
-@kind("nominal_contact_width", partial(ContactWidth, nominal=True))
-class NominalContactWidthTable(OfProfile):
-    """Length of the undeformed boundary in contact."""
+simple_kind("contact_width", ContactWidth, OfProfile, "Length of the deformed boundary in contact.")
+simple_kind(
+    "nominal_contact_width", partial(ContactWidth, nominal=True), OfProfile,
+    "Length of the undeformed boundary in contact.",
+)  # fmt: skip
 
 
 @kind("peak_pressure", PeakPressure)
@@ -116,9 +113,10 @@ class PeakPressureTable(OfProfile):
     order: Order | None = key("of the mean", None)
 
 
-@kind("nominal_peak_pressure", partial(PeakPressure, nominal=True))
-class NominalPeakPressureTable(PeakPressureTable):
-    """Nominal contact pressure, a mean of high order below the peak."""
+simple_kind(
+    "nominal_peak_pressure", partial(PeakPressure, nominal=True), PeakPressureTable,
+    "Nominal contact pressure, a mean of high order below the peak.",
+)  # fmt: skip
 
 
 @kind("contact_pressure", lambda profile, places=None, **a: ContactPressure(profile, places, **a))
@@ -130,9 +128,10 @@ class ContactPressureTable(OfProfile):
     single = False
 
 
-@kind("nominal_contact_pressure", partial(ContactPressureTable.makes, nominal=True))
-class NominalContactPressureTable(ContactPressureTable):
-    """Nominal contact pressure of each patch, a mean of high order below the peak."""
+simple_kind(
+    "nominal_contact_pressure", partial(ContactPressureTable.makes, nominal=True),
+    ContactPressureTable, "Nominal contact pressure of each patch, a mean of high order below the peak.",
+)  # fmt: skip
 
 
 @kind("gap", lambda profile, places=None: Gap(profile, places))
@@ -143,7 +142,7 @@ class GapTable(AtPlaces):
 
 
 def _gap_square_sum(profile, points=None, places=None):
-    """At the points that are open in the nominal seal, Eq. (71), or wherever the design does."""
+    """Sum g_n^2 at the points that are open in the nominal seal, Eq. (71), or in every design."""
     nominal = points == "nominal"
     return GapSquareSum(Gap(profile, places)) if nominal else OpenGapSquareSum(profile, places)
 
@@ -158,9 +157,10 @@ class GapSquareSumTable(AtPlaces):
     )
 
 
-@kind("gap_square_integral", lambda profile, places=None: GapSquareIntegral(profile, places))
-class GapSquareIntegralTable(AtPlaces):
-    """Integral of the squared gaps between the first and the last contact."""
+simple_kind(
+    "gap_square_integral", lambda profile, places=None: GapSquareIntegral(profile, places), AtPlaces,
+    "Integral of the squared gaps between the first and the last contact.",
+)  # fmt: skip
 
 
 @kind("largest_gap", lambda profile, places=None, **order: LargestGap(profile, places, **order))
@@ -171,6 +171,7 @@ class LargestGapTable(AtPlaces):
 
 
 def _reaction(profile, component=None, travel=None, **own):
+    # both axes for a direction, which the measure projects on
     axes = (0, 1) if component is None else (_AXES[component],)
     travels = (travel,) if isinstance(travel, float) else travel
     return Reaction(profile, travels, axes, **own)
@@ -213,6 +214,7 @@ class ReactionTable(OfProfile):
     def settled(self, where, profiles):
         done = super().settled(where, profiles)
         own = next(p for p in profiles if p.name == done.profile)
+        # the first travel gives the axis, and the direction where it is "travel"
         if done.component is None and done.direction is None:
             done = replace(done, component=_main_axis(own))
         if done.direction == TRAVEL and not own.travel > 0.0:
@@ -220,6 +222,7 @@ class ReactionTable(OfProfile):
                 f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not travel; give "
                 "the direction as [x, y]"
             )
+        # travels are those of the profile, or of the first one that travels where it stands still
         moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
         if done.travel is not None and np.max(done.travel) > moving.travel * (1.0 + ROUNDING):
             raise SealFileError(
@@ -230,26 +233,19 @@ class ReactionTable(OfProfile):
 
 
 def _main_axis(profile) -> str:
-    """Along which axis the first stage of a profile that is a translation moves most; y for none."""
+    """Find the axis along which the first translation of a profile moves most; y without one."""
     for stage in profile.stages:
         if any(stage.translate):
             return "x" if abs(stage.translate[0]) > abs(stage.translate[1]) else "y"
     return "y"
 
 
-@kind("profile_work", ProfileWork)
-class ProfileWorkTable(OfProfile):
-    """Work of a profile on the seal along the path."""
-
-
-@kind("friction_work", FrictionWork)
-class FrictionWorkTable(MeasureTable):
-    """Work of all profiles that is not stored in the body."""
-
-
-@kind("strain_energy", StrainEnergy)
-class StrainEnergyTable(MeasureTable):
-    """Elastic energy of the body."""
+simple_kind("profile_work", ProfileWork, OfProfile, "Work of a profile on the seal along the path.")
+simple_kind(
+    "friction_work", FrictionWork, MeasureTable,
+    "Work of all profiles that is not stored in the body.",
+)  # fmt: skip
+simple_kind("strain_energy", StrainEnergy, MeasureTable, "Elastic energy of the body.")
 
 
 @kind("stress_norm", StressNorm)
@@ -290,6 +286,7 @@ class VonMisesTable(MeasureTable):
         return all(own is None for own in (self.at, self.count, self.places))
 
     def measure(self, particles):
+        # a smooth maximum of the section, or the stress at particles
         if self.single:
             return LargestVonMises() if self.excess is None else LargestVonMises(self.excess)
         places = self.places
@@ -310,19 +307,18 @@ class DisplacementTable(MeasureTable):
 
 
 def _nearest(point, particles) -> int:
+    """Find the particle nearest to a point."""
     return int(np.hypot(*(particles - point).T).argmin())
 
 
 @cache
 def _extension(name: str, made: type[Measure]) -> type[MeasureTable]:
-    """The table of a type of measure of another package."""
+    """Make the table of a type of measure of another package."""
     of_profile = "profile" in [field.name for field in fields(made)]
     base = OfProfile if of_profile else MeasureTable
-    keys = {"type": (one_of(name), key("type of the measure"))}
-    keys |= keys_of(made, base, ("name", "profile"))
-    own = {"makes": staticmethod(made), "__module__": made.__module__}
     single = made.scalar or made.size is Measure.size
-    return table_of(base, f"{made.__name__}Table", keys, single=single, **own)
+    keys = keys_of(made, base, ("name", "profile"))
+    return extension_table(base, "type", name, made, keys, single=single)
 
 
 EXTENSIONS = Extensible("measures", "type", _extension, KINDS)

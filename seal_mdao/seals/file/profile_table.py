@@ -1,4 +1,4 @@
-"""``[[profile]]``: rigid bodies, as the file says and as the contact needs them."""
+"""``[[profile]]``: rigid bodies, their curves and motions, and the contact of the section with them."""
 
 from functools import cache, cached_property
 from typing import Annotated
@@ -6,19 +6,22 @@ from typing import Annotated
 import numpy as np
 from pydantic import WrapValidator, model_validator
 
+from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
 from seal_mdao.geometry.profile import Pieces, RigidProfile, rigid_profile
 from seal_mdao.geometry.shape import GivenShape, Shape
-from seal_mdao.seals.file.extensions import Extensible, arguments, keys_of
+from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, keys_of
 from seal_mdao.seals.file.forms import Name, Names, Penalty, Text, number, one_of, point
-from seal_mdao.seals.file.friction import Friction
+from seal_mdao.seals.file.friction_table import Friction
 from seal_mdao.seals.file.load_steps import Steps
-from seal_mdao.seals.file.schema import Table, key, rows, table, table_of
+from seal_mdao.seals.file.schema import Table, key, rows, table
 from seal_mdao.seals.file.segment_tables import KINDS, PieceTable, SegmentTable
 from seal_mdao.seals.outline.chain import checked_chain
+from seal_mdao.seals.outline.contours import JOIN, SAGITTA, Line, Spline
 from seal_mdao.seals.outline.crossings import check_simple
-from seal_mdao.seals.outline.section import JOIN, SAGITTA, Line, Spline
+from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.terms.points import CONTACT_POINTS
 
 MOST_TURN = 3600.0
@@ -37,6 +40,7 @@ class StageTable(Table):
 
 
 def _stage(given, read) -> Stage:
+    """Make the ``Stage`` of a table; one that has been read is returned."""
     if isinstance(given, Stage):
         return given
     made = read(given)
@@ -51,7 +55,7 @@ class ShapeTable(Table):
 
     @cached_property
     def made(self) -> Shape:
-        """The curve with its parameters."""
+        """Curve with its parameters."""
         return self.makes(**arguments(self, ShapeTable))
 
     @model_validator(mode="after")
@@ -62,9 +66,8 @@ class ShapeTable(Table):
 
 @cache
 def _extension(name: str, made: type) -> type[ShapeTable]:
-    keys = {"type": (one_of(name), key("name of the curve"))} | keys_of(made, ShapeTable)
-    own = {"makes": staticmethod(made), "__module__": made.__module__}
-    return table_of(ShapeTable, f"{made.__name__}Table", keys, **own)
+    """Make the table of a curve of another package."""
+    return extension_table(ShapeTable, "type", name, made, keys_of(made, ShapeTable))
 
 
 @table(kw_only=True)
@@ -94,6 +97,7 @@ class ProfileTable(SegmentTable):
 
     @model_validator(mode="after")
     def _one_curve(self):
+        # a curve of segments, which must not cross itself, or one of an extension
         curves = [own for own in ("segment", *KINDS) if getattr(self, own) is not None]
         if self.shape is None:
             check_simple(_corners(self.segments), self.closed)
@@ -103,17 +107,18 @@ class ProfileTable(SegmentTable):
 
     @cached_property
     def segments(self) -> tuple:
-        """The chain of its curve, unless that is of another package."""
+        """Chain of its curve, unless that is of another package."""
         alone = [kind for kind in KINDS if getattr(self, kind) is not None]
         if self.segment is not None and alone:
             raise ValueError(f"{alone[0]} beside [[profile.segment]]; use one of them")
         pieces = (self,) if self.segment is None else self.segment
+        # one segment in this table, or those of [[profile.segment]] head to tail
         chain = [segment for piece in pieces for segment in piece.pieces(self.name)]
         return checked_chain(chain, JOIN, _joined(chain))
 
     @property
     def closed(self) -> bool:
-        """Whether the curve ends where it begins."""
+        """Whether the curve is closed."""
         return _joined(self.segments)
 
     @property
@@ -126,34 +131,44 @@ class ProfileTable(SegmentTable):
         """Length of its path, mm; rotation is no travel."""
         return float(sum(np.hypot(*stage.translate) for stage in self.stages))
 
+    @property
+    def turns(self) -> bool:
+        """Whether a stage rotates it."""
+        return any(stage.rotate for stage in self.stages)
+
+    def on(self, section: SectionBody) -> RigidContact:
+        """Bind the contact to the points of its edges."""
+        where = section.contact_points(self.contact, self.contact_points)
+        shape = GivenShape(rigid_profile_of(self)) if self.shape is None else self.shape.made
+        law = ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, True)
+        motion = motion_of(self, section.n_steps)
+        return RigidContact(self.name, where, shape, motion, law, f"{self.name}_")
+
 
 def _joined(chain) -> bool:
+    """Return whether a chain ends where it begins."""
     return bool(np.hypot(*(chain[-1].end - chain[0].start)) <= JOIN)
 
 
 def _corners(segments) -> np.ndarray:
-    """Corners of a fine polygon along a chain, shape (k, 2)."""
+    """Compute the corners of a fine polygon along a chain, shape (k, 2)."""
     size = max(np.abs(segment.points([0.0, 0.5, 1.0])).max() for segment in segments)
     parts = [segment.points(segment.chords(SAGITTA * size)[:-1]) for segment in segments]
     return np.concatenate([*parts, segments[-1].points([1.0])])
 
 
 def motion_of(profile: ProfileTable, n_steps: int) -> Motion:
-    """The motion of a profile; one without stages stands still for ``n_steps``."""
+    """Make the motion of a profile; one without stages stands still for ``n_steps``."""
     stages = profile.stages or (Stage(n_steps),)
     return staged_motion(stages, profile.start, profile.angle, profile.pivot)
 
 
-def shape_of(profile: ProfileTable) -> Shape:
-    """The shape of a profile, without parameters unless it is that of another package."""
-    return GivenShape(rigid_profile_of(profile)) if profile.shape is None else profile.shape.made
-
-
 def rigid_profile_of(profile: ProfileTable) -> RigidProfile:
-    """The curve of a profile in its own frame; an open one goes on beyond lines at its ends."""
+    """Make the curve of a profile in its own frame; lines at the ends of an open one are extended."""
     if profile.shape is not None:
         return profile.shape.made.profile()
     pieces = [piece for segment in profile.segments for piece in _pieces(segment)]
+    # pieces in succession by arc length; a closed curve is periodic in it
     kind, origin, angle, radius, length, coefficient = zip(*pieces, strict=True)
     start = np.concatenate([[0.0], np.cumsum(length)])
     return rigid_profile(
@@ -163,18 +178,21 @@ def rigid_profile_of(profile: ProfileTable) -> RigidProfile:
 
 
 def _pieces(segment):
-    """Kind, origin, angle, radius, length and coefficients of the pieces of a segment."""
+    """List kind, origin, angle, radius, length and coefficients of the pieces of a segment."""
     none = np.zeros((4, 2))
     if isinstance(segment, Line):
+        # x(s) = x_0 + s (cos a, sin a)
         along = np.subtract(segment.last, segment.first)
         angle = float(np.arctan2(along[1], along[0]))
         return [(LINE, segment.first, angle, 1.0, segment.length, none)]
     if isinstance(segment, Spline):
+        # one piece between two knots: x(u) = sum_k c_k u^k, ascending powers
         coefficients = segment.curve.c[::-1].transpose(1, 0, 2)
         lengths = np.diff(segment.parameter)
         return [
             (CUBIC, (0.0, 0.0), 0.0, 1.0, length, own)
             for length, own in zip(lengths, coefficients, strict=True)
         ]
+    # radius positive counter-clockwise, as the sweep
     radius = float(np.copysign(segment.radius, segment.sweep))
     return [(ARC, segment.centre, segment.angle, radius, segment.length, none)]

@@ -23,7 +23,7 @@ from seal_mdao.calibration.residuals import WEIGHTINGS
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.seals.file.extensions import Extensible, keys_of
+from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
 from seal_mdao.seals.file.schema import LINE, Table, chosen_by, key, table, table_of
 from seal_mdao.values import formatted
@@ -59,7 +59,7 @@ class LawTable(Table):
     )
 
     def made(self, where: str, folder: Path) -> Isotropic:
-        """The law, which has to be stable.
+        """Make the law, which has to be stable.
 
         Parameters
         ----------
@@ -73,9 +73,11 @@ class LawTable(Table):
         SealFileError
             For constants that give no stable material; tests that cannot be read or fitted.
         """
+        # all further keys are constants of the law, or arguments of its fit
         own = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in FURTHER}
         try:
             law = self._law(own, folder)
+            # d sigma / d lambda > 0 in every mode of testing, within the range of stretches
             between = dict.fromkeys(MODES, self.stable)
             require_stable(check_stability(law, between, margin=0.0), self.law)
         except ValueError as error:
@@ -104,7 +106,7 @@ FURTHER = ("law", "stable", "data")
 
 
 def _constants_table(name: str) -> type[Table]:
-    """The table of a law with its constants."""
+    """Make the table of a law with its constants: fields, meanings and units of its class."""
     keys, texts = {"law": (one_of(name), key("name of the law"))}, _meanings(LAWS[name])
     for own in fields(LAWS[name]):
         unit = "kPa" if own.name in MODULI else ""
@@ -117,7 +119,7 @@ def _constants_table(name: str) -> type[Table]:
 
 
 def _meanings(law: type) -> dict[str, str]:
-    """What the docstring of a law says of its constants (numpy's Attributes)."""
+    """Read what the docstring of a law says of its constants (Attributes of numpydoc)."""
     attributes = getdoc(law).partition("Attributes\n----------\n")[2]
     found = {}
     for names, text in re.findall(r"^([\w, ]+) : .*\n((?: +.*\n?)*)", attributes, re.MULTILINE):
@@ -126,13 +128,15 @@ def _meanings(law: type) -> dict[str, str]:
 
 
 def _fit_table(name: str) -> type[Table]:
-    """The table of a law whose constants are fitted."""
+    """Make the table of a law whose constants are fitted."""
     keys = {"law": (one_of(name), key("name of the law"))}
+    # tests of nearly incompressible rubber do not determine its bulk modulus
     if name != "hyperfoam":
         text = "of the law, which tests of this kind do not tell"
         keys["bulk_modulus"] = number("kPa", above=0.0), key(text, 80_000.0)
     if name in OF_TERMS:
         keys["terms"] = whole(1, MAX_TERMS), key("number of terms of the law", 1)
+    # a foam has no lateral stretch of its own unless it was measured
     if name == "hyperfoam":
         text = "Poisson's ratio, where the lateral stretch was not measured"
         keys["nu"] = number() | None, key(text, None)
@@ -141,10 +145,8 @@ def _fit_table(name: str) -> type[Table]:
 
 @cache
 def _extension(name: str, made: type[Isotropic]) -> type[LawTable]:
-    """The table of a law of another package."""
-    keys = {"law": (one_of(name), key("name of the law"))} | keys_of(made, LawTable)
-    own = {"makes": staticmethod(made), "__module__": made.__module__}
-    return table_of(LawTable, f"{made.__name__}Table", keys, **own)
+    """Make the table of a law of another package."""
+    return extension_table(LawTable, "law", name, made, keys_of(made, LawTable))
 
 
 LAW_TABLES = {name: _constants_table(name) for name in LAWS}
@@ -160,7 +162,7 @@ AnyLaw = Annotated[
 
 
 def _named(given):
-    """Refuse what are no materials with names."""
+    """Refuse anything but materials with names."""
     if not isinstance(given, dict) or not given:
         line = f"[material.NAME] must be a table for every material, got {formatted(given)}"
         raise PydanticCustomError(LINE, "{line}", {"line": line})

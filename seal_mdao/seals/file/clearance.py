@@ -1,0 +1,96 @@
+"""Gap between the section of a seal file and its profiles at the start of the path."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from seal_mdao.contact.kinematics import closest_point
+from seal_mdao.errors import SealFileError
+from seal_mdao.geometry.pose import in_frame
+from seal_mdao.seals.file.profile_table import motion_of, rigid_profile_of
+from seal_mdao.seals.outline.segments import pair
+
+ROUNDING = 1e-9
+"""Penetration at the start that is rounding, over the size of the section."""
+LOOK = 1e-4
+"""Sagitta of the chords at whose ends gaps are evaluated, over the size of the section."""
+
+
+class Nearest(NamedTuple):
+    """Where a section is nearest to a profile at the start: gap (mm), point, edge."""
+
+    gap: float
+    place: np.ndarray
+    edge: str
+
+
+def gap_at_start(profile):
+    """Return the gap of a point to a profile at the start, as a function of x and y."""
+    curve, pose = rigid_profile_of(profile).curve, motion_of(profile, 1).pose(0.0)
+    return lambda x, y: closest_point(curve, *in_frame(pose, x, y))[2]
+
+
+def nearest_at_start(profile, outline) -> Nearest:
+    """Find the point of the edges that may touch a profile where their gap at the start is least."""
+    gap, sagitta = gap_at_start(profile), LOOK * outline.size
+    found = (_nearest_of(segment, gap, sagitta) for segment in _segments(profile, outline))
+    return min(found, key=lambda own: own.gap)
+
+
+def check_start(where: str, profile, outline) -> float:
+    """Return the least gap of a profile at the start, mm, which must not be negative.
+
+    Raises
+    ------
+    SealFileError
+        When the profile, at the place ``where`` in the file, begins within the section.
+    """
+    least, place, edge = nearest_at_start(profile, outline)
+    if least < -ROUNDING * outline.size:
+        gap, sagitta = gap_at_start(profile), LOOK * outline.size
+        every = [s.points(s.chords(sagitta)) for s in _segments(profile, outline)]
+        # all of the section on the wrong side: the curve has the wrong direction
+        inside = all(gap(*x) < 0.0 for x in np.concatenate(every))
+        turned = "; is it walked the wrong way?" if inside else ""
+        raise SealFileError(
+            f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
+            f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away (the "
+            f"rigid body lies on the left when walked{turned})"
+        )
+    return least
+
+
+def cleared(profile, outline):
+    """Return the profile with a start that is clear of the section by more than rounding.
+
+    A profile that touches in the drawing would begin within the section or outside of it by chance.
+    """
+    clear, h = ROUNDING * outline.size, 1e-3 * outline.size
+    least, (x, y), _ = nearest_at_start(profile, outline)
+    if least > clear:
+        return profile
+    gap = gap_at_start(profile)
+    # the profile moves against the gradient of its gap g, by central differences
+    away = np.array([gap(x + h, y) - gap(x - h, y), gap(x, y + h) - gap(x, y - h)]) / (2.0 * h)
+    start = np.array(profile.start) - 2.0 * clear * away
+    return replace(profile, start=tuple(start.tolist()))
+
+
+def _segments(profile, outline) -> list:
+    return [segment for name in profile.contact for segment in outline.edge(name)]
+
+
+def _nearest_of(segment, gap, sagitta) -> Nearest:
+    """Find the nearest point of a segment: by chords first, then between the ends beside the best."""
+
+    def at(fraction):
+        return gap(*segment.points([fraction])[0])
+
+    fractions = segment.chords(sagitta)
+    k = int(np.argmin([at(s) for s in fractions]))
+    beside = fractions[max(k - 1, 0)], fractions[min(k + 1, len(fractions) - 1)]
+    between = minimize_scalar(at, bounds=beside, method="bounded", options={"xatol": 1e-10}).x
+    best = min(fractions[k], between, key=at)
+    return Nearest(at(best), segment.points([best])[0], segment.edge)

@@ -1,0 +1,274 @@
+"""What the tables of a seal file say of each other: edges, holes, materials, steps, names.
+
+Every check raises ``SealFileError`` with the first contradiction. ``where`` is the place of a table in
+the file, as messages name it.
+"""
+
+import numpy as np
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.clearance import LOOK, ROUNDING, check_start
+from seal_mdao.seals.file.edge_tables import SELF_CONTACT
+from seal_mdao.seals.file.schema import known
+from seal_mdao.seals.file.section_table import check_section
+from seal_mdao.seals.outline.cloud_file import GivenCloud
+from seal_mdao.seals.outline.contours import Contour, Outline
+
+TOUCHING = 1e-9
+"""Gap of a profile that touches the section at the start, over its size."""
+
+
+def check(file) -> None:
+    """Refuse a ``SealFile`` whose tables contradict each other."""
+    check_section(file)
+    _check_supports(file)
+    _check_designs(file)
+    _check_cavities(file)
+    if file.self_contact is not None:
+        _check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
+    for number, term in enumerate(file.terms, 1):
+        _check_edges(f"[[term]] {number}", "edges", term.edges, file.section.outline)
+    _check_measures(file)
+    _check_steps(file)
+    _check_fluids(file)
+    _check_labels(file)
+    gaps = []
+    for number, profile in enumerate(file.profiles, 1):
+        where = f"[[profile]] {number} ({profile.name!r})"
+        _check_contact(where, profile, file)
+        _check_contact_points(where, profile, file)
+        gaps.append(check_start(where, profile, file.section.outline))
+    _check_bodies_held(file, gaps)
+
+
+# ---- edges ----
+
+
+def _check_edges(where: str, key: str, names, outline: Outline) -> None:
+    """Refuse names that no edge has, or that are given twice."""
+    for i, name in enumerate(names):
+        known(where, key, name, outline.edge_names, "edge")
+        if name in names[:i]:
+            raise SealFileError(f"{where}: {key} has {name!r} twice")
+
+
+def _stretch(names, outline: Outline) -> tuple[Contour | None, bool]:
+    """Find the contour along which edges follow one another, and whether they go all round it."""
+    for contour in outline.contours:
+        every = contour.edge_names
+        if set(names) <= set(every):
+            # a stretch begins once: at an edge that is named after one that is not
+            starts = [n for i, n in enumerate(every) if n in names and every[i - 1] not in names]
+            return contour if len(starts) <= 1 else None, not starts
+    return None, False
+
+
+def _check_supports(file) -> None:
+    """Refuse edges that are held twice, or that lie in no plane of symmetry."""
+    outline, own = file.section.outline, file.fixed_edges
+    _check_edges("[fixed]", "edges", own, outline)
+    seen = dict.fromkeys(own, "[fixed]")
+    for number, plane in enumerate(file.symmetries, 1):
+        where = f"[[symmetry]] {number}"
+        _check_edges(where, "edges", plane.edges, outline)
+        for name in plane.edges:
+            if name in seen:
+                raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
+            seen[name] = where
+            axis = "xy".index(plane.normal)
+            spread = [s.points(s.chords(LOOK * outline.size))[:, axis] for s in outline.edge(name)]
+            if np.ptp(np.concatenate(spread)) > ROUNDING * outline.size:
+                raise SealFileError(
+                    f"{where}: edges has {name!r}, which does not lie in one plane of constant "
+                    f"{plane.normal}"
+                )
+
+
+def _check_designs(file) -> None:
+    """Refuse edges of designs that are held, or that two designs move."""
+    seen = {}
+    for number, design in enumerate(file.designs, 1):
+        where = f"[[design]] {number}"
+        _check_edges(where, "edges", design.edges, file.section.outline)
+        for name in design.edges:
+            if name in file.fixed_edges:
+                raise SealFileError(f"{where}: edges has {name!r}, which [fixed] holds")
+            if name in file.supports:
+                raise SealFileError(f"{where}: edges has {name!r}, which [[symmetry]] holds")
+            if name in seen:
+                raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
+            seen[name] = where
+
+
+# ---- air, fluids, measures, names ----
+
+
+def _check_cavities(file) -> None:
+    """Refuse holes that there are not, or that two cavities name."""
+    holes, seen = len(file.section.outline.holes), {}
+    for number, cavity in enumerate(file.cavities, 1):
+        where = f"[[cavity]] {number}: hole = {cavity.hole}"
+        if cavity.hole > holes:
+            has = f"{holes} hole{'s' if holes > 1 else ''}" if holes else "no hole"
+            raise SealFileError(f"{where}, but the section has {has}")
+        if cavity.hole in seen:
+            raise SealFileError(f"{where}, which {seen[cavity.hole]} has already")
+        seen[cavity.hole] = f"[[cavity]] {number}"
+
+
+def _check_fluids(file) -> None:
+    """Refuse fluids that have no edge to go along, nothing to hold them back, or no time to grow."""
+    for number, fluid in enumerate(file.fluids, 1):
+        where = f"[[fluid]] {number}"
+        _check_fluid_edges(where, fluid.edges, file)
+        if fluid.steps is None:
+            continue
+        if file.step_tolerance is not None:
+            raise SealFileError(
+                f"{where}: steps = {fluid.steps}, but load steps are chosen where stages have none; "
+                "leave it out, and the pressure grows in the last stage"
+            )
+        if fluid.steps > file.n_steps:
+            raise SealFileError(
+                f"{where}: steps = {fluid.steps}, but the stages of the profiles have {file.n_steps} "
+                "steps in all; give them a last stage that only has steps, in which the pressure grows"
+            )
+
+
+def _check_fluid_edges(where: str, edges, file) -> None:
+    """Refuse edges of a fluid that are no stretch with two ends, or that no profile may touch."""
+    _check_edges(where, "edge", edges, file.section.outline)
+    contour, all_round = _stretch(edges, file.section.outline)
+    where = f"{where}: edge = {', '.join(edges)}"
+    if contour is None:
+        raise SealFileError(f"{where} is not one stretch of the boundary")
+    if all_round:
+        raise SealFileError(
+            f"{where} goes all round and has no ends; divide it where the fluid comes in and where it "
+            "must not come out"
+        )
+    touching = dict.fromkeys(name for profile in file.profiles for name in profile.contact)
+    if not any(name in touching for name in edges):
+        raise SealFileError(
+            f"{where}, which no profile may touch, so nothing would hold the fluid back; edges that "
+            f"profiles may touch: {', '.join(touching)}"
+        )
+
+
+def _check_measures(file) -> None:
+    """Refuse names that are taken, places without a cloud, and what other tables do not have."""
+    names = [measure.name for measure in file.measures]
+    for number, measure in enumerate(file.measures, 1):
+        where = f"[[measure]] {number}"
+        if measure.name in names[: number - 1]:
+            raise SealFileError(
+                f"{where}: name = {measure.name!r}, but an earlier measure has it; give every measure "
+                "a name of its own"
+            )
+        cloud = isinstance(file.section.spacing, GivenCloud)
+        if getattr(measure, "places", None) is not None and not cloud:
+            raise SealFileError(
+                f"{where}: places are numbers of particles, which are known beside [section] cloud alone"
+            )
+        measure.check(where, file)
+
+
+def _check_labels(file) -> None:
+    """Refuse cavities, fluids, terms and contact of the section with itself under a taken name."""
+    seen = {"structure": "the body itself"} | {p.name: "a profile" for p in file.profiles}
+    for kind, rows in (("cavity", file.cavities), ("fluid", file.fluids), ("term", file.terms)):
+        for number, row in enumerate(rows, 1):
+            where = f"[[{kind}]] {number}"
+            if row.name in seen:
+                raise SealFileError(
+                    f"{where}: name = {row.name!r}, but {seen[row.name]} has it; give every {kind} a "
+                    "name of its own"
+                )
+            seen[row.name] = where
+    if file.self_contact is not None and SELF_CONTACT in seen:
+        raise SealFileError(
+            f"[self_contact]: {seen[SELF_CONTACT]} has the name 'self_contact'; give it another one"
+        )
+
+
+# ---- profiles ----
+
+
+def _check_steps(file) -> None:
+    """Refuse profiles that all stand still, or whose stages do not go on side by side."""
+    moving = [profile for profile in file.profiles if profile.stages]
+    if not moving:
+        raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
+    first = moving[0]
+    for profile in moving[1:]:
+        if profile.n_steps == first.n_steps:
+            continue
+        if file.step_tolerance is not None:
+            # every stage has one step until steps are chosen
+            raise SealFileError(
+                f"[[profile]]: {first.name!r} has {first.n_steps} of [[profile.stage]] and "
+                f"{profile.name!r} {profile.n_steps}; stages without steps go on side by side, so give "
+                "all profiles as many (one without any key stands still)"
+            )
+        raise SealFileError(
+            f"[[profile]]: the stages of {first.name!r} have {first.n_steps} steps in all "
+            f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage that "
+            "only has steps stands still)"
+        )
+
+
+def _check_contact(where: str, profile, file) -> None:
+    """Refuse contact of edges that are fixed, or that are not one stretch of the boundary."""
+    _check_edges(where, "contact", profile.contact, file.section.outline)
+    for name in profile.contact:
+        if len(file.supports.get(name, ())) == 2:
+            raise SealFileError(f"{where}: contact = {name!r}, but [fixed] holds this edge")
+    if _stretch(profile.contact, file.section.outline)[0] is None:
+        raise SealFileError(
+            f"{where}: contact = {', '.join(profile.contact)} is not one stretch of the boundary; give "
+            "the others a profile of their own with the same motion"
+        )
+
+
+def _check_contact_points(where: str, profile, file) -> None:
+    """Refuse contact between the particles where something needs a particle at the contact."""
+    if profile.contact_points == "particles":
+        return
+    where = f'{where}: contact_points = "edges", but'
+    if file.fluids:
+        raise SealFileError(
+            f"{where} a [[fluid]] needs contact at the particles; leave contact_points out"
+        )
+    for number, measure in enumerate(file.measures, 1):
+        of = getattr(measure, "profile", None)
+        if measure.type == "profile_work" and of == profile.name and profile.turns:
+            raise SealFileError(
+                f"{where} the profile_work ([[measure]] {number}) of a profile that turns needs contact "
+                "at the particles; leave contact_points or the measure out"
+            )
+
+
+def _check_bodies_held(file, gaps) -> None:
+    """Refuse a body without a fixed edge that no profile touches at the start, with these gaps (mm)."""
+    outline, fixed = file.section.outline, file.fixed_edges
+    for number, contours in enumerate(outline.bodies, 1):
+        names = {name for contour in contours for name in contour.edge_names}
+        if names & set(fixed):
+            continue
+        own = [
+            gap
+            for gap, profile in zip(gaps, file.profiles, strict=True)
+            if names & set(profile.contact) and profile.contact_points == "particles"
+        ]
+        if min(own, default=np.inf) <= TOUCHING * outline.size:
+            continue
+        first = contours[0].edge_names[0]
+        what = f"body {number} (edge {first!r})" if outline.others else "the section"
+        missing = "[fixed] has no edge of it" if fixed else "[fixed] is missing"
+        nearest = "no profile may touch it at a particle "
+        if own:
+            nearest = f"the nearest one is {min(own):.3g} mm away "
+        raise SealFileError(
+            f"{missing}, so profiles have to hold {what}, but none touches it at the start: {nearest}"
+            "(let a segment of the boundary end where it touches, so that a particle is there)"
+        )

@@ -1,0 +1,80 @@
+"""``[optimize]``: what is made small, and what has to hold."""
+
+from pydantic import model_validator
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.forms import Text, number
+from seal_mdao.seals.file.measure_table import MeasureTable
+from seal_mdao.seals.file.measure_types import EXTENSIONS, KINDS
+from seal_mdao.seals.file.schema import Table, key, rows, suggestion, table
+
+
+@table
+class Constraint(Table):
+    """What has to hold: a measure between bounds."""
+
+    measure: Text = key("name of a measure, or a type that needs no further key")
+    lower: number() | None = key("least value, in the units of the measure", None)
+    upper: number() | None = key("largest value, in the units of the measure", None)
+
+    @model_validator(mode="after")
+    def _bounds(self):
+        if self.lower is None and self.upper is None:
+            raise ValueError("needs lower, upper or both; it has neither")
+        if self.lower is not None and self.upper is not None and self.lower > self.upper:
+            raise ValueError(f"lower = {self.lower:g} is above upper = {self.upper:g}")
+        return self
+
+
+@table
+class OptimizeTable(Table):
+    """What is made small, and what has to hold."""
+
+    minimize: Text = key("name of a measure, or a type that needs no further key")
+    constraints: rows(Constraint) = key("what has to hold", (), alias="constraint")
+
+
+def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> tuple:
+    """Return all measures: the declared ones and those that the problem names by their type.
+
+    Raises
+    ------
+    SealFileError
+        For a name of no measure; an objective with several values.
+    """
+    # a measure that is named twice is added once
+    every = list(measures)
+    aim = _implied("[optimize]: minimize", optimize.minimize, every, profiles)
+    if not aim.single:
+        raise SealFileError(
+            f"[optimize]: minimize = {aim.name!r} is of the type {aim.type}, which has several values; "
+            "minimise a single number, such as stress_norm or gap_square_sum"
+        )
+    for i, constraint in enumerate(optimize.constraints, 1):
+        _implied(f"[[optimize.constraint]] {i}: measure", constraint.measure, every, profiles)
+    return tuple(every)
+
+
+def _implied(where: str, name: str, every: list, profiles: tuple) -> MeasureTable:
+    """Find the measure that ``[optimize]`` means by a name; one of its own is added to ``every``."""
+    names = [measure.name for measure in every]
+    if name in names:
+        return every[names.index(name)]
+    try:
+        kind = EXTENSIONS.found(name) or KINDS.get(name)
+    except ValueError as error:
+        raise SealFileError(f"{where}: {error}") from None
+    # the name of a type is enough where its table needs no other key
+    if kind is not None and all(own.default is None for own in _further(kind)):
+        every.append(kind(type=name).settled(where.partition(": ")[0], profiles))
+        return every[-1]
+    close = suggestion(name, [*names, *KINDS])
+    raise SealFileError(
+        f"{where} = {name!r}, but there is no such measure{close}; it must be the name of a [[measure]] "
+        f"({', '.join(names) or 'there is none'}) or a type of its own such as section_area or reaction"
+    )
+
+
+def _further(kind: type[MeasureTable]) -> list:
+    """List the keys of a type of measure beside ``type``."""
+    return [own for name, own in kind.entries().items() if name != "type"]

@@ -1,0 +1,248 @@
+"""Build a seal from the boundary of any section."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.contact.default_penalties import completed
+from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.discretization import Body, Edge
+from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.rkpm.cells import kernel_supports
+from seal_mdao.rkpm.visibility import hidden_pairs
+from seal_mdao.seals.assembled import AssembledSeal
+from seal_mdao.seals.outline.cloud_file import GivenCloud
+from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
+from seal_mdao.seals.outline.harmonic_extension import harmonic_extension
+from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
+from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
+from seal_mdao.seals.outline.section_body import SectionBody
+from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
+from seal_mdao.structure.elastic_body import ElasticBody, Region
+
+NONE = MappingProxyType({})
+"""No edge is supported, or designed."""
+
+
+class SectionRegion(NamedTuple):
+    """A part of the section with its own material.
+
+    Attributes
+    ----------
+    material : Isotropic
+    prefix : str
+        Prefix of the names of the material's constants.
+    at : pair of float, or None
+        A point of the part, mm; None for all that is in no other region.
+    line : ndarray, shape (k, 2), or None
+        Between two points of the boundary, along which the part is cut from the rest of its body, mm.
+    """
+
+    material: object
+    prefix: str = ""
+    at: tuple | None = None
+    line: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class OutlineSeal(AssembledSeal):
+    """A seal with a cloud built from its boundary.
+
+    Attributes
+    ----------
+    loops : tuple of ndarray of int
+        Boundary particles of every loop, which come first.
+    spacing : float, Rays or GivenCloud
+        Of its cloud, mm; or the rays that fill its wall; or the cloud itself.
+    kernels : Kernels
+        Of its cloud.
+    cuts : tuple of ndarray
+        Lines that divide the nominal section between materials, their corners (k, 2), mm.
+    """
+
+    loops: tuple = ()
+    spacing: float | Rays | GivenCloud = 1.0
+    kernels: Kernels = field(default_factory=Kernels)
+    cuts: tuple = ()
+
+    @cached_property
+    def cautions(self) -> tuple[str, ...]:
+        """Warning of a wall with too few layers of particles; those of rays are chosen by the user."""
+        if isinstance(self.spacing, Rays):
+            return ()
+        wall = thin_wall(self.loops, self.drawn_particles, self.body.cells)
+        if wall is None:
+            return ()
+        x, y = np.round(wall.place, 6) + 0.0
+        return (
+            f"the wall near x = {x:.3g}, y = {y:.3g} is {wall.thickness:.3g} mm thick and has about "
+            f"{wall.layers} layers of particles across, fewer than {ENOUGH}: forces may be 10 % and "
+            f"more too large; use more (layers = {ENOUGH} of [section]) or a smaller spacing",
+        )
+
+    @property
+    def parts(self) -> np.ndarray:
+        """Index of the material of every cell."""
+        body = self.definitions[0]
+        return body.per_cell(range(len(body.regions)), len(self.body.cells), int)
+
+
+def outline_seal(
+    boundaries, spacing: float | Rays | GivenCloud, material, *, n_steps: int, supports=NONE,
+    contributions=(), designs=NONE, kernels: Kernels | None = None,
+) -> OutlineSeal:  # fmt: skip
+    """Build a seal from the boundary of its section.
+
+    Parameters
+    ----------
+    boundaries : sequence of Boundary
+        Outer contour, holes, outer contours of further bodies, as ``sampling.doubled`` returns them:
+        points with edge names, arc length, tangents.
+    spacing : float, Rays or GivenCloud
+        Target distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``; or a cloud
+        with its boundaries, whose parts are its own, not given by lines of regions.
+    material : Isotropic, or sequence of SectionRegion
+        One of the regions is that of the rest, with ``at = None``.
+    n_steps : int
+        Number of nominal load steps, that of the motions.
+    supports : mapping of str to tuple of int
+        Prescribed displacement components of edges: (0, 1) fixed; (0,) or (1,) in a plane across x or y,
+        in which a design keeps them.
+    contributions : sequence of callable
+        Functions of the ``SectionBody``, which return the definitions of further terms than the body's:
+        contacts before fluids, which they keep out.
+    designs : mapping of str to int
+        Number of parameters of every edge with a variable shape: the ``boundary_offsets``, mm along the
+        nominal normals.
+    kernels : Kernels, optional
+        If left out those of rays and of given clouds, else ``Kernels()``.
+
+    Raises
+    ------
+    ValueError
+        For names that no edge has.
+    GeometryError
+        For a boundary that cannot be filled.
+    """
+    known = stretches(boundaries)
+    checked_names(supports, known, "supports")
+    regions = [SectionRegion(material)] if isinstance(material, Isotropic) else material
+    cuts = tuple(np.asarray(own.line, float) for own in regions if own.line is not None)
+    # stretches index points of the loops; edges the particles of the cloud
+    filled, extend = _filled(boundaries, spacing, cuts)
+    edges = {
+        name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
+        for name, stretch in known.items()
+    }
+    if kernels is None:
+        kernels = spacing.kernels if isinstance(spacing, Rays | GivenCloud) else Kernels()
+    # both components of fixed edges are prescribed, the normal one of edges in a plane
+    prescribed = np.zeros(filled.particles.shape, bool)
+    for name, components in supports.items():
+        prescribed[np.ix_(edges[name].particles, components)] = True
+    body = _body(filled, kernels, prescribed, edges)
+    # design velocity V = dX/db: on the boundary by B-splines, extended to the inside
+    velocity = extend(filled, boundary_velocity(boundaries, designs, supports))
+    elastic = ElasticBody(_regions(filled, regions))
+    terms, section = [elastic], SectionBody(body, filled.loops, n_steps)
+    for bind in contributions:
+        terms.append(completed(bind(section), elastic, body, filled.particles))
+        # fluids act behind the contacts that were bound before them
+        bound = tuple(term for term in terms if isinstance(term, RigidContact))
+        section = section._replace(contacts=bound)
+    return OutlineSeal(
+        filled.particles, velocity, body, tuple(terms), n_steps, loops=filled.loops, spacing=spacing,
+        kernels=kernels, cuts=cuts,
+    )  # fmt: skip
+
+
+def _filled(boundaries, spacing, cuts):
+    """Build the cloud, and the function that extends boundary velocities to all particles."""
+    if isinstance(spacing, Rays):
+        return ray_cloud(boundaries, spacing), partial(through_wall, rays=spacing)
+    if isinstance(spacing, GivenCloud):
+        return spacing.cloud, _inside
+    return cloud([boundary.points for boundary in boundaries], spacing, cuts), _inside
+
+
+def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
+    """Rebuild the cloud of a seal for its present boundary.
+
+    Parameters and their values keep their meaning: with the same offsets the boundary is the same,
+    point by point, and the inside is new. Terms may refer to boundary particles only.
+
+    Raises
+    ------
+    GeometryError
+        For a boundary that cannot be filled.
+    ValueError
+        For a section of several materials, or one not filled by a spacing.
+    """
+    several = len(seal.definitions[0].regions) > 1
+    if several or not isinstance(seal.spacing, int | float):
+        raise ValueError(
+            "only a section of one material that is filled by a spacing has other clouds"
+        )
+    offsets = seal.check_offsets(offsets)
+    present = seal.particles(offsets)
+    filled = cloud([present[loop] for loop in seal.loops], seal.spacing)
+    n = filled.n_boundary
+    # the boundary particles come first and keep their indices and fixed components
+    prescribed = np.zeros(filled.particles.shape, bool)
+    prescribed[:n] = seal.body.fixed[:n]
+    velocity = _inside(filled, seal.design_velocity[:, :n])
+    return replace(
+        seal,
+        # nominal particles such that X = X_0 + sum_p b_p V_p is the new cloud at the present offsets b
+        drawn_particles=filled.particles - np.tensordot(offsets, velocity, 1),
+        design_velocity=velocity,
+        body=_body(filled, seal.kernels, prescribed, seal.body.edges),
+    )
+
+
+def _regions(filled: OutlineCloud, regions) -> tuple:
+    """Find the cells of every region, first of that of the rest."""
+    rest, *others = sorted(regions, key=lambda region: region.at is not None)
+    if not others:
+        return (Region(rest.material, None, rest.prefix),)
+    parts = [filled.part_at(region.at) for region in others]
+    for i, part in enumerate(parts):
+        if part in parts[:i]:
+            one, other = others[i].at, others[parts.index(part)].at
+            raise ValueError(
+                f"at = ({one[0]:.4g}, {one[1]:.4g}) is in the part of the section in which "
+                f"({other[0]:.4g}, {other[1]:.4g}) is"
+            )
+    # cells of no other region belong to the rest
+    remaining = np.flatnonzero(~np.isin(filled.parts, parts))
+    if not remaining.size:
+        raise ValueError("every part of the section is in a region; leave one to its own material")
+    cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]
+    return tuple(
+        Region(region.material, own, region.prefix)
+        for region, own in zip((rest, *others), cells, strict=True)
+    )
+
+
+def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges) -> Body:
+    # kernels are chosen for the nominal particles, and stay the same in all designs
+    cells, nominal = filled.cells, filled.first_places
+    nominal = filled.particles if nominal is None else nominal
+    radius, axes = filled.support_radius, filled.support_axes
+    if radius is None:
+        radius, axes = kernel_supports(cells, nominal, kernels.support)
+    return Body(
+        cells, radius, prescribed, edges, drawn=nominal,
+        hidden=hidden_pairs(cells, nominal, radius),
+        support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
+        n_gauss=kernels.n_gauss,
+    )  # fmt: skip
+
+
+def _inside(filled: OutlineCloud, velocity: np.ndarray) -> np.ndarray:
+    """Extend the boundary velocity (P, k, 2) harmonically to all particles (P, n, 2)."""
+    boundary = np.concatenate(filled.loops)
+    return harmonic_extension(filled.cells, filled.particles, boundary, velocity)
