@@ -16,9 +16,9 @@ from seal_mdao.drivers.uno_driver import UnoDriver
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.recording.settings import PROBLEM_OPTION
-from seal_mdao.seals.door.door_seal import OFFSET_BOUND, DoorSeal
-from seal_mdao.seals.door.measures import STANDARD
+from seal_mdao.seals.door.door_seal import OFFSET_BOUND, STANDARD
 from seal_mdao.seals.result import SealResult
+from seal_mdao.seals.seal import Seal
 
 AREA_LIMIT = 110.0
 """mm^2."""
@@ -109,7 +109,7 @@ def problem_limits(drawn: SealResult, measures=()) -> Limits:
             f"{NEGLIGIBLE_GAP} mm (largest gap {largest:.1g} mm), so no gap to minimise; choose a "
             "larger depth or another door"
         )
-    radius = drawn.seal.drawn_door_radius
+    radius = drawn.seal.scalars["door_radius"].value
     return Limits(
         gap_square_sum=cost,
         area=AREA_LIMIT,
@@ -120,7 +120,7 @@ def problem_limits(drawn: SealResult, measures=()) -> Limits:
 
 
 def seal_problem(
-    seal: DoorSeal,
+    seal: Seal,
     *,
     keep_force: bool = False,
     clamp_load: bool = False,
@@ -138,7 +138,8 @@ def seal_problem(
 
     Parameters
     ----------
-    seal : DoorSeal
+    seal : Seal
+        The door seal.
     keep_force : bool
         Keep the vertical reaction at the end of the path within 10 % of its start.
     clamp_load : bool

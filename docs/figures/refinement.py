@@ -12,7 +12,7 @@ from verification.step_refinement import STEPS, refine_steps
 from figures.tables import percent, power, table
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION, save, styled, subplots
-from seal_mdao.seals.door.door_seal import door_seal
+from seal_mdao.seals.door.door_seal import door_seal, options_of
 from seal_mdao.seals.result import analyze
 
 FRAMES = {
@@ -200,7 +200,7 @@ def flat_picture(found):
 
 def _flat_shape(axes, result):
     """The right half of the outer boundary at 10 mm."""
-    outer = result.seal.grid.free_outer
+    outer = options_of(result.seal).grid.free_outer
     place = (result.particles + result.path.displacement())[outer]
     place = place[result.particles[outer, 0] > -1e-9]
     axes.plot(*place.T, color=BLUE, label="58 × 3 particles")

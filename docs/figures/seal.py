@@ -9,6 +9,7 @@ from matplotlib.ticker import MaxNLocator
 import seal_mdao as sm
 from seal_mdao.plotting import deformed_shapes, section
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION, save, styled, subplots
+from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.wall_grid import ray_directions
 
@@ -35,14 +36,14 @@ def make(out: Path, reduced: bool) -> dict:
 def _spline_places(seal):
     """Ray angles at which the control values of the outer and inner spline act most."""
     angle = np.linspace(0, 2 * np.pi, 7201)[:-1]
-    outer = angle[np.argmax(seal.splines.outer_basis(angle), axis=0)]
-    inner = angle[np.argmax(seal.splines.inner_basis(angle), axis=0)]
+    outer = angle[np.argmax(options_of(seal).splines.outer_basis(angle), axis=0)]
+    inner = angle[np.argmax(options_of(seal).splines.inner_basis(angle), axis=0)]
     return outer, inner
 
 
 def _rings(axes, seal, **line):
     angle = np.linspace(0, 2 * np.pi, 721)
-    for radius in (seal.section.inner(angle), seal.section.outer(angle)):
+    for radius in (options_of(seal).section.inner(angle), options_of(seal).section.outer(angle)):
         axes.plot(*(radius[:, None] * ray_directions(angle)).T, **line)
 
 
@@ -50,22 +51,22 @@ def _rings(axes, seal, **line):
 def geometry(result: SealResult):
     seal, axes_style = result.seal, {"color": "black", "linewidth": 1.0, "zorder": 3}
     figure, (left, right) = subplots(1, 2, width=10.0, height=4.9, sharey=True)
-    corners = seal.drawn_particles[seal.grid.cells]
+    corners = seal.drawn_particles[options_of(seal).grid.cells]
     closed = np.concatenate([corners, corners[:, :1]], axis=1)
     left.plot(*closed.transpose(2, 1, 0), color="#C9C9C9", linewidth=0.5, zorder=2)
     left.plot(*seal.drawn_particles.T, "o", color=BLUE, markersize=2.6, zorder=4)
-    base = seal.drawn_particles[seal.grid.base]
+    base = seal.drawn_particles[options_of(seal).grid.base]
     left.plot(*base.T, "s", color=VERMILION, markersize=4, zorder=5, label="fixed")
     left.legend(loc="center")
     for number, places in enumerate(_spline_places(seal)):
-        radius = (seal.section.outer, seal.section.inner)[number](places)
+        radius = (options_of(seal).section.outer, options_of(seal).section.inner)[number](places)
         points = radius[:, None] * ray_directions(places)
         way = (0.9, -0.9)[number] * ray_directions(places)
         right.quiver(
             *points.T, *way.T, angles="xy", scale_units="xy", scale=1.0, width=0.005,
             color=(VERMILION, BLUE)[number], zorder=4,
         )  # fmt: skip
-        first = (1, 1 + seal.outer_parameters)[number]
+        first = (1, 1 + options_of(seal).outer_parameters)[number]
         for i, (x, y) in enumerate(points + 1.75 * way):
             right.text(x, y, f"$u_{{{first + i}}}$", ha="center", va="center", fontsize=8.5)
     right.text(6.6, 12.2, "$u_{26}$: radius", fontsize=9.5, va="center", ha="left", zorder=6)

@@ -19,7 +19,7 @@ from seal_mdao.drivers.optimality import measure_optimality
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OBJECTIVE_REF, OPTIMIZERS, major_iterations, seal_problem
 from seal_mdao.recording.run_log import versions
-from seal_mdao.seals.door.measures import DOOR
+from seal_mdao.seals.door.door_seal import DOOR
 from seal_mdao.seals.gaps import largest_gap
 
 # the options and the output of the run scripts

@@ -4,7 +4,7 @@ import numpy as np
 
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of
@@ -48,7 +48,9 @@ def flat_door_seal(
     kernels and contact points, or others."""
     end = Section().outer_radius - DEPTH
     motion = straight_motion((0.0, START), (0.0, end), STEPS)
-    contact = EdgeContact("door", ("seal",), FlatDoor(), motion, DoorSeal().law, "", contact_points)
+    contact = EdgeContact(
+        "door", ("seal",), FlatDoor(), motion, DoorOptions().law, "", contact_points
+    )
     return outline_seal(
         *boundaries_of(door_outline(), spacing), MooneyRivlin(), n_steps=STEPS, fixed=("base",),
         contacts=(contact,), kernels=kernels,

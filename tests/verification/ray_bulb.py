@@ -4,7 +4,7 @@ import numpy as np
 
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.outline.arcs import Arc, Circle
@@ -33,7 +33,7 @@ def ray_bulb(rays: int, layers: int, accuracy: str, contact_points: str) -> Outl
     stages = Stage(STEPS[0], (0.0, -DOWN)), Stage(STEPS[1], (ACROSS, 0.0))
     motion = staged_motion(stages, (0.0, TOP + CLEAR))
     door = EdgeContact(
-        "door", ("seal",), FlatDoor(), motion, DoorSeal().law, contact_points=contact_points
+        "door", ("seal",), FlatDoor(), motion, DoorOptions().law, contact_points=contact_points
     )
     return outline_seal(
         *boundaries_of(outline, Rays(rays, layers, CENTRE, accuracy)), MooneyRivlin(),

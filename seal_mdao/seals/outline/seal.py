@@ -16,7 +16,6 @@ from seal_mdao.geometry.shape import Shape
 from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE, TrappedAir
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
-from seal_mdao.seals.assembled import AssembledSeal
 from seal_mdao.seals.outline.cloud import OutlineCloud, cloud
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
@@ -25,6 +24,7 @@ from seal_mdao.seals.outline.kernels import Kernels
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.self_touch import SelfTouch
+from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 
@@ -102,7 +102,7 @@ class SectionRegion(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class OutlineSeal(AssembledSeal):
+class OutlineSeal(Seal):
     """A seal with a cloud built from its boundary.
 
     Attributes
@@ -185,7 +185,7 @@ def outline_seal(
     kernels : Kernels, optional
         If left out those of rays and of given clouds, else ``Kernels()``.
     standard, inputs, newton
-        As of ``AssembledSeal``.
+        As of ``Seal``.
 
     Raises
     ------
