@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
+from seal_mdao.door_optimization import door_task
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import OPTIMIZERS, seal_problem
+from seal_mdao.optimization import OPTIMIZERS, RunOptions, optimization_problem
 from seal_mdao.plotting import (
     constraint_history,
     cost_history,
@@ -22,10 +23,10 @@ OPTIMIZER = next(iter(OPTIMIZERS))
 def optimise(iterations: int, folder: str, kept: KeptAnalyses):
     """Recorded history of the optimisation."""
     recorder = Path(folder) / "cases.sql"
-    problem = seal_problem(
-        sm.door_seal(), driver=OPTIMIZERS[OPTIMIZER](iterations), recorder=recorder, kept=kept,
-        work_dir=folder,
-    )  # fmt: skip
+    run = RunOptions(
+        OPTIMIZERS[OPTIMIZER](iterations), recorder=recorder, kept=kept, work_dir=folder
+    )
+    problem = optimization_problem(door_task(run.analyze(sm.door_seal())), run)
     problem.run_driver()
     problem.cleanup()
     return read_optimization(recorder)

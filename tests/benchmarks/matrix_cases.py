@@ -11,7 +11,7 @@ CONTROL_VALUES = {26: (14, 11, False), 16: (8, 7, False), 10: (5, 4, True)}
 """Outer and inner control values, and whether they are mirrored, by the number of parameters, which
 counts the door's radius too."""
 FLAGS = ("keep_force", "clamp_load", "pressure_floor", "stress_norm", "gap_integral")
-"""Arguments of ``seal_problem`` that a case can set."""
+"""Attributes of ``DoorProblem`` that a case can set."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Case:
         )  # fmt: skip
 
     def settings(self) -> dict:
-        """The flags as arguments of ``seal_problem``."""
+        """The flags as arguments of ``DoorProblem``."""
         return dict.fromkeys(self.flags, True)
 
     def design(self, seal: sm.Seal) -> tuple[np.ndarray, float]:
