@@ -17,6 +17,7 @@ import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.door.door_seal import ACCURACIES
+from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.penalty_error import not_estimable
 from seal_mdao.standard_streams import make_writable
 
@@ -24,9 +25,9 @@ SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers",
     "refinement", "support", "n_steps", "depth", "normal_penalty", "tangent_penalty",
 )  # fmt: skip
-"""Attributes of the seal that are arguments of the same name."""
+"""Options of the seal that are arguments of the same name."""
 OF_ACCURACY = {name for changes in ACCURACIES.values() for name in changes}
-"""Attributes that ``--accuracy`` decides."""
+"""Options that ``--accuracy`` decides."""
 
 CASES = "cases.sql"
 """Recorder file in the output folder."""
@@ -68,7 +69,7 @@ def parser(description: str, out: str, positional: str = "") -> argparse.Argumen
 def add_seal_arguments(made: argparse.ArgumentParser) -> None:
     """Options that change the door seal; what is left out keeps the example's value, or that of the
     accuracy."""
-    drawn = sm.door_seal()
+    drawn = DoorOptions()
     group = made.add_argument_group("model")
 
     def add(name: str, kind, text: str, **more):
@@ -126,7 +127,7 @@ def existing_file(text: str) -> Path:
     return Path(text)
 
 
-def seal_from(arguments: argparse.Namespace, **more) -> sm.DoorSeal:
+def seal_from(arguments: argparse.Namespace, **more) -> sm.Seal:
     """The seal that the options describe."""
     with checked_arguments():
         options = {name: getattr(arguments, name) for name in SEAL_OPTIONS}
@@ -298,7 +299,7 @@ def write_summary(out: Path, summary: dict) -> Path:
     return path
 
 
-def design_from(path: Path, seal: sm.DoorSeal) -> tuple[np.ndarray, dict]:
+def design_from(path: Path, seal: sm.Seal) -> tuple[np.ndarray, dict]:
     """Boundary offsets and door radius (mm) out of the summary.json of an optimisation."""
     try:
         summary = json.loads(read_text(path))
@@ -309,4 +310,5 @@ def design_from(path: Path, seal: sm.DoorSeal) -> tuple[np.ndarray, dict]:
         text = f"{path} is not a summary.json with boundary_offsets and door_radius"
         raise WrongArgumentError(text) from None
     with checked_arguments():
-        return seal.check_offsets(offsets), {"door_radius": seal.check_door_radius(radius)}
+        changed = seal.with_parameters({"door_radius": radius}).changed
+        return seal.check_offsets(offsets), {"door_radius": changed["door_radius"]}

@@ -8,7 +8,7 @@ from _common import penalty_table
 from seal_mdao import plotting
 from seal_mdao.plotting.style import scientific
 from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
-from seal_mdao.seals.door.measures import DOOR
+from seal_mdao.seals.door.door_seal import DOOR
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
 from seal_mdao.seals.result import SealResult
 

@@ -12,6 +12,8 @@ from seal_mdao.recording.claim import require_free
 from seal_mdao.recording.recorded_seals import RecordedProblem, recorded_problem
 from seal_mdao.recording.recorder import copy_record
 from seal_mdao.recording.recorder_file import open_model
+from seal_mdao.seals.door.door_seal import options_of
+from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.file.described import FILE
 
 
@@ -33,14 +35,15 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
             f"{path} does not hold the settings of a door seal; the run of a seal file is continued by "
             "optimize_seal.py FILE --restart"
         )
-    recorded = {name: getattr(problem.seal, name) for name in SEAL_OPTIONS} | problem.settings
+    options = options_of(problem.seal)
+    recorded = {name: getattr(options, name) for name in SEAL_OPTIONS} | problem.settings
     if optimizer is not None:
         recorded["optimizer"] = optimizer
     for name in sorted(arguments.given.intersection(recorded)):
         value = getattr(arguments, name)
         _require_same(path, name, value, recorded[name], _argument(name, value))
     if "accuracy" in arguments.given:
-        _require_accuracy(arguments, problem.seal)
+        _require_accuracy(arguments, options)
     return problem, optimizer or arguments.optimizer
 
 
@@ -83,12 +86,12 @@ def continued_file(arguments: argparse.Namespace) -> Path:
     return cases
 
 
-def _require_accuracy(arguments: argparse.Namespace, recorded: sm.DoorSeal) -> None:
+def _require_accuracy(arguments: argparse.Namespace, recorded: DoorOptions) -> None:
     """What the accuracy decides, and no other argument, is as it was recorded."""
-    seal = sm.door_seal(arguments.accuracy)
+    given = options_of(sm.door_seal(arguments.accuracy))
     flag = _argument("accuracy", arguments.accuracy)
     for name in sorted(OF_ACCURACY - arguments.given):
-        _require_same(arguments.restart, name, getattr(seal, name), getattr(recorded, name), flag)
+        _require_same(arguments.restart, name, getattr(given, name), getattr(recorded, name), flag)
 
 
 def _argument(name: str, value) -> str:

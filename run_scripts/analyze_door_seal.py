@@ -26,7 +26,7 @@ from seal_mdao.export.csv_tables import travel_table
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.selection import opened_points
 from seal_mdao.progress import LoadStepProgress
-from seal_mdao.seals.door.measures import DOOR
+from seal_mdao.seals.door.door_seal import DOOR
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
 from seal_mdao.seals.profiles import contact_counts
 from seal_mdao.seals.result import SealResult
@@ -40,7 +40,8 @@ def main(arguments) -> int:
         offsets, parameters = None, {}
         if arguments.door_radius is not None:
             with checked_arguments():
-                parameters["door_radius"] = seal.check_door_radius(arguments.door_radius)
+                parameters["door_radius"] = arguments.door_radius
+                seal.with_parameters(parameters)  # refuses a wrong radius
     announce(seal)
     begun = time.perf_counter()
     with LoadStepProgress(seal) as progress:

@@ -40,13 +40,13 @@ class Bench:
     depth: float
     steps: int
 
-    def seal(self, constants) -> sm.AssembledSeal:
+    def seal(self, constants) -> sm.Seal:
         """The door seal in the press."""
         drawn = sm.door_seal().with_parameters(constants)
         body, door = drawn.terms()
         ways = [Stage(self.steps, (0.0, -self.depth)), Stage(self.steps, (0.0, self.depth))]
         door = replace(door, motion=staged_motion(ways, start=(0.0, TOUCH)))
-        return sm.AssembledSeal(
+        return sm.Seal(
             drawn.drawn_particles, drawn.design_velocity, drawn.body, (body, door), 2 * self.steps
         )
 

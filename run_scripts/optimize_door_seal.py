@@ -17,11 +17,10 @@ from _history_figures import draw_history, end_numbers, gap_warnings, report_end
 from _optimization import judged, optimize, report_run
 from _restart import continued_file, recorded_run, recorder_file
 
-from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import OPTIMIZERS, seal_problem
+from seal_mdao.door_optimization import DoorProblem, door_task
+from seal_mdao.optimization import OPTIMIZERS, RunOptions, continue_run, optimization_problem
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.recorded_optimization import read_optimization
-from seal_mdao.recording.restart import restart
 from seal_mdao.report.write import write_report
 
 PROBLEM_FLAGS = {
@@ -46,16 +45,16 @@ def main(arguments) -> int:
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
     announce(seal)
-    kept = KeptAnalyses()
     with LoadStepProgress(seal) as progress:
+        recorder = None if arguments.restart else cases
+        options = RunOptions(driver, recorder, progress, work_dir=arguments.out)
         with checked_arguments():
-            problem = seal_problem(
-                seal, driver=driver, recorder=None if arguments.restart else cases,
-                callback=progress, kept=kept, work_dir=arguments.out, **settings,
-            )  # fmt: skip
+            task = door_task(options.analyze(seal), DoorProblem(**settings))
+            problem = optimization_problem(task, options)
             if arguments.restart:
-                restart(problem, cases)
+                continue_run(problem, cases)
         run_numbers = optimize(problem)
+    kept = options.kept
     history = read_optimization(cases)
     initial, final = kept.analyze(seal), kept.analyze(seal, *history.design_at(-1))
     numbers = end_numbers(history, initial, final)

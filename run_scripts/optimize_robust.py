@@ -1,6 +1,5 @@
 """Optimise a seal for all cars, and compare it with the nominal optimum on fresh samples."""
 
-import json
 import sys
 from dataclasses import dataclass
 from hashlib import sha256
@@ -31,26 +30,22 @@ from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao import plotting
-from seal_mdao.file_optimization import file_problem, require_problem
+from seal_mdao.door_optimization import FORCE_BAND, DoorProblem, door_task, robust_door_task
+from seal_mdao.file_optimization import file_task, require_problem
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import FORCE_BAND, OPTIMIZERS, seal_problem
+from seal_mdao.optimization import (
+    OPTIMIZERS,
+    Limit,
+    RunOptions,
+    Task,
+    continue_run,
+    optimization_problem,
+)
 from seal_mdao.progress import LoadStepProgress, hidden
 from seal_mdao.recording.recorded_optimization import label, read_optimization, shown_unit
-from seal_mdao.recording.recorded_seals import recorded_settings
-from seal_mdao.recording.recorder_file import open_model
-from seal_mdao.recording.restart import restart
 from seal_mdao.report.sample_section import samples_section
 from seal_mdao.report.write import write_report
-from seal_mdao.robust_optimization import (
-    COST,
-    GOALS,
-    RobustGoal,
-    RobustLimit,
-    RobustTask,
-    door_task,
-    file_task,
-    robust_problem,
-)
+from seal_mdao.robust_optimization import GOALS, Robust, RobustGoal
 from seal_mdao.seals.result import frozen_measures
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_room
@@ -74,11 +69,11 @@ def main(arguments) -> int:
     with executor(arguments) as workers:
         with checked_arguments():
             driver = OPTIMIZERS[arguments.optimizer](*max_iterations(arguments))
-            problem = robust_problem(
-                seal, scenarios, goal, task, workers=workers, driver=driver,
-                recorder=None if arguments.restart else cases, work_dir=arguments.out,
-                label=label_of(scenarios, nominal),
-            )  # fmt: skip
+            options = RunOptions(
+                driver, None if arguments.restart else cases, work_dir=arguments.out
+            )
+            robust = Robust(goal, scenarios, workers, label_of(scenarios, nominal))
+            problem = optimization_problem(task, options, robust)
             begin(problem, nominal, cases if arguments.restart else None)
         numbers = optimize(problem)
         history = read_optimization(cases)
@@ -109,7 +104,7 @@ class Subject:
     seal : Seal
     tolerances : Tolerances
     goal : RobustGoal
-    task : RobustTask
+    task : Task
     limits : tuple of SampledLimit
     said : dict
         The limits in summary.json.
@@ -120,7 +115,7 @@ class Subject:
     seal: sm.Seal
     tolerances: Tolerances
     goal: RobustGoal
-    task: RobustTask
+    task: Task
     limits: tuple
     said: dict
     file: sm.SealFile | None = None
@@ -141,7 +136,7 @@ def door_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
     seal = with_room(seal_from(arguments))
     tolerances = tolerances_for(seal, arguments.tolerances or OF_THE_DOOR)
     with checked_arguments():
-        task = door_task(nominal_result(seal, kept), goal)
+        task = robust_door_task(nominal_result(seal, kept), goal)
     pressure, reaction = task.sampled
     low, high = band = reaction.lower, reaction.upper
     least = " and ".join(f"{value:.3g}" for value in pressure.lower)
@@ -170,7 +165,7 @@ def file_seal_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
     with file_errors(arguments.file):
         seal = with_room(seal_of(file).with_placements())
         require_problem(file, seal)
-        task = file_task(file, seal, nominal_result(seal, kept))
+        task = file_task(file, nominal_result(seal, kept))
     tolerances = tolerances_for(seal, arguments.tolerances)
     limits = tuple(
         SampledLimit(f"share_{own.measure}_{number}", _said(own), own.measure, own.kept)
@@ -180,7 +175,7 @@ def file_seal_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
     return Subject(seal, tolerances, goal, task, limits, said, file)
 
 
-def _said(limit: RobustLimit) -> str:
+def _said(limit: Limit) -> str:
     sides = (("at least", limit.lower), ("at most", limit.upper))
     words = [f"{word} {value:.4g}" for word, value in sides if value is not None]
     return f"{label(limit.measure)} {' and '.join(words)}"
@@ -238,18 +233,13 @@ def nominal_design(subject: Subject, arguments, kept: KeptAnalyses) -> tuple[np.
         return design_from(arguments.nominal, subject.seal)
     recorded = (arguments.out / NOMINAL).absolute()
     if not (arguments.restart and recorded.is_file()):
-        settings = {
-            "driver": OPTIMIZERS[arguments.optimizer](), "recorder": recorded, "kept": kept,
-            "work_dir": arguments.out,
-        }  # fmt: skip
+        driver = OPTIMIZERS[arguments.optimizer]()
+        options = RunOptions(driver, recorded, kept=kept, work_dir=arguments.out)
+        task = subject.task
         if subject.file is None:
-            problem = seal_problem(
-                subject.seal, keep_force=True, pressure_floor=True, stress_norm=True,
-                gap_integral=True, **settings,
-            )  # fmt: skip
-        else:
-            problem = file_problem(subject.file, subject.seal, **settings)
-        numbers = optimize(problem)
+            flags = DoorProblem(True, pressure_floor=True, stress_norm=True, gap_integral=True)
+            task = door_task(options.analyze(subject.seal), flags)
+        numbers = optimize(optimization_problem(task, options))
         if not numbers["success"]:
             print(f"WARNING (nominal optimum): {numbers['message']}")
     return read_optimization(recorded).design_at(-1)
@@ -267,15 +257,8 @@ def begin(problem, nominal, recorded: Path | None) -> None:
     problem.set_val("boundary_offsets", offsets)
     for name, value in parameters.items():
         problem.set_val(name, value)
-    if recorded is None:
-        return
-    mine = json.loads(problem.model.options["problem_settings"])
-    if recorded_settings(open_model(recorded)) != mine:
-        raise ValueError(
-            f"--restart: {recorded} was recorded with other scenarios or another goal; a run is "
-            "continued with its own"
-        )
-    restart(problem, recorded)
+    if recorded is not None:
+        continue_run(problem, recorded)
 
 
 def label_of(scenarios, nominal) -> str:
@@ -307,7 +290,7 @@ def sampled(subject: Subject, name, design, arguments, workers) -> SampledDesign
     return SampledDesign(name, subject.task.minimize, parts, int(np.sum(~there)))
 
 
-def compare(designs: dict, task: RobustTask, limits) -> dict:
+def compare(designs: dict, task: Task, limits) -> dict:
     """Print a line for each design; part of summary.json."""
     found = {name: design.summary(limits) for name, design in designs.items()}
     for name, own in found.items():
@@ -319,7 +302,11 @@ def compare(designs: dict, task: RobustTask, limits) -> dict:
         )
     nominal, robust = (own[task.minimize]["q95"] for own in found.values())
     ratio = robust / nominal if nominal else None
-    key = "ratio_of_95_percent_gaps" if task.minimize == COST else "ratio_of_95_percent"
+    key = (
+        "ratio_of_95_percent_gaps"
+        if task.minimize == "gap_square_integral"
+        else "ratio_of_95_percent"
+    )
     return {"compared": found, key: ratio}
 
 

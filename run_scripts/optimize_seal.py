@@ -4,10 +4,10 @@ import sys
 from pathlib import Path
 
 from _common import (
-    CASES,
     WrongArgumentError,
     announce,
     checked_arguments,
+    existing_file,
     parser,
     penalty_table,
     print_warnings,
@@ -16,20 +16,21 @@ from _common import (
 )
 from _history_figures import draw_designs, history_rows, limit_numbers, report_limits
 from _optimization import judged, optimize, report_run
-from _restart import recorded_optimizer, recorder_file
+from _restart import continued_file, recorded_optimizer, recorder_file
 from _seal_file import file_errors, file_of, seal_of
 
 import seal_mdao as sm
 from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
     CHOSEN,
-    file_problem,
+    file_task,
     measure_names,
     on_new_cloud,
     problem_settings,
+    require_problem,
 )
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import OPTIMIZERS
+from seal_mdao.optimization import OPTIMIZERS, RunOptions, continue_run, optimization_problem
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.recorded_optimization import (
     label,
@@ -37,7 +38,6 @@ from seal_mdao.recording.recorded_optimization import (
 )
 from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
-from seal_mdao.recording.restart import restart
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
@@ -49,24 +49,23 @@ def main(arguments) -> int:
     file = file_of(arguments.file)
     optimizer, chosen = arguments.optimizer, None
     if arguments.restart:
-        arguments.restart = arguments.out / CASES
         optimizer, chosen = continued(arguments.restart, file, arguments)
     kept = KeptAnalyses()
     seal = seal_of(file, chosen, kept)
-    cases = recorder_file(arguments)
+    cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
     announce(seal)
     with LoadStepProgress(seal) as progress:
+        recorder = None if arguments.restart else cases
+        options = RunOptions(driver, recorder, progress, kept, arguments.out)
         with file_errors(arguments.file):
-            problem = file_problem(
-                file, seal, driver=driver, recorder=None if arguments.restart else cases,
-                callback=progress, kept=kept, work_dir=arguments.out,
-            )  # fmt: skip
+            require_problem(file, seal)
+            problem = optimization_problem(file_task(file, options.analyze(seal)), options)
         if arguments.restart:
             with checked_arguments():
-                restart(problem, cases)
+                continue_run(problem, cases)
         numbers = optimize(problem)
     history = read_optimization(cases)
     numbers = judged(numbers, history)
@@ -105,8 +104,6 @@ def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
     ------
     WrongArgumentError
     """
-    if not cases.is_file():
-        raise WrongArgumentError(f"--restart: there is no {cases} to continue")
     with checked_arguments():
         recorded = recorded_settings(open_model(cases))
     chosen = recorded.pop(CHOSEN, None)
@@ -215,11 +212,10 @@ def arguments_parser():
         help="largest number of iterations, those before a restart included",
     )  # fmt: skip
     add(
-        "--restart",
-        action="store_true",
-        default=None,
-        help="continue the run recorded in cases.sql of --out",
-    )
+        "--restart", type=existing_file, metavar="CASES.sql",
+        help="continue the run of the same FILE recorded here, with its load steps, penalties and "
+        "optimiser; without --out in its folder",
+    )  # fmt: skip
     add("--overwrite", action="store_true", help="replace the recorder file of an earlier run")
     return made
 

@@ -65,7 +65,7 @@ def main(arguments) -> int:
 
 def chosen_design(seal, arguments) -> Design:
     """The drawn seal, or a random design when a seed or an amplitude is given."""
-    drawn = np.append(np.zeros(seal.n_offsets), seal.drawn_door_radius)
+    drawn = np.append(np.zeros(seal.n_offsets), seal.scalars["door_radius"].value)
     if arguments.seed is None and arguments.amplitude is None:
         return Design(seal, drawn)
     amplitude = AMPLITUDE if arguments.amplitude is None else arguments.amplitude
@@ -109,7 +109,7 @@ def table_rows(base, differences, columns, analytic) -> list[dict]:
     return rows
 
 
-def parameter_name(seal: sm.DoorSeal, p: int) -> str:
+def parameter_name(seal: sm.Seal, p: int) -> str:
     return f"boundary_offsets[{p}]" if p < seal.n_offsets else "door_radius"
 
 

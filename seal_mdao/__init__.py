@@ -8,10 +8,8 @@ from importlib import import_module
 from seal_mdao._version import __version__
 
 _LAZY = {
-    "DoorSeal": "seal_mdao.seals.door.door_seal",
     "door_seal": "seal_mdao.seals.door.door_seal",
     "Seal": "seal_mdao.seals.seal",
-    "AssembledSeal": "seal_mdao.seals.assembled",
     "SealResult": "seal_mdao.seals.result",
     "analyze": "seal_mdao.seals.result",
     "estimate": "seal_mdao.seals.result",

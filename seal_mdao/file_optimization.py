@@ -1,22 +1,17 @@
-"""``[optimize]`` of a seal file as an OpenMDAO problem over the parameters of its ``[[design]]``."""
+"""``[optimize]`` of a seal file: what is optimised over the parameters of its ``[[design]]``."""
 
 import hashlib
 from dataclasses import replace
 
 import numpy as np
-import openmdao.api as om
-from openmdao.core.driver import Driver
 
 from seal_mdao.components.rkpm_contact_comp import BESIDE
-from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.errors import SealFileError
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.gap import BetweenContacts
-from seal_mdao.optimization import OBJECTIVE_REF, new_problem, set_up
+from seal_mdao.optimization import Limit, Task
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.seal_file import SealFile
-from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.section_cloud import LAYERS
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
@@ -25,63 +20,39 @@ CHOSEN = "chosen"
 """What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
 
 
-def file_problem(
-    file: SealFile,
-    seal: OutlineSeal,
-    *,
-    driver: Driver | None = None,
-    recorder=None,
-    callback=None,
-    kept: KeptAnalyses | None = None,
-    work_dir=None,
-    reports=None,
-) -> om.Problem:
-    """The optimisation that a seal file asks for, set up to run.
+def file_task(file: SealFile, drawn: SealResult) -> Task:
+    """Set up the optimisation that a seal file asks for.
 
     Parameters
     ----------
     file : SealFile
-    seal : OutlineSeal
-        That of the file.
-    driver : Driver, optional
-        Uno when left out.
-    recorder : str, Path or CaseRecorder, optional
-        Where every model evaluation is recorded, with all that figures and restarts need.
-    callback : callable, optional
-        Called with every converged load step.
-    kept : KeptAnalyses, optional
-        Keeps the analyses for whoever looks at the designs afterwards; a new one when left out.
-    work_dir : str or Path, optional
-        Folder of OpenMDAO's own output; the current one when left out.
-    reports : optional
-        OpenMDAO reports to write, as for ``Problem``; none when left out.
-
-    Returns
-    -------
-    Problem
-        After ``setup``, at the drawn seal.
+    drawn : SealResult
+        Its nominal seal, analysed (``RunOptions.analyze``).
 
     Raises
     ------
     SealFileError
         For a file without ``[optimize]`` or ``[[design]]``, or whose measures are empty.
     LoadPathError
-        When the drawn seal cannot be analysed.
+        When the path of the nominal seal was not completed.
     """
+    seal = drawn.seal
     require_problem(file, seal)
-    kept = KeptAnalyses() if kept is None else kept
-    drawn = kept.analyze(seal, keep_factors=True, callback=callback)
     measures, start = optimized_measures(file, seal, drawn)
-    group = SealGroup(seal=seal, callback=callback, measures=measures, kept=kept)
-    problem = new_problem(group, driver, work_dir, reports)
-    bounds = design_bounds(file)
-    group.add_design_var("boundary_offsets", lower=-bounds, upper=bounds, ref=2.0 * bounds)
-    size = OBJECTIVE_REF * abs(float(start[file.optimize.minimize][0]))
-    group.add_objective(file.optimize.minimize, ref=size or 1.0)
-    _add_constraints(group, file, start)
+    aim, bounds = file.optimize.minimize, design_bounds(file)
+    variables = {"boundary_offsets": {"lower": -bounds, "upper": bounds, "ref": 2.0 * bounds}}
+    limits = tuple(_limit(constraint, start) for constraint in file.optimize.constraints)
     chosen = {CHOSEN: chosen_for(file, seal)} if file.leaves_open else {}
-    set_up(problem, problem_settings(file) | chosen, recorder)
-    return problem
+    settings = problem_settings(file) | chosen
+    return Task(seal, aim, float(start[aim][0]), measures, variables, limits, settings)
+
+
+def _limit(constraint, start: dict) -> Limit:
+    """The limits of a measure, scaled by the largest bound, or by the start where that is zero."""
+    name, bounds = constraint.measure, (constraint.lower, constraint.upper)
+    largest = max(abs(value) for value in bounds if value is not None)
+    size = largest or float(np.abs(start[name]).max()) or 1.0
+    return Limit(name, *bounds, ref=size)
 
 
 def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
@@ -176,17 +147,3 @@ def problem_settings(file: SealFile) -> dict:
         if path is not None
     }
     return {"seal_file": text} | sums
-
-
-def _add_constraints(group: om.Group, file: SealFile, start: dict) -> None:
-    """A measure may be constrained twice, or be the objective as well: then under another name."""
-    used = {file.optimize.minimize}
-    for number, constraint in enumerate(file.optimize.constraints, start=1):
-        name = constraint.measure
-        limits = [abs(v) for v in (constraint.lower, constraint.upper) if v is not None]
-        size = max(limits) or float(np.abs(start[name]).max()) or 1.0
-        alias = f"{name}_{number}" if name in used else None
-        group.add_constraint(
-            name, lower=constraint.lower, upper=constraint.upper, ref=size, alias=alias
-        )
-        used.add(name)

@@ -1,7 +1,8 @@
-"""Problem (71) as an OpenMDAO problem: close the gap, within stress, area and size limits."""
+"""Optimisation of any seal as an OpenMDAO problem: what is optimised, how it is run, one builder."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,23 +15,13 @@ from seal_mdao.drivers.optimizer_driver import OptimizerDriver
 from seal_mdao.drivers.slsqp_driver import SlsqpDriver
 from seal_mdao.drivers.uno_driver import UnoDriver
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.recording.recorded_seals import PROBLEM_OPTION
+from seal_mdao.recording.recorded_seals import PROBLEM_OPTION, recorded_settings
 from seal_mdao.recording.recorder import RestartRecorder, record_all
-from seal_mdao.seals.door.door_seal import OFFSET_BOUND, DoorSeal
-from seal_mdao.seals.door.measures import STANDARD
+from seal_mdao.recording.recorder_file import open_model
+from seal_mdao.recording.restart import restart
 from seal_mdao.seals.result import SealResult
+from seal_mdao.seals.seal import Seal
 
-AREA_LIMIT = 110.0
-"""mm^2."""
-STRESS_SHARE, STRESS_FLOOR = 0.8, 100.0
-"""Each stress has to fall to this share of its start, but not below the floor (kPa)."""
-FORCE_BAND = 0.1
-"""Relative change of the vertical reaction that ``keep_force`` and ``clamp_load`` allow."""
-PRESSURE_SHARE = 0.5
-"""Share of the drawn seal's contact pressure that ``pressure_floor`` asks of each patch."""
-
-NEGLIGIBLE_GAP = 1e-3
-"""Gaps of the drawn seal, mm, below which there is nothing to optimise: a penalty leaves as much."""
 OBJECTIVE_REF = 2.0
 """Scaled objective 1 is this multiple of the start: it sets the length of SLSQP's first step."""
 TOLERANCE = 1e-6
@@ -61,194 +52,199 @@ def slsqp_driver(max_iterations: int = 60) -> Driver:
 OPTIMIZERS = {"UNO": uno_driver, "IPOPT": ipopt_driver, "SLSQP": slsqp_driver}
 """Drivers by name; all settings of the optimisers are here and in the constants above."""
 
+DESIGN, DRAWING, MEAN, SHARE = "design", "drawing", "mean", "share"
+"""Where a limit of a robust optimisation holds: for the section itself, in the first scenario, on
+average, in a fraction of all samples."""
+
 
 @dataclass(frozen=True, eq=False)
-class Limits:
-    """Limits of problem (71), fixed by the drawn seal.
+class Limit:
+    """Limits of a measure.
 
     Attributes
     ----------
-    gap_square_sum : float
-        Start value of the cost, mm^2.
-    area : float
-        Upper limit, mm^2.
-    von_mises : ndarray, shape (7,)
-        Upper limits, kPa.
-    further : dict of str to ndarray
-        Values of the drawn seal of the optional measures asked for.
-    door_radius : tuple of float
-        Bounds, mm.
+    measure : str
+    lower, upper : float or ndarray, optional
+    entry : int, optional
+        Of a measure with several values; all when left out, of the drawing the first.
+    over : {"design", "drawing", "mean", "share"}
+        In a robust optimisation: for the section itself (``area``), in the drawing (the first
+        scenario), for the mean over the scenarios, or in the ``share`` of all samples asked for.
+    ref : float or ndarray, optional
+        Value that is scaled to 1; the largest bound when left out.
     """
 
-    gap_square_sum: float
-    area: float
-    von_mises: np.ndarray
-    door_radius: tuple
-    further: dict
+    measure: str
+    lower: float | np.ndarray | None = None
+    upper: float | np.ndarray | None = None
+    entry: int | None = None
+    over: str = SHARE
+    ref: float | np.ndarray | None = None
+
+    @property
+    def sides(self) -> dict:
+        """The bounds that there are, by the names of ``add_constraint``."""
+        both = {"lower": self.lower, "upper": self.upper}
+        return {side: value for side, value in both.items() if value is not None}
+
+    @property
+    def scaling(self) -> dict:
+        """Further arguments of ``add_constraint``."""
+        largest = max(np.abs(value).max() for value in self.sides.values())
+        more = {"ref": float(largest) or 1.0 if self.ref is None else self.ref}
+        return more if self.entry is None else more | {"indices": [self.entry]}
+
+    def kept(self, values: np.ndarray) -> np.ndarray:
+        """In which samples of values (n, m) the limits are kept, shape (n,)."""
+        own = values if self.entry is None else values[:, [self.entry]]
+        low = -np.inf if self.lower is None else self.lower
+        high = np.inf if self.upper is None else self.upper
+        return ((own >= low) & (own <= high)).all(axis=1)
 
 
-def problem_limits(drawn: SealResult, measures=()) -> Limits:
-    """Limits that follow from the analysis of the drawn seal.
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What is optimised, nominally or robustly.
 
-    Parameters
+    Attributes
     ----------
-    drawn : SealResult
-    measures : sequence of str
-        Optional measures that the problem uses.
-
-    Raises
-    ------
-    ValueError
-        When no gap opens under the drawn seal: there is nothing to minimise.
+    seal : Seal
+    minimize : str
+        The measure that is minimised.
+    start : float
+        Its value in the nominal seal.
+    measures : tuple of Measure or str
+        All that are evaluated.
+    variables : dict of str to dict
+        Arguments of ``add_design_var`` by the name of the input.
+    limits : tuple of Limit
+    settings : dict
+        What a recorder file keeps, to recognise the problem or to set it up again.
     """
-    cost = drawn.gap_square_sum
-    largest = float(np.abs(drawn.gap).max(initial=0.0))
-    if not largest > NEGLIGIBLE_GAP:
-        raise ValueError(
-            "no contact point of the drawn seal stands open between others in contact by more than "
-            f"{NEGLIGIBLE_GAP} mm (largest gap {largest:.1g} mm), so no gap to minimise; choose a "
-            "larger depth or another door"
-        )
-    radius = drawn.seal.drawn_door_radius
-    return Limits(
-        gap_square_sum=cost,
-        area=AREA_LIMIT,
-        von_mises=np.maximum(STRESS_SHARE * drawn.von_mises, STRESS_FLOOR),
-        door_radius=(radius - OFFSET_BOUND, radius + OFFSET_BOUND),
-        further={measure.name: drawn.value(measure) for measure in drawn.measures(measures)},
-    )
+
+    seal: Seal
+    minimize: str
+    start: float
+    measures: tuple
+    variables: dict
+    limits: tuple
+    settings: dict = field(default_factory=dict)
+
+    @property
+    def scale(self) -> float:
+        """Value of the objective that is scaled to 1."""
+        return OBJECTIVE_REF * abs(self.start) or 1.0
+
+    @property
+    def sampled(self) -> tuple[Limit, ...]:
+        """Limits that fresh samples keep to or not."""
+        return tuple(limit for limit in self.limits if limit.over in (MEAN, SHARE))
 
 
-def seal_problem(
-    seal: DoorSeal,
-    *,
-    keep_force: bool = False,
-    clamp_load: bool = False,
-    pressure_floor: bool = False,
-    stress_norm: bool = False,
-    gap_integral: bool = False,
-    driver: Driver | None = None,
-    recorder=None,
-    callback=None,
-    kept: KeptAnalyses | None = None,
-    work_dir=None,
-    reports=None,
-) -> om.Problem:
-    """Problem (71): min gap_square_sum over boundary offsets and door radius, set up to run.
+@dataclass(frozen=True, eq=False)
+class RunOptions:
+    """How an optimisation is run.
 
-    Parameters
+    Attributes
     ----------
-    seal : DoorSeal
-    keep_force : bool
-        Keep the vertical reaction at the end of the path within 10 % of its start.
-    clamp_load : bool
-        Keep the whole load curve: the same at 2, 4, 6, 8 and 10 mm, as far as the door goes.
-    pressure_floor : bool
-        Keep half of the drawn seal's contact pressure in each patch.
-    stress_norm : bool
-        Limit the p-norm of the stress of all particles instead of seven stresses.
-    gap_integral : bool
-        Minimise the integral of g^2 over the opened stretch instead of the sum over points.
     driver : Driver, optional
         Uno when left out.
     recorder : str, Path or CaseRecorder, optional
         Where every model evaluation is recorded, with all that figures and restarts need.
     callback : callable, optional
         Called with every converged load step.
-    kept : KeptAnalyses, optional
-        Keeps the analyses for whoever looks at the designs afterwards; a new one when left out.
+    kept : KeptAnalyses
+        Keeps the analyses for whoever looks at the designs afterwards.
     work_dir : str or Path, optional
         Folder of OpenMDAO's own output; the current one when left out.
     reports : optional
         OpenMDAO reports to write, as for ``Problem``; none when left out.
+    """
+
+    driver: Driver | None = None
+    recorder: object = None
+    callback: Callable | None = None
+    kept: KeptAnalyses = field(default_factory=KeptAnalyses)
+    work_dir: str | Path | None = None
+    reports: object = None
+
+    def analyze(self, seal: Seal) -> SealResult:
+        """Analyse the nominal seal, from which tasks take their limits.
+
+        Raises
+        ------
+        LoadPathError
+            When its path cannot be completed.
+        """
+        drawn = self.kept.analyze(seal, keep_factors=True, callback=self.callback)
+        drawn.require_converged()
+        return drawn
+
+
+class Nominal:
+    """Formulation with the measures of the nominal seal."""
+
+    @property
+    def settings(self) -> dict:
+        """What a recorder file keeps."""
+        return {}
+
+    def model(self, task: Task, run: RunOptions) -> om.Group:
+        """Build the group that gives objective and measures."""
+        return SealGroup(
+            seal=task.seal, callback=run.callback, measures=task.measures, kept=run.kept
+        )
+
+    def objective(self, task: Task) -> str:
+        """Name of the output that is minimised."""
+        return task.minimize
+
+    def outputs(self, limit: Limit) -> list[tuple[str, dict]]:
+        """Outputs to constrain, and arguments of ``add_constraint``."""
+        return [(limit.measure, limit.sides | limit.scaling)]
+
+
+def optimization_problem(task: Task, run: RunOptions | None = None, robust=None) -> om.Problem:
+    """Build the optimisation of any seal, set up to run.
+
+    Parameters
+    ----------
+    task : Task
+        ``door_optimization.door_task`` of the door seal, ``file_optimization.file_task`` of a seal
+        file, or one of your own.
+    run : RunOptions, optional
+    robust : robust_optimization.Robust, optional
+        Over scenarios; the nominal seal alone when left out.
 
     Returns
     -------
     Problem
-        After ``setup``, at the drawn seal.
-
-    Raises
-    ------
-    ValueError
-        When no gap opens under the drawn seal.
-    LoadPathError
-        When the drawn seal cannot be analysed.
+        After ``setup``, at the nominal seal.
     """
-    kept = KeptAnalyses() if kept is None else kept
-    drawn = kept.analyze(seal, keep_factors=True, callback=callback)
-    drawn.require_converged()
-    chosen = {
-        "reaction_curve": clamp_load, "patch_pressure": pressure_floor,
-        "stress_norm": stress_norm, "gap_square_integral": gap_integral,
-    }  # fmt: skip
-    measures = tuple(name for name, wanted in chosen.items() if wanted)
-    limits = problem_limits(drawn, measures)
-    group = SealGroup(seal=seal, callback=callback, measures=(*STANDARD, *measures), kept=kept)
-    problem = new_problem(group, driver, work_dir, reports)
-    for name, settings in design_variables(limits).items():
-        problem.model.add_design_var(name, **settings)
-    _add_responses(problem.model, limits)
-    if keep_force:
-        _add_band(problem.model, "reaction", drawn.reaction[-1, 1:], indices=[1])
-    settings = {
-        "keep_force": keep_force, "clamp_load": clamp_load, "pressure_floor": pressure_floor,
-        "stress_norm": stress_norm, "gap_integral": gap_integral,
-    }  # fmt: skip
-    set_up(problem, settings, recorder)
-    return problem
-
-
-def new_problem(group: om.Group, driver: Driver | None, work_dir, reports) -> om.Problem:
-    """The problem of a group; arguments as of ``seal_problem``."""
-    options = {} if work_dir is None else {"work_dir": str(work_dir)}
-    return om.Problem(group, driver=driver or uno_driver(), reports=reports, **options)
-
-
-def set_up(problem: om.Problem, settings: dict, recorder) -> None:
-    """Keep what was asked for beside the model, record the run where that is wanted, and ``setup``."""
-    problem.model.options.declare(PROBLEM_OPTION, default=json.dumps(settings), types=str)
-    if recorder is not None:
-        record_run(problem, recorder)
+    run = RunOptions() if run is None else run
+    formulation = Nominal() if robust is None else robust
+    group = formulation.model(task, run)
+    options = {} if run.work_dir is None else {"work_dir": str(run.work_dir)}
+    problem = om.Problem(group, driver=run.driver or uno_driver(), reports=run.reports, **options)
+    for name, settings in task.variables.items():
+        group.add_design_var(name, **settings)
+    objective = formulation.objective(task)
+    group.add_objective(objective, ref=task.scale)
+    # what is constrained twice, or minimised as well, has another name the second time
+    used, outputs = (
+        {objective},
+        [own for limit in task.limits for own in formulation.outputs(limit)],
+    )
+    for number, (name, settings) in enumerate(outputs, 1):
+        alias = f"{name}_{number}" if name in used else None
+        group.add_constraint(name, alias=alias, **settings)
+        used.add(name)
+    settings = json.dumps(formulation.settings | task.settings)
+    group.options.declare(PROBLEM_OPTION, default=settings, types=str)
+    if run.recorder is not None:
+        record_run(problem, run.recorder)
     problem.setup()
-
-
-def design_variables(limits: Limits) -> dict[str, dict]:
-    """Boundary offsets and door radius: arguments of ``add_design_var`` by the name of the input."""
-    low, high = limits.door_radius
-    middle = 0.5 * (low + high)
-    return {
-        "boundary_offsets": {"lower": -OFFSET_BOUND, "upper": OFFSET_BOUND},
-        "door_radius": {"lower": low, "upper": high, "ref0": middle, "ref": middle + 1.0},
-    }
-
-
-def _add_responses(group: om.Group, limits: Limits) -> None:
-    """Objective and constraints; the optional measures take the place of their simple forms."""
-    further = limits.further
-    if "gap_square_integral" in further:
-        start = float(further["gap_square_integral"][0])
-        group.add_objective("gap_square_integral", ref=OBJECTIVE_REF * start)
-    else:
-        group.add_objective("gap_square_sum", ref=OBJECTIVE_REF * limits.gap_square_sum)
-    group.add_constraint("area", upper=limits.area, ref=limits.area)
-    if "stress_norm" in further:
-        upper = max(STRESS_SHARE * float(further["stress_norm"][0]), STRESS_FLOOR)
-        group.add_constraint("stress_norm", upper=upper, ref=upper)
-    else:
-        group.add_constraint("von_mises", upper=limits.von_mises, ref=limits.von_mises)
-    if "reaction_curve" in further:
-        _add_band(group, "reaction_curve", further["reaction_curve"])
-    if "patch_pressure" in further:
-        floor = PRESSURE_SHARE * further["patch_pressure"]
-        group.add_constraint("patch_pressure", lower=floor, ref=floor)
-
-
-def _add_band(group: om.Group, name: str, start: np.ndarray, indices=None) -> None:
-    """Keep forces within ``FORCE_BAND`` of their start."""
-    group.add_constraint(
-        name, indices=indices, lower=(1 - FORCE_BAND) * start, upper=(1 + FORCE_BAND) * start,
-        ref=start,
-    )  # fmt: skip
+    return problem
 
 
 def record_run(problem: om.Problem, recorder) -> None:
@@ -256,6 +252,23 @@ def record_run(problem: om.Problem, recorder) -> None:
     if isinstance(recorder, str | Path):
         recorder = RestartRecorder(Path(recorder).absolute())
     record_all(problem.driver, recorder)
+
+
+def continue_run(problem: om.Problem, cases: Path) -> None:
+    """Let the next run continue the one recorded in ``cases``, whatever the seal and the folder.
+
+    Raises
+    ------
+    ValueError
+        When another problem is recorded there (``RestartError`` by ``restart``).
+    """
+    mine = json.loads(problem.model.options[PROBLEM_OPTION])
+    if recorded_settings(open_model(cases)) != mine:
+        raise ValueError(
+            f"{cases} was recorded with another problem (seal file, options, scenarios or goal); a run "
+            "is continued with its own"
+        )
+    restart(problem, cases)
 
 
 def major_iterations(problem: om.Problem) -> int | None:

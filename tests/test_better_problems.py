@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.optimization import (
+from seal_mdao.door_optimization import (
     FORCE_BAND,
-    OPTIMIZERS,
     PRESSURE_SHARE,
     STRESS_SHARE,
-    seal_problem,
+    DoorProblem,
+    door_task,
 )
+from seal_mdao.optimization import OPTIMIZERS, RunOptions, optimization_problem
 
 SEAL = sm.door_seal(n_steps=21)
 
@@ -25,9 +26,15 @@ def value(result, name):
     return result.value(result.measures((name,))[0])
 
 
+def problem_with(tmp_path, driver=None, **flags):
+    """The problem with these flags."""
+    run = RunOptions(driver, work_dir=tmp_path)
+    return optimization_problem(door_task(run.analyze(SEAL), DoorProblem(**flags)), run)
+
+
 def limits(tmp_path, **flags):
     """Constraints and objectives of the problem, by name."""
-    problem = seal_problem(SEAL, work_dir=tmp_path, **flags)
+    problem = problem_with(tmp_path, **flags)
     problem.final_setup()
     driver = problem.driver
     return {**driver._cons, **driver._objs}
@@ -60,9 +67,9 @@ def test_stress_norm_and_integral_take_the_place_of_the_point_measures(tmp_path,
 @pytest.mark.long
 def test_optimum_of_all_flags_keeps_what_they_ask(tmp_path, start):
     pytest.importorskip("ipyopt")
-    problem = seal_problem(
-        SEAL, driver=OPTIMIZERS["IPOPT"](), work_dir=tmp_path, clamp_load=True,
-        pressure_floor=True, stress_norm=True, gap_integral=True,
+    problem = problem_with(
+        tmp_path, OPTIMIZERS["IPOPT"](), clamp_load=True, pressure_floor=True, stress_norm=True,
+        gap_integral=True,
     )  # fmt: skip
     assert problem.run_driver().success
     end = sm.analyze(
@@ -81,11 +88,11 @@ def test_optimum_of_all_flags_keeps_what_they_ask(tmp_path, start):
 
 
 def test_restart_settings_hold_every_flag(tmp_path):
-    problem = seal_problem(SEAL, work_dir=tmp_path, clamp_load=True)
+    problem = problem_with(tmp_path, clamp_load=True)
     assert '"clamp_load": true' in problem.model.options["problem_settings"]
 
 
-def test_gap_that_is_rounding_is_refused(tmp_path):
+def test_gap_that_is_rounding_is_refused():
     """Under the flat door the points that open do so by less than a penalty leaves."""
     with pytest.raises(ValueError, match="no gap to minimise"):
-        seal_problem(sm.door_seal(door="flat"), work_dir=tmp_path)
+        door_task(sm.analyze(sm.door_seal(door="flat")))

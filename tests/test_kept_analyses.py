@@ -6,6 +6,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.kept_analyses import KeptAnalyses, held_bytes
+from seal_mdao.seals.door.door_seal import with_options
 
 SEAL = sm.door_seal(n_steps=21)
 OFFSETS = np.linspace(-0.1, 0.1, SEAL.n_offsets)
@@ -43,7 +44,7 @@ def test_kept_is_what_a_new_one_would_be(kept):
 def test_another_seal_or_radius_is_another_analysis(kept):
     one = KeptAnalyses()
     first = one.analyze(SEAL)
-    other = one.analyze(SEAL.with_(friction=0.3))
+    other = one.analyze(with_options(SEAL, friction=0.3))
     assert one.made == 2
     assert not same_bits(first, other)
     assert not same_bits(first, one.analyze(SEAL, None, RADIUS))
@@ -96,7 +97,7 @@ def test_newest_stays_without_any_memory():
 
 def test_path_that_failed_is_tried_again():
     newton = sm.NewtonOptions(damped_iterations=10)
-    kept, seal = KeptAnalyses(), SEAL.with_(friction=0.0, newton=newton)
+    kept, seal = KeptAnalyses(), with_options(SEAL, friction=0.0, newton=newton)
     for made in (1, 2):
         assert not kept.analyze(seal).converged
         assert kept.made == made

@@ -5,23 +5,22 @@ import pytest
 from scipy.special import ndtr
 
 import seal_mdao as sm
-from seal_mdao.optimization import PRESSURE_SHARE, STRESS_SHARE
-from seal_mdao.robust_optimization import (
-    COST,
+from seal_mdao.door_optimization import PRESSURE_SHARE, STRESS_SHARE, robust_door_task
+from seal_mdao.optimization import (
     DRAWING,
-    GOALS,
     MEAN,
-    SHARE,
-    RobustGoal,
-    RobustLimit,
-    RobustTask,
-    drawn_numbers,
-    robust_problem,
+    Limit,
+    RunOptions,
+    Task,
+    optimization_problem,
 )
+from seal_mdao.robust_optimization import GOALS, Robust, RobustGoal, drawn_numbers
 from seal_mdao.scenarios.variation import Variation
+from seal_mdao.seals.profiles import leading_motion
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_room
 
+COST = "gap_square_integral"
 DRAWN = {"friction": 0.25, "hardness": 1.0, "depth": 0.0}
 
 
@@ -62,11 +61,12 @@ def test_limits_are_those_of_the_drawn_seal_and_gradients_exist(
     seal, tolerances, minimize, tmp_path
 ):
     goal = RobustGoal(minimize)
-    problem = robust_problem(
-        seal, goal.scenarios(tolerances, seal, 2, 0), goal, workers=0, work_dir=tmp_path
+    drawn = sm.analyze(seal)
+    robust = Robust(goal, goal.scenarios(tolerances, seal, 2, 0), workers=0)
+    problem = optimization_problem(
+        robust_door_task(drawn, goal), RunOptions(work_dir=tmp_path), robust
     )
     problem.run_model()
-    drawn = sm.analyze(seal)
     norm, pressures = (drawn.value(m) for m in drawn.measures(["stress_norm", "patch_pressure"]))
     constraints = problem.model.get_constraints()
     by_name = {meta["name"].split(".")[-1]: meta for meta in constraints.values()}
@@ -107,46 +107,45 @@ def test_room_is_enough_for_a_boundary_that_is_off(seal):
         sm.analyze(seal, offsets)
     roomy = with_room(seal)
     assert sm.analyze(roomy, offsets).path.steps
-    ends = [own.motion.coordinates(own.n_steps) for own in (seal, roomy)]
+    ends = [leading_motion(own).coordinates(own.n_steps) for own in (seal, roomy)]
     np.testing.assert_array_equal(*ends)
 
 
 def test_limits_hold_where_they_are_asked_for():
     """The low quantile of a fraction of all samples keeps to the lower limit, the high one to the
     upper."""
-    goal = RobustGoal(widen=1.0)
-    both = RobustLimit("reaction", SHARE, 40.0, 80.0, entry=1)
-    assert both.outputs(goal) == [
+    robust = Robust(RobustGoal(widen=1.0), None)
+    both = Limit("reaction", 40.0, 80.0, entry=1)
+    assert robust.outputs(both) == [
         ("reaction_q2_5", {"lower": 40.0, "ref": 80.0, "indices": [1]}),
         ("reaction_q97_5", {"upper": 80.0, "ref": 80.0, "indices": [1]}),
     ]
-    assert RobustLimit("width", SHARE, lower=2.0).outputs(goal) == [
-        ("width_q2_5", {"lower": 2.0, "ref": 2.0})
-    ]
-    assert RobustLimit("width", MEAN, upper=0.0).outputs(goal) == [
+    assert robust.outputs(Limit("width", lower=2.0)) == [("width_q2_5", {"lower": 2.0, "ref": 2.0})]
+    assert robust.outputs(Limit("width", upper=0.0, over=MEAN)) == [
         ("width_mean", {"upper": 0.0, "ref": 1.0})
     ]
-    assert RobustLimit("norm", DRAWING, upper=3.0).outputs(goal) == [
+    assert robust.outputs(Limit("norm", upper=3.0, over=DRAWING)) == [
         ("norm_scenarios", {"upper": 3.0, "ref": 3.0, "indices": [0]})
     ]
     values = np.array([[0.0, 50.0], [60.0, 90.0], [60.0, 40.0]])
     assert both.kept(values).tolist() == [True, False, True]
-    floors = RobustLimit("pressure", MEAN, np.array([1.0, 45.0]))
+    floors = Limit("pressure", np.array([1.0, 45.0]), over=MEAN)
     assert floors.kept(values).tolist() == [False, True, False]
 
 
 def test_an_output_that_is_limited_twice_has_two_names(seal, tolerances, tmp_path):
     goal = RobustGoal()
     limits = (
-        RobustLimit("reaction", SHARE, upper=80.0, entry=1),
-        RobustLimit("reaction", SHARE, 1.0),
+        Limit("reaction", upper=80.0, entry=1),
+        Limit("reaction", 1.0),
     )
-    again = RobustLimit("reaction", SHARE, upper=9.0, entry=0)
-    task = RobustTask(
-        COST, 1.0, (COST, "reaction"), {"boundary_offsets": {"upper": 0.5}}, (*limits, again)
+    again = Limit("reaction", upper=9.0, entry=0)
+    task = Task(
+        seal, COST, 1.0, (COST, "reaction"), {"boundary_offsets": {"upper": 0.5}}, (*limits, again)
     )
     scenarios = goal.scenarios(tolerances, seal, 2, 0)
-    problem = robust_problem(seal, scenarios, goal, task, workers=0, work_dir=tmp_path)
+    run, robust = RunOptions(work_dir=tmp_path), Robust(goal, scenarios, workers=0)
+    problem = optimization_problem(task, run, robust)
     problem.final_setup()
     found = problem.model.get_constraints()
     assert len(found) == 3

@@ -9,7 +9,9 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.seals.door.measures import ReactionCurve
+from seal_mdao.measures.reaction import Reaction
+from seal_mdao.seals.door.options import DoorOptions
+from seal_mdao.seals.settings import seal_of
 
 SEAL = [
     ("friction", 10**400), ("friction", 11.0), ("friction", np.array([0.1, 0.2])), ("friction", 0.1j),
@@ -90,19 +92,24 @@ def test_wrong_radius_is_named(radius):
 
 def test_fractions_and_numpy_numbers_are_numbers():
     seal = sm.door_seal(friction=Fraction(1, 4), symmetric=np.bool_(False), depth=np.float32(10.0))
-    assert seal == sm.door_seal()
-    assert sm.DoorSeal.from_settings(seal.settings()) == seal
+    assert seal.key == sm.door_seal().key == seal_of(seal.settings()).key
     assert seal.check_offsets([Fraction(0)] * 25).tolist() == [0.0] * 25
+
+
+def _class(name):
+    """The class of the options of a constructor."""
+    return DoorOptions if name == "DoorOptions" else getattr(sm, name)
 
 
 OF_TERMS = {"mu": (100.0,), "alpha": (2.0,)}
 CONSTRUCTORS = {
-    "DoorSeal": (sm.door_seal, {}), "Section": (sm.Section, {}), "NewtonOptions": (sm.NewtonOptions, {}),
+    "DoorOptions": (sm.door_seal, {}), "Section": (sm.Section, {}),
+    "NewtonOptions": (sm.NewtonOptions, {}),
     "MooneyRivlin": (sm.MooneyRivlin, {}), "NeoHookean": (sm.NeoHookean, {}), "Yeoh": (sm.Yeoh, {}),
     "Gent": (sm.Gent, {}), "Ogden": (sm.Ogden, OF_TERMS),
     "Hyperfoam": (sm.Hyperfoam, OF_TERMS | {"nu": (0.3,)}),
 }  # fmt: skip
-KEYWORDS = [(name, field.name) for name in CONSTRUCTORS for field in fields(getattr(sm, name))]
+KEYWORDS = [(name, field.name) for name in CONSTRUCTORS for field in fields(_class(name))]
 FREE_TO_BE_NONE = {"door_radius", "segments", "step_ends"}
 
 
@@ -132,13 +139,13 @@ def test_every_keyword_has_bounds(kind, keyword):
 
 
 STATED = [
-    (name, field) for name, field in KEYWORDS if name in ("DoorSeal", "Section", "NewtonOptions")
+    (name, field) for name, field in KEYWORDS if name in ("DoorOptions", "Section", "NewtonOptions")
 ]
 
 
 @pytest.mark.parametrize(("kind", "keyword"), STATED, ids=map("-".join, STATED))
 def test_every_keyword_is_described(kind, keyword):
-    described = re.findall(r"^    ([a-z_0-9, ]+) : ", getattr(sm, kind).__doc__, re.MULTILINE)
+    described = re.findall(r"^    ([a-z_0-9, ]+) : ", _class(kind).__doc__, re.MULTILINE)
     assert keyword in ", ".join(described).split(", ")
 
 
@@ -206,13 +213,11 @@ def test_wrong_choice_of_the_discretisation_is_named(options):
 )
 def test_wrong_travels_are_named(travels):
     with pytest.raises(ValueError, match="travels"):
-        ReactionCurve(travels=travels)
+        Reaction("door", travels)
 
 
 def test_one_travel_is_a_list_of_one():
-    assert (
-        ReactionCurve(travels=2.0) == ReactionCurve(travels=[2.0]) == ReactionCurve(travels=(2.0,))
-    )
+    assert Reaction("door", 2.0) == Reaction("door", [2.0]) == Reaction("door", (2.0,))
 
 
 @pytest.mark.parametrize("value", [np.nan, -1, 1e300, 10**400, "many", None, 1j, [1]])

@@ -22,7 +22,7 @@ import seal_mdao as sm
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.measures.measure import Measure
-from seal_mdao.seals.door.measures import FURTHER, STANDARD
+from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.result import frozen_measures
 
@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[2]
 COMPONENTS = (sm.SplineGeometryComp, sm.AreaComp, sm.RkpmContactComp, sm.SealGroup)
 DRIVERS = (sm.UnoDriver, sm.IpoptDriver, sm.SlsqpDriver)
 OPTIONS = ["option", "default", "values", "meaning"]
-DATACLASSES = (sm.DoorSeal, Section, MooneyRivlin, NewtonOptions)
+DATACLASSES = (DoorOptions, Section, MooneyRivlin, NewtonOptions)
 
 
 def markdown_table(header: list[str], rows: list[list[str]], *options: str) -> str:
@@ -79,7 +79,7 @@ def option_rows(declared, inherited) -> list[list[str]]:
 
 
 def _value(value) -> str:
-    return "door_seal()" if isinstance(value, sm.DoorSeal) else repr(value)
+    return "door_seal()" if isinstance(value, sm.Seal) else repr(value)
 
 
 def component(cls) -> str:
@@ -124,8 +124,8 @@ def measures() -> str:
     seal = sm.door_seal()
     head = ["name", "always there", "values", "units", "meaning"]
     rows = []
-    always_there = {measure.name for measure in STANDARD}
-    for measure in frozen_measures(seal, (*STANDARD, *FURTHER)):
+    always_there = {measure.name for measure in seal.standard}
+    for measure in frozen_measures(seal, (*seal.standard, *seal.further)):
         always = "yes" if measure.name in always_there else ""
         size = str(measure.size(seal))
         rows.append([_literal(measure.name), always, size, _literal(measure.units), measure.text])

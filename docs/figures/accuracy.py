@@ -43,7 +43,7 @@ from seal_mdao.seals.choice import (
     force_difference,
     measure_difference,
 )
-from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
+from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal, options_of
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.load_steps import one_step_each
 from seal_mdao.seals.file.read import read_seal_file
@@ -321,7 +321,7 @@ def _preset(out, reduced) -> dict:
         error = np.abs(flat_errors(accuracy=name, n_steps=seal.n_steps)).max()
         corner = drawn(accuracy=name)
         away = np.abs(at_travels(corner) / CORNER - 1.0).max()
-        size = f"{seal.grid.rays} × {seal.layers}, {seal.n_steps} steps"
+        size = f"{options_of(seal).grid.rays} × {options_of(seal).layers}, {seal.n_steps} steps"
         gap = largest_opened_gap(corner)
         reached[name] = ", ".join(map(percent, (error, away, abs(gap / GAP - 1.0))))
         rows.append([

@@ -18,6 +18,7 @@ from verification.estimates import error_scale, plateau
 from verification.gradients import design_away
 
 import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.result import SealResult
 
 __all__ = [
@@ -50,7 +51,7 @@ class Case(NamedTuple):
         return int(np.sum(here != there)) if here.shape == there.shape else -1
 
 
-def _case(model: sm.DoorSeal, values: np.ndarray) -> Case:
+def _case(model: sm.Seal, values: np.ndarray) -> Case:
     design = Design(model, values)
     result = design.analyze(keep_factors=True)
     rates = sm.differentiate(result, method="direct")
@@ -68,7 +69,7 @@ def away(seed: int) -> Case:
 def case(radius: float | None = None, **changes) -> Case:
     """The drawn seal, or another door radius or model; computed once."""
     model = sm.door_seal(newton=TIGHT, **changes)
-    radius = model.drawn_door_radius if radius is None else radius
+    radius = options_of(model).drawn_door_radius if radius is None else radius
     return _case(model, np.append(np.zeros(model.n_offsets), radius))
 
 

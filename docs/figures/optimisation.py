@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
+from seal_mdao.door_optimization import door_task
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import OPTIMIZERS, seal_problem
+from seal_mdao.optimization import OPTIMIZERS, RunOptions, optimization_problem
 from seal_mdao.plotting import constraint_history, cost_history, design_comparison, save
 from seal_mdao.recording.recorded_optimization import read_optimization
 
@@ -19,9 +20,8 @@ def make(out: Path, reduced: bool) -> dict:
     kept, driver = KeptAnalyses(), OPTIMIZERS[OPTIMIZER](2 if reduced else 50)
     with tempfile.TemporaryDirectory() as folder:
         recorder = Path(folder) / "cases.sql"
-        problem = seal_problem(
-            sm.door_seal(), driver=driver, recorder=recorder, kept=kept, work_dir=folder
-        )
+        run = RunOptions(driver, recorder=recorder, kept=kept, work_dir=folder)
+        problem = optimization_problem(door_task(run.analyze(sm.door_seal())), run)
         problem.run_driver()
         problem.cleanup()
         history = read_optimization(recorder)

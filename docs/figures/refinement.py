@@ -13,7 +13,7 @@ from figures.drawing import picture
 from figures.tables import percent, power, table
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION
-from seal_mdao.seals.door.door_seal import door_seal
+from seal_mdao.seals.door.door_seal import door_seal, options_of
 from seal_mdao.seals.result import analyze
 
 FRAMES = {
@@ -191,7 +191,7 @@ def _flat_picture(path: Path, found) -> None:
 
 def _flat_shape(axes, result) -> None:
     """The right half of the outer boundary at 10 mm."""
-    outer = result.seal.grid.free_outer
+    outer = options_of(result.seal).grid.free_outer
     x = result.deformed()[outer][result.particles[outer, 0] > -1e-9]
     axes.plot(*x.T, color=BLUE, label="58 × 3 particles")
     axes.plot(*BOUNDARY[:, 2:].T, "s", color=VERMILION, markersize=3.5, label="finite elements")

@@ -7,9 +7,10 @@ from matplotlib.ticker import MaxNLocator
 
 import seal_mdao as sm
 from figures.drawing import picture
-from seal_mdao.plotting import deformed_shapes, save
+from seal_mdao.plotting import deformed_shapes
 from seal_mdao.plotting import section_drawing as section
-from seal_mdao.plotting.style import BLUE, CELL_GREY, CYCLE, GREY, VERMILION
+from seal_mdao.plotting.style import BLUE, CELL_GREY, CYCLE, GREY, VERMILION, save
+from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.wall_grid import ray_directions
 
@@ -29,17 +30,17 @@ def make(out: Path, reduced: bool) -> dict:
 
 def _geometry(path: Path, result: SealResult) -> None:
     """The cloud, and the design parameters at the control points of the splines."""
-    seal, angle = result.seal, np.linspace(0, 2 * np.pi, 721)
-    particles, cells = seal.drawn_particles, seal.grid.cells
+    door, angle = options_of(result.seal), np.linspace(0, 2 * np.pi, 721)
+    particles, cells = result.seal.drawn_particles, door.grid.cells
     with picture(path, 1, 2, width=10.0, height=4.9, sharey=True) as (left, right):
         section.draw_cells(left, particles, cells, color=CELL_GREY, linewidth=0.5, zorder=2)
         left.plot(*particles.T, "o", color=BLUE, markersize=2.6, zorder=4)
-        base = particles[seal.grid.base]
+        base = particles[door.grid.base]
         left.plot(*base.T, "s", color=VERMILION, markersize=4, zorder=5, label="fixed")
         left.legend(loc="center")
-        outer, inner = seal.section.outer, seal.section.inner
-        _offsets(right, outer, seal.splines.outer_basis, 1, 0.9, VERMILION)
-        _offsets(right, inner, seal.splines.inner_basis, 1 + seal.outer_parameters, -0.9, BLUE)
+        outer, inner = door.section.outer, door.section.inner
+        _offsets(right, outer, door.splines.outer_basis, 1, 0.9, VERMILION)
+        _offsets(right, inner, door.splines.inner_basis, 1 + door.outer_parameters, -0.9, BLUE)
         right.text(6.6, 12.2, "$u_{26}$: radius", fontsize=9.5, va="center", ha="left", zorder=6)
         for axes in (left, right):
             for radius in (inner(angle), outer(angle)):

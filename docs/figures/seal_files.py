@@ -12,9 +12,9 @@ import seal_mdao as sm
 from figures.drawing import ROOT
 from figures.tables import power, table
 from seal_mdao.drivers.optimality import measure_optimality
-from seal_mdao.file_optimization import design_bounds, file_problem
+from seal_mdao.file_optimization import design_bounds, file_task
 from seal_mdao.geometry.motion import Stage
-from seal_mdao.optimization import major_iterations
+from seal_mdao.optimization import RunOptions, major_iterations, optimization_problem
 from seal_mdao.plotting import (
     deformed_shapes,
     design_comparison,
@@ -63,7 +63,8 @@ HEAD = (
 def optimised(file, seal) -> tuple[np.ndarray, list]:
     """The optimum that a file asks for, and its row of the table."""
     with tempfile.TemporaryDirectory() as folder:
-        problem = file_problem(file, seal, work_dir=folder)
+        run = RunOptions(work_dir=folder)
+        problem = optimization_problem(file_task(file, run.analyze(seal)), run)
         driver, aim = problem.driver, file.optimize.minimize
         problem.final_setup()
         problem.run_model()

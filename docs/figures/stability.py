@@ -12,7 +12,7 @@ from seal_mdao import plotting
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.plotting.style import BLUE, GREY, LIGHT_GREY, VERMILION
-from seal_mdao.seals.door.door_seal import door_seal
+from seal_mdao.seals.door.door_seal import door_seal, with_options
 from seal_mdao.seals.result import analyze
 
 CORNERS, SHOWN = (0.0, 2.0, 4.0), 2.0
@@ -31,7 +31,7 @@ def make(out: Path, reduced: bool) -> dict:
 def _flat(out, reduced) -> dict:
     seal = door_seal(door="flat", friction=0.0, n_steps=60 if reduced else 105)
     stable = analyze(seal)
-    upright = analyze(seal.with_(newton=NewtonOptions(branch="primary")))
+    upright = analyze(with_options(seal, newton=NewtonOptions(branch="primary")))
     _branches(out / "stability_branches.png", stable, upright)
     return {
         "stable_force": f"{stable.reaction[-1, 1]:.1f}",

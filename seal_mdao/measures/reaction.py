@@ -24,8 +24,8 @@ class Reaction(Measure):
     ----------
     profile : str
     travels : tuple of float, or None
-        Travel of the profile along its path, mm; None for the end of the path. For a profile without
-        travel it is that of the first profile that travels.
+        Travel of the profile along its path, mm, counted from ``Seal.before_touch``; None for the end
+        of the path. For a profile without travel it is that of the first profile that travels.
     components : tuple of int
         0 horizontal, 1 vertical; in this order at every travel.
     direction : pair of float, "travel", or None
@@ -68,9 +68,15 @@ class Reaction(Measure):
         if self.length is not None:
             real(f"length of {self.name!r}", self.length, above=0.0)
             object.__setattr__(self, "units", "N")
+        object.__setattr__(self, "text", f"Force of the seal on the profile{self._what}.")
+
+    @property
+    def _what(self) -> str:
+        """Where on the path and in which directions, in words."""
+        at = "" if self.travels is None else " at travels along its path"
         if self.direction is not None:
-            against = "against its travel" if self.direction == TRAVEL else "in a direction"
-            object.__setattr__(self, "text", f"Force of the seal on the profile {against}.")
+            return at + (" against its travel" if self.direction == TRAVEL else " in a direction")
+        return f"{at}: {', '.join(('horizontal', 'vertical')[i] for i in self.components)}"
 
     def _unit_direction(self) -> tuple | str | None:
         text = isinstance(self.direction, str)
@@ -91,10 +97,6 @@ class Reaction(Measure):
         """Factor from N/m to the unit of the value."""
         return 1.0 if self.length is None else 1e-3 * self.length
 
-    def before(self, seal) -> float:
-        """Return the travel at which ``travels`` are zero, mm."""
-        return 0.0
-
     @property
     def _rows(self) -> int:
         """Number of values per travel."""
@@ -109,8 +111,8 @@ class Reaction(Measure):
             requested = [(motion.travel, float(len(steps)), np.zeros(len(motion.names)))]
         else:
             self._check_reached(result, motion)
-            before = self.before(result.seal)
-            # travels are counted from `before`
+            # travels are counted from the first touch of the nominal seal, where that is known
+            before = result.seal.before_touch
             counted = [before + travel for travel in self.travels]
             requested = [(travel, *motion.at_travel(travel)) for travel in counted]
         parts = [
@@ -128,7 +130,7 @@ class Reaction(Measure):
         return next((motion for motion in others if motion.travel > 0.0), own)
 
     def _check_reached(self, result, motion) -> None:
-        end = motion.travel - self.before(result.seal)
+        end = motion.travel - result.seal.before_touch
         farthest = max(self.travels, default=0.0)
         if farthest > end + ROUNDING * motion.travel:
             raise LoadPathError(

@@ -1,17 +1,47 @@
-"""The contract of a seal: what is designed, and what the engine needs to know of it."""
+"""A seal: a cloud and its design, terms of equilibrium, load steps, measures, parameters."""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from seal_mdao import values
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.contact.default_penalties import completed
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body
+from seal_mdao.measures.section_shape import cells_area
+from seal_mdao.terms.term import Scalar
 
 SETTINGS_OPTION = "seal_settings"
 """Option of a ``SealGroup`` that holds what ``Seal.settings`` gives, for recorder files."""
 
 
+class Parameter(NamedTuple):
+    """How users see a scalar parameter of the terms.
+
+    Attributes
+    ----------
+    units, text : str
+        Units (None without) and description.
+    zero : float
+        Its value where the parameter of the terms is zero; without such a term its nominal value.
+    bounds : mapping
+        Keyword arguments of ``values.real``.
+    """
+
+    units: str | None
+    text: str
+    zero: float = 0.0
+    bounds: Mapping = {}
+
+
+@dataclass(frozen=True, eq=False)
 class Seal:
-    """Base class of seals. A subclass is a frozen object that decides everything but the design.
+    """A body under terms of equilibrium, and what is designed of it.
 
     Particles are linear in the design parameters, X = X0 + sum_p offset_p V_p, so the design velocity V
     of Eq. (48) is constant.
@@ -21,51 +51,174 @@ class Seal:
     drawn_particles : ndarray, shape (n, 2)
         X0, mm.
     design_velocity : ndarray, shape (P, n, 2)
-        V.
+        V: how the design parameters (``boundary_offsets``) move the particles.
     body : Body
         Cells, supports, fixed components, named edges.
+    definitions : tuple of TermDefinition
+        An elastic body first.
     n_steps : int
         Nominal load steps.
-    newton : NewtonOptions
-    scalars : dict of str to Scalar
-        Parameters that ``with_parameters`` takes and that can be differentiated.
+    standard : tuple of Measure
+        The measures that an OpenMDAO component has unless others are asked for.
     inputs : tuple of str
-        Those of the scalars that are always inputs of an OpenMDAO component.
+        Scalar parameters that are always inputs of an OpenMDAO component. They are design parameters:
+        the nominal seal has their nominal values.
+    imposed_displacements : ImposedDisplacements, optional
+    newton : NewtonOptions
+    changed : dict of str to float
+        Scalar parameters with other values than the definitions have.
+    further : tuple of Measure
+        Other measures that the seal knows by their names.
+    parameters : dict of str to Parameter
+        Units, description, zero and bounds of scalar parameters, where they are not those of the terms.
     before_touch : float
-        Travel of the leading profile from which pictures and curves count, that of the first touch of
-        the nominal seal where it is known, mm.
-    standard, further : tuple of Measure
-        Measures that an OpenMDAO component has unless others are asked for, and others that the seal
-        knows by their names.
+        Travel of the leading profile from which travels are counted, that of the first touch of the
+        nominal seal where it is known, mm.
+    section_area : callable, optional
+        ``section_area(offsets)`` gives the area of the section, mm^2, and its gradient with respect to
+        the offsets, both complex for complex offsets; the area of the cells when left out.
+    offset_limit : float
+        Largest offset, mm.
+
+    Raises
+    ------
+    ValueError
+        For arrays that do not fit each other, labels that repeat, inputs that no term knows.
     """
 
     drawn_particles: np.ndarray
     design_velocity: np.ndarray
     body: Body
+    definitions: tuple
     n_steps: int
-    newton: NewtonOptions
-    scalars: dict
-    inputs: tuple = ()
-    before_touch: float = 0.0
     standard: tuple = ()
+    inputs: tuple = ()
+    imposed_displacements: object = None
+    newton: NewtonOptions = field(default_factory=NewtonOptions)
+    changed: dict = field(default_factory=dict)
     further: tuple = ()
+    parameters: dict = field(default_factory=dict)
+    before_touch: float = 0.0
+    section_area: Callable | None = None
+    offset_limit: float = np.inf
 
-    def terms(self) -> tuple:
-        """Definitions of all terms of equilibrium, in the order in which they are summed."""
-        raise NotImplementedError
+    def __post_init__(self):
+        values.integer("n_steps", self.n_steps, 1)
+        for name, kind in (("body", Body), ("newton", NewtonOptions)):
+            if not isinstance(getattr(self, name), kind):
+                raise ValueError(
+                    f"{name} must be of class {kind.__name__}, got {type(getattr(self, name)).__name__}"
+                )
+        for name in ("drawn_particles", "design_velocity"):
+            if not np.isfinite(values.numbers(name, getattr(self, name))).all():
+                raise ValueError(f"{name} must be finite numbers")
+        shape = (self.body.n_particles, 2)
+        if np.shape(self.drawn_particles) != shape:
+            raise ValueError(
+                f"drawn_particles must have shape {shape}, got {np.shape(self.drawn_particles)}"
+            )
+        if np.ndim(self.design_velocity) != 3 or np.shape(self.design_velocity)[1:] != shape:
+            raise ValueError(
+                f"design_velocity must have shape (P, {shape[0]}, 2), got "
+                f"{np.shape(self.design_velocity)}"
+            )
+        self._complete()
+        labels = [definition.label for definition in self.definitions]
+        if len(set(labels)) < len(labels):
+            raise ValueError(f"labels of terms repeat: {labels}")
+        unknown = [name for name in self.inputs if name not in self.scalars]
+        if unknown:
+            raise ValueError(
+                f"no term has the input {unknown[0]!r}; known are {', '.join(self.scalars)}"
+            )
 
-    def imposed(self):
-        """``ImposedDisplacements`` of the fixed components, or None."""
+    def _complete(self) -> None:
+        """Give contacts with open penalties those that follow from the body."""
+        elastic, *rest = self.definitions
+        rest = (completed(own, elastic, self.body, self.drawn_particles) for own in rest)
+        object.__setattr__(self, "definitions", (elastic, *rest))
 
-    def with_parameters(self, values: dict) -> "Seal":
+    # ---- scalar parameters ----
+
+    @cached_property
+    def scalars(self) -> dict:
+        """``Scalar`` by name: what ``with_parameters`` takes and what can be differentiated."""
+        found = {
+            name: Scalar(own.zero, own.units, own.text) for name, own in self.parameters.items()
+        }
+        for definition in (*self.definitions, self.imposed_displacements):
+            for name, own in ({} if definition is None else definition.scalars).items():
+                shown = self.parameters.get(name)
+                # p = p_0 + p of the term
+                found[name] = own if shown is None else Scalar(shown.zero + own.value, *shown[:2])
+        return {
+            name: scalar._replace(value=self.changed.get(name, scalar.value))
+            for name, scalar in found.items()
+        }
+
+    def _applied(self, definition):
+        """A definition with what was changed of it."""
+        own = {
+            name: self.changed[name] - self.parameters[name].zero
+            if name in self.parameters
+            else self.changed[name]
+            for name in definition.scalars
+            if name in self.changed
+        }
+        return definition.with_parameters(own) if own else definition
+
+    def with_parameters(self, changes: Mapping) -> "Seal":
         """A copy with some of the ``scalars`` changed.
 
         Raises
         ------
         ValueError
-            For a value that is not admissible.
+            For an unknown name, or a value that is not admissible.
         """
-        raise NotImplementedError
+        self.check_parameters(changes)
+        if not changes:
+            return self
+        checked = {name: self._checked_value(name, value) for name, value in changes.items()}
+        other = self._with_changed(self.changed | checked)
+        other.terms()  # values that are not admissible are refused here
+        return other
+
+    def _checked_value(self, name: str, value) -> float:
+        found = values.numbers(name, value).reshape(-1)
+        values.require(found.size == 1, f"{name} must be one number, got {found.size}")
+        bounds = self.parameters[name].bounds if name in self.parameters else {}
+        return values.real(name, float(found[0]), **bounds)
+
+    def _with_changed(self, changed: dict) -> "Seal":
+        """The seal with other changes of its parameters, of the same description."""
+        other = replace(self, changed=changed)
+        other.__dict__["_origin"] = self._origin
+        other.__dict__["description"] = self.description
+        return other
+
+    def as_drawn(self) -> "Seal":
+        """The nominal seal, where places of measures are chosen: its ``inputs`` not changed."""
+        rest = {name: own for name, own in self.changed.items() if name not in self.inputs}
+        return self if len(rest) == len(self.changed) else self._with_changed(rest)
+
+    def check_parameters(self, names) -> None:
+        """Raise ValueError for a scalar parameter that the seal does not have."""
+        _check_known("parameter", names, self.scalars)
+
+    # ---- terms and load steps ----
+
+    @cached_property
+    def _terms(self) -> tuple:
+        return tuple(self._applied(definition) for definition in self.definitions)
+
+    def terms(self) -> tuple:
+        """Definitions of all terms of equilibrium, in the order in which they are summed."""
+        return self._terms
+
+    def imposed(self):
+        """``ImposedDisplacements`` of the fixed components, or None."""
+        imposed = self.imposed_displacements
+        return None if imposed is None else self._applied(imposed)
 
     def with_ends(self, ends) -> "Seal":
         """The same seal with load steps that end elsewhere.
@@ -80,7 +233,12 @@ class Seal:
         ValueError
             For ends that leave out the end of a stage.
         """
-        raise NotImplementedError
+        imposed = self.imposed_displacements
+        return replace(
+            self, n_steps=len(ends),
+            definitions=tuple(definition.with_ends(ends) for definition in self.definitions),
+            imposed_displacements=None if imposed is None else imposed.with_ends(ends),
+        )  # fmt: skip
 
     def with_rooms(self, rooms: dict) -> "Seal":
         """The same seal with profiles whose first load step begins farther back (``Motion.room``).
@@ -90,25 +248,64 @@ class Seal:
         rooms : dict of str to ndarray, shape (2,)
             Where it begins, from the first waypoint, by the label of the profile, mm.
         """
-        raise NotImplementedError
+        other = replace(self, definitions=tuple(
+            replace(own, motion=replace(own.motion, room=rooms[own.label]))
+            if own.label in rooms else own
+            for own in self.definitions
+        ))  # fmt: skip
+        rooms = {label: np.asarray(room, float).tolist() for label, room in rooms.items()}
+        known = self.description.get("rooms", {})
+        return other._made_as(self, rooms=known | rooms)
 
     def with_placements(self) -> "Seal":
         """The seal with parameters that place every profile: ``<label>_x``, ``<label>_y`` (mm) and
         ``<label>_angle`` (degrees about its pivot), zero where they are drawn.
 
         They move a profile along its whole path; a sample whose profile would begin inside of the seal
-        begins farther back (``seals.clear_start``). A seal that has parameters of its own for that, as
-        the door seal has ``door_shift``, ``door_angle`` and ``depth``, stays as it is.
+        begins farther back (``seals.clear_start``). A profile with parameters of its own that move its
+        start, as the door of the door seal has ``door_shift`` and ``door_angle``, stays as it is.
         """
+        definitions = tuple(map(_placed, self.definitions))
+        if all(map(lambda new, old: new is old, definitions, self.definitions)):
+            return self
+        return replace(self, definitions=definitions)._made_as(self, placements=True)
+
+    # ---- what it was made from ----
+
+    def made_from(self, description: dict) -> "Seal":
+        """Note what this seal can be made from again, as JSON holds it; two seals of one description are
+        the same. What is made of this seal by ``dataclasses.replace`` has none."""
+        self.__dict__["description"] = description
+        if description:
+            self.__dict__["_origin"] = json.dumps(description)
         return self
 
-    def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
-        """Area of the section, mm^2, and its gradient with respect to the offsets.
+    def _made_as(self, seal: "Seal", **more) -> "Seal":
+        """Note that this seal can be made as another one, and what is changed of that."""
+        return self.made_from(seal.description and seal.description | more)
 
-        The offsets have been checked. They are complex under OpenMDAO's complex step, and then so are
-        area and gradient.
-        """
-        raise NotImplementedError
+    def settings(self) -> str:
+        """The seal as JSON, from which it can be made again; empty where that is not possible."""
+        if not self.description:
+            return ""
+        changed = {"parameters": {name: float(value) for name, value in self.changed.items()}}
+        return json.dumps(self.description | (changed if self.changed else {}))
+
+    @cached_property
+    def description(self) -> dict:
+        """What was given to ``made_from``; empty for a seal that nothing is known of."""
+        return {}
+
+    @cached_property
+    def _origin(self):
+        return object()
+
+    @property
+    def key(self):
+        """What makes two seals the same: hashable, equal for equal inputs."""
+        return self._origin, tuple(scalar.value for scalar in self.scalars.values())
+
+    # ---- measures ----
 
     def measures(self, names=()) -> tuple:
         """The standard measures, or those of ``names``; without the places that they take from the
@@ -125,31 +322,28 @@ class Seal:
         _check_known("measure", names, known)
         return tuple(known[name] for name in names)
 
-    def check_parameters(self, names) -> None:
-        """Raise ValueError for a scalar parameter that the seal does not have."""
-        _check_known("parameter", names, self.scalars)
-
-    def settings(self) -> str:
-        """The seal as JSON, from which it can be made again; empty where that is not possible."""
-        return ""
-
-    @property
-    def key(self):
-        """What makes two seals the same: hashable, equal for equal inputs."""
-        raise NotImplementedError
-
-    def as_drawn(self) -> "Seal":
-        """The same seal under the drawn profile, where places of measures are chosen."""
-        return self
-
     @property
     def cautions(self) -> tuple[str, ...]:
         """What is known to make the results of this seal inaccurate, a line each."""
         return ()
 
+    # ---- design ----
+
     @property
     def n_offsets(self) -> int:
         return len(self.design_velocity)
+
+    def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
+        """Area of the section, mm^2, and its gradient with respect to the offsets.
+
+        The offsets have been checked. They are complex under OpenMDAO's complex step, and then so are
+        area and gradient.
+        """
+        if self.section_area is not None:
+            return self.section_area(offsets)
+        # A = A(X(b)),  dA/db_p = sum_i dA/dX_i . V_pi
+        value, by_particles = cells_area(self.body.cells, self.moved(offsets))
+        return value, np.tensordot(self.design_velocity, by_particles, 2)
 
     def particles(self, offsets=None) -> np.ndarray:
         """Particles of a design, shape (n, 2), mm.
@@ -163,6 +357,7 @@ class Seal:
 
     def moved(self, offsets: np.ndarray) -> np.ndarray:
         """Particles of offsets that have been checked, real or complex, shape (n, 2), mm."""
+        # X = X_0 + sum_p b_p V_p
         return self.drawn_particles + np.tensordot(offsets, self.design_velocity, 1)
 
     def check_offsets(self, offsets) -> np.ndarray:
@@ -177,7 +372,21 @@ class Seal:
         bad = np.flatnonzero(~np.isfinite(offsets))
         if bad.size:
             raise ValueError(f"boundary_offsets[{bad[0]}] is not a finite number")
+        far = np.flatnonzero(np.abs(offsets) > self.offset_limit)
+        if far.size:
+            raise ValueError(
+                f"boundary_offsets[{far[0]}] = {offsets[far[0]]:.4g} exceeds {self.offset_limit:.4g}, "
+                "the thickness of the wall; offsets are in mm"
+            )
         return offsets
+
+
+def _placed(definition):
+    """A contact with parameters that place its profile, unless one moves its start already."""
+    if not isinstance(definition, RigidContact) or definition.motion.rates[:, 0].any():
+        return definition
+    names = (f"{definition.label}_{axis}" for axis in ("x", "y", "angle"))
+    return replace(definition, motion=definition.motion.with_placement(*names))
 
 
 def _check_known(what: str, names, known) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.door.door_seal import DOOR_SEAL, described_door_seal
 from seal_mdao.seals.file.build import built
 from seal_mdao.seals.file.described import FILE, named_in, unpacked
 from seal_mdao.seals.file.read import read_seal_file
@@ -27,9 +27,11 @@ def seal_of(text: str) -> Seal:
         settings = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise ValueError(f"the settings are not those of a seal: {error}") from error
-    if not (isinstance(settings, dict) and FILE in settings):
-        return DoorSeal.from_settings(text)
-    seal = _seal_of_file(settings)
+    if not isinstance(settings, dict) or not settings.keys() & {FILE, DOOR_SEAL}:
+        raise ValueError(
+            "the settings are not those of a seal: neither a seal file nor a door seal"
+        )
+    seal = _seal_of_file(settings) if FILE in settings else described_door_seal(settings)
     try:
         if settings.get("placements"):
             seal = seal.with_placements()
@@ -70,10 +72,8 @@ def _all_chosen(chosen: dict, file: SealFile) -> dict:
 
 
 def described(settings: dict) -> dict:
-    """Settings for reading: the tables of a seal file, what was chosen and changed of it."""
-    if FILE not in settings:
-        return settings
-    others = {
-        key: value for key, value in settings.items() if key not in (FILE, "beside") and value
-    }
-    return tomllib.loads(settings[FILE]) | others
+    """Settings for reading: the tables of a seal file or the options of a door seal, and what was
+    chosen and changed of it."""
+    own = tomllib.loads(settings[FILE]) if FILE in settings else settings.get(DOOR_SEAL, {})
+    made = (FILE, DOOR_SEAL, "beside")
+    return own | {key: value for key, value in settings.items() if key not in made and value}

@@ -13,6 +13,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.equilibrium.threads import one_blas_thread
+from seal_mdao.seals.door.door_seal import with_options
 
 
 @pytest.fixture(scope="module", params=["accumulated", "incremental"])
@@ -20,7 +21,7 @@ def pressed(request, drawn, drawn_model):
     """The drawn seal under the corner door, with either friction history."""
     if request.param == "accumulated":
         return drawn
-    return sm.analyze(drawn_model.with_(friction_history=request.param))
+    return sm.analyze(with_options(drawn_model, friction_history=request.param))
 
 
 def problem_of(result):
@@ -145,7 +146,9 @@ def test_factor_of_a_step_is_that_of_its_converged_tangent(drawn, rng):
 
 def test_solution_does_not_depend_on_the_linear_solver(tight):
     model = sm.door_seal(depth=7.0, n_steps=40, start=10.03, newton=tight)
-    band, other = (sm.analyze(model.with_(solver=solver)) for solver in ("banded", "superlu"))
+    band, other = (
+        sm.analyze(with_options(model, solver=solver)) for solver in ("banded", "superlu")
+    )
     assert type(other.path.discretization.layout.storage) is not type(
         band.path.discretization.layout.storage
     )

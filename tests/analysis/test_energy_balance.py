@@ -5,6 +5,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP
+from seal_mdao.seals.door.door_seal import options_of, with_options
 
 
 def work(result):
@@ -21,9 +22,9 @@ def stored(result):
     for step in result.path.nominal_steps:
         door = result.response("door", step)
         closed = door.gap < 0.0
-        normal = 0.5 * seal.normal_penalty * np.sum((length * door.gap**2)[closed])
+        normal = 0.5 * options_of(seal).normal_penalty * np.sum((length * door.gap**2)[closed])
         slip = door.history.variables[closed, 2]
-        tangential = 0.5 * seal.tangent_penalty * np.sum(length[closed] * slip**2)
+        tangential = 0.5 * options_of(seal).tangent_penalty * np.sum(length[closed] * slip**2)
         out.append(structure.energy(step.d) + normal + tangential)
     return np.array(out)
 
@@ -31,7 +32,7 @@ def stored(result):
 def test_without_friction_the_work_is_stored(frictionless):
     """Error of the trapezoidal rule only: it falls with the square of the step."""
     coarse = frictionless
-    fine = sm.analyze(coarse.seal.with_(n_steps=140))
+    fine = sm.analyze(with_options(coarse.seal, n_steps=140))
     errors = [abs(work(r)[-1] - stored(r)[-1]) / stored(r)[-1] for r in (coarse, fine)]
     assert errors[0] < 2e-3
     assert errors[1] < errors[0] / 8
@@ -48,7 +49,7 @@ def dissipated(result):
         share = np.where(was_open, door.gap / (door.gap - before[:, 2]), 1.0)
         inelastic = slid * share - (after[:, 2] - np.where(was_open, 0.0, before[:, 2]))
         slips = door.state == SLIP
-        penalty = result.seal.tangent_penalty
+        penalty = options_of(result.seal).tangent_penalty
         out.append(np.sum((penalty * after[:, 2] * inelastic * length)[slips]))
     return np.array(out)
 
@@ -56,7 +57,7 @@ def dissipated(result):
 def test_with_friction_the_rest_of_the_work_is_dissipated(flat):
     """Sliding takes energy at every step, and the balance closes as the steps are refined."""
     errors = []
-    for result in (flat, sm.analyze(flat.seal.with_(n_steps=420))):
+    for result in (flat, sm.analyze(with_options(flat.seal, n_steps=420))):
         lost = dissipated(result)
         assert np.all(lost >= 0.0)
         balance = work(result) - stored(result) - np.cumsum(lost)

@@ -19,13 +19,14 @@ from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.loads.imposed import ImposedDisplacements
+from seal_mdao.seals.door.door_seal import options_of, with_options
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import edge_points, fixed_points, single_points
 
 
 def heights(seal):
     """Height of the door at the start and after every nominal step."""
-    return np.array([seal.motion.pose(k).position[1] for k in range(seal.n_steps + 1)])
+    return np.array([options_of(seal).motion.pose(k).position[1] for k in range(seal.n_steps + 1)])
 
 
 def test_cut_steps_are_recorded_with_their_parts(cut):
@@ -82,7 +83,7 @@ def test_cuts_do_not_change_the_path(rule):
     """A step that was halved is solved as one from where its parts led."""
     seal = sm.door_seal(friction_history=rule, n_steps=40, newton=sm.NewtonOptions(tolerance=1e-11))
     few = sm.NewtonOptions(tolerance=1e-11, max_iterations=3)
-    cut, whole = sm.analyze(seal.with_(newton=few)), sm.analyze(seal)
+    cut, whole = sm.analyze(with_options(seal, newton=few)), sm.analyze(seal)
     assert cut.path.step_cuts > whole.path.step_cuts == 0
     assert len(cut.path.steps) == 40
     # each step stops within the tolerance of its forces; a stiff contact divides by little
@@ -94,7 +95,7 @@ def test_cuts_do_not_change_the_path(rule):
 
 def test_parts_of_a_step_hardly_change_the_path(cut, drawn):
     """Where they stay: the accumulated rule needs no particular length."""
-    parted = sm.analyze(cut.seal.with_(n_steps=105))
+    parted = sm.analyze(with_options(cut.seal, n_steps=105))
     np.testing.assert_allclose(parted.reaction, drawn.reaction, rtol=0.0, atol=0.02)
     np.testing.assert_allclose(parted.deformed(), drawn.deformed(), rtol=0.0, atol=1e-3)
 
@@ -149,7 +150,7 @@ def test_measures_of_a_failed_path_are_refused(buckled):
 
 
 def test_without_cuts_the_path_ends_at_the_first_difficult_step(cut):
-    model = cut.seal.with_(newton=replace(cut.seal.newton, max_cuts=0))
+    model = with_options(cut.seal, newton=replace(cut.seal.newton, max_cuts=0))
     result = sm.analyze(model)
     assert not result.converged
     assert result.step_cuts == 0
@@ -162,7 +163,8 @@ def test_without_cuts_the_path_ends_at_the_first_difficult_step(cut):
 def test_steps_before_touching_move_nothing(drawn):
     for step in drawn.path.steps[:4]:
         assert not step.d.any()
-        door, height = drawn.response("door", step), drawn.seal.motion.pose(step.fraction).position
+        door = drawn.response("door", step)
+        height = options_of(drawn.seal).motion.pose(step.fraction).position
         assert not door.total.any()
         assert door.gap.min() == pytest.approx(height[1] - 9.5, abs=1e-12)
 
@@ -172,9 +174,9 @@ def test_base_does_not_move_and_contact_points_are_particles(drawn):
     model = drawn.seal
     for step in (30, 104):
         displacement = drawn.path.displacement(step)
-        np.testing.assert_allclose(displacement[model.grid.base], 0.0, atol=1e-14)
+        np.testing.assert_allclose(displacement[options_of(model).grid.base], 0.0, atol=1e-14)
         np.testing.assert_allclose(
-            drawn.deformed(step)[model.grid.free_outer],
+            drawn.deformed(step)[options_of(model).grid.free_outer],
             drawn.path.at_nominal("door")[step].x,
             rtol=0.0,
             atol=1e-13,
@@ -191,8 +193,8 @@ def test_base_carries_the_door(drawn):
     model, structure = drawn.seal, drawn.term("structure")
     for place in (30, 60, 104):
         step, door = drawn.path.nominal_steps[place], drawn.path.at_nominal("door")[place]
-        base = structure.forces(step.d)[model.grid.base]
-        x = drawn.particles[model.grid.base]
+        base = structure.forces(step.d)[options_of(model).grid.base]
+        x = drawn.particles[options_of(model).grid.base]
         np.testing.assert_allclose(base.sum(axis=0), door.total, rtol=0.0, atol=1e-8)
         moment = np.sum(x[:, 0] * base[:, 1] - x[:, 1] * base[:, 0])
         y, force = door.x, door.force
@@ -214,7 +216,7 @@ def test_coulomb_limit_holds_at_every_point_of_the_path(drawn, flat):
 def test_forces_are_penalty_times_penetration(flat):
     step, length = flat.contact, flat.term("door").length
     touching = step.state != OPEN
-    expected = flat.seal.normal_penalty * length * np.maximum(-step.gap, 0.0)
+    expected = options_of(flat.seal).normal_penalty * length * np.maximum(-step.gap, 0.0)
     np.testing.assert_allclose(step.force[:, 1], expected, rtol=1e-12)
     np.testing.assert_array_equal(touching, step.gap < 0.0)
     assert flat.max_penetration == pytest.approx(-step.gap.min(), rel=1e-15)
@@ -222,11 +224,11 @@ def test_forces_are_penalty_times_penetration(flat):
 
 def test_flat_door_keeps_the_seal_symmetric(flat):
     """Mirror symmetric section, door and law: x -> -x maps the solution on itself."""
-    model, state = flat.seal, flat.contact.state
+    grid, state = options_of(flat.seal).grid, flat.contact.state
     x = flat.deformed()
     rays = np.arange(58)
     for layer in range(3):
-        here, mirror = x[model.grid.particle(rays, layer)], x[model.grid.particle(-rays, layer)]
+        here, mirror = (x[grid.particle(way, layer)] for way in (rays, -rays))
         np.testing.assert_allclose(here, mirror * [-1.0, 1.0], rtol=0.0, atol=1e-7)
     assert flat.reaction[-1, 0] == pytest.approx(0.0, abs=1e-6)
     np.testing.assert_array_equal(state, state[::-1])
@@ -259,7 +261,7 @@ def test_point_loads_have_the_resultant_and_the_moment_of_their_forces(rng):
 
 def test_edge_points_integrate_along_the_boundary():
     model = sm.door_seal()
-    outer = model.grid.particle(np.arange(58), 2)
+    outer = options_of(model).grid.particle(np.arange(58), 2)
     edges = np.column_stack([outer, np.roll(outer, -1)])
     where = edge_points(edges)
     lengths, x = where.lengths(model.drawn_particles), where.points.at(model.drawn_particles)
@@ -275,16 +277,16 @@ def test_edge_points_integrate_along_the_boundary():
 def test_dead_load_is_balanced_by_the_base():
     """A small load on the top, no contact: the base carries it, and doubling it nearly doubles d."""
     model = sm.door_seal()
-    top = model.grid.particle(29, 2)
+    top = options_of(model).grid.particle(29, 2)
     tops = []
     for size in (1e-3, 2e-3):
         at_top = fixed_points(single_points(top), 1.0)
         load = DeadLoad("pull", at_top, np.array([0.3 * size, -size]), np.array([0.0, 1.0]))
-        terms = elastic_body(model.material), load
+        terms = elastic_body(options_of(model).material), load
         path = solve_path(
             PathProblem(discretize(model.body, model.drawn_particles, terms), terms), 1
         )
-        held = path.problem.term("structure").forces(path.steps[-1].d)[model.grid.base]
+        held = path.problem.term("structure").forces(path.steps[-1].d)[options_of(model).grid.base]
         np.testing.assert_allclose(held.sum(axis=0), [-0.3 * size, size], rtol=0.0, atol=1e-9)
         tops.append(path.displacement()[top])
     np.testing.assert_allclose(tops[1], 2 * tops[0], rtol=1e-3)

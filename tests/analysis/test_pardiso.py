@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 import seal_mdao as sm
 from seal_mdao.equilibrium.linear_solver import storage_for
 from seal_mdao.equilibrium.pardiso import import_pypardiso
+from seal_mdao.seals.door.door_seal import with_options
 
 
 def test_missing_pypardiso_is_an_error_of_one_line(monkeypatch):
@@ -114,7 +115,7 @@ def test_analysis_and_sensitivities_do_not_depend_on_the_solver(tight):
     pytest.importorskip("pypardiso")
     model = sm.door_seal(depth=3.0, n_steps=14, start=10.03, newton=tight)
     band, other = (
-        sm.analyze(model.with_(solver=solver), keep_factors=True)
+        sm.analyze(with_options(model, solver=solver), keep_factors=True)
         for solver in ("banded", "pardiso")
     )
     np.testing.assert_allclose(other.reaction, band.reaction, rtol=0.0, atol=1e-7)
@@ -183,7 +184,9 @@ import openmdao.api as om
 from scipy.sparse import eye_array
 
 import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import with_options
 from seal_mdao.equilibrium.pardiso import import_pypardiso
+from seal_mdao.seals.door.door_seal import with_options
 
 driver, when = sys.argv[1:]
 if when == "after PARDISO":

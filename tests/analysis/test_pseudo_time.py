@@ -12,6 +12,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, STICK
+from seal_mdao.seals.door.door_seal import with_options
 
 # little friction; the last point that sticks begins to slide near the end of the path (0.01 mm)
 OFFSETS = 0.01 * np.array([
@@ -37,7 +38,7 @@ def sliding(model):
 def stuck(model):
     """The same path without damped motion."""
     newton = replace(NEWTON, damped_iterations=0)
-    return sm.analyze(model.with_(newton=newton), OFFSETS, RADIUS)
+    return sm.analyze(with_options(model, newton=newton), OFFSETS, RADIUS)
 
 
 def test_newton_alone_ends_where_the_last_point_begins_to_slide(stuck):
@@ -104,7 +105,7 @@ def test_derivatives_pass_through_it(sliding, model, rng):
 
 
 def test_too_few_iterations_leave_the_failure_of_newton(model, stuck):
-    few = model.with_(newton=replace(NEWTON, damped_iterations=3))
+    few = with_options(model, newton=replace(NEWTON, damped_iterations=3))
     result = sm.analyze(few, OFFSETS, RADIUS)
     assert not result.converged
     assert result.path.failure == stuck.path.failure

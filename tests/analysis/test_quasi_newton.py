@@ -12,6 +12,7 @@ from seal_mdao.analysis.quasi_newton import BroydenSteps, CarriedFactor
 from seal_mdao.analysis.result import Status
 from seal_mdao.equilibrium.corrected_factor import CorrectedFactor
 from seal_mdao.equilibrium.linear_solver import SparseStorage
+from seal_mdao.seals.door.door_seal import with_options
 from seal_mdao.structure.deformation import particle_gradients
 
 STEPS = 28
@@ -74,7 +75,7 @@ def test_path_is_that_of_newton(model, quasi, without):
 
 def test_incremental_history_too(model, without, monkeypatch):
     """Two predictors are tried there before the iterations begin."""
-    incremental = model.with_(friction_history="incremental")
+    incremental = with_options(model, friction_history="incremental")
     newton = sm.analyze(incremental)
     monkeypatch.setattr(SparseStorage, "reuses_factors", True)
     found = sm.analyze(incremental)

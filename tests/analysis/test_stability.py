@@ -9,7 +9,7 @@ from verification.differences import beside
 
 import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.seals.door.door_seal import DOOR
+from seal_mdao.seals.door.door_seal import DOOR, options_of, with_options
 
 PRIMARY = sm.NewtonOptions(branch="primary")
 
@@ -43,7 +43,7 @@ def lowest_eigenvalue(result, step):
 
 def work_of_the_door(result):
     """By the trapezoidal rule over all steps; the force of a step with a jump is that before it."""
-    motion, force, height = result.seal.motion, [0.0], [result.seal.start]
+    motion, force, height = options_of(result.seal).motion, [0.0], [options_of(result.seal).start]
     for step in result.path.steps:
         height.append(motion.pose(step.fraction).position[1])
         force.append(step.responses[result.path.place(DOOR)].total[1])
@@ -62,7 +62,9 @@ def stored(result):
     step = result.path.steps[-1]
     door = result.response(DOOR, step)
     inside = np.minimum(door.gap, 0.0)
-    penalty = 0.5 * result.seal.normal_penalty * np.sum(result.term(DOOR).length * inside**2)
+    penalty = (
+        0.5 * options_of(result.seal).normal_penalty * np.sum(result.term(DOOR).length * inside**2)
+    )
     return result.term("structure").energy(step.d) + penalty
 
 
@@ -118,7 +120,7 @@ def test_the_other_branch_says_where_it_is_unstable(swayed, upright):
 
 def test_the_critical_mode_is_a_sway(swayed):
     """To the right, and antisymmetric: the section and the door are symmetric."""
-    grid, mode, rays = swayed.seal.grid, swayed.critical_points[0].mode, np.arange(58)
+    grid, mode, rays = options_of(swayed.seal).grid, swayed.critical_points[0].mode, np.arange(58)
     assert np.abs(mode).max() == 1.0
     assert mode[:, 0].sum() > 0.0
     here, mirror = mode[grid.particle(rays, 1)], mode[grid.particle(-rays, 1)]
@@ -247,7 +249,7 @@ def test_friction_steadies_the_seal(flat):
 def test_under_friction_the_determinant_is_only_watched():
     """The path is the same; the sign says that the tangent has been singular."""
     model = sm.door_seal(door="flat", friction=0.05)
-    result, same = (sm.analyze(m) for m in (model, model.with_(newton=PRIMARY)))
+    result, same = (sm.analyze(m) for m in (model, with_options(model, newton=PRIMARY)))
     assert result.converged
     assert {point.kind for point in result.critical_points} == {"unsymmetric"}
     np.testing.assert_array_equal(result.path.steps[-1].d, same.path.steps[-1].d)

@@ -5,12 +5,13 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import options_of
 
 CONTROL_VALUES = {26: (14, 11, False), 16: (8, 7, False), 10: (5, 4, True)}
 """Outer and inner control values, and whether they are mirrored, by the number of parameters, which
 counts the door's radius too."""
 FLAGS = ("keep_force", "clamp_load", "pressure_floor", "stress_norm", "gap_integral")
-"""Arguments of ``seal_problem`` that a case can set."""
+"""Attributes of ``DoorProblem`` that a case can set."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class Case:
     Attributes
     ----------
     corner_x, friction, friction_history, segments :
-        As for ``DoorSeal``.
+        As for ``DoorOptions``.
     parameters : int
         One of ``CONTROL_VALUES``.
     start : int
@@ -49,7 +50,7 @@ class Case:
             changes[-1] += f" within {self.start_size} mm"
         return ", ".join([*changes, *self.flags]) or "paper"
 
-    def seal(self, **more) -> sm.DoorSeal:
+    def seal(self, **more) -> sm.Seal:
         """The seal of the case."""
         outer, inner, symmetric = CONTROL_VALUES[self.parameters]
         return sm.door_seal(
@@ -59,16 +60,16 @@ class Case:
         )  # fmt: skip
 
     def settings(self) -> dict:
-        """The flags as arguments of ``seal_problem``."""
+        """The flags as arguments of ``DoorProblem``."""
         return dict.fromkeys(self.flags, True)
 
-    def design(self, seal: sm.DoorSeal) -> tuple[np.ndarray, float]:
+    def design(self, seal: sm.Seal) -> tuple[np.ndarray, float]:
         """Offsets and door radius of the start."""
         if self.start == 0:
-            return np.zeros(seal.n_offsets), seal.drawn_door_radius
+            return np.zeros(seal.n_offsets), options_of(seal).drawn_door_radius
         size = self.start_size
         change = np.random.default_rng(self.start).uniform(-size, size, seal.n_offsets + 1)
-        return change[:-1], seal.drawn_door_radius + change[-1]
+        return change[:-1], options_of(seal).drawn_door_radius + change[-1]
 
 
 FACTORS = {

@@ -15,11 +15,18 @@ from matrix_page import KKT, VIOLATION, converged, page
 from tqdm import tqdm
 
 import seal_mdao as sm
+from seal_mdao.door_optimization import DoorProblem, door_task
 from seal_mdao.drivers.optimality import measure_optimality
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import OBJECTIVE_REF, OPTIMIZERS, major_iterations, seal_problem
+from seal_mdao.optimization import (
+    OBJECTIVE_REF,
+    OPTIMIZERS,
+    RunOptions,
+    major_iterations,
+    optimization_problem,
+)
 from seal_mdao.recording.run_log import versions
-from seal_mdao.seals.door.measures import DOOR
+from seal_mdao.seals.door.door_seal import DOOR
 from seal_mdao.seals.gaps import largest_gap
 
 # the options and the output of the run scripts
@@ -105,7 +112,9 @@ def solve_case(entry: tuple[Case, str], n_steps: int) -> dict:
 def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
     """Run a driver on a case, and measure its last point; ``cost`` is over that of the drawn seal."""
     seal, kept = case.seal(n_steps=n_steps), KeptAnalyses()
-    problem = seal_problem(seal, driver=driver, work_dir=folder, kept=kept, **case.settings())
+    run = RunOptions(driver, kept=kept, work_dir=folder)
+    task = door_task(run.analyze(seal), DoorProblem(**case.settings()))
+    problem = optimization_problem(task, run)
     offsets, radius = case.design(seal)
     problem.set_val("boundary_offsets", offsets)
     problem.set_val("door_radius", radius)

@@ -15,6 +15,8 @@ sys.path.append(str(Path(__file__).resolve().parents[2] / "run_scripts"))
 
 from _common import checked_arguments, parser, run, write_summary
 
+from seal_mdao.seals.door.door_seal import options_of
+
 
 @dataclass(frozen=True)
 class DesignStudy:
@@ -60,7 +62,7 @@ def study_designs(seal, count: int, bound: float, seed: int) -> DesignStudy:
         critical.append(len(result.critical_points))
         if not result.converged:
             failures[number] = result.failure
-        elif not seal.friction and not all(step.stable for step in result.path.steps):
+        elif not options_of(seal).friction and not all(step.stable for step in result.path.steps):
             unstable.append(number)
     return DesignStudy(np.array(seconds), failures, np.array(critical), tuple(unstable))
 

@@ -27,6 +27,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.equilibrium.linear_solver import BandedStorage
+from seal_mdao.seals.door.door_seal import with_options
 
 CLOUDS = ((58, 3), (116, 5), (174, 7), (290, 11), (580, 21), (754, 27))
 
@@ -179,7 +180,7 @@ def growth(largest, solver):
             break
         seal = sm.door_seal(rays=rays, layers=layers, start=9.6, depth=0.7, n_steps=8)
         if not is_banded(seal):
-            seal = seal.with_(solver=solver)
+            seal = with_options(seal, solver=solver)
         runs = [pressed_steps(seal) for _ in range(5 if rays * layers < 5000 else 1)]
         times, iterations, path = min(runs, key=lambda run: run[0].sum())
         name = "banded" if seal.solver == "auto" else solver

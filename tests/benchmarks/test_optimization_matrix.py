@@ -9,6 +9,7 @@ import optimization_matrix
 import pytest
 
 from seal_mdao.optimization import OPTIMIZERS
+from seal_mdao.seals.door.door_seal import options_of
 
 CHEAP = ("--n-steps", "21")
 
@@ -48,7 +49,7 @@ def test_seals_and_starts():
     ten = cases.Case(parameters=10, start=2, segments=32, flags=("keep_force",))
     assert ten.name == "parameters 10, segments 32, start 2, keep_force"
     seal = ten.seal(n_steps=21)
-    assert seal.symmetric
+    assert options_of(seal).symmetric
     assert (seal.segments, seal.n_steps) == (32, 21)
     offsets, radius = ten.design(seal)
     again, _ = ten.design(seal)

@@ -9,7 +9,7 @@ import openmdao.api as om
 from wrong_files import file_cases
 
 import seal_mdao as sm
-from seal_mdao.seals.door.measures import ReactionCurve
+from seal_mdao.measures.reaction import Reaction
 
 HUGE, TEXT, LIST = 10**400, "text", [1, 2]
 NUMBERS = (np.nan, np.inf, -1.0, 1e300, 1e-300, HUGE, TEXT, None, 1j)
@@ -148,7 +148,7 @@ def _of_openmdao() -> list[tuple]:
     ]
     found += [(f"KeptAnalyses({_shown(m)})", partial(_made, sm.KeptAnalyses, m)) for m in MEMORIES]
     return found + [
-        (f"ReactionCurve(travels={_shown(travels)})", partial(_group, "measures", travels))
+        (f"Reaction(travels={_shown(travels)})", partial(_group, "measures", travels))
         for travels in TRAVELS
     ]
 
@@ -168,7 +168,7 @@ def _made(kind, *arguments, **constants) -> None:
 def _group(name, value) -> None:
     """A group with a wrong option, set up and run."""
     if value in TRAVELS and name == "measures":
-        value = (ReactionCurve(travels=value),)
+        value = (Reaction("door", value, (1,), name="reaction_curve"),)
     seal = sm.door_seal(depth=1.0, n_steps=15)
     problem = om.Problem(sm.SealGroup(**({"seal": seal} | {name: value})), reports=None)
     problem.setup()

@@ -11,6 +11,7 @@ import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
 from seal_mdao.components.scenario_comp import ScenarioComp
 from seal_mdao.dsa.sensitivity import particle_gradient
+from seal_mdao.seals.door.door_seal import with_options
 from seal_mdao.seals.result import analyze_particles
 
 MEASURES = ("von_mises", "gap", "gap_square_sum", "reaction")
@@ -67,7 +68,7 @@ def test_nothing_set_is_the_drawn_seal(problem, short):
     drawn = sm.analyze(short)
     np.testing.assert_array_equal(made.get_val("boundary_offsets"), 0.0)
     np.testing.assert_array_equal(made.get_val("von_mises"), drawn.von_mises)
-    assert made.get_val("door_radius")[0] == short.drawn_door_radius
+    assert made.get_val("door_radius")[0] == short.scalars["door_radius"].value
 
 
 def test_partials_of_the_geometry_are_exact(problem):
@@ -147,13 +148,13 @@ def test_totals_of_the_group(problem, short):
 
 
 def test_optional_inputs_start_at_the_values_of_the_seal(problem, short):
-    seal = short.with_(friction=0.3)
+    seal = with_options(short, friction=0.3)
     made = problem(sm.SealGroup(seal=seal, parameters=PARAMETERS))
     values = {name: made.get_val(name)[0] for name in PARAMETERS}
     assert values == {"c10": 80.0, "friction": 0.3, "depth": 7.0, "tangent_penalty": 100.0}
     made.set_val("friction", 0.2)
     made.run_model()
-    result = sm.analyze(seal.with_(friction=0.2))
+    result = sm.analyze(with_options(seal, friction=0.2))
     points = list(sm.analyze(seal).measure("gap").points)
     np.testing.assert_array_equal(made.get_val("reaction"), result.reaction[-1])
     # the places of the measures stay those of the seal that was given
@@ -219,7 +220,7 @@ def test_partials_after_computes_elsewhere(problem, short):
 def test_partials_after_an_analysis_that_failed(problem, short):
     """What was kept of the last good point is not given out for a bad one."""
     newton = sm.NewtonOptions(max_iterations=5, max_cuts=0, damped_iterations=0)
-    seal = short.with_(newton=newton)
+    seal = with_options(short, newton=newton)
     made = problem(RkpmContactComp(seal=seal))
     made.run_model()
     check_partials_at_inputs(made, seal)
@@ -258,7 +259,7 @@ def test_coming_back_gives_the_same_bits(problem, short):
 
 def test_two_problems_do_not_disturb_each_other(problem, short):
     one = problem(sm.SealGroup(seal=short), boundary_offsets=OFFSETS)
-    two = problem(sm.SealGroup(seal=short.with_(friction=0.3)), boundary_offsets=OFFSETS)
+    two = problem(sm.SealGroup(seal=with_options(short, friction=0.3)), boundary_offsets=OFFSETS)
     one.run_model()
     first = outputs(one)
     two.run_model()
@@ -270,7 +271,7 @@ def test_two_problems_do_not_disturb_each_other(problem, short):
 def test_path_that_cannot_be_completed_is_an_analysis_error(problem, short):
     """The drawn seal passes with five iterations a step and no cut; a distorted design does not."""
     newton = sm.NewtonOptions(max_iterations=5, max_cuts=0, damped_iterations=0)
-    made = problem(sm.SealGroup(seal=short.with_(newton=newton)))
+    made = problem(sm.SealGroup(seal=with_options(short, newton=newton)))
     made.run_model()
     drawn = outputs(made)
     made.set_val("boundary_offsets", 3.0 * OFFSETS)

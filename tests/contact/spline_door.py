@@ -51,7 +51,7 @@ def under_corner():
 
 
 def assembled(door_seal, terms):
-    return sm.AssembledSeal(
+    return sm.Seal(
         door_seal.drawn_particles, door_seal.design_velocity, door_seal.body, terms,
         door_seal.n_steps, (Reaction(terms[1].label),), newton=sm.NewtonOptions(tolerance=1e-11),
     )  # fmt: skip

@@ -81,7 +81,7 @@ def ring(
         terms.append(_flat("mirror", body, "lower", (0.0, (steps, 0.0)), False))
     if kind == "itself":
         terms.append(itself(body, friction, turned))
-    return sm.AssembledSeal(
+    return sm.Seal(
         places, velocity, body, (elastic_body(sm.MooneyRivlin(80.0, 20.0, bulk)), *terms), steps,
         standard=(Reaction("plate"),), newton=sm.NewtonOptions(tolerance=tolerance),
     )  # fmt: skip

@@ -8,6 +8,7 @@ import pytest
 from openmdao.utils.assert_utils import assert_check_totals
 
 import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import options_of
 
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 RUN = {
@@ -56,9 +57,9 @@ def test_quick_start(run_page, capsys):
     assert problem.get_val("area")[0] <= 110.0
     printed = re.search(r"squared gaps: (\S+) % of its start", capsys.readouterr().out)
     assert float(printed[1]) == pytest.approx(100 * ratio, rel=0.06)
-    assert others["flat"].door == "flat"
+    assert options_of(others["flat"]).door == "flat"
     assert others["fine"].drawn_particles.shape == (116 * 5, 2)
-    assert others["paper"].segments == 32
+    assert options_of(others["paper"]).segments == 32
 
 
 def test_analysis_without_openmdao(run_page, capsys):
@@ -137,7 +138,7 @@ def test_own_openmdao_model(run_page):
     for other in ("rev", "auto"):
         np.testing.assert_allclose(slopes[other], slopes["fwd"], rtol=1e-9)
     exact = sm.differentiate(sm.analyze(seal, offsets)).reaction[:, : seal.n_offsets]
-    count = seal.splines.outer_parameters
+    count = options_of(seal).splines.outer_parameters
     bulge = 1e3 * exact[:, :count] @ np.sin(np.linspace(0.0, np.pi, count))
     by_complex_step = names["by_complex_step"]["reaction", "bulge"][:, 0]
     np.testing.assert_allclose(by_complex_step, bulge, rtol=1e-9, atol=1e-9 * np.abs(bulge).max())

@@ -1,6 +1,6 @@
 """Tables that are made from the code."""
 
-from seal_mdao.seals.door.measures import FURTHER, STANDARD
+from seal_mdao.seals.door.door_seal import FURTHER, STANDARD
 
 
 def test_every_measure_is_in_the_table_with_its_units(docs_module):

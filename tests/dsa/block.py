@@ -13,7 +13,7 @@ from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.ogden import Ogden
-from seal_mdao.seals.assembled import AssembledSeal
+from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.terms.points import edge_points
 
@@ -79,7 +79,7 @@ def block_seal():
     velocity = np.zeros((3, len(drawn), 2))
     velocity[0, :, 1], velocity[2, :, 1] = y / 2 * np.exp(-(x**2)), y / 2 * np.sin(x)
     velocity[1, :, 0] = x * y / 6
-    return AssembledSeal(
+    return Seal(
         drawn, velocity, block, terms(drawn, block), STEPS,
         imposed_displacements=moving_base(drawn, numbers[0]),
     )  # fmt: skip

@@ -9,7 +9,7 @@ from verification.differences import beside, perturbed
 from verification.gradients import design_away
 
 import seal_mdao as sm
-from seal_mdao.seals.door.measures import FURTHER, STANDARD
+from seal_mdao.seals.door.door_seal import FURTHER, STANDARD, options_of
 
 FURTHER_NAMES = tuple(measure.name for measure in FURTHER)
 STEP = 7e-6
@@ -23,7 +23,8 @@ SCALARS = {
 
 def moved(result, way, t):
     """The analysis at a distance ``t`` along ``way``, offsets and door radius (26,)."""
-    offsets, radius = result.boundary_offsets + t * way[:-1], result.seal.radius + t * way[-1]
+    radius = options_of(result.seal).radius + t * way[-1]
+    offsets = result.boundary_offsets + t * way[:-1]
     return beside(result, offsets, {"door_radius": radius})
 
 

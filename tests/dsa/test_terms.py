@@ -12,6 +12,7 @@ from seal_mdao.dsa.probe import Probe
 from seal_mdao.dsa.shape_rates import add_matrix_seeds, discretization_rates
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.measures.measure import Seeds
+from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.structure.energy_gradient import EnergySeeds
 from seal_mdao.terms.linearized_points import PointSeeds
 
@@ -42,7 +43,7 @@ def where(request, pressed, drawn):
 
 def test_lengths_add_up_to_the_free_boundary(drawn):
     """Half edges: the two edges at the base corners count half."""
-    outer = drawn.particles[drawn.seal.grid.particle(np.arange(3, 56), 2)]
+    outer = drawn.particles[options_of(drawn.seal).grid.particle(np.arange(3, 56), 2)]
     edges = np.linalg.norm(np.diff(outer, axis=0), axis=1)
     total = edges.sum() - 0.5 * (edges[0] + edges[-1])
     assert drawn.term("door").length.sum() == pytest.approx(total, rel=1e-13)

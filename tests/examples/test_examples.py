@@ -8,8 +8,8 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.drivers.optimality import measure_optimality
-from seal_mdao.file_optimization import file_problem
-from seal_mdao.optimization import OPTIMALITY, TOLERANCE
+from seal_mdao.file_optimization import file_task
+from seal_mdao.optimization import OPTIMALITY, TOLERANCE, RunOptions, optimization_problem
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.result import frozen_measures
 
@@ -153,7 +153,8 @@ def test_optima_of_the_examples(path, tmp_path):
     a kink of contact."""
     file = sm.read_seal_file(path)
     seal = sm.build_seal(file)
-    problem = file_problem(file, seal, work_dir=tmp_path)
+    run = RunOptions(work_dir=tmp_path)
+    problem = optimization_problem(file_task(file, run.analyze(seal)), run)
     assert problem.run_driver().success, problem.driver.exit_message
     found = measure_optimality(problem.driver)
     assert found.satisfied(OPTIMALITY, TOLERANCE), found

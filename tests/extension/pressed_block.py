@@ -47,7 +47,7 @@ def pressed_block():
             ContactLaw(1e4, 1e3, 0.3, True), prefix="roll_",
         ),
     )  # fmt: skip
-    return sm.AssembledSeal(
+    return sm.Seal(
         particles,
         velocity,
         body,

@@ -59,7 +59,7 @@ def air_ring(
         staged_motion(stages, start=(0.0, OUTER + 0.013)), ContactLaw(1e4, 1e3, friction, True),
     )  # fmt: skip
     trapped = (TrappedAir("air", body.edge("cavity").particles, **air),) if sealed else ()
-    return sm.AssembledSeal(
+    return sm.Seal(
         particles, velocity, body,
         (elastic_body(sm.MooneyRivlin(80.0, 20.0, 20_000.0)), plate, *trapped),
         sum(stage.steps for stage in stages),

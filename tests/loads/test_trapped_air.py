@@ -121,10 +121,10 @@ def test_the_way_round_does_not_matter():
     ring = ring_body().edge("cavity").particles
     seal = air_ring()
     other = (*seal.definitions[:-1], TrappedAir("air", ring[::-1]))
-    turned = sm.AssembledSeal(
+    turned = sm.Seal(
         seal.drawn_particles, seal.design_velocity, seal.body, other, 3, seal.standard
     )  # fmt: skip
-    one = sm.AssembledSeal(
+    one = sm.Seal(
         seal.drawn_particles, seal.design_velocity, seal.body, seal.definitions, 3, seal.standard
     )  # fmt: skip
     pressures = [sm.analyze(s).response("air").outputs[0] for s in (one, turned)]

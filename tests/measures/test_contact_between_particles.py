@@ -11,7 +11,7 @@ from seal_mdao.measures.boundary_line import way_round
 from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.measures.work import ProfileWork
 from seal_mdao.report.picture_data import contact_points
-from seal_mdao.seals.door.measures import FURTHER, STANDARD
+from seal_mdao.seals.door.door_seal import FURTHER, STANDARD, options_of
 from seal_mdao.terms.points import edge_points
 
 NAMES = tuple(measure.name for measure in (*STANDARD, *FURTHER))
@@ -32,7 +32,7 @@ def result(seal):
 
 def test_points_lie_half_way_between_the_free_particles(seal):
     term = seal.terms()[1]
-    particles, outer = seal.drawn_particles, seal.grid.free_outer
+    particles, outer = seal.drawn_particles, options_of(seal).grid.free_outer
     np.testing.assert_array_equal(
         term.where.points.anchors, np.column_stack([outer[:-1], outer[1:]])
     )
@@ -83,8 +83,8 @@ def test_width_is_that_of_the_touching_stretches(result):
 
 def test_pressure_of_particles_is_the_mean_of_the_points_beside(result):
     pytest.importorskip("meshio")
-    outer = result.seal.grid.free_outer
-    points = -result.seal.normal_penalty * np.minimum(result.contact.gap, 0.0)
+    outer = options_of(result.seal).grid.free_outer
+    points = -options_of(result.seal).normal_penalty * np.minimum(result.contact.gap, 0.0)
     found = point_data(result, len(result.path.nominal_steps) - 1)["nominal_pressure_door"]
     np.testing.assert_allclose(found[outer[1:-1]], 0.5 * (points[:-1] + points[1:]), rtol=1e-12)
     assert np.flatnonzero(found).size == np.isin(outer, np.flatnonzero(found)).sum()

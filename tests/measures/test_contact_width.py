@@ -25,7 +25,7 @@ MEASURES = (
 )  # fmt: skip
 
 
-def ring(first: int) -> sm.AssembledSeal:
+def ring(first: int) -> sm.Seal:
     """A rubber ring on a fixed core under a plate; its outer boundary is counted from ``first`` on."""
     angles = 2.0 * np.pi * np.arange(RAYS) / RAYS
     unit = np.column_stack([np.cos(angles), np.sin(angles)])
@@ -48,7 +48,7 @@ def ring(first: int) -> sm.AssembledSeal:
     )  # fmt: skip
     wider = np.zeros((1, *particles.shape))
     wider[0, 2 * RAYS :] = unit
-    return sm.AssembledSeal(
+    return sm.Seal(
         particles, wider, body, (elastic_body(sm.MooneyRivlin(80.0, 20.0, 2000.0)), plate), 6,
         MEASURES, newton=sm.NewtonOptions(tolerance=1e-11),
     )  # fmt: skip

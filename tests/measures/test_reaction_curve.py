@@ -11,11 +11,11 @@ from pressed_block import pressed_block
 import seal_mdao as sm
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion, straight_motion
 from seal_mdao.measures.reaction import Reaction
-from seal_mdao.seals.door.measures import CURVE_TRAVELS, ReactionCurve
+from seal_mdao.seals.door.door_seal import CURVE_TRAVELS, DOOR, with_options
 
 TIGHT = sm.NewtonOptions(tolerance=1e-11)
 COARSE = sm.door_seal(n_steps=20, newton=TIGHT)
-BOTH = ReactionCurve(travels=(1.3, 5.0, 10.0), components=(0, 1), name="curve")
+BOTH = Reaction(DOOR, (1.3, 5.0, 10.0), name="curve")
 
 
 @pytest.fixture(scope="module")
@@ -44,13 +44,13 @@ def test_both_components_at_travels_of_the_users_choice(coarse):
 
 def test_travels_stay_where_they_are_when_the_depth_is_an_input(tmp_path):
     """The values of a path to 8 mm are not those of a path to 10 mm drawn together."""
-    curve = ReactionCurve(travels=(2.0, 4.0))
+    curve = Reaction(DOOR, (2.0, 4.0), (1,), name="reaction_curve")
     group = sm.SealGroup(seal=COARSE, measures=(curve,), parameters=("depth",))
     problem = om.Problem(group, reports=None, work_dir=tmp_path)
     problem.setup()
     problem.set_val("depth", 8.0)
     problem.run_model()
-    result = sm.analyze(COARSE.with_(depth=8.0))
+    result = sm.analyze(with_options(COARSE, depth=8.0))
     expected = np.interp(curve.travels, result.travel, result.reaction[:, 1])
     np.testing.assert_allclose(problem.get_val("reaction_curve"), expected, rtol=1e-10)
     problem.set_val("depth", 3.0)
@@ -63,7 +63,7 @@ def test_travels_stay_where_they_are_when_the_depth_is_an_input(tmp_path):
 @pytest.mark.parametrize("name", ["depth", "door_radius", "friction"])
 def test_derivatives_are_those_of_the_interpolated_values(coarse, method, name):
     """Central differences; in the depth the load steps move away under fixed travels."""
-    inside = ReactionCurve(travels=(1.3, 5.0, 9.0), components=(0, 1), name="curve")
+    inside = Reaction(DOOR, (1.3, 5.0, 9.0), name="curve")
     found = sm.differentiate(coarse, (name,), (inside,), method)["curve"][:, -1]
     start = coarse.seal.scalars[name].value
 
@@ -159,5 +159,5 @@ def test_travels_beyond_the_path_are_refused(travel):
 )
 def test_wrong_travels_and_components_are_refused(wrong):
     with pytest.raises(ValueError, match="reaction_curve"):
-        ReactionCurve(**wrong)
+        Reaction(DOOR, name="reaction_curve", **wrong)
     assert all(a < b for a, b in pairwise(CURVE_TRAVELS))

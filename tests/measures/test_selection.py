@@ -6,7 +6,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.measures.selection import boundary_peaks, local_maxima, opened_points
-from seal_mdao.seals.door.measures import STANDARD
+from seal_mdao.seals.door.door_seal import STANDARD, options_of
 from seal_mdao.seals.profiles import contact_counts
 from seal_mdao.seals.result import analyze_particles
 
@@ -72,7 +72,7 @@ def test_on_a_closed_boundary_the_longest_open_part_is_outside(state, expected):
 def test_points_of_the_drawn_seal(drawn, drawn_model):
     """Seven stresses at boundary particles that are local maxima, gaps where the middle opens."""
     (stresses,), (gaps,) = drawn.measures(("von_mises",)), drawn.measures(("gap",))
-    grid, gaps = drawn_model.grid, np.array(gaps.points)
+    grid, gaps = options_of(drawn_model).grid, np.array(gaps.points)
     assert len(stresses.points) == 7
     outer, inner = grid.free_outer, grid.particle(np.arange(58), 0)
     stress = drawn.stress_field()

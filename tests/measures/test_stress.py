@@ -9,6 +9,7 @@ from pressed_block import pressed_block
 import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.materials.isotropic import invariants
+from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 from seal_mdao.structure.particle_stress import particle_stress
 
@@ -34,14 +35,14 @@ def gradients_at(table, d):
 def test_stress_at_particles_is_that_of_the_material(drawn):
     table = drawn.path.discretization.everywhere.table
     F = gradients_at(table, drawn.end.d)
-    exact, _, _ = drawn.seal.material.von_mises(*invariants(F))
+    exact, _, _ = options_of(drawn.seal).material.von_mises(*invariants(F))
     np.testing.assert_allclose(drawn.stress_field(), exact, rtol=1e-11, atol=1e-9)
 
 
 def test_stress_of_a_homogeneous_deformation_is_uniform(drawn):
     disc, slope = drawn.path.discretization, np.array([[0.2, 0.3], [0.0, -0.1]])
     stress = stress_of(drawn, disc.particles @ slope.T)[0]
-    exact, _, _ = drawn.seal.material.von_mises(*invariants(np.eye(2) + slope))
+    exact, _, _ = options_of(drawn.seal).material.von_mises(*invariants(np.eye(2) + slope))
     np.testing.assert_allclose(stress, exact, rtol=1e-9)
 
 

@@ -9,7 +9,8 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.optimization import OPTIMIZERS, seal_problem
+from seal_mdao.door_optimization import DoorProblem, door_task
+from seal_mdao.optimization import OPTIMIZERS, RunOptions, optimization_problem
 from seal_mdao.report.write import write_report
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "chrome")
@@ -34,10 +35,9 @@ def seal_page(tmp_path_factory):
     """Report of three iterations of the seal problem with few load steps."""
     folder = tmp_path_factory.mktemp("seal")
     driver = next(iter(OPTIMIZERS.values()))(3)
-    problem = seal_problem(
-        sm.door_seal(n_steps=21), keep_force=True, driver=driver,
-        recorder=folder / "cases.sql", work_dir=folder,
-    )  # fmt: skip
+    run = RunOptions(driver, folder / "cases.sql", work_dir=folder)
+    task = door_task(run.analyze(sm.door_seal(n_steps=21)), DoorProblem(keep_force=True))
+    problem = optimization_problem(task, run)
     problem.run_driver()
     problem.cleanup()
     return Page(write_report(folder / "cases.sql"), folder / "cases.sql")

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.file_optimization import file_problem
+from seal_mdao.file_optimization import file_task
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import uno_driver
+from seal_mdao.optimization import RunOptions, optimization_problem, uno_driver
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.settings import seal_of
@@ -61,9 +61,8 @@ def run(tmp_path_factory):
     path.write_text(text + STOP, encoding="utf-8")
     file, kept = sm.read_seal_file(path), KeptAnalyses()
     seal = sm.build_seal(file)
-    problem = file_problem(
-        file, seal, driver=uno_driver(2), recorder=folder / "cases.sql", kept=kept, work_dir=folder
-    )
+    run = RunOptions(uno_driver(2), folder / "cases.sql", kept=kept, work_dir=folder)
+    problem = optimization_problem(file_task(file, run.analyze(seal)), run)
     problem.run_driver()
     problem.cleanup()
     path.unlink()

@@ -1,41 +1,62 @@
 """The recorder file holds all that is needed to set up the seal problem again."""
 
-import inspect
 import json
+from dataclasses import asdict
 
 import numpy as np
 import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.optimization import seal_problem, uno_driver
+from seal_mdao.door_optimization import DoorProblem, door_task
+from seal_mdao.optimization import (
+    RunOptions,
+    continue_run,
+    optimization_problem,
+    uno_driver,
+)
 from seal_mdao.recording.recorded_seals import PROBLEM_OPTION, recorded_problem
 from seal_mdao.recording.recorder_file import open_model
+from seal_mdao.seals.settings import seal_of
 
-NOT_THE_PROBLEM = {"seal", "driver", "recorder", "callback", "kept", "work_dir", "reports"}
-"""Arguments of ``seal_problem`` that do not say what is optimised."""
 SEAL = {"n_steps": 21, "friction": 0.3, "segments": 32, "newton": sm.NewtonOptions(max_cuts=7)}
+
+
+def problem_of(seal, flags, folder, recorder=None):
+    """Problem (71) of one iteration."""
+    run = RunOptions(uno_driver(1), recorder, work_dir=folder)
+    return optimization_problem(door_task(run.analyze(seal), flags), run)
 
 
 def test_every_setting_of_the_problem_is_recorded(tmp_path):
     seal = sm.door_seal(**SEAL)
-    first = seal_problem(
-        seal, keep_force=True, driver=uno_driver(1), recorder=tmp_path / "cases.sql",
-        work_dir=tmp_path,
-    )  # fmt: skip
+    first = problem_of(seal, DoorProblem(keep_force=True), tmp_path, tmp_path / "cases.sql")
     settings = json.loads(first.model.options[PROBLEM_OPTION])
-    assert settings.keys() == inspect.signature(seal_problem).parameters.keys() - NOT_THE_PROBLEM
+    assert settings == asdict(DoorProblem(keep_force=True))
     first.run_driver()
     first.cleanup()
     recorded = recorded_problem(open_model(tmp_path / "cases.sql"))
-    assert recorded.seal == seal
+    assert recorded.seal.key == seal.key
     assert recorded.settings == settings
-    again = seal_problem(recorded.seal, driver=uno_driver(1), **recorded.settings)
+    again = problem_of(recorded.seal, DoorProblem(**recorded.settings), tmp_path)
     again.final_setup()
     for name, limit in first.driver._cons.items():
         other = again.driver._cons[name]
         for side in ("lower", "upper"):
             assert np.array_equal(limit[side], other[side])  # those of the drawn seal
+
+
+def test_another_problem_is_not_continued(tmp_path):
+    cases, seal = tmp_path / "cases.sql", sm.door_seal(**SEAL)
+    first = problem_of(seal, DoorProblem(), tmp_path, cases)
+    first.run_driver()
+    first.cleanup()
+    with pytest.raises(ValueError, match="recorded with another problem"):
+        continue_run(problem_of(seal, DoorProblem(stress_norm=True), tmp_path), cases)
+    same = problem_of(seal, DoorProblem(), tmp_path)
+    continue_run(same, cases)
+    same.run_driver()
+    assert same.driver.reused_evaluations > 0
 
 
 def test_file_without_a_seal(tmp_path):
@@ -53,10 +74,8 @@ def test_settings_of_another_version():
         text.replace('"friction":', '"rubbing":'),
         text.replace('"c10":', '"c100":'),
         text.replace('"newton":', '"newtons":'),
-        "[" * 10**5,
-        "[]",
-        "null",
+        json.dumps({"door_seal": 3}),
     ):
         with pytest.raises(ValueError, match="not those of this version's door seal"):
-            sm.DoorSeal.from_settings(wrong)
-    assert sm.DoorSeal.from_settings(text) == sm.door_seal()
+            seal_of(wrong)
+    assert seal_of(text).key == sm.door_seal().key

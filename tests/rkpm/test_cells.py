@@ -14,6 +14,7 @@ from seal_mdao.rkpm.cells import (
     quadrature_weights,
     weight_rates,
 )
+from seal_mdao.seals.door.door_seal import options_of
 
 # two irregular cells that share an edge
 PARTICLES = np.array([[0.0, 0.0], [1.3, -0.2], [1.1, 0.9], [-0.2, 1.2], [2.4, 0.3], [2.0, 1.5]])
@@ -89,7 +90,7 @@ def test_weights_sum_to_the_area_between_the_boundary_polygons(offset, rng):
     particles = model.particles(rng.uniform(-offset, offset, model.n_offsets))
     weights = quadrature_weights(model.body.cell_map, particles)
     rays = np.arange(116)
-    outer, inner = (particles[model.grid.particle(rays, k)] for k in (3, 0))
+    outer, inner = (particles[options_of(model).grid.particle(rays, k)] for k in (3, 0))
     area = polygon_moment(outer, 0, 0) - polygon_moment(inner, 0, 0)
     assert weights.sum() == pytest.approx(area, rel=1e-13)
 

@@ -27,7 +27,7 @@ def stopped(run_script, tmp_path_factory):
 def continued(stopped, run_script):
     """The same folder after the run was continued."""
     out, *_ = stopped
-    return out, *run_script("optimize_seal", out, out / "seal.toml", "--restart")
+    return out, *run_script("optimize_seal", out, out / "seal.toml", "--restart", out / "cases.sql")
 
 
 def test_run_that_stops_early_is_written_as_far_as_it_went(stopped):
@@ -110,15 +110,28 @@ def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
         ((other,), "another seal file"), ((out / "seal.toml", "--optimizer", "ipopt"), "UNO"),
     ):  # fmt: skip
         with pytest.raises(SystemExit) as ended:
-            run_script("optimize_seal", out, *arguments, "--restart")
+            run_script("optimize_seal", out, *arguments, "--restart", out / "cases.sql")
         assert ended.value.code == 2
         assert word in capsys.readouterr().err
     with pytest.raises(SystemExit):
-        run_script("optimize_seal", tmp_path, other, "--restart")
-    assert "to continue" in capsys.readouterr().err
+        run_script("optimize_seal", tmp_path, other, "--restart", tmp_path / "cases.sql")
+    assert "is not a file" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         run_script("optimize_seal", out, out / "seal.toml")
     assert "--overwrite" in capsys.readouterr().err
+
+
+def test_run_is_continued_in_another_folder(stopped, tmp_path, run_script):
+    """With the recorder file of the first folder, which stays as it is."""
+    out, _, before = stopped
+    cases = out / "cases.sql"
+    content = cases.read_bytes()
+    arguments = (out / "seal.toml", "--restart", cases, "--max-iterations", 4)
+    _, s = run_script("optimize_seal", tmp_path, *arguments)
+    assert s["history"][:3] == before["history"][:3]
+    assert s["iterations"] == 4
+    assert (tmp_path / "cases.sql").stat().st_size > 0
+    assert cases.read_bytes() == content
 
 
 def test_history_is_drawn_from_the_recorder_file_alone(stopped, tmp_path, run_script, capsys):
@@ -147,7 +160,8 @@ def test_a_continued_run_has_the_load_steps_that_were_chosen(
         raise AssertionError("load steps are chosen again")
 
     monkeypatch.setattr("seal_mdao.seals.file.build.choose", refusing)
-    _, s = run_script("optimize_seal", tmp_path, path, "--restart", "--max-iterations", 2)
+    cases = tmp_path / "cases.sql"
+    _, s = run_script("optimize_seal", tmp_path, path, "--restart", cases, "--max-iterations", 2)
     assert s["iterations"] == 2
     best = sm.build_seal(sm.read_seal_file(tmp_path / "optimum.toml"))
     offsets = np.array(s["boundary_offsets"])

@@ -102,7 +102,8 @@ def test_places_without_a_gap_are_no_result(drawn, monkeypatch):
 def test_iterations_that_rounding_ended_are_no_result():
     """The constructors refuse such moduli; a law of one's own may have them."""
     seal = sm.door_seal(n_steps=20)
-    object.__setattr__(seal.material, "bulk_modulus", 1e30)
+    (region,) = seal.definitions[0].regions
+    object.__setattr__(region.material, "bulk_modulus", 1e30)
     result = sm.analyze(seal)
     assert result.converged
     assert any("equilibrium is met" in text for text in impossible(result))

@@ -15,9 +15,10 @@ from seal_mdao.seals.choice import (
     force_difference,
     measure_difference,
 )
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.door.door_seal import options_of, with_options
 from seal_mdao.seals.penalty_error import SMALL, least_scale
 from seal_mdao.seals.profiles import profile_histories
+from seal_mdao.seals.settings import seal_of
 
 TOLERANCE = 5e-3
 SHORT = {"depth": 6.5, "start": 10.03}
@@ -29,10 +30,10 @@ def chosen():
 
 
 def test_measures_are_within_the_tolerance_of_four_times_as_many(chosen):
-    ends = np.array(chosen.step_ends)
+    ends = np.array(options_of(chosen).step_ends)
     finer = tuple(divided(ends, 4).tolist())
     coarse = sm.analyze(chosen)
-    fine = sm.analyze(replace(chosen, n_steps=len(finer), step_ends=finer))
+    fine = sm.analyze(with_options(chosen, n_steps=len(finer), step_ends=finer))
     assert measure_difference(coarse, fine) <= TOLERANCE
     assert force_difference(coarse, fine, np.arange(3, len(finer), 4)) <= TOLERANCE
 
@@ -40,10 +41,10 @@ def test_measures_are_within_the_tolerance_of_four_times_as_many(chosen):
 def test_as_many_equal_steps_are_further_off(chosen):
     """They are small where contact needs it: less error of the gaps than equal steps."""
     n = chosen.n_steps
-    lengths = np.diff(chosen.step_ends, prepend=0.0)
+    lengths = np.diff(options_of(chosen).step_ends, prepend=0.0)
     assert lengths.max() >= 2.0 * lengths.min()
     equal = sm.door_seal(n_steps=n, **SHORT)
-    finest = sm.analyze(equal.with_(n_steps=16 * n))
+    finest = sm.analyze(with_options(equal, n_steps=16 * n))
     errors = []
     for seal in (chosen, equal):
         result = sm.analyze(seal)
@@ -53,7 +54,7 @@ def test_as_many_equal_steps_are_further_off(chosen):
 
 def test_derivatives_with_unequal_steps(chosen, rng):
     offsets = 0.02 * rng.uniform(-1.0, 1.0, 25)
-    seal = chosen.with_(newton=sm.NewtonOptions(tolerance=1e-12))
+    seal = with_options(chosen, newton=sm.NewtonOptions(tolerance=1e-12))
     result = sm.analyze(seal, offsets, keep_factors=True)
     direct, adjoint = (
         sm.differentiate(result, ("depth", "door_radius"), method=m) for m in ("direct", "adjoint")
@@ -61,7 +62,7 @@ def test_derivatives_with_unequal_steps(chosen, rng):
     for name in ("von_mises", "reaction", "gap"):
         a, b = getattr(direct, name), getattr(adjoint, name)
         np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-9 * np.abs(a).max())
-    depth, step = seal.depth, 1e-5
+    depth, step = options_of(seal).depth, 1e-5
     sides = [sm.analyze(seal, offsets, {"depth": depth + s * step}) for s in (1.0, -1.0)]
     quotient = (sides[0].reaction[-1] - sides[1].reaction[-1]) / (2.0 * step)
     # rounding of the force (relative 1e-12) over the step, and the step squared
@@ -106,15 +107,17 @@ def test_a_door_in_chosen_steps_has_one_stage(chosen):
     (history,) = profile_histories(result)
     assert set(history.stage) == {1}
     np.testing.assert_allclose(
-        history.travel, chosen.motion.ends * chosen.motion.travel, rtol=1e-12
+        history.travel,
+        options_of(chosen).motion.ends * options_of(chosen).motion.travel,
+        rtol=1e-12,
     )
 
 
 def test_settings_keep_supports_and_steps():
     seal = sm.door_seal(accuracy="engineering", n_steps=2, step_ends=(0.25, 1.0))
-    again = DoorSeal.from_settings(seal.settings())
-    assert again == seal
-    assert hash(again.key) == hash(seal.key)
+    again = seal_of(seal.settings())
+    assert again.key == seal.key
+    assert again.settings() == seal.settings()
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.measures.gap import Gap, GapSquareIntegral, GapSquareSum, OpenGapSquareSum
 from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.stress import StressNorm
 from seal_mdao.seals.gaps import (
     gaps_unmeasured_by,
     largest_gap,
@@ -34,7 +35,7 @@ def test_gaps_beside_the_measured_points_are_reported(drawn):
     others = tuple(p for p in opened_points(drawn.contact.state).tolist() if p != worst)
     measures = (
         GapSquareSum(Gap("door", others)), Gap("door", others), Gap("door", (worst,)),
-        GapSquareIntegral("door"), OpenGapSquareSum("door"), sm.seals.door.measures.StressNorm(),
+        GapSquareIntegral("door"), OpenGapSquareSum("door"), StressNorm(),
     )  # fmt: skip
     first, second = unmeasured_gaps(drawn, measures)
     assert "outside of the points at which gap_square_sum is measured" in first

@@ -6,6 +6,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.seals.door.area import section_area
+from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.door.section import RingGrid, Section
 from seal_mdao.seals.wall_grid import ray_directions
 
@@ -61,7 +62,7 @@ def test_radii_are_even_and_periodic_in_the_angle(rng):
 def test_area_of_the_drawn_section():
     """R^2 (2 tan D0 + pi - 2 D0) - pi r^2 by integration by hand; 108.971 mm^2 in the example."""
     model = sm.door_seal()
-    area, _ = section_area(model.splines, np.zeros(25))
+    area, _ = section_area(options_of(model).splines, np.zeros(25))
     exact = 9.5**2 * (2 * np.tan(D0) + np.pi - 2 * D0) - np.pi * 7.5**2
     assert area == pytest.approx(exact, rel=1e-13)
     assert area == pytest.approx(108.971, abs=5e-4)
@@ -71,19 +72,19 @@ def test_area_of_a_design_is_that_of_a_fine_polygon(rng):
     model = sm.door_seal()
     offsets = rng.uniform(-0.5, 0.5, 25)
     angle = np.linspace(0.0, 2 * np.pi, 40001)
-    outer = SECTION.outer(angle) + model.splines.outer_basis(angle) @ offsets[:14]
-    inner = SECTION.inner(angle) + model.splines.inner_basis(angle) @ offsets[14:]
+    outer = SECTION.outer(angle) + options_of(model).splines.outer_basis(angle) @ offsets[:14]
+    inner = SECTION.inner(angle) + options_of(model).splines.inner_basis(angle) @ offsets[14:]
     areas = []
     for radius in (outer, inner):
         x, y = (radius[:, None] * ray_directions(angle)).T
         areas.append(0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
-    found, _ = section_area(model.splines, offsets)
+    found, _ = section_area(options_of(model).splines, offsets)
     assert found == pytest.approx(areas[0] - areas[1], rel=1e-7)
 
 
 def test_area_gradient_is_exact(rng):
     """The area is quadratic in the offsets: central differences have no truncation error."""
-    splines = sm.door_seal().splines
+    splines = options_of(sm.door_seal()).splines
     offsets = rng.uniform(-0.3, 0.3, 25)
     gradient = section_area(splines, offsets)[1]
     differences = [
@@ -94,7 +95,7 @@ def test_area_gradient_is_exact(rng):
 
 
 def test_uniform_inner_offset_moves_a_circle():
-    splines = sm.door_seal().splines
+    splines = options_of(sm.door_seal()).splines
     offsets = np.concatenate([np.zeros(14), np.full(11, 0.3)])
     change = section_area(splines, offsets)[0] - section_area(splines, np.zeros(25))[0]
     assert change == pytest.approx(-np.pi * (7.8**2 - 7.5**2), rel=1e-12)
@@ -104,7 +105,7 @@ def test_uniform_inner_offset_moves_a_circle():
 def test_particle_ring(rays, layers):
     """Base corners, straight down, tangent points are particles; walls are divided evenly."""
     model = sm.door_seal(rays=rays, layers=layers)
-    grid, x = model.grid, model.drawn_particles
+    grid, x = options_of(model).grid, model.drawn_particles
     assert x.shape == (rays * layers, 2)
     base = x[grid.base]
     np.testing.assert_allclose(base[:, 1], -9.5, rtol=1e-14)
@@ -120,7 +121,7 @@ def test_particle_ring(rays, layers):
 
 def test_cells_tile_the_ring_counter_clockwise():
     model = sm.door_seal()
-    cells, x = model.grid.cells, model.drawn_particles
+    cells, x = options_of(model).grid.cells, model.drawn_particles
     assert len(cells) == 58 * 2
     assert np.array_equal(np.unique(cells), np.arange(174))
     corners = x[cells]
@@ -138,8 +139,8 @@ def test_particle_numbers_are_periodic_in_the_ray():
 @pytest.mark.parametrize("rays", [58, 116])
 @pytest.mark.parametrize("refinement", [2, 3])
 def test_refined_ring_divides_the_intervals_of_its_upper_part(rays, refinement):
-    even = sm.door_seal(rays=rays).grid
-    grid = sm.door_seal(rays=rays, refinement=refinement).grid
+    even = options_of(sm.door_seal(rays=rays)).grid
+    grid = options_of(sm.door_seal(rays=rays, refinement=refinement)).grid
     assert grid.angles.shape == (grid.rays,)
     for angle in even.angles:
         assert np.abs(grid.angles - angle).min() < 1e-14
@@ -153,15 +154,15 @@ def test_refined_ring_divides_the_intervals_of_its_upper_part(rays, refinement):
 def test_refined_ring_has_the_base_of_the_even_one():
     even, refined = sm.door_seal(), sm.door_seal(refinement=3)
     np.testing.assert_allclose(
-        refined.drawn_particles[refined.grid.base], even.drawn_particles[even.grid.base], atol=1e-14
+        *(seal.drawn_particles[options_of(seal).grid.base] for seal in (refined, even)), atol=1e-14
     )
 
 
 def test_support_is_measured_by_the_longest_edge_at_each_particle():
     model = sm.door_seal()
-    radius = support_radii(model.grid.cells, model.drawn_particles, 2.0)
+    radius = support_radii(options_of(model).grid.cells, model.drawn_particles, 2.0)
     x, longest = model.drawn_particles, np.zeros(174)
-    for cell in model.grid.cells:
+    for cell in options_of(model).grid.cells:
         for a, b in zip(cell, np.roll(cell, -1), strict=True):
             edge = np.linalg.norm(x[a] - x[b])
             longest[a], longest[b] = max(longest[a], edge), max(longest[b], edge)

@@ -71,7 +71,7 @@ def test_choice_that_is_missing_is_not_made_anew():
 
 def test_door_seal():
     seal = sm.door_seal(friction=0.3, door_radius=4.2)
-    assert seal_of(seal.settings()) == seal
+    same(seal, seal_of(seal.settings()))
 
 
 def test_file_with_a_drawing_beside_it_that_is_gone(tmp_path):

@@ -5,13 +5,14 @@ import pytest
 from scipy.interpolate import BSpline
 
 import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.door.splines import BoundarySplines, clamped_basis, periodic_basis
 from seal_mdao.seals.wall_grid import ray_directions
 
 MODEL = sm.door_seal()
-SPLINES = MODEL.splines
-D0 = MODEL.section.base_angle
+SPLINES = options_of(MODEL).splines
+D0 = options_of(MODEL).section.base_angle
 
 
 def test_outer_spline_is_zero_on_the_base():
@@ -86,12 +87,12 @@ def test_periodic_spline_is_the_uniform_b_spline():
 
 
 def test_base_does_not_move_for_any_design():
-    moved = MODEL.design_velocity[:, MODEL.grid.base]
+    moved = MODEL.design_velocity[:, options_of(MODEL).grid.base]
     assert not moved[:14].any()
     # nor do inner offsets move the outer boundary anywhere
-    outer = MODEL.grid.particle(np.arange(58), 2)
+    outer = options_of(MODEL).grid.particle(np.arange(58), 2)
     assert not MODEL.design_velocity[14:, outer].any()
-    inner = MODEL.grid.particle(np.arange(58), 0)
+    inner = options_of(MODEL).grid.particle(np.arange(58), 0)
     assert not MODEL.design_velocity[:14, inner].any()
 
 
@@ -107,7 +108,7 @@ def test_offsets_move_particles_along_their_rays(rng):
     """By the spline values on the boundaries, linearly between across the wall."""
     offsets = rng.uniform(-0.4, 0.4, 25)
     motion = (MODEL.particles(offsets) - MODEL.drawn_particles).reshape(58, 3, 2)
-    angle = MODEL.grid.angles
+    angle = options_of(MODEL).grid.angles
     rays = ray_directions(angle)
     along = np.einsum("rki,ri->rk", motion, rays)
     across = motion - along[..., None] * rays[:, None]
@@ -133,8 +134,8 @@ def test_refined_model_has_the_same_boundary():
     rays = np.arange(58)
     for coarse_layer, fine_layer in ((0, 0), (1, 2), (2, 4)):
         np.testing.assert_allclose(
-            coarse_x[MODEL.grid.particle(rays, coarse_layer)],
-            fine_x[fine.grid.particle(2 * rays, fine_layer)],
+            coarse_x[options_of(MODEL).grid.particle(rays, coarse_layer)],
+            fine_x[options_of(fine).grid.particle(2 * rays, fine_layer)],
             rtol=0.0,
             atol=1e-13,
         )
@@ -169,6 +170,6 @@ def test_symmetric_splines_are_those_of_mirrored_control_values():
 def test_symmetric_designs_are_their_own_mirror_images(rng):
     model = sm.door_seal(symmetric=True, outer_parameters=5, inner_parameters=4)
     section = model.particles(rng.uniform(-0.5, 0.5, model.n_offsets))
-    row = section.reshape(-1, model.layers, 2)
+    row = section.reshape(-1, options_of(model).layers, 2)
     np.testing.assert_allclose(row[:, :, 0], -np.roll(row[::-1], 1, axis=0)[:, :, 0], atol=1e-13)
     np.testing.assert_allclose(row[:, :, 1], np.roll(row[::-1], 1, axis=0)[:, :, 1], atol=1e-13)

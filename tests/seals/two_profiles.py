@@ -62,7 +62,7 @@ def two_profiles(friction, steps=6, way="loop"):
         "roll", block.body.edge_points("right"), Roll(1.0), motions[1], law, "roll_"
     )
     n_steps = motions[0].n_steps
-    return sm.AssembledSeal(
+    return sm.Seal(
         block.drawn_particles, block.design_velocity, block.body, (rubber, plate, roll), n_steps,
         (ProfileWork("plate", "plate_work"), ProfileWork("roll", "roll_work"), StrainEnergy()),
         newton=block.newton,

@@ -11,6 +11,7 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.scenarios.task import SealTask
 from seal_mdao.seals.clear_start import with_clear_starts
+from seal_mdao.seals.door.door_seal import with_options
 from seal_mdao.seals.seal import Seal
 
 BLOCK = """
@@ -128,5 +129,5 @@ def test_the_door_of_the_door_seal_backs_off():
     task = SealTask(seal, seal.measures(("reaction",)), ())
     found = task.run(swollen, np.zeros(0))
     assert not found.failure
-    roomy = SealTask(seal.with_(room=0.6), task.measures, ()).run(swollen, np.zeros(0))
+    roomy = SealTask(with_options(seal, room=0.6), task.measures, ()).run(swollen, np.zeros(0))
     assert found.values == pytest.approx(roomy.values, rel=1e-3)

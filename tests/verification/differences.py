@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.dsa.sensitivity import Sensitivities
-from seal_mdao.seals.door.door_seal import DOOR, DoorSeal
+from seal_mdao.seals.door.door_seal import DOOR, options_of
 from seal_mdao.seals.result import SealResult, analyze, analyze_particles
+from seal_mdao.seals.seal import Seal
 from verification.estimates import Estimate, fitted, most_certain, nothing, plateau
 
 STEPS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
@@ -25,7 +26,7 @@ FIT_POINTS = 64
 class Design:
     """Boundary offsets followed by the door radius, mm."""
 
-    model: DoorSeal
+    model: Seal
     values: np.ndarray
 
     def moved(self, parameter: int, change: float) -> "Design":
@@ -106,7 +107,7 @@ def evaluation_noise(design: Design, step: float = 5e-7) -> np.ndarray:
     From fourth differences along a change of the inner boundary, which alters all numbers but
     leaves the first touch where it is; doubled, for they are few.
     """
-    shape = design.model.splines
+    shape = options_of(design.model).splines
     direction = np.zeros(shape.count + 1)
     direction[shape.outer_parameters : -1] = np.cos(np.arange(shape.inner_parameters))
     values = [

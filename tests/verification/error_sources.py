@@ -38,7 +38,7 @@ def flat_errors(**changes) -> np.ndarray:
     Parameters
     ----------
     **changes
-        Attributes of ``DoorSeal``.
+        Options of ``DoorOptions``.
     """
     return _flat_curve(changes) / REACTION[:, 1] - 1.0
 

@@ -8,7 +8,8 @@ import numpy as np
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.profile import ARC, Pieces, RigidProfile, rigid_profile
 from seal_mdao.geometry.shape import GivenShape
-from seal_mdao.seals.door.door_seal import DOOR, DoorSeal
+from seal_mdao.seals.door.door_seal import DOOR, options_of
+from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import elastic_body
 from verification.rotation import rotation_matrix
 from verification.solving import solve
@@ -93,7 +94,7 @@ def moved_profile(profile: RigidProfile, frame: Frame) -> RigidProfile:
     ))  # fmt: skip
 
 
-def analyze_in_frame(seal: DoorSeal, frame: Frame) -> FrameResult:
+def analyze_in_frame(seal: Seal, frame: Frame) -> FrameResult:
     """The drawn ``seal`` written in ``frame``: particles, door, material and penalties."""
     cells = seal.body.cells[:, ::-1] if frame.mirrored else seal.body.cells
     particles = frame.places(seal.drawn_particles)
@@ -103,15 +104,17 @@ def analyze_in_frame(seal: DoorSeal, frame: Frame) -> FrameResult:
         support_radius=frame.size * seal.body.support_radius,
         support_axes=None if axes is None else axes @ frame.matrix.T / frame.size,
     )  # fmt: skip
-    material, law, unit = seal.material, seal.law, frame.stress / frame.size
+    options = options_of(seal)
+    material, law, unit = options.material, options.law, frame.stress / frame.size
     stresses = {name: frame.stress * value for name, value in material.constants.items()}
     law = law._replace(
         normal_penalty=unit * law.normal_penalty, tangent_penalty=unit * law.tangent_penalty
     )
-    motion = seal.motion
+    motion = options.motion
     places, room = (frame.size * frame.vectors(way) for way in (motion.positions, motion.room))
     contact = replace(
-        seal.terms()[1], law=law, shape=GivenShape(moved_profile(seal.profile, frame)),
+        seal.terms()[1], law=law,
+        shape=GivenShape(moved_profile(options.shape.profile(), frame)),
         motion=Motion(places, motion.angles, motion.steps, room=room, shares=motion.shares),
     )  # fmt: skip
     terms = elastic_body(material.with_(**stresses)), contact

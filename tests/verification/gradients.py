@@ -2,17 +2,18 @@
 
 import numpy as np
 
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.door.door_seal import options_of
+from seal_mdao.seals.seal import Seal
 
 DISTANCE = 0.3
 """Distance from the drawn seal, mm."""
 
 
-def design_away(model: DoorSeal, seed: int, distance: float = DISTANCE) -> np.ndarray:
+def design_away(model: Seal, seed: int, distance: float = DISTANCE) -> np.ndarray:
     """Boundary offsets and door radius, shape (26,), mm.
 
     Random offsets, the largest of which is ``distance``; the radius is larger by ``distance``.
     """
     offsets = np.random.default_rng(seed).uniform(-1.0, 1.0, model.n_offsets)
     offsets *= distance / np.abs(offsets).max()
-    return np.append(offsets, model.drawn_door_radius + distance)
+    return np.append(offsets, options_of(model).drawn_door_radius + distance)

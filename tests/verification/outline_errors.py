@@ -5,7 +5,7 @@ import numpy as np
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of
@@ -52,7 +52,7 @@ def flat_door_seal(
 
     def door(section):
         where = section.contact_points(("seal",), contact_points)
-        return RigidContact("door", where, FlatDoor(), motion, DoorSeal().law)
+        return RigidContact("door", where, FlatDoor(), motion, DoorOptions().law)
 
     return outline_seal(
         *boundaries_of(door_outline(), spacing), MooneyRivlin(), n_steps=STEPS,

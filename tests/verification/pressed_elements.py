@@ -14,7 +14,8 @@ from seal_mdao.contact.friction import ContactHistory, no_history
 from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.contact.rigid_points import contact_points
 from seal_mdao.measures.selection import touching_stretch
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.door.door_seal import options_of
+from seal_mdao.seals.seal import Seal
 from seal_mdao.seals.wall_grid import ray_directions
 from verification.biquadratic import (
     Elements,
@@ -86,12 +87,14 @@ class Pressed(NamedTuple):
         return at_its_travels(self.travel, self.reaction[:, 1])
 
 
-def ring_elements(seal: DoorSeal, across: int, around: int) -> Elements:
+def ring_elements(seal: Seal, across: int, around: int) -> Elements:
     """``across`` x ``around`` elements of the drawn section; nodes by circles, from straight down."""
+
+    section = options_of(seal).section
 
     def ring(reference):
         t, angle = reference[:, 0], 2.0 * np.pi * reference[:, 1]
-        radius = (1.0 - t) * seal.section.inner(angle) + t * seal.section.outer(angle)
+        radius = (1.0 - t) * section.inner(angle) + t * section.outer(angle)
         return radius[:, None] * ray_directions(angle)
 
     mesh, rows = mapped_elements(across, around, ring), 2 * around + 1
@@ -122,7 +125,7 @@ class PressedElements:
 
     Parameters
     ----------
-    seal : DoorSeal
+    seal : Seal
         Its drawn section, material, door, contact law and motion.
     across, around : int
         Elements; ``around`` a multiple of 58.
@@ -135,12 +138,13 @@ class PressedElements:
         Displacements at the end of the path.
     """
 
-    def __init__(self, seal: DoorSeal, across: int, around: int):
+    def __init__(self, seal: Seal, across: int, around: int):
+        self.options = options_of(seal)
         self.seal, self.mesh = seal, ring_elements(seal, across, around)
-        base = round(seal.section.base_angle * around / (2.0 * np.pi))
+        base = round(self.options.section.base_angle * around / (2.0 * np.pi))
         self.edges = _outer_edges(self.mesh, around, base)
         self.where = _edge_points(self.mesh, self.edges, *np.polynomial.legendre.leggauss(PER_EDGE))
-        self.curve = seal.shape.profile().curve
+        self.curve = self.options.shape.profile().curve
         self.history = no_history(len(self.where.length))
         self.end, n = np.zeros_like(self.mesh.nodes), self.n_nodes
         fixed = np.zeros((n, 2), bool)
@@ -159,15 +163,15 @@ class PressedElements:
         force, tangent, gap = np.empty((k, 2)), np.empty((k, 2, 2)), np.empty(k)
         state, kept = np.empty(k, np.int64), np.empty((k, 3))
         made = contact_points(
-            self.curve, self.seal.law, pose, self.where.at(x), self.where.length, self.history,
-            direction, force, tangent, state, kept, gap,
+            self.curve, self.options.law, pose, self.where.at(x), self.where.length,
+            self.history, direction, force, tangent, state, kept, gap,
         )  # fmt: skip
         return force, tangent, ContactHistory(state, kept), made
 
     def system(self, u, p, pose, direction):
         """Residual, its tangent in the free components, and what gives pressures, forces and history."""
         mesh, values = self.mesh, self.where.values
-        r, k, shift, back = condensed(mesh, self.seal.material, u, p)
+        r, k, shift, back = condensed(mesh, self.options.material, u, p)
         force, tangent, history, made = self.contact(mesh.nodes + u, pose, direction)
         on_nodes = np.einsum("ka,ki->kai", values, force).reshape(len(force), -1)
         of_nodes = np.einsum("ka,kij,kb->kaibj", values, tangent, values)
@@ -224,7 +228,7 @@ class PressedElements:
 
     def press(self) -> Pressed:
         """All load steps of the seal's motion."""
-        motion, top = self.seal.motion, self.seal.section.outer_radius
+        motion, top = self.options.motion, self.options.section.outer_radius
         u, p = np.zeros_like(self.mesh.nodes), np.zeros((len(self.mesh.connectivity), 3))
         poses = [motion.pose(step) for step in range(motion.n_steps + 1)]
         self.history = self.contact(self.mesh.nodes, poses[0], self.no_direction())[2]

@@ -5,7 +5,7 @@ import numpy as np
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.seals.door.door_seal import DoorSeal
+from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.outline.arcs import Arc, Circle
@@ -36,7 +36,7 @@ def ray_bulb(rays: int, layers: int, accuracy: str, contact_points: str) -> Outl
 
     def door(section):
         where = section.contact_points(("seal",), contact_points)
-        return RigidContact("door", where, FlatDoor(), motion, DoorSeal().law)
+        return RigidContact("door", where, FlatDoor(), motion, DoorOptions().law)
 
     return outline_seal(
         *boundaries_of(outline, Rays(rays, layers, CENTRE, accuracy)), MooneyRivlin(),

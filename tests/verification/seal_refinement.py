@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from seal_mdao.measures.selection import opened_points
-from seal_mdao.seals.door.door_seal import DOOR, door_seal
+from seal_mdao.seals.door.door_seal import DOOR, door_seal, options_of
 from seal_mdao.seals.result import SealResult, analyze
 from verification.flat_door_reference import BOUNDARY, REACTION
 
@@ -73,7 +73,7 @@ def flat_level(rays: int, layers: int) -> FlatLevel:
 def _boundary_error(result: SealResult) -> float:
     mirrored = BOUNDARY * [-1.0, 1.0, -1.0, 1.0]
     undeformed, deformed = np.hsplit(np.vstack([BOUNDARY, mirrored]), 2)
-    outer = result.seal.grid.free_outer
+    outer = options_of(result.seal).grid.free_outer
     distance, nearest = cKDTree(result.particles[outer]).query(undeformed)
     if distance.max() > 1e-5:
         raise ValueError("the particles do not include those of the reference")

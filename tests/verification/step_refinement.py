@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.seals.door.door_seal import door_seal
+from seal_mdao.seals.door.door_seal import door_seal, with_options
 from seal_mdao.seals.result import analyze
 
 STEPS = (50, 100, 200, 400)
@@ -80,7 +80,7 @@ def refine_steps(friction_history: str, steps=STEPS, **changes) -> StepStudy:
     frozen = list(analyze(door_seal(**changes)).measure("gap").points)
     reaction, gap = [], []
     for n in steps:
-        end = analyze(model.with_(n_steps=int(n))).contact
+        end = analyze(with_options(model, n_steps=int(n))).contact
         reaction.append(end.total)
         gap.append(float(end.gap[frozen] @ end.gap[frozen]))
     return StepStudy(np.array(steps), np.array(reaction), np.array(gap))

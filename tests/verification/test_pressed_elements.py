@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import options_of
 from verification.flat_door_reference import REACTION
 from verification.pressed_elements import CORNER, FLAT, GAP, PressedElements
 
@@ -16,7 +17,7 @@ def elements(door, across, around, **changes):
 
 def test_ring_closes_and_has_the_area_of_the_section(figure):
     """Biquadratic maps of the circles: the error of the area falls with the fourth power."""
-    section = sm.door_seal().section
+    section = options_of(sm.door_seal()).section
     half = section.base_angle
     outside = 4.0 * np.tan(half) + 2.0 * np.pi - 4.0 * half  # base, two flanks, circle
     exact = 0.5 * section.outer_radius**2 * outside - np.pi * section.inner_radius**2
@@ -36,7 +37,8 @@ def test_tangent_is_that_of_the_residual(figure, rng):
     """With the pressures that belong to the displacements, and points that stick, slip and are open."""
     pressed = elements("corner", 2, 58, n_steps=21)
     pressed.press()
-    pose, (m, n) = pressed.seal.motion.pose(20.9), (len(pressed.mesh.connectivity), pressed.n_nodes)
+    pose = pressed.options.motion.pose(20.9)
+    m, n = len(pressed.mesh.connectivity), pressed.n_nodes
     start = 1e-3 * rng.standard_normal((n, 2))
     along = np.zeros(2 * n)
     along[pressed.free] = rng.standard_normal(pressed.free.size)

@@ -4,8 +4,9 @@ import numpy as np
 
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.dsa.sensitivity import Sensitivities, differentiate
-from seal_mdao.seals.door.door_seal import DoorSeal, door_seal
+from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.result import SealResult, analyze
+from seal_mdao.seals.seal import Seal
 
 SCALARS = (
     "door_radius", "friction", "c10", "c01", "bulk_modulus", "depth", "normal_penalty",
@@ -30,7 +31,7 @@ RADIUS = 4.05
 NEARLY_ZERO = 1e-2
 
 
-def case_model(friction: str, door: str, path: str) -> DoorSeal:
+def case_model(friction: str, door: str, path: str) -> Seal:
     """A model of ``FRICTIONS`` x ``DOORS`` x ``PATHS``, pressed 7 mm (3 mm without friction)."""
     return door_seal(
         **{"depth": 7.0, "start": 10.03} | FRICTIONS[friction] | DOORS[door] | PATHS[path]

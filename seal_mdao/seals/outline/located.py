@@ -61,7 +61,9 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
             f"no particle is at {pair(segments[missing[0]].start)}, where a segment of the edge "
             f"{segments[missing[0]].edge!r} begins"
         )
-    return boundary_at(segments, number[order], fraction[order])._replace(points=points[order]), order
+    return boundary_at(segments, number[order], fraction[order])._replace(
+        points=points[order]
+    ), order
 
 
 def _nearest(segments, points):

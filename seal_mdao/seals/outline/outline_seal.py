@@ -13,7 +13,6 @@ from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
-from seal_mdao.seals.assembled import AssembledSeal
 from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
 from seal_mdao.seals.outline.harmonic_extension import harmonic_extension
@@ -21,6 +20,7 @@ from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
+from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 
 NONE = MappingProxyType({})
@@ -48,7 +48,7 @@ class SectionRegion(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class OutlineSeal(AssembledSeal):
+class OutlineSeal(Seal):
     """A seal with a cloud built from its boundary.
 
     Attributes
@@ -119,6 +119,8 @@ def outline_seal(
         nominal normals.
     kernels : Kernels, optional
         If left out those of rays and of given clouds, else ``Kernels()``.
+    standard, inputs, newton
+        As of ``Seal``.
 
     Raises
     ------

@@ -1,0 +1,338 @@
+"""Options of the door seal: what they are, their bounds, and the parts of the seal that follow."""
+
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from seal_mdao import values
+from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.contact.friction import FRICTION_HISTORIES, ContactLaw
+from seal_mdao.equilibrium.linear_solver import SOLVERS
+from seal_mdao.geometry.motion import Motion, increases_to_one, straight_motion
+from seal_mdao.geometry.profile import PROFILE_EXTENT
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.rkpm.cells import GAUSS_POINTS
+from seal_mdao.seals.door.section import RingGrid, Section
+from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
+from seal_mdao.seals.door.splines import BoundarySplines
+from seal_mdao.seals.wall_grid import SCHEMES
+from seal_mdao.terms.points import CONTACT_POINTS
+
+DOORS = ("corner", "flat")
+PRESSURES = ("cell", "wall")
+BASE_RAYS = 58
+MOST_SUPPORT = 10.0
+"""Cell edges."""
+FARTHEST = 100.0
+"""Of the start above the top of the drawn seal, and of the room above the start, mm."""
+
+
+@dataclass(frozen=True)
+class DoorOptions:
+    """Options of a rubber seal on a fixed base, pressed by a rigid door with friction (mm, kPa, N/m).
+
+    Attributes
+    ----------
+    rays, layers : int
+        Particles around and across the wall, 58 to 2320 and 3 to 40; ``rays`` a multiple of 58 so that
+        the base keeps its width.
+    refinement : int
+        Into how many, 1 to 10, the intervals between rays are divided where the door presses, 62 degrees
+        to either side of straight up.
+    support : float or pair of float
+        One number: round kernels, their support radius over the longest cell edge at a particle, at
+        most 10. Two: product kernels, their half-widths around and across the wall over the longest
+        edge in that direction.
+    basis_order : int
+        Monomial basis of the shape functions: 1 linear, 2 quadratic.
+    n_gauss : int or pair of int
+        Gauss points of a background cell, 2 to 10: one number in both directions, two around and across
+        the wall.
+    pressure : {"cell", "wall"}
+        "cell": one value in every background cell, a staircase across the wall. "wall": continuous and
+        piecewise linear from the inner to the outer boundary, with as many values.
+    contact_points : {"particles", "edges"}
+        Where the door may touch: at the free particles of the outer boundary, or in the middle of every
+        straight edge between two of them.
+    section : Section
+        Drawn section.
+    outer_parameters, inner_parameters : int
+        Free spline control values of the two boundaries, no more than rays.
+    symmetric : bool
+        The control values are those of one half of the section, the other is its mirror image.
+    material : MooneyRivlin
+    door : {"corner", "flat"}
+        Rounded corner with a vertical side, or wholly flat.
+    corner_x : float
+        Where the flat of the corner door ends for the drawn radius, -50 to 50 mm.
+    drawn_door_radius : float
+        Corner radius of the drawn door, from 0.01 to below 100 mm.
+    door_radius : float or None
+        Corner radius of this design; None for the drawn one.
+    segments : int or None
+        None: exact line-arc-line door; else the number of straight segments, 4 to 10 000.
+    friction : float
+        Coulomb coefficient, 0 to 10.
+    friction_history : {"accumulated", "incremental"}
+        Elastic slip carried and return-mapped, or measured from the previous step only, Eq. (19).
+    normal_penalty, tangent_penalty : float
+        w_n, w_t, kPa/mm; w_n from 0.1 and w_t from 0.001 to 1e8 times the shear modulus a mm.
+    start : float
+        Height of the door's flat at the start, up to 100 mm above the top of the drawn seal.
+    room : float
+        How far above ``start`` the first load step begins, 0 to 100 mm, so that a design that reaches
+        up to ``start`` is still clear of the door. It does not count as travel: all steps end where
+        they would without it.
+    depth : float
+        Final depth of the door below the top of the drawn seal, from 0.001 mm to its outer diameter.
+    door_shift : float
+        Horizontal misplacement of the door, -50 to 50 mm.
+    door_angle : float
+        Misalignment of the door in degrees, -30 to 30, counter-clockwise about the point of its flat
+        above the axis of the drawn seal (before the shift).
+    n_steps : int
+        Load steps from start to depth.
+    step_ends : tuple of float, or None
+        Where they end, as fractions of the path, the last one 1; None for equal steps.
+    newton : NewtonOptions
+    solver : {"auto", "banded", "superlu", "pardiso"}
+        "auto": the band where it is narrow, else PARDISO where pypardiso is installed, else SuperLU.
+    """
+
+    rays: int = BASE_RAYS
+    layers: int = 3
+    refinement: int = 1
+    support: float | tuple[float, float] = SCHEMES["paper"].support
+    basis_order: int = 1
+    n_gauss: int | tuple[int, int] = 2
+    pressure: str = "cell"
+    contact_points: str = "particles"
+    section: Section = field(default_factory=Section)
+    outer_parameters: int = 14
+    inner_parameters: int = 11
+    symmetric: bool = False
+    material: MooneyRivlin = field(default_factory=MooneyRivlin)
+    door: str = "corner"
+    corner_x: float = 2.0
+    drawn_door_radius: float = 4.0
+    door_radius: float | None = None
+    segments: int | None = None
+    friction: float = 0.25
+    friction_history: str = "accumulated"
+    normal_penalty: float = 1e4
+    tangent_penalty: float = 1e2
+    start: float = 10.0
+    room: float = 0.1
+    depth: float = 10.0
+    door_shift: float = 0.0
+    door_angle: float = 0.0
+    n_steps: int = 105
+    step_ends: tuple | None = None
+    newton: NewtonOptions = field(default_factory=NewtonOptions)
+    solver: str = "auto"
+
+    @property
+    def radius(self) -> float:
+        """Corner radius of this design, mm."""
+        return self.drawn_door_radius if self.door_radius is None else self.door_radius
+
+    @property
+    def bounds(self) -> dict:
+        """Bounds of the scalar parameters, keyword arguments of ``values.real`` by name."""
+        top, shear = self.section.outer_radius, self.material.shear_modulus
+        return {
+            # from PROFILE_EXTENT on the drawn flat of the door would not begin before its corner
+            "door_radius": {"low": 0.01, "below": PROFILE_EXTENT},
+            "friction": {"low": 0.0, "high": 10.0},
+            "depth": {"low": 0.001, "below": 2 * top},
+            "door_shift": {"low": -50.0, "high": 50.0},
+            "door_angle": {"low": -30.0, "high": 30.0},
+            # over the shear modulus, 1/mm
+            "normal_penalty": {"low": 0.1 * shear, "high": 1e8 * shear},
+            "tangent_penalty": {"low": 1e-3 * shear, "high": 1e8 * shear},
+        }
+
+    # ---- what follows from the options ----
+
+    @cached_property
+    def grid(self) -> RingGrid:
+        """Particles of the wall."""
+        return RingGrid.refined(self.rays, self.layers, self._base_columns, self.refinement)
+
+    @property
+    def _base_columns(self) -> int:
+        """Rays from straight down to the end of the flat base.
+
+        Raises
+        ------
+        ValueError
+            When the base ends between two rays: particles would be fixed that do not lie on it.
+        """
+        spacing = 2 * np.pi / self.rays
+        columns = round(self.section.base_angle / spacing)
+        below = int(self.section.base_angle / spacing)
+        values.require(
+            columns > 0 and abs(self.section.base_angle - columns * spacing) <= 1e-9,
+            f"base_angle = {self.section.base_angle:.6g} of the section must be a whole number of the "
+            f"{self.rays} rays' spacing 2 pi / {self.rays}, for example "
+            f"{max(below, 1) * spacing:.6g} or {(max(below, 1) + 1) * spacing:.6g}",
+        )
+        return columns
+
+    @cached_property
+    def splines(self) -> BoundarySplines:
+        """Shape parameters of the section."""
+        return BoundarySplines(
+            self.section, self.outer_parameters, self.inner_parameters, self.symmetric
+        )
+
+    @property
+    def law(self) -> ContactLaw:
+        """Contact law of the door."""
+        accumulated = self.friction_history == "accumulated"
+        return ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, accumulated)
+
+    @property
+    def motion(self) -> Motion:
+        """Straight down from above ``start``; ``depth`` moves its end, shift and angle all of it."""
+        end = self.section.outer_radius - self.depth
+        steps = self.n_steps if self.step_ends is None else 1
+        path = straight_motion((0.0, self.start), (0.0, end), steps, {"depth": (0.0, -1.0)})
+        path = path.with_placement(x="door_shift", angle="door_angle")
+        path = path.moved({"door_shift": self.door_shift, "door_angle": self.door_angle})
+        if self.step_ends is not None:
+            path = path.with_ends(self.step_ends)
+        return replace(path, room=(0.0, self.room))
+
+    @property
+    def shape(self) -> CornerDoor | FlatDoor:
+        """Shape of the drawn door."""
+        if self.door == "flat":
+            return FlatDoor()
+        side = self.corner_x + self.drawn_door_radius
+        return CornerDoor(self.corner_x, side, self.drawn_door_radius, self.segments)
+
+
+def door_options(**given) -> DoorOptions:
+    """Check options of the door seal; those left out have the values of the example.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For options that are unknown or not admissible.
+    """
+    known = [field.name for field in fields(DoorOptions)]
+    unknown = sorted(set(given) - set(known))
+    if unknown:
+        raise TypeError(f"unknown option {unknown[0]!r}; known options are {', '.join(known)}")
+    options = DoorOptions(**given)
+    # first what the bounds of others depend on
+    for checks in (_OWN_CHECKS, _dependent_checks):
+        own = checks if isinstance(checks, dict) else checks(options)
+        checked = {name: check(name, getattr(options, name)) for name, check in own.items()}
+        options = replace(options, **checked)
+    _check_together(options)
+    return options
+
+
+def _instance(kind: type):
+    def check(name, value):
+        values.instance(name, value, kind)
+        return value
+
+    return check
+
+
+def _optional(check):
+    """A check that lets None pass."""
+    return lambda name, value: None if value is None else check(name, value)
+
+
+def _radius(name: str, value, bounds: dict) -> float:
+    found = values.numbers(name, value).reshape(-1)
+    values.require(found.size == 1, f"{name} must be one number, got {found.size}")
+    return values.real(name, float(found[0]), **bounds)
+
+
+def _support(name: str, value):
+    pair = values.numbers(name, value)
+    if pair.ndim == 0:
+        return values.real(name, value, above=0.0, high=MOST_SUPPORT)
+    values.require(
+        pair.shape == (2,) and bool(np.all((pair > 1.0) & (pair <= MOST_SUPPORT))),
+        f"{name} must be a positive number, or two above 1 and at most {MOST_SUPPORT} (around and "
+        f"across the wall), got {values.formatted(value)}",
+    )
+    return tuple(pair.tolist())
+
+
+def _gauss(name: str, value):
+    if not isinstance(value, tuple | list):
+        return values.integer(name, value, *GAUSS_POINTS)
+    values.require(
+        len(value) == 2,
+        f"{name} must be an integer, or two (around and across the wall), got {values.formatted(value)}",
+    )
+    return tuple(values.integer(name, points, *GAUSS_POINTS) for points in value)
+
+
+def _integer(low: int, high: int):
+    return partial(values.integer, low=low, high=high)
+
+
+def _one_of(*choices: str):
+    return partial(values.one_of, choices=choices)
+
+
+_OWN_CHECKS = {
+    "material": _instance(MooneyRivlin), "section": _instance(Section),
+    "newton": _instance(NewtonOptions),
+    "rays": _integer(BASE_RAYS, 40 * BASE_RAYS),
+    "layers": _integer(3, 40),  # two leave the wall far too soft
+    "refinement": _integer(1, 10), "basis_order": _integer(1, 2), "n_steps": _integer(1, 10**9),
+    "support": _support, "n_gauss": _gauss, "pressure": _one_of(*PRESSURES),
+    "contact_points": _one_of(*CONTACT_POINTS), "solver": _one_of(*SOLVERS),
+    "symmetric": values.flag, "door": _one_of(*DOORS),
+    "friction_history": _one_of(*FRICTION_HISTORIES),
+    "corner_x": partial(values.real, low=-50.0, high=50.0),
+    "segments": _optional(_integer(4, 10_000)),
+    "room": partial(values.real, low=0.0, high=FARTHEST),
+}  # fmt: skip
+"""Checks of options by themselves: ``check(name, value)`` gives the value as it is kept."""
+
+
+def _dependent_checks(options: DoorOptions) -> dict:
+    """Checks of options whose bounds depend on others."""
+    bounds, top = dict(options.bounds), options.section.outer_radius
+    radius = partial(_radius, bounds=bounds.pop("door_radius"))
+    return {name: partial(values.real, **own) for name, own in bounds.items()} | {
+        "drawn_door_radius": radius,
+        "door_radius": _optional(radius),
+        "start": partial(values.real, above=top, high=top + FARTHEST),
+    }
+
+
+def _check_together(options: DoorOptions) -> None:
+    """Check what several options have to satisfy together."""
+    values.require(
+        options.rays % BASE_RAYS == 0,
+        f"rays = {options.rays} must be a multiple of {BASE_RAYS}, else the base changes its width",
+    )
+    splines, _ = options.splines, options.grid
+    for name, count in (
+        ("outer_parameters", splines.outer_controls), ("inner_parameters", splines.inner_controls)
+    ):  # fmt: skip
+        values.require(
+            count <= options.rays,
+            f"{name} = {getattr(options, name)} gives a boundary of {options.rays} "
+            f"particles {count} control values; at most {options.rays} can be told "
+            "apart",
+        )
+    if options.step_ends is not None:
+        ends = values.numbers("step_ends", options.step_ends)
+        values.require(
+            ends.shape == (options.n_steps,) and increases_to_one(ends),
+            f"step_ends must be {options.n_steps} increasing fractions of the path (n_steps), the last "
+            f"one 1; got {values.formatted(options.step_ends)}",
+        )
