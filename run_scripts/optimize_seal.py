@@ -50,8 +50,7 @@ def main(arguments) -> int:
     if arguments.restart:
         arguments.restart = arguments.out / CASES
         optimizer, chosen = continued(arguments.restart, file, arguments)
-    kept = KeptAnalyses()
-    seal = seal_of(file, chosen, kept)
+    seal, kept = seal_of(file, chosen), KeptAnalyses()
     cases = recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)

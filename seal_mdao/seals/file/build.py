@@ -47,7 +47,6 @@ def build_seal(
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
-    kept=None,
 ) -> OutlineSeal:
     """The seal of a file: its cloud, terms, design and measures.
 
@@ -55,7 +54,8 @@ def build_seal(
     materials where there are several: ``foot_c10``.
 
     Load steps and contact penalties that the file does not give are chosen now, by analyses of the
-    nominal seal (``seals.choice``), and are the seal's own from then on, whatever its design.
+    nominal seal (``seals.choice``), and are the seal's own from then on, whatever its design. The
+    last of these analyses is that of the seal itself: the first ``analyze(seal)`` returns it.
 
     Parameters
     ----------
@@ -67,9 +67,6 @@ def build_seal(
         Ends of load steps that have been chosen before, in stages, in place of a choice.
     penalties : mapping of str to float, optional
         Penalties that have been chosen before, by the names of their parameters, kPa/mm.
-    kept : KeptAnalyses, optional
-        Makes the analyses of the choice. The last is that of the seal that is returned, so
-        ``kept.analyze(seal)`` does not make it again.
 
     Raises
     ------
@@ -86,12 +83,8 @@ def build_seal(
     if isinstance(file, str | Path):
         file = read_seal_file(file)
     values.instance("file", file, SealFile)
-    seal = built(file, callback, step_ends, penalties, kept)
-    key = seal.key
-    seal = seal.made_from(description(file, seal))
-    if kept is not None:
-        kept.carry_over(key, seal.key)
-    return seal
+    seal = built(file, callback, step_ends, penalties)
+    return seal.made_from(description(file, seal))
 
 
 def built(
@@ -99,7 +92,6 @@ def built(
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
-    kept=None,
 ) -> OutlineSeal:
     """As ``build_seal``, of a file that was read; the seal does not know what it was made from."""
     seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
@@ -113,9 +105,7 @@ def built(
             seal, tolerance = seal.with_ends(step_ends), None
         if tolerance is None and not names:
             return seal
-        return choose(
-            seal, tolerance, file.penalty_tolerance, names, callback=callback, kept=kept
-        ).seal
+        return choose(seal, tolerance, file.penalty_tolerance, names, callback=callback).seal
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
 
