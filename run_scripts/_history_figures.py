@@ -131,8 +131,9 @@ def report_limits(history: RecordedOptimization, ends: dict, kkt: dict | None) -
         text = f"{label(name)}: {row['start']:.6g} -> {row['end']:.6g} {row['unit']}".rstrip()
         print(f"{text}, {' and '.join(limits)}" if limits else text)
     if kkt is not None:
-        largest = max(kkt["stationarity"], kkt["complementarity"])
+        largest, sides = max(kkt["stationarity"], kkt["complementarity"]), kkt["sides_of_kink"]
+        kink = f" with the derivatives of {sides} sides of a kink" if sides > 1 else ""
         print(
-            f"optimality conditions hold to {largest:.1e}, largest violation of a constraint "
+            f"optimality conditions hold to {largest:.1e}{kink}, largest violation of a constraint "
             f"{history.max_violation[-1]:.1e}"
         )

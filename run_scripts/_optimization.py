@@ -21,7 +21,7 @@ def optimize(problem: om.Problem) -> dict:
     -------
     dict
         Part of summary.json. ``kkt`` is how far the conditions of first order are from being satisfied
-        at the end, in the scaling of the driver.
+        at the end, in the scaling of the driver; with the derivatives of all sides at a kink.
     """
     begun, found = time.perf_counter(), None
     try:
@@ -52,6 +52,7 @@ def _kkt(found: Optimality | None) -> dict | None:
         "stationarity": found.stationarity,
         "complementarity": found.complementarity,
         "infeasibility": found.infeasibility,
+        "sides_of_kink": found.sides,
     }
 
 

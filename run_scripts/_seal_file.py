@@ -33,9 +33,7 @@ def file_of(path: Path) -> SealFile:
         return sm.read_seal_file(path)
 
 
-def seal_of(
-    file: SealFile, chosen: dict | None = None, kept: sm.KeptAnalyses | None = None
-) -> OutlineSeal:
+def seal_of(file: SealFile, chosen: dict | None = None) -> OutlineSeal:
     """The seal that a file describes; load steps and penalties that it leaves open are chosen, behind a
     progress bar.
 
@@ -43,8 +41,6 @@ def seal_of(
     ----------
     chosen : dict, optional
         What was chosen before, as ``chosen_for`` gives it.
-    kept : KeptAnalyses, optional
-        Makes the analyses of the choice, whose last one is that of the seal.
 
     Raises
     ------
@@ -56,7 +52,7 @@ def seal_of(
         if not file.leaves_open or chosen is not None:
             return build_seal(file, **(chosen or {}))
         with LoadStepProgress(None, f"choosing {_open_in(file)}") as progress:
-            seal = build_seal(file, progress, kept=kept)
+            seal = build_seal(file, progress)
     for line in chosen_lines(file, seal):
         print(line)
     return seal

@@ -23,7 +23,6 @@ import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.export import vtu
 from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_curves
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.mesh_files import library
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
@@ -56,14 +55,14 @@ def main(arguments) -> int:
 def analyzed(file) -> tuple[SealResult, float]:
     """The nominal seal of a file, and the seconds that its analysis took, the choice of load steps and
     penalties included."""
-    begun, kept = time.perf_counter(), KeptAnalyses()
+    begun = time.perf_counter()
     try:
-        seal = seal_of(file, kept=kept)
+        seal = seal_of(file)
     except sm.LoadPathError as error:  # no load steps to be found; what was computed is shown
         return error.result, time.perf_counter() - begun
     announce(seal)
     with file_errors(file.path), LoadStepProgress(seal) as progress:
-        result = kept.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
+        result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
     return result, time.perf_counter() - begun
 
 

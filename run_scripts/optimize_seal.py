@@ -50,8 +50,7 @@ def main(arguments) -> int:
     optimizer, chosen = arguments.optimizer, None
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
-    kept = KeptAnalyses()
-    seal = seal_of(file, chosen, kept)
+    seal, kept = seal_of(file, chosen), KeptAnalyses()
     cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
     with checked_arguments():
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)

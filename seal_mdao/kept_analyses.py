@@ -7,6 +7,7 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.seals.chosen_path import without_factors
 from seal_mdao.seals.result import SealResult, analyze_particles, analyzed_with
 from seal_mdao.seals.seal import Seal
 
@@ -84,19 +85,12 @@ class KeptAnalyses:
             self._results[key] = result
         return replace(result, seal=seal, boundary_offsets=boundary_offsets)
 
-    def carry_over(self, old, new) -> None:
-        """Keep the analyses of a seal whose key was ``old`` for its key ``new``."""
-        for store in (self._results, self._sizes):
-            for key in [key for key in store if key[0] == old]:
-                store[new, key[1]] = store.pop(key)
-        if self._newest is not None and self._newest[0] == old:
-            self._newest = new, self._newest[1]
-
     def _free_memory(self, key, result: SealResult) -> None:
         """Free memory for a new result; the one before it loses its factors."""
         if self._newest in self._results:
-            self._results[self._newest] = without_factors(self._results[self._newest])
-        self._newest, self._sizes[key] = key, held_bytes(without_factors(result).path)
+            before = self._results[self._newest]
+            self._results[self._newest] = replace(before, path=without_factors(before.path))
+        self._newest, self._sizes[key] = key, held_bytes(without_factors(result.path))
         while self._results and sum(self._sizes.values()) > self._memory:
             oldest = next(iter(self._results))
             del self._results[oldest], self._sizes[oldest]
@@ -114,9 +108,3 @@ def held_bytes(record) -> int:
     if is_dataclass(record):
         return sum(held_bytes(getattr(record, f.name)) for f in fields(record))
     return 0
-
-
-def without_factors(result: SealResult) -> SealResult:
-    """Return the analysis without the factors of its tangents, which sensitivities compute again."""
-    steps = [replace(step, factor=None) for step in result.path.steps]
-    return replace(result, path=replace(result.path, steps=steps))

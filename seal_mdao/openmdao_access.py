@@ -358,6 +358,17 @@ def recorder_path(problem: om.Problem, path) -> Path:
     return (Path(problem.get_outputs_dir()) if bare else Path()).absolute() / path
 
 
+def contact_states(driver: Driver) -> dict[str, str]:
+    """States of contact by their names, of all components of the model that have ``contact_states``."""
+    systems = problem_of(driver).model.system_iter(include_self=True, recurse=True)
+    own = {s.pathname: s.contact_states() for s in systems if hasattr(s, "contact_states")}
+    if len(own) == 1:
+        return next(iter(own.values()))
+    return {
+        f"{path}: {name}": state for path, found in own.items() for name, state in found.items()
+    }
+
+
 def find_value(vector, name: str) -> np.ndarray | None:
     """Return a flat view of a variable in a vector of the model; None if it is not there."""
     return vector._abs_get_val(name) if vector._contains_abs(name) else None

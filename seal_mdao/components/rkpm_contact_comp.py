@@ -13,6 +13,7 @@ from seal_mdao.components.options import (
     declare_seal_options,
 )
 from seal_mdao.components.random_directions import RandomDirectionsComp
+from seal_mdao.dsa.kinks import contact_states
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.seals.result import analyze, frozen_measures
@@ -47,7 +48,7 @@ class RkpmContactComp(RandomDirectionsComp):
         seal = self.options["seal"]
         check_parameters(seal, self.options["parameters"])
         kept = self.options["kept"]
-        self._failed = None
+        self._failed = self._result = None
         # a cache without memory still holds the newest analysis, with its factors
         self._kept = KeptAnalyses(memory=0.0) if kept is None else kept
         analysis = analyze if kept is None else kept.analyze
@@ -107,6 +108,10 @@ class RkpmContactComp(RandomDirectionsComp):
                 # rows (m, n, 2) of the particles are flat (m, 2 n) in OpenMDAO
                 partials[measure, name] = rows.reshape(len(rows), -1)
 
+    def contact_states(self) -> dict[str, str]:
+        """Return the contact states of the last design by their names (``dsa.kinks.contact_states``)."""
+        return {} if self._result is None else contact_states(self._result.path)
+
     def _has_failed(self, inputs) -> bool:
         """Return whether the design failed here, or upstream, where NaN particles result."""
         failed = self._failed is not None and self._failed == _bytes(inputs)
@@ -127,6 +132,7 @@ class RkpmContactComp(RandomDirectionsComp):
                 callback=self.options["callback"],
             )
             result.require_possible()
+        self._result = result
         return result
 
 

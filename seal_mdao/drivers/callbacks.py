@@ -93,11 +93,10 @@ class SolverCallbacks:
         self.lost = self.lost or (found is None and not self.eager)
         return found
 
-    def try_again(self) -> NDArray[np.float64] | None:
-        """Return the point from which a stalled run may be restarted, or None if it must end."""
-        # forget the failures: the restart takes other steps
+    def try_again(self) -> bool:
+        """Forget the failures: a restart takes other steps. Return whether there may be one."""
         self.stalled, self._failures = False, 0
-        return None if self.stopping else self.firm.x
+        return not self.stopping
 
     def guarded(self, action, *arguments) -> None:
         """Call an action that may raise, such as printing, and store the exception."""

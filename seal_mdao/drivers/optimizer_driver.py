@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from seal_mdao import openmdao_access as access
 from seal_mdao.drivers.callbacks import SolverCallbacks
 from seal_mdao.drivers.evaluation import ModelEvaluator
 from seal_mdao.drivers.interrupt import InterruptGuard
+from seal_mdao.drivers.kink import find_kink
 from seal_mdao.drivers.layout import flat, read_layout
 from seal_mdao.drivers.optimality import Optimality
 from seal_mdao.drivers.solver_settings import count, positive_count, tolerance
@@ -55,7 +57,9 @@ class OptimizerDriver(access.DriverHooks):
 
     A successful run leaves the model at the optimiser's result, any other one at the best feasible
     point found, or the least infeasible one. A run that was not ended by a limit or Ctrl-C counts as
-    a success if that point satisfies the optimality conditions, see `Optimality`.
+    a success if that point satisfies the optimality conditions, see `Optimality`, be it at a kink that
+    no direction improves, see `Kink`. Components with a method ``contact_states``, states by name, have
+    the states that change there named.
 
     Parameters
     ----------
@@ -72,6 +76,8 @@ class OptimizerDriver(access.DriverHooks):
         Number of points of the last run at which the analysis or its derivatives failed.
     reused_evaluations : int
         Number of evaluations that the last run took from ``hotstart_file``.
+    kink : Kink or None
+        The kink at which the last run ended.
     repeated_case : int or None
         Number of the case in ``hotstart_file`` whose evaluation is being repeated.
     """
@@ -158,10 +164,16 @@ class OptimizerDriver(access.DriverHooks):
             # options are checked before the first analysis
             solve = self.prepare(callbacks)
             end = solve(callbacks.start(lambda: access.prepare_coloring(self)))
+            # many stops are successes in fact: check the KKT conditions independently
+            optimal = ""
+            if not (end.limited or callbacks.interrupted or callbacks.error) and (
+                callbacks.stalled or not end.success
+            ):
+                optimal = self.optimal_anyway(callbacks)
         # exceptions stored by the callbacks are raised outside the code of the optimiser
         if callbacks.error is not None:
             raise callbacks.error
-        self._finish(end, callbacks)
+        self._finish(end, callbacks, optimal)
         return self.fail
 
     def show_iteration(self, objective: float, infeasibility: float, optimality: float) -> None:
@@ -179,31 +191,28 @@ class OptimizerDriver(access.DriverHooks):
 
     def optimal_anyway(self, callbacks: SolverCallbacks) -> str:
         """Return a message if the best point satisfies the KKT conditions, else an empty string."""
-        best = callbacks.best
+        best, tolerances = callbacks.best, (self.options["tol"], self.options["feas_tol"])
         try:
             totals = callbacks.evaluator.totals(best.x)
         except AnalysisError:
             return ""
         found = Optimality.at(callbacks.evaluator.layout, best.x, best.constraints, *totals)
-        optimal = found.satisfied(self.options["tol"], self.options["feas_tol"])
-        return f"No better point was found; {found}" if optimal else ""
+        if found.satisfied(*tolerances):
+            return f"No better point was found; {found}"
+        self.kink = find_kink(callbacks, totals, *tolerances, partial(access.contact_states, self))
+        return str(self.kink or "")
 
     def _forget_run(self) -> None:
         self.exit_message = "NOT_RUN"
         self.iterations = self.failed_analyses = self.reused_evaluations = 0
-        self.repeated_case = None
+        self.repeated_case = self.kink = None
         self._next_header = 1
 
-    def _finish(self, end: SolverEnd, callbacks: SolverCallbacks) -> None:
+    def _finish(self, end: SolverEnd, callbacks: SolverCallbacks, optimal: str) -> None:
         """Leave the model at the result, and set the status and message of the run."""
         stopped = callbacks.interrupted or callbacks.stalled
-        self.fail = stopped or not end.success
-        self.exit_message = self._describe(end, callbacks)
-        # many stops are successes in fact: check the KKT conditions independently
-        if self.fail and not (end.limited or callbacks.interrupted):
-            optimal = self.optimal_anyway(callbacks)
-            self.fail = not optimal
-            self.exit_message = optimal or self.exit_message
+        self.fail = (stopped or not end.success) and not optimal
+        self.exit_message = optimal or self._describe(end, callbacks)
         evaluator = callbacks.evaluator
         # the model is left at the result, so that outputs and derivatives belong to it
         evaluator.load(callbacks.best.x if stopped or not end.success else end.x)

@@ -59,9 +59,9 @@ class UnoDriver(OptimizerDriver):
     """Optimiser Uno: sequential quadratic programming with a filter and a trust region.
 
     Preset ``filtersqp`` with an L-BFGS approximation of the Hessian; ``opt_settings`` accepts any
-    option of Uno, ``preset`` among them. Driver and failures: see `OptimizerDriver`. Where Uno stalls,
-    at a region of failed analyses or at a kink, it is restarted once at the best point with a larger
-    trust region, which may step across.
+    option of Uno, ``preset`` among them. Driver and failures: see `OptimizerDriver`. Where Uno stalls
+    at a point that can be improved, it is restarted once at the best point with a larger trust region,
+    which may step across a region of failed analyses or a kink.
 
     Parameters
     ----------
@@ -109,12 +109,14 @@ class UnoDriver(OptimizerDriver):
             problem.set_initial_primal_iterate(start)
             result = solver.optimize(problem)
             # stalled and not optimal: restart once, with the remaining iterations
-            again = callbacks.try_again() if _status(result) in STUCK else None
-            if again is not None and not self.optimal_anyway(callbacks):
+            if _status(result) in STUCK and callbacks.try_again():
+                optimal = self.optimal_anyway(callbacks)
+                if optimal:
+                    return SolverEnd(callbacks.best.x, True, optimal)
                 left = int(settings["max_iterations"]) - self.iterations
                 solver.set_option("max_iterations", max(1, left))
                 solver.set_option("TR_radius", LEAP * settings["TR_radius"])
-                problem.set_initial_primal_iterate(again)
+                problem.set_initial_primal_iterate(callbacks.firm.x)
                 result = solver.optimize(problem)
             return _end(result, start.size)
 

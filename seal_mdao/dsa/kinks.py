@@ -11,10 +11,13 @@ from collections.abc import Collection
 import numpy as np
 
 from seal_mdao.analysis.result import PathResult
+from seal_mdao.contact.friction import OPEN, SLIP, STICK, ContactHistory
 from seal_mdao.contact.kinks import SLIGHT, Kinks
 from seal_mdao.dsa.factors import solve_transposed
 from seal_mdao.errors import KinkWarning
 from seal_mdao.terms.point_rates import add_field
+
+STATES = {OPEN: "open", STICK: "stick", SLIP: "slip"}
 
 NAMED = 3
 """Contact states and points that a message names; it counts the others."""
@@ -45,6 +48,25 @@ def warn_of_kinks(path: PathResult, measured: Collection[int]) -> None:
         KinkWarning,
         stacklevel=2,
     )
+
+
+def contact_states(path: PathResult) -> dict[str, str]:
+    """Name the contact state of every point of every contact at every nominal load step.
+
+    Returns
+    -------
+    dict of str to str
+        "open", "stick" or "slip" by point, contact and load step.
+    """
+    found = {}
+    for step in path.nominal_steps:
+        for term, response in zip(path.problem.terms, step.responses, strict=True):
+            if not isinstance(response.history, ContactHistory):
+                continue
+            at = f"of {term.label!r} at load step {step.fraction:.6g}"
+            for point, state in enumerate(response.branch):
+                found[f"{_named(term, np.array([point]))} {at}"] = STATES[state]
+    return found
 
 
 def _kinks_at(path: PathResult, index: int, measured: bool) -> list[str]:

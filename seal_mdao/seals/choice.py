@@ -6,7 +6,7 @@ are higher by the ratio of the two. That path has the steps that are given, or w
 each step halved; then those are halved in which the last two paths drift apart, until what the halving
 changes is below the tolerance. What a change of the penalties does to measures is taken off by its
 estimate, what else it does to the path counts as an error of the steps. The last path is the analysis
-of the nominal seal with all that was chosen, so ``KeptAnalyses`` save making it again. Steps and
+of the nominal seal with all that was chosen, and is not computed again (``chosen_path``). Steps and
 penalties are attributes of the seal afterwards: functions of the design stay smooth.
 """
 
@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao import values
+from seal_mdao.seals.chosen_path import store_path
 from seal_mdao.seals.penalty_error import (
     compliance,
     penalties_of,
@@ -73,17 +74,16 @@ class Choice(NamedTuple):
 class _Analyses:
     """Analyses in a row, whose number is reported to a callback with a method ``begin_analysis``."""
 
-    def __init__(self, callback: Callable | None, kept):
+    def __init__(self, callback: Callable | None):
         self.callback, self.number = callback, 0
         self.report = getattr(callback, "begin_analysis", None)
-        self.analysis = analyze if kept is None else kept.analyze
 
     def __call__(self, seal: Seal, more: int) -> SealResult:
         """Analyse a seal; at least ``more`` analyses follow."""
         self.number += 1
         if self.report is not None:
             self.report(self.number, self.number + more, seal.n_steps)
-        return self.analysis(seal, keep_factors=True, callback=self.callback)
+        return analyze(seal, keep_factors=True, callback=self.callback)
 
 
 def choose(
@@ -93,9 +93,8 @@ def choose(
     names: Collection[str] = (),
     coarse: int = COARSE,
     callback: Callable | None = None,
-    kept=None,
 ) -> Choice:
-    """The seal with load steps and penalties within tolerances.
+    """The seal with load steps and penalties within tolerances; its next analysis takes the last path.
 
     Parameters
     ----------
@@ -113,8 +112,6 @@ def choose(
         Called with each ``ConvergedStep`` that completes a nominal step. Its method
         ``begin_analysis``, where it has one, is called before every analysis with its number, the
         number that there will be at the least, and its load steps.
-    kept : KeptAnalyses, optional
-        Makes the analyses and keeps them.
 
     Raises
     ------
@@ -128,7 +125,7 @@ def choose(
     ):  # fmt: skip
         if tolerance is not None:
             values.real(name, tolerance, above=0.0, high=1.0)
-    run, wanted = _Analyses(callback, kept), names if penalty_tolerance is not None else ()
+    run, wanted = _Analyses(callback), names if penalty_tolerance is not None else ()
     names = frozenset(p.name for p in penalties_of(seal) if p.name in wanted)
     begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
     ends, result = _first_path(seal, begun, run, more=1)
@@ -148,6 +145,8 @@ def choose(
             seal, ends, result, step_tolerance, names, penalty_tolerance, run
         )
         chosen = result.seal
+    if result.seal.key == chosen.key:
+        store_path(chosen, result.path)
     left = relative_error(result, names) if names else None
     return Choice(chosen, tuple(ends.tolist()), _values(chosen, names), error, left)
 

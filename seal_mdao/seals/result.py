@@ -18,6 +18,7 @@ from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import penalty_error, profiles
 from seal_mdao.seals.checks import findings
+from seal_mdao.seals.chosen_path import take_path, without_factors
 from seal_mdao.seals.instabilities import Instability, instabilities
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
@@ -421,6 +422,12 @@ def analyze_particles(
 
     Factors of converged tangents are kept as far as ``factor_memory`` (GiB) goes.
     """
+    path = take_path(seal, particles)
+    if path is not None:
+        for step in path.nominal_steps if callback is not None else ():
+            callback(step)
+        path = path if factor_memory >= FACTOR_MEMORY else without_factors(path)
+        return SealResult(seal, path, boundary_offsets)
     cost = estimate(seal)
     require_means(cost, seal.body, seal.n_steps)
     announce(cost, seal.body, seal.n_steps)

@@ -77,9 +77,20 @@ class PointLaw(TermDefinition):
     def linearize(self, given: LawInputs, fraction: float) -> np.ndarray:
         """Derivatives of the law: rows force, history, outputs; columns x, history, measure, parameters,
         X; shape (s, rows, columns). By complex steps where a class does not give them."""
+        return self._by_complex_steps(given, fraction)
+
+    def tangent(self, given: LawInputs, fraction: float) -> np.ndarray:
+        """Derivatives of the force with x alone, for every Newton iteration; shape (s, 2, 2)."""
+        if type(self).linearize is PointLaw.linearize:
+            return self._by_complex_steps(given, fraction, 2)[:, :2]
+        return self.linearize(given, fraction)[:, :2, :2]
+
+    def _by_complex_steps(self, given: LawInputs, fraction: float, count: int | None = None):
+        """All columns of the linearisation, or the first ones."""
         flat, columns = _flat(given), []
-        for column in range(flat.shape[1]):
+        for column in range(flat.shape[1] if count is None else count):
             moved = flat.astype(complex)
+            # d rows / d input = Im rows(input + i h) / h
             moved[:, column] += 1j * COMPLEX_STEP
             rows = np.hstack(self.evaluated(_given(self, moved), fraction))
             columns.append(rows.imag / COMPLEX_STEP)
@@ -153,7 +164,7 @@ class LawTerm(PointTerm):
         every = np.arange(len(x))
         given = self._inputs(x, history, every)
         force, passed, outputs = self.definition.evaluated(given, fraction)
-        tangent = np.ascontiguousarray(self.definition.linearize(given, fraction)[:, :2, :2])
+        tangent = np.ascontiguousarray(self.definition.tangent(given, fraction))
         return PointResponse(x, force, tangent, np.ones(len(x), int), passed, outputs)
 
     def linearize(self, response, fraction, history, points):

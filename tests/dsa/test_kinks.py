@@ -9,7 +9,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, STICK, ContactLaw
 from seal_mdao.contact.kinks import LIMIT, SMOOTH, TOUCHING, find_kinks, rounding_of
-from seal_mdao.dsa.kinks import warn_of_kinks
+from seal_mdao.dsa.kinks import contact_states, warn_of_kinks
 from seal_mdao.errors import KinkWarning
 
 BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()
@@ -119,3 +119,17 @@ def test_zero_gap_and_zero_slip_margin_within_rounding():
     # without friction there is no limit
     find_kinks(0.0, law._replace(friction=0.0), gap, slip, states, variables, rounding, found)
     assert list(found[4:]) == [SMOOTH] * 6
+
+
+def test_states_have_names():
+    result = sm.analyze(sm.door_seal(n_steps=5, depth=2.0))
+    states, door = contact_states(result.path), result.term("door")
+    assert len(states) == 5 * len(door.where)
+    assert set(states.values()) > {"open"}
+    for step in result.path.nominal_steps:
+        branch = step.responses[door.place].branch
+        for point, (x, y) in enumerate(door.reference.round(6) + 0.0):
+            name = (
+                f"point {point} (x = {x:.4g}, y = {y:.4g}) of 'door' at load step {step.fraction:g}"
+            )
+            assert states[name] == ("open", "stick", "slip")[branch[point]]

@@ -112,3 +112,22 @@ def test_columns_by_complex_steps_are_those_given_as_a_block():
     for measure, expected in found[1].rows.items():
         size = np.abs(expected).max()
         np.testing.assert_allclose(found[0][measure], expected, rtol=0.0, atol=1e-12 * size)
+
+
+def test_an_iteration_takes_complex_steps_in_the_deformed_coordinates_alone():
+    steps = []
+
+    class Counted(FadingFoundation):
+        def evaluate(self, given, fraction):
+            steps.append(np.iscomplexobj(given.x))
+            return super().evaluate(given, fraction)
+
+    result = sm.analyze(with_springs(lambda where: Counted("springs", where, 300.0, 0.3)))
+    assert result.converged
+    assert steps.count(True) == 2 * steps.count(False) > 0
+    # the tangent is the first columns of the linearisation, bit for bit
+    term, end = result.term("springs"), result.end
+    response = end.responses[term.place]
+    given = term._inputs(response.x, end.before[term.place], np.arange(len(response.x)))
+    block = term.definition.linearize(given, end.fraction)
+    assert np.array_equal(response.tangent, block[:, :2, :2])

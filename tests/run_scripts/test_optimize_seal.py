@@ -49,6 +49,7 @@ def test_continued_run_ends_at_an_optimum(stopped, continued, assert_drawn):
     assert (force["lower"], force["upper"], force["unit"]) == (15.0, 18.0, "N/m")
     assert force["end"] == pytest.approx(15.0, rel=1e-3)  # less rubber, less force
     assert s["max_constraint_violation"] <= 1e-3
+    assert s["kkt"].pop("sides_of_kink") >= 1
     assert max(s["kkt"].values()) <= 1e-3  # the tolerance of the driver
     assert np.abs(s["boundary_offsets"]).max() <= 0.5 + 1e-9
     assert "<html" in (out / "report.html").read_text(encoding="utf-8")

@@ -27,7 +27,6 @@ def build_seal(
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
-    kept=None,
 ) -> OutlineSeal:
     """Build the seal of a file: its cloud, terms, design and measures.
 
@@ -35,7 +34,8 @@ def build_seal(
     materials where there are several: ``foot_c10``.
 
     Load steps and contact penalties that the file does not give are chosen now, by analyses of the
-    nominal seal (``seals.choice``), and are the seal's own from then on, whatever its design.
+    nominal seal (``seals.choice``), and are the seal's own from then on, whatever its design. The
+    last of these analyses is that of the seal itself: the first ``analyze(seal)`` returns it.
 
     Parameters
     ----------
@@ -47,9 +47,6 @@ def build_seal(
         Ends of load steps that have been chosen before, in stages, in place of a choice.
     penalties : mapping of str to float, optional
         Penalties that have been chosen before, by the names of their parameters, kPa/mm.
-    kept : KeptAnalyses, optional
-        Makes the analyses of the choice. The last is that of the seal that is returned, so
-        ``kept.analyze(seal)`` does not make it again.
 
     Raises
     ------
@@ -66,13 +63,8 @@ def build_seal(
     if isinstance(file, str | Path):
         file = read_seal_file(file)
     values.instance("file", file, SealFile)
-    seal = built(file, callback, step_ends, penalties, kept)
-    key = seal.key
-    seal = seal.made_from(description(file, seal))
-    # the analyses of the choice are those of the seal under its new key
-    if kept is not None:
-        kept.carry_over(key, seal.key)
-    return seal
+    seal = built(file, callback, step_ends, penalties)
+    return seal.made_from(description(file, seal))
 
 
 def built(
@@ -80,7 +72,6 @@ def built(
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
-    kept=None,
 ) -> OutlineSeal:
     """Build the seal of a file that was read, as ``build_seal``, without its description."""
     seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
@@ -95,9 +86,7 @@ def built(
             seal, tolerance = seal.with_ends(step_ends), None
         if tolerance is None and not names:
             return seal
-        return choose(
-            seal, tolerance, file.penalty_tolerance, names, callback=callback, kept=kept
-        ).seal
+        return choose(seal, tolerance, file.penalty_tolerance, names, callback=callback).seal
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
 
