@@ -1,17 +1,66 @@
 """Running an optimisation, for the scripts that do: how it ended, and how far from optimal."""
 
+import argparse
 import time
+from collections.abc import Callable
 
 import openmdao.api as om
-from _common import WrongArgumentError
+from _common import WrongArgumentError, announce, checked_arguments
+from _restart import continued_file, recorder_file
 
+import seal_mdao as sm
 from seal_mdao.drivers.optimality import Optimality, measure_optimality
-from seal_mdao.optimization import major_iterations
+from seal_mdao.optimization import (
+    OPTIMIZERS,
+    RunOptions,
+    continue_run,
+    major_iterations,
+    optimization_problem,
+)
+from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.claim import RecorderBusyError
 from seal_mdao.recording.evaluations import RestartError
+from seal_mdao.recording.recorded_optimization import RecordedOptimization, read_optimization
 
 FEASIBLE = 1e-3
 """Largest relative constraint violation of a design that counts as feasible."""
+
+
+def run_optimization(
+    arguments: argparse.Namespace, seal: sm.Seal, task_of: Callable, optimizer: str, kept
+) -> tuple[RecordedOptimization, dict]:
+    """Begin the optimisation of any seal, or continue the one of ``--restart``, and run it.
+
+    Parameters
+    ----------
+    task_of : callable
+        ``task_of(run)`` gives the ``Task``, with analyses by the ``RunOptions``.
+    optimizer : str
+        One of ``OPTIMIZERS``.
+    kept : KeptAnalyses
+
+    Returns
+    -------
+    RecordedOptimization
+        All that is recorded in the output folder.
+    dict
+        Part of summary.json.
+    """
+    cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
+    with checked_arguments():
+        limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
+        driver = OPTIMIZERS[optimizer](*limit)
+    announce(seal)
+    with LoadStepProgress(seal) as progress:
+        recorder = None if arguments.restart else cases
+        run = RunOptions(driver, recorder, progress, kept, arguments.out)
+        problem = optimization_problem(task_of(run), run)
+        if arguments.restart:
+            with checked_arguments():
+                continue_run(problem, cases)
+        numbers = optimize(problem)
+    history = read_optimization(cases)
+    return history, judged(numbers, history)
 
 
 def optimize(problem: om.Problem) -> dict:

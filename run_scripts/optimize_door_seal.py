@@ -3,8 +3,8 @@
 import sys
 
 from _common import (
+    CASES,
     add_seal_arguments,
-    announce,
     checked_arguments,
     existing_file,
     parser,
@@ -14,13 +14,12 @@ from _common import (
     write_summary,
 )
 from _history_figures import draw_history, end_numbers, gap_warnings, report_end
-from _optimization import judged, optimize, report_run
-from _restart import continued_file, recorded_run, recorder_file
+from _optimization import report_run, run_optimization
+from _restart import recorded_run
 
 from seal_mdao.door_optimization import DoorProblem, door_task
-from seal_mdao.optimization import OPTIMIZERS, RunOptions, continue_run, optimization_problem
-from seal_mdao.progress import LoadStepProgress
-from seal_mdao.recording.recorded_optimization import read_optimization
+from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.optimization import OPTIMIZERS, RunOptions
 from seal_mdao.report.write import write_report
 
 PROBLEM_FLAGS = {
@@ -38,27 +37,18 @@ def main(arguments) -> int:
     if arguments.restart:
         recorded, optimizer = recorded_run(arguments)
         seal, settings = recorded.seal, recorded.settings
-        cases = continued_file(arguments)
     else:
-        seal, cases = seal_from(arguments), recorder_file(arguments)
-    with checked_arguments():
-        limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
-        driver = OPTIMIZERS[optimizer](*limit)
-    announce(seal)
-    with LoadStepProgress(seal) as progress:
-        recorder = None if arguments.restart else cases
-        options = RunOptions(driver, recorder, progress, work_dir=arguments.out)
+        seal = seal_from(arguments)
+
+    def task_of(run: RunOptions):
         with checked_arguments():
-            task = door_task(options.analyze(seal), DoorProblem(**settings))
-            problem = optimization_problem(task, options)
-            if arguments.restart:
-                continue_run(problem, cases)
-        run_numbers = optimize(problem)
-    kept = options.kept
-    history = read_optimization(cases)
+            return door_task(run.analyze(seal), DoorProblem(**settings))
+
+    kept = KeptAnalyses()
+    history, run_numbers = run_optimization(arguments, seal, task_of, optimizer, kept)
+    cases = (arguments.out / CASES).absolute()
     initial, final = kept.analyze(seal), kept.analyze(seal, *history.design_at(-1))
     numbers = end_numbers(history, initial, final)
-    run_numbers = judged(run_numbers, history)
     summary = {"optimizer": optimizer, **settings, "recorded_evaluations": history.evaluations}
     write_summary(arguments.out, run_numbers | summary | numbers)
     draw_history(history, initial, final, arguments.out)

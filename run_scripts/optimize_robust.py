@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 from _common import (
-    CASES,
     SEAL_OPTIONS,
     WrongArgumentError,
     add_seal_arguments,
@@ -24,7 +23,7 @@ from _common import (
 from _executors import add_executor_arguments, executor
 from _history_figures import history_rows
 from _optimization import judged, optimize, report_run
-from _restart import recorder_file
+from _restart import continued_file, recorder_file
 from _seal_file import file_errors, file_of, seal_of
 from tqdm import tqdm
 
@@ -64,7 +63,7 @@ def main(arguments) -> int:
     with checked_arguments():
         scenarios = goal.scenarios(tolerances, seal, arguments.scenarios, arguments.seed)
     announce(seal)
-    cases = robust_file(arguments)
+    cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
     nominal = nominal_design(subject, arguments, kept)
     with executor(arguments) as workers:
         with checked_arguments():
@@ -90,7 +89,7 @@ def main(arguments) -> int:
     compared = compare(designs, task, subject.limits)
     write_summary(arguments.out, numbers | settings_of(arguments) | compared | subject.said | ends)
     write_comparison(arguments.out, cases, designs, subject, kept)
-    report_run(arguments.optimizer, numbers, arguments.restart and cases)
+    report_run(arguments.optimizer, numbers, arguments.restart)
     print(f"report.html, comparison.png, summary.json, cases.sql and samples in {arguments.out}")
     return 0 if numbers["success"] else 1
 
@@ -218,21 +217,14 @@ def max_iterations(arguments) -> tuple:
     return () if arguments.max_iterations is None else (arguments.max_iterations,)
 
 
-def robust_file(arguments) -> Path:
-    """The recorder file of the robust optimisation, which this run may write or go on with."""
-    cases = (arguments.out / CASES).absolute()
-    arguments.restart = cases if arguments.restart else None
-    if arguments.restart and not cases.is_file():
-        raise WrongArgumentError(f"--restart: there is no {cases} to continue")
-    return recorder_file(arguments)
-
-
 def nominal_design(subject: Subject, arguments, kept: KeptAnalyses) -> tuple[np.ndarray, dict]:
     """Boundary offsets and parameters of the optimum without tolerances: given, or found now."""
     if arguments.nominal is not None:
         return design_from(arguments.nominal, subject.seal)
     recorded = (arguments.out / NOMINAL).absolute()
-    if not (arguments.restart and recorded.is_file()):
+    if arguments.restart and (beside := arguments.restart.absolute().with_name(NOMINAL)).is_file():
+        recorded = beside
+    else:
         driver = OPTIMIZERS[arguments.optimizer]()
         options = RunOptions(driver, recorded, kept=kept, work_dir=arguments.out)
         task = subject.task
@@ -368,7 +360,11 @@ def arguments_parser():
         help="summary.json of the nominal optimum; found first when left out "
         f"(reaction within {100 * FORCE_BAND:.0f} %%, pressure floor)",
     )  # fmt: skip
-    add("--restart", action="store_true", help="go on with what is in --out")
+    add(
+        "--restart", type=existing_file, metavar="CASES.sql",
+        help="continue the run recorded here, with the nominal optimum beside it; without --out in its "
+        "folder, samples included",
+    )  # fmt: skip
     add("--overwrite", action="store_true", help="replace the recorder file of an earlier run")
     add_executor_arguments(made)
     add_seal_arguments(made)

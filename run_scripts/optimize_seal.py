@@ -4,8 +4,8 @@ import sys
 from pathlib import Path
 
 from _common import (
+    CASES,
     WrongArgumentError,
-    announce,
     checked_arguments,
     existing_file,
     parser,
@@ -15,8 +15,8 @@ from _common import (
     write_summary,
 )
 from _history_figures import draw_designs, history_rows, limit_numbers, report_limits
-from _optimization import judged, optimize, report_run
-from _restart import continued_file, recorded_optimizer, recorder_file
+from _optimization import report_run, run_optimization
+from _restart import recorded_optimizer
 from _seal_file import file_errors, file_of, seal_of
 
 import seal_mdao as sm
@@ -30,11 +30,9 @@ from seal_mdao.file_optimization import (
     require_problem,
 )
 from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.optimization import OPTIMIZERS, RunOptions, continue_run, optimization_problem
-from seal_mdao.progress import LoadStepProgress
+from seal_mdao.optimization import OPTIMIZERS, RunOptions
 from seal_mdao.recording.recorded_optimization import (
     label,
-    read_optimization,
 )
 from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
@@ -51,23 +49,14 @@ def main(arguments) -> int:
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
     seal, kept = seal_of(file, chosen), KeptAnalyses()
-    cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
-    with checked_arguments():
-        limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
-        driver = OPTIMIZERS[optimizer](*limit)
-    announce(seal)
-    with LoadStepProgress(seal) as progress:
-        recorder = None if arguments.restart else cases
-        options = RunOptions(driver, recorder, progress, kept, arguments.out)
+
+    def task_of(run: RunOptions):
         with file_errors(arguments.file):
             require_problem(file, seal)
-            problem = optimization_problem(file_task(file, options.analyze(seal)), options)
-        if arguments.restart:
-            with checked_arguments():
-                continue_run(problem, cases)
-        numbers = optimize(problem)
-    history = read_optimization(cases)
-    numbers = judged(numbers, history)
+            return file_task(file, run.analyze(seal))
+
+    history, numbers = run_optimization(arguments, seal, task_of, optimizer, kept)
+    cases = (arguments.out / CASES).absolute()
     offsets = history.design["boundary_offsets"][-1]
     results = kept.analyze(seal), kept.analyze(seal, offsets)
     ends = limit_numbers(history)

@@ -8,12 +8,13 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.seals.door.door_seal import options_of, with_options
 from seal_mdao.seals.door.options import DoorOptions
+from seal_mdao.seals.profiles import leading_contact, leading_motion
 from seal_mdao.seals.result import analyze_particles
 
 
 def last_height(model):
     """Height of the door at the end of its path."""
-    return options_of(model).motion.pose(model.n_steps).position[1]
+    return leading_motion(model).pose(model.n_steps).position[1]
 
 
 def test_defaults_are_the_example():
@@ -31,7 +32,7 @@ def test_defaults_are_the_example():
 
 def test_door_starts_clear_of_every_design_and_goes_down_in_equal_steps():
     model = sm.door_seal()
-    positions = np.array([options_of(model).motion.pose(k).position for k in range(106)])
+    positions = np.array([leading_motion(model).pose(k).position for k in range(106)])
     assert positions.shape == (106, 2)
     np.testing.assert_array_equal(positions[:, 0], 0.0)
     np.testing.assert_allclose(positions[[0, 1, 5, 105], 1], [10.1, 9.9, 9.5, -0.5], atol=1e-12)
@@ -51,9 +52,44 @@ def test_changes_make_a_new_model():
 
 def test_scalar_parameters_reach_the_material_and_the_law():
     model = sm.door_seal().with_parameters({"c10": 70.0, "friction": 0.1, "depth": 8.0})
-    assert (options_of(model).material.c10, options_of(model).material.c01) == (70.0, 20.0)
-    assert options_of(model).law.friction == 0.1
+    (region,) = model.terms()[0].regions
+    assert (region.material.c10, region.material.c01) == (70.0, 20.0)
+    assert model.scalars["depth"].value == options_of(model).depth == 8.0
+    assert leading_contact(model).law.friction == 0.1
     assert last_height(model) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("depth", 19.0), ("depth", 0.0), ("friction", 10.1), ("door_angle", 31.0), ("door_shift", -51.0),
+     ("normal_penalty", 1.0), ("tangent_penalty", 1e13), ("c10", np.nan)],
+)  # fmt: skip
+def test_parameters_out_of_their_bounds_are_refused_by_name(name, value):
+    """Those of the options, also where the terms themselves would take the value."""
+    with pytest.raises(ValueError, match=f"{name} must be a number"):
+        sm.door_seal().with_parameters({name: value})
+
+
+def test_nominal_seal_has_the_nominal_door_and_the_other_parameters():
+    """Also of the flat door, which has no radius."""
+    for door in ("corner", "flat"):
+        seal = sm.door_seal(door=door)
+        assert seal.scalars["door_radius"].value == 4.0
+        other = seal.with_parameters({"door_radius": 4.25, "friction": 0.125})
+        assert other.scalars["door_radius"].value == 4.25
+        assert other.as_drawn().key == seal.with_parameters({"friction": 0.125}).key != other.key
+        assert seal.as_drawn() is seal
+
+
+def test_parameters_of_the_motion_are_those_of_the_options():
+    """Depth, shift and angle count from the values that the seal was built with."""
+    changes = {"depth": 8.25, "door_shift": 0.5, "door_angle": 3.0}
+    built = sm.door_seal(**changes)
+    changed = sm.door_seal(depth=9.0, door_shift=-0.25).with_parameters(changes)
+    for step in (0, 40, 105):
+        here, there = (leading_motion(seal).coordinates(step) for seal in (built, changed))
+        np.testing.assert_allclose(here, there, rtol=1e-14, atol=1e-14)
+    assert built.with_placements() is built
 
 
 @pytest.mark.parametrize("depth", [4.0, 12.0])
@@ -103,7 +139,7 @@ def test_numpy_integers_are_integers():
     model = sm.door_seal(
         rays=np.int64(58), layers=np.int64(3), n_steps=np.int64(10), segments=np.int64(32)
     )
-    assert len(options_of(model).shape.profile().kind) == 32
+    assert len(leading_contact(model).shape.profile().kind) == 32
 
 
 @pytest.mark.parametrize(
@@ -147,9 +183,9 @@ def test_particles_of_a_wrong_shape_are_refused():
 
 def test_door_forms():
     """One line; line, arc, line; and as many straight pieces as asked for."""
-    assert len(options_of(sm.door_seal(door="flat")).shape.profile().kind) == 1
-    assert len(options_of(sm.door_seal()).shape.profile().kind) == 3
-    assert len(options_of(sm.door_seal(segments=32)).shape.profile().kind) == 32
+    assert len(leading_contact(sm.door_seal(door="flat")).shape.profile().kind) == 1
+    assert len(leading_contact(sm.door_seal()).shape.profile().kind) == 3
+    assert len(leading_contact(sm.door_seal(segments=32)).shape.profile().kind) == 32
 
 
 def bulged(size):
@@ -182,7 +218,7 @@ def test_room_above_the_seal_changes_no_bit(size):
     "options", [{}, {"accuracy": "engineering"}, {"n_steps": 3, "step_ends": (0.2, 0.7, 1.0)}]
 )
 def test_room_lengthens_the_first_load_step_only(options):
-    near, far = (options_of(sm.door_seal(**options, room=room)).motion for room in (0.0, 0.1))
+    near, far = (leading_motion(sm.door_seal(**options, room=room)) for room in (0.0, 0.1))
     for step in range(near.n_steps + 1):
         rise = np.array([0.0, 0.1, 0.0]) if step == 0 else 0.0
         assert np.array_equal(far.coordinates(step), near.coordinates(step) + rise)

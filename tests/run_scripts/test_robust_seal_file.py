@@ -55,9 +55,10 @@ def test_report_shows_the_robust_design_of_a_seal_file(robust):
     assert [own["name"] for own in shapes["paths"][1]["curves"]] == ["door"]
 
 
-def test_robust_run_of_a_seal_file_goes_on(robust, run_script):
+def test_robust_run_of_a_seal_file_goes_on_in_another_folder(robust, run_script, tmp_path):
     out, _, s, arguments = robust
-    _, again = run_script("optimize_robust", out, "--restart", *arguments)
+    _, again = run_script("optimize_robust", tmp_path, "--restart", out / "cases.sql", *arguments)
+    assert not (tmp_path / "nominal.sql").exists()
     assert again["reused_evaluations"] > 0
     assert again["boundary_offsets"] == s["boundary_offsets"]
     assert again["compared"] == s["compared"]

@@ -170,14 +170,16 @@ def test_the_report_has_the_table_and_the_figure(robust):
 @pytest.mark.long
 def test_robust_run_goes_on(robust, run_script, capsys):
     out, _, s, arguments = robust
-    code, again = run_script("optimize_robust", out, "--max-iterations", 2, "--restart", *arguments)
+    cases = out / "cases.sql"
+    arguments = ("--restart", cases, *arguments)
+    code, again = run_script("optimize_robust", out, "--max-iterations", 2, *arguments)
     assert code == 1
     assert again["reused_evaluations"] > 0
     assert again["compared"] == s["compared"]
     assert again["boundary_offsets"] == s["boundary_offsets"]
     with pytest.raises(SystemExit):
-        run_script("optimize_robust", out, "--restart", "--band", 0.2, *arguments)
-    assert "other scenarios or another goal" in capsys.readouterr().err
+        run_script("optimize_robust", out, "--band", 0.2, *arguments)
+    assert "recorded with another problem" in capsys.readouterr().err
     with pytest.raises(SystemExit):
-        run_script("optimize_robust", out, *arguments)
+        run_script("optimize_robust", out, *arguments[2:])
     assert "--overwrite" in capsys.readouterr().err

@@ -5,7 +5,6 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.rkpm.cells import support_radii
-from seal_mdao.seals.door.area import section_area
 from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.door.section import RingGrid, Section
 from seal_mdao.seals.wall_grid import ray_directions
@@ -62,7 +61,7 @@ def test_radii_are_even_and_periodic_in_the_angle(rng):
 def test_area_of_the_drawn_section():
     """R^2 (2 tan D0 + pi - 2 D0) - pi r^2 by integration by hand; 108.971 mm^2 in the example."""
     model = sm.door_seal()
-    area, _ = section_area(options_of(model).splines, np.zeros(25))
+    area, _ = options_of(model).splines.area(np.zeros(25))
     exact = 9.5**2 * (2 * np.tan(D0) + np.pi - 2 * D0) - np.pi * 7.5**2
     assert area == pytest.approx(exact, rel=1e-13)
     assert area == pytest.approx(108.971, abs=5e-4)
@@ -78,7 +77,7 @@ def test_area_of_a_design_is_that_of_a_fine_polygon(rng):
     for radius in (outer, inner):
         x, y = (radius[:, None] * ray_directions(angle)).T
         areas.append(0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
-    found, _ = section_area(options_of(model).splines, offsets)
+    found, _ = options_of(model).splines.area(offsets)
     assert found == pytest.approx(areas[0] - areas[1], rel=1e-7)
 
 
@@ -86,10 +85,9 @@ def test_area_gradient_is_exact(rng):
     """The area is quadratic in the offsets: central differences have no truncation error."""
     splines = options_of(sm.door_seal()).splines
     offsets = rng.uniform(-0.3, 0.3, 25)
-    gradient = section_area(splines, offsets)[1]
+    gradient = splines.area(offsets)[1]
     differences = [
-        section_area(splines, offsets + e)[0] - section_area(splines, offsets - e)[0]
-        for e in 0.05 * np.eye(25)
+        splines.area(offsets + e)[0] - splines.area(offsets - e)[0] for e in 0.05 * np.eye(25)
     ]
     np.testing.assert_allclose(gradient, np.array(differences) / 0.1, rtol=1e-10)
 
@@ -97,7 +95,7 @@ def test_area_gradient_is_exact(rng):
 def test_uniform_inner_offset_moves_a_circle():
     splines = options_of(sm.door_seal()).splines
     offsets = np.concatenate([np.zeros(14), np.full(11, 0.3)])
-    change = section_area(splines, offsets)[0] - section_area(splines, np.zeros(25))[0]
+    change = splines.area(offsets)[0] - splines.area(np.zeros(25))[0]
     assert change == pytest.approx(-np.pi * (7.8**2 - 7.5**2), rel=1e-12)
 
 

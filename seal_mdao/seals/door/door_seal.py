@@ -1,7 +1,6 @@
 """The door seal of the paper: a preset that makes a ``Seal`` of its options."""
 
 from dataclasses import asdict, replace
-from functools import partial
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.stress import StressNorm, VonMises
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.seals.choice import choose
-from seal_mdao.seals.door.area import section_area
 from seal_mdao.seals.door.options import BASE_RAYS, DoorOptions, door_options
 from seal_mdao.seals.door.splines import design_velocity
 from seal_mdao.seals.seal import Parameter, Seal
@@ -101,10 +99,12 @@ def door_seal(
         steps is None or (isinstance(steps, str) and steps == "auto"),
         f'steps must be None or "auto", got {values.formatted(steps)}',
     )
+    # what the accuracy decides gives way to what is given
     options = door_options(**{**ACCURACIES[accuracy], **changes})
     if steps is None:
         return _built(options)
     values.real("step_tolerance", step_tolerance, above=0.0, high=1.0)
+    # one nominal step, so that the ends are fractions of the path
     ends = choose(_built(replace(options, n_steps=1, step_ends=None)), step_tolerance).ends
     return _built(replace(options, n_steps=len(ends), step_ends=ends))
 
@@ -120,6 +120,7 @@ def options_of(seal: Seal) -> DoorOptions:
     values.require(DOOR_SEAL in seal.description, "the seal is not a door seal")
     options, changed = _read(seal.description[DOOR_SEAL]), dict(seal.changed)
     names = options.material.names
+    # values of parameters over those that the seal was built with
     constants = {name: changed.pop(name) for name in names if name in changed}
     _, room = seal.description.get("rooms", {}).get(DOOR, (0.0, options.room))
     material = options.material.with_(**constants)
@@ -178,7 +179,7 @@ def _built(options: DoorOptions) -> Seal:
         options.n_steps, STANDARD, ("door_radius",), newton=options.newton,
         further=(*FURTHER, *_reaction_curve(options)), parameters=_parameters(options),
         before_touch=options.start - section.outer_radius,
-        section_area=partial(section_area, splines),
+        section_area=splines.area,
         offset_limit=section.outer_radius - section.inner_radius,
     ).made_from({DOOR_SEAL: asdict(options)})  # fmt: skip
     if options.door_radius is None:
@@ -209,6 +210,7 @@ def _body(options: DoorOptions, particles: np.ndarray) -> Body:
     fixed = np.zeros((len(particles), 2), bool)
     fixed[grid.base] = True
     inner = grid.particle(np.arange(grid.rays), 0)
+    # supports in units of the longest cell edge at a particle
     support = grid.along_cells(options.support)
     radius, axes = kernel_supports(grid.cells, particles, support)
     return Body(
@@ -235,6 +237,7 @@ def _contact_points(options: DoorOptions, body: Body) -> MaterialPoints:
     grid, top = options.grid, options.layers - 1
     if options.contact_points == "edges":
         return edge_points(body.edge("outer").sides, 1)
+    # tributary lengths reach half-way to the neighbours, at the ends to the base corners
     rays = grid.free_rays
     beside = np.column_stack([grid.particle(rays - 1, top), grid.particle(rays + 1, top)])
     return boundary_particles(grid.free_outer, beside)

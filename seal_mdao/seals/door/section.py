@@ -53,7 +53,9 @@ class Section:
 
     def outer(self, angle: np.ndarray) -> np.ndarray:
         """Radius of the drawn outer boundary: flat base, straight flanks, circle."""
+        # |D| in [0, pi]
         d = np.abs((np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi)
+        # r = R / cos(D) on the base, R / cos(2 D0 - D) on the flanks, tangent to the circle r = R
         tilt = np.where(d <= self.base_angle, d, 2 * self.base_angle - d)
         return self.outer_radius / np.cos(np.where(d < 2 * self.base_angle, tilt, 0.0))
 
@@ -90,6 +92,7 @@ class RingGrid(WallGrid):
     @property
     def angles(self) -> np.ndarray:
         even = round(self.rays / (1.0 + (self.refinement - 1) * UPPER))
+        # even intervals below, divided ones above
         middle, half = even // 2, _upper(even) // 2
         before, after = np.arange(middle - half), np.arange(middle + half, even)
         above = middle - half + np.arange(2 * half * self.refinement) / self.refinement
@@ -114,6 +117,7 @@ class RingGrid(WallGrid):
     def positions(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
         """Particles from boundary radii on every ray, (..., rays) each, shape (..., n, 2)."""
         t = self.fractions
+        # r = (1 - t) r_inner + t r_outer,  X = r (sin D, -cos D)
         radius = inner[..., :, None] * (1 - t) + outer[..., :, None] * t
         xy = radius[..., None] * self.directions[:, None]
         return xy.reshape(*xy.shape[:-3], -1, 2)
