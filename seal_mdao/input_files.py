@@ -1,4 +1,4 @@
-"""Files that users name, or that the files of strangers name: only ordinary ones of bounded size."""
+"""Read files of users, or files that these name: only ordinary ones of bounded size."""
 
 import errno
 import os
@@ -28,7 +28,7 @@ def require_ordinary(path) -> None:
 
 
 def read_bytes(path) -> bytes:
-    """Content of an ordinary file.
+    """Read the content of an ordinary file.
 
     Raises
     ------
@@ -37,14 +37,15 @@ def read_bytes(path) -> bytes:
     """
     require_ordinary(path)
     with Path(path).open("rb") as file:
-        content = file.read(LARGEST_FILE + 1)  # some files of the system have no size
+        # files of the system may report no size
+        content = file.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
         raise _too_large(path)
     return content
 
 
 def read_text(path, encoding: str = "utf-8") -> str:
-    """Text of an ordinary file.
+    """Read the text of an ordinary file, with newlines only.
 
     Raises
     ------
@@ -61,13 +62,9 @@ def _too_large(path) -> OSError:
 
 
 def reason_of(error: BaseException) -> str:
-    """Why a library cannot read a file, without its words: they may be the file's.
+    """Say why a library cannot read a file, without its message, which may quote the file.
 
-    Returns
-    -------
-    str
-        What the operating system says, or the kind of the error and the line, where the message has
-        one.
+    Returns what the operating system says, or the kind of the error, and the line if it names one.
     """
     if isinstance(error, OSError) and error.strerror:
         return error.strerror

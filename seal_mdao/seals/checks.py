@@ -1,9 +1,9 @@
-"""What a completed path says about itself: equilibrium does not make a state a possible one.
+"""Checks of the end of a completed path: a state in equilibrium is not always an admissible one.
 
-The model has no contact of the seal with itself, and none with a rigid profile but at its contact
-points; volume changes are projected on background cells. Where a state at the end of a path shows that
-one of these mattered, that is told. A state that cannot be meant (``Finding.impossible``) is no result
-for an optimisation.
+The model has no contact of the seal with itself unless it is asked for, and contact with rigid profiles
+at the contact points only; volume changes are projected on background cells. A state for which one of
+these matters is reported; one that is not admissible (``Finding.impossible``) is no result for an
+optimisation.
 """
 
 from dataclasses import dataclass
@@ -19,27 +19,27 @@ from seal_mdao.seals.contact_loss import contact_losses
 from seal_mdao.seals.samples import Samples
 
 SLIGHT, DEEP = 0.01, 0.1
-"""Shares of the wall's thickness beyond which an overlap is told, and is impossible."""
+"""Fractions of the wall's thickness beyond which an overlap is reported, and is impossible."""
 CROSSED = 0.005
-"""Share of the wall's thickness beyond which a boundary that crosses itself is impossible."""
+"""Fraction of the wall's thickness beyond which a boundary that crosses itself is impossible."""
 SHALLOW_VOLUME, NO_VOLUME = 0.5, 0.1
-"""det F of nearly incompressible material below which it is told, and is impossible."""
+"""det F of nearly incompressible material below which it is reported, and is impossible."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
-"""What is left of the residual, over the largest forces of the path, likewise."""
+"""Residual over the largest forces of the path above which it is reported, and is impossible."""
 KEEPS_VOLUME = 10.0
-"""Bulk modulus, over the shear modulus, from which on volume is all but kept."""
+"""Bulk modulus over the shear modulus above which a material is nearly incompressible."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that is not right with the end of a path.
+    """A fault of the end of a path.
 
     Attributes
     ----------
     text : str
         One line: what, where, how much, and what can be done.
     impossible : bool
-        The state cannot be meant, so its measures are no result.
+        The state is not admissible, so its measures are no result.
     """
 
     text: str
@@ -50,7 +50,7 @@ _KNOWN = WeakKeyDictionary()
 
 
 def findings(path: PathResult) -> tuple[Finding, ...]:
-    """What is not right with the end of a completed path; looked for once a path."""
+    """Find the faults of the end of a completed path; evaluated once a path."""
     if path not in _KNOWN:
         samples = Samples(path)
         checks = (
@@ -66,17 +66,18 @@ def _at(point) -> str:
 
 
 def _forces(step) -> float:
-    """Norm of the forces of all points, 0 where there are none."""
+    """Compute the largest norm of the forces of a term, 0 where there are none."""
     return max(
         (float(np.linalg.norm(r.force)) for r in step.responses if hasattr(r, "force")), default=0.0
     )
 
 
 def _balance(samples: Samples):
-    """Steps at which rounding ended the iterations far from equilibrium."""
+    """Report steps at which rounding ended the iterations far from equilibrium."""
     path = samples.path
     forces = np.array([_forces(step) for step in path.steps])
     left = np.array([step.residuals[-1] for step in path.steps])
+    # |r| / max |f| over the path in place of |r| / |f| of the step
     if forces.max(initial=0.0) > 0.0:
         left = left * forces / forces.max()
     worst = int(left.argmax())
@@ -90,7 +91,7 @@ def _balance(samples: Samples):
 
 
 def _stability(samples: Samples):
-    """An end that no body would keep."""
+    """Report an unstable equilibrium at the end."""
     path = samples.path
     if path.steps[-1].stable:
         return
@@ -108,19 +109,18 @@ def _stability(samples: Samples):
 
 
 def _contact_loss(samples: Samples):
-    """Profiles that the seal has slipped off before the end of a closing stage."""
+    """Report profiles that the seal has slipped off before the end of a closing stage."""
     for text in contact_losses(samples.path):
         yield Finding(text, False)
 
 
 def _volume(samples: Samples):
-    """Material that is turned inside out, or squeezed away although it keeps its volume."""
-    change, regions = (
-        samples.volume_change,
-        samples.path.problem.term("structure").definition.regions,
-    )
+    """Report inverted material, and nearly incompressible material that has lost its volume."""
+    change = samples.volume_change
+    regions = samples.path.problem.term("structure").definition.regions
     stiff = all(r.material.bulk_modulus > KEEPS_VOLUME * r.material.shear_modulus for r in regions)
     slight, none = (SHALLOW_VOLUME, NO_VOLUME) if stiff else (0.0, 0.0)
+    # det F; NaN counts as the least
     worst = int(np.argmin(np.where(np.isnan(change), -np.inf, change)))
     if not change[worst] > slight:
         how = "turned inside out" if not change[worst] > 0.0 else "squeezed"
@@ -133,9 +133,9 @@ def _volume(samples: Samples):
 
 
 def _crossing(samples: Samples):
-    """Boundaries that cross themselves or each other where there is no contact between them.
+    """Report boundaries that cross where there is no contact between them.
 
-    Where there is, they cross by what its penalty gives.
+    With contact they cross by the penetration of its penalty.
     """
     chains, x = samples.chains, samples.places
     segments = np.stack([chains[:, :-1], chains[:, 1:]], axis=2).reshape(-1, 2)
@@ -152,7 +152,7 @@ def _crossing(samples: Samples):
 
 
 def crossings(x: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of segments that cross, without those that share an end.
+    """Find pairs of segments that cross, without those that share an end.
 
     Parameters
     ----------
@@ -163,19 +163,20 @@ def crossings(x: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarr
     -------
     pairs : ndarray of int, shape (c, 2)
     depth : ndarray, shape (c,)
-        How far the ends lie beyond the line of the other segment, for the end with the least: less
-        than the overlap.
+        Least distance of the four ends from the line of the other segment, less than the overlap.
     """
     a, b = x[segments[:, 0]], x[segments[:, 1]]
     longest = float(np.linalg.norm(b - a, axis=1).max())
     if not np.isfinite(longest):
         return np.empty((0, 2), int), np.empty(0)
+    # candidates: midpoints no farther apart than the longest segment
     pairs = cKDTree(0.5 * (a + b)).query_pairs(longest, output_type="ndarray")
     apart = (segments[pairs[:, 0]][:, :, None] != segments[pairs[:, 1]][:, None, :]).all(
         axis=(1, 2)
     )
     pairs = pairs[apart]
     i, k = pairs.T
+    # they cross where the ends of each lie on both sides of the other
     side = np.array([
         _side(a[i], b[i], a[k]), _side(a[i], b[i], b[k]),
         _side(a[k], b[k], a[i]), _side(a[k], b[k], b[i]),
@@ -185,7 +186,8 @@ def crossings(x: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _side(a, b, c):
-    """Distance of c from the line through a and b, positive on its left."""
+    """Compute the distance of c from the line through a and b, positive on its left."""
+    # t x (c - a) / |t|
     t = b - a
     length = np.hypot(t[:, 0], t[:, 1])
     cross = t[:, 0] * (c[:, 1] - a[:, 1]) - t[:, 1] * (c[:, 0] - a[:, 0])
@@ -193,7 +195,7 @@ def _side(a, b, c):
 
 
 def _allowed_depth(samples: Samples, sides: np.ndarray) -> np.ndarray:
-    """How deep pairs of sides (c, 2) of the boundary may cross, shape (c,), mm: 0 without contact."""
+    """Compute the depth by which pairs of sides (c, 2) may cross, shape (c,), mm: 0 without contact."""
     ends, found = samples.sides[0][sides], np.zeros(len(sides))
     for term in _contacts_with_itself(samples):
         number = np.full(samples.path.discretization.body.n_particles, -1)
@@ -211,7 +213,7 @@ def _contacts_with_itself(samples: Samples):
 
 
 def _inside_itself(samples: Samples):
-    """Walls in contact that lie in each other."""
+    """Report the penetration of walls in contact."""
     for term in _contacts_with_itself(samples):
         x = samples.places[term.where.at_particles]
         points, gap = term.gaps(x)
@@ -227,7 +229,8 @@ def _inside_itself(samples: Samples):
 
 
 def _smaller_of_wall_and_squeeze(samples: Samples) -> tuple[float, str]:
-    """What a penetration is compared with, mm, and its name: a thick wall is squeezed in part."""
+    """Return the length with which penetrations are compared, mm, and its name."""
+    # a thick wall is squeezed in part only: then the largest displacement
     squeeze = samples.path.largest_displacement
     if 0.0 < squeeze < samples.wall:
         return squeeze, "the largest displacement"
@@ -235,7 +238,7 @@ def _smaller_of_wall_and_squeeze(samples: Samples) -> tuple[float, str]:
 
 
 def _inside_profiles(samples: Samples):
-    """Boundary that lies in a rigid profile, at its contact points, between them, or elsewhere."""
+    """Report a boundary inside a rigid profile, at its contact points, between them, or elsewhere."""
     path = samples.path
     size, whose = _smaller_of_wall_and_squeeze(samples)
     which = np.unique(samples.chains)
@@ -256,7 +259,7 @@ def _inside_profiles(samples: Samples):
 
 
 def _below_base(samples: Samples):
-    """A boundary that sinks below the plane of a straight fixed base: there is no contact with it."""
+    """Report a boundary below the plane of a straight fixed base, with which there is no contact."""
     body = samples.path.discretization.body
     base = body.edges.get("base")
     if base is None or not body.fixed[base.particles].all():
@@ -264,6 +267,7 @@ def _below_base(samples: Samples):
     x = samples.path.discretization.particles[base.particles]
     along = (x[-1] - x[0]) / np.linalg.norm(x[-1] - x[0])
     outward = np.array([along[1], -along[0]])
+    # bases that are not straight have no plane
     if np.abs((x - x[0]) @ outward).max() > 1e-6 * samples.wall:
         return
     which = np.unique(samples.chains)

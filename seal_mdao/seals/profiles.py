@@ -1,4 +1,4 @@
-"""What happened at every rigid profile of an analysed seal: travel, forces, contact, step by step."""
+"""Histories of the rigid profiles of an analysed seal: travel, forces, contact, step by step."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -19,12 +19,12 @@ MIDDLES = 3
 
 
 def contacts(seal) -> tuple:
-    """Definitions of the contacts of a seal with rigid profiles."""
+    """Return the definitions of the contacts of a seal with rigid profiles."""
     return tuple(term for term in seal.terms() if isinstance(term, RigidContact))
 
 
 def self_contacts(seal) -> tuple:
-    """Definitions of the contacts of a seal with itself."""
+    """Return the definitions of the contacts of a seal with itself."""
     return tuple(term for term in seal.terms() if isinstance(term, SelfContact))
 
 
@@ -91,7 +91,7 @@ class ProfileHistory:
 
 
 def leading_contact(seal) -> RigidContact:
-    """Contact with the leading profile: the first one that moves, the first one if none does.
+    """Return the contact with the leading profile: the first that moves, the first one if none does.
 
     Raises
     ------
@@ -105,21 +105,22 @@ def leading_contact(seal) -> RigidContact:
 
 
 def leading_motion(seal) -> Motion | None:
-    """Motion of the leading profile; None without profiles."""
+    """Return the motion of the leading profile; None without profiles."""
     return leading_contact(seal).motion if contacts(seal) else None
 
 
 def moves(motion: Motion) -> bool:
-    """Whether a motion is one."""
+    """Return whether a motion moves its profile at all."""
     return bool(np.ptp(motion.positions, axis=0).any() or np.ptp(motion.angles))
 
 
 def profile_histories(result) -> tuple[ProfileHistory, ...]:
-    """Every profile of a result along its path, complete or up to where it ended."""
+    """Evaluate every profile of a result along its path, complete or up to where it ended."""
     return tuple(_history(result, contact) for contact in contacts(result.seal))
 
 
 def _history(result, contact) -> ProfileHistory:
+    # a profile that stands still has the stages of the leading one
     motion = contact.motion if moves(contact.motion) else leading_motion(result.seal)
     number = np.array([step.nominal for step in result.path.nominal_steps], int)
     stage = stage_of(motion, number)
@@ -134,10 +135,11 @@ def _history(result, contact) -> ProfileHistory:
 
 
 def _contact_at(result, contact, step: int) -> tuple:
-    """Deformed and undeformed width in contact, highest true and nominal pressure after a step."""
+    """Compute deformed and undeformed width in contact, highest true and nominal pressure of a step."""
     response, where = result.path.at_nominal(contact.label)[step], result.term(contact.label).where
     ring = way_round(where)
     shares = touching_shares(response.gap[ring])[0]
+    # width = sum over the sides of the length that touches
     widths = [
         BoundaryLine(where, ring, particles).length @ shares
         for particles in (result.deformed(step), result.particles)
@@ -147,44 +149,45 @@ def _contact_at(result, contact, step: int) -> tuple:
 
 
 def nominal_pressure(contact: RigidContact, response) -> np.ndarray:
-    """Contact pressure w_n |g_n| of the points, force over undeformed length, shape (k,), kPa."""
+    """Compute the pressure w_n |g_n| of the points, force over undeformed length, shape (k,), kPa."""
     return np.where(response.state != OPEN, -contact.law.normal_penalty * response.gap, 0.0)
 
 
 def true_pressure(result, contact: RigidContact, step: int = -1) -> np.ndarray:
-    """True (Cauchy) contact pressure of the points after a nominal step, force over deformed length,
-    shape (k,), kPa."""
+    """Compute the true (Cauchy) pressure of the points after a nominal step, shape (k,), kPa."""
     where, response = contact.where, result.path.at_nominal(contact.label)[step]
-    # p = w_n |g_n| L / l
+    # force over deformed length: p = w_n |g_n| L / l
     stretch = where.lengths(result.deformed(step)) / where.lengths(result.particles)
     return nominal_pressure(contact, response) / stretch
 
 
 def contact_counts(response) -> dict[str, int]:
-    """Points of a contact that touch, stick and slip."""
+    """Count the points of a contact that touch, stick and slip."""
     state = response.state
     counts = {"contact": state != OPEN, "stick": state == STICK, "slip": state == SLIP}
     return {name: int(np.sum(points)) for name, points in counts.items()}
 
 
 def contact_places(result, label: str) -> np.ndarray:
-    """Undeformed places of the points that may touch, shape (k, 2), mm."""
+    """Return the undeformed contact points, shape (k, 2), mm."""
     return result.term(label).where.points.at(result.particles)
 
 
 def side_lengths(result, label: str) -> np.ndarray:
-    """Undeformed lengths between neighbouring points that may touch, shape (k - 1,), mm."""
+    """Compute undeformed lengths between neighbouring contact points, shape (k - 1,), mm."""
     return np.hypot(*np.diff(contact_places(result, label), axis=0).T)
 
 
 def stage_of(motion: Motion, number: np.ndarray) -> np.ndarray:
-    """Stage, from 1, to which nominal steps (from 0) belong."""
+    """Find the stage, from 1, to which nominal steps (from 0) belong."""
     return 1 + np.searchsorted(np.cumsum(motion.steps), number, side="right")
 
 
 def stage_place(seal, fraction: float) -> np.ndarray | None:
-    """x, y (mm), angle (degrees) of the first profile that moves since its stage began, after any share
-    of the load steps; None without profiles."""
+    """Return x, y (mm), angle (degrees) of the leading profile since its stage began.
+
+    After any ``fraction`` of the load steps; None without profiles.
+    """
     motion = leading_motion(seal)
     if motion is None:
         return None
@@ -194,8 +197,10 @@ def stage_place(seal, fraction: float) -> np.ndarray | None:
 
 
 def stage_travel(seal, fraction: float) -> float:
-    """Travel of the leading profile since its stage began after any share of the load steps, in the
-    first stage counted from ``before_touch``, mm; NaN without profiles."""
+    """Return the travel of the leading profile since its stage began, mm; NaN without profiles.
+
+    After any ``fraction`` of the load steps; in the first stage counted from ``before_touch``.
+    """
     place = stage_place(seal, fraction)
     if place is None:
         return float("nan")
@@ -204,22 +209,24 @@ def stage_travel(seal, fraction: float) -> float:
 
 
 def _waypoints(motion) -> np.ndarray:
+    """Return x, y (mm), angle (degrees) at the ends of the stages, the start first."""
     return np.column_stack([motion.positions, np.degrees(motion.angles)])
 
 
 def _coordinates(motion, number) -> np.ndarray:
-    """x, y (mm), angle (degrees) after nominal steps, shape (n, 3)."""
+    """Evaluate x, y (mm), angle (degrees) after nominal steps, shape (n, 3)."""
     rows = np.array([motion.coordinates(float(n + 1)) for n in number]).reshape(-1, 3)
     return rows * (1.0, 1.0, np.degrees(1.0))
 
 
 def courses(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, ...]:
-    """The first ``n_steps`` nominal steps of a motion, divided where its direction changes.
+    """Divide the first ``n_steps`` nominal steps of a motion where its direction changes.
 
-    There and back along one line is one course, so that loading and unloading share an axis. The first
-    travel is counted from ``before`` (mm) after its start.
+    Loading and unloading along one line are one course, so that they share an axis. The first travel is
+    counted from ``before`` (mm) after its start.
     """
     waypoints, ends = _waypoints(motion), np.concatenate([[0], np.cumsum(motion.steps)])
+    # neighbouring stages along one line, with the direction of the first that is not at rest
     groups = []
     for stage, ways in enumerate(pairwise(waypoints)):
         way = ways[1] - ways[0]
@@ -233,6 +240,7 @@ def courses(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, 
         steps = slice(ends[stages[0]], min(ends[stages[-1] + 1], n_steps))
         if steps.start >= n_steps:
             break
+        # signed travel (x - x_0) . e along the direction e of the first stage, or the angle of a turn
         turns = bool(direction[2]) and not direction[:2].any()
         unit = np.array([0.0, 0.0, 1.0]) if turns else np.append(direction[:2], 0.0)
         unit = unit / (np.linalg.norm(unit) or 1.0)
@@ -244,25 +252,28 @@ def courses(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, 
 
 
 def _one_line(one, other) -> bool:
-    """Whether two stages (dx, dy, degrees) follow one line or turn about one pivot; a rest does."""
+    """Return whether two stages (dx, dy, degrees) have one line or pivot, or one of them is a dwell."""
     if not (one.any() and other.any()):
         return True
     if one[2] or other[2]:
         return not (one[:2].any() or other[:2].any()) and bool(one[2] and other[2])
+    # |a x b| <= eps |a| |b|
     across = one[0] * other[1] - one[1] * other[0]
     return abs(across) <= PARALLEL * np.hypot(*one[:2]) * np.hypot(*other[:2])
 
 
 def key_steps(result) -> list[int]:
-    """Nominal steps, from 0, that tell of the path: ends of the stages, and shares of few of them."""
+    """Choose nominal steps, from 0, for figures: ends of stages, and fractions of few of them."""
     done, motion = len(result.path.nominal_steps), leading_motion(result.seal)
     if not done:
         return []
     n = result.seal.n_steps
     stages, ends = (1, step_shares(n)) if motion is None else (motion.steps.size, motion.ends)
+    # quarters of one stage, halves of up to three, else ends of stages alone
     parts = 4 if stages == 1 else 2 if stages <= MIDDLES else 1
     wanted = np.arange(1, stages * parts + 1) / parts
-    if result.seal.before_touch:  # of the way from the first touch on
+    # fractions of the travel from the first touch on
+    if result.seal.before_touch:
         share = result.seal.before_touch / np.hypot(*np.diff(motion.positions[:2], axis=0)[0])
         wanted[:parts] = share + (1.0 - share) * wanted[:parts]
     # of two that are as near the earlier one, whatever the rounding
@@ -271,7 +282,7 @@ def key_steps(result) -> list[int]:
 
 
 def caption(result, step: int) -> str:
-    """Where the profiles are after a nominal step, in words."""
+    """Describe where the profiles are after a nominal step."""
     motion = leading_motion(result.seal)
     if motion is None:
         return f"step {step + 1} of {result.seal.n_steps}"

@@ -10,7 +10,7 @@ from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
 from seal_mdao.seals.outline.contours import Arc, Contour, Line, Outline, sampled
-from seal_mdao.seals.outline.harmonic_extension import harmonic_extension
+from seal_mdao.seals.outline.design import harmonic_extension
 from seal_mdao.seals.outline.layers import thin_wall
 from seal_mdao.seals.outline.quadrilaterals import corner_angles, paired
 from seal_mdao.seals.outline.sampling import doubled

@@ -21,7 +21,7 @@ class Sampled(NamedTuple):
 class Diameter:
     """From (1, 0) to (-1, 0)."""
 
-    length = 2.0
+    length, edge = 2.0, "line"
 
     def points(self, s):
         return np.column_stack([1.0 - 2.0 * np.asarray(s), np.zeros(len(s))])
@@ -33,7 +33,7 @@ class Diameter:
 class HalfCircle:
     """From (-1, 0) below the origin to (1, 0)."""
 
-    length = np.pi
+    length, edge = np.pi, "arc"
 
     def points(self, s):
         angle = np.pi * (1.0 + np.asarray(s))

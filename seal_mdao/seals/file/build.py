@@ -13,13 +13,12 @@ from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.measure_table import measure_of
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.file.seal_file import SealFile
-from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.contours import Outline, sampled
 from seal_mdao.seals.outline.moved import moved_outline
 from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
 from seal_mdao.seals.outline.rays import Rays, ray_boundaries
 from seal_mdao.seals.outline.sampling import doubled
-from seal_mdao.seals.outline.section_cloud import LAYERS, graded
+from seal_mdao.seals.outline.section_cloud import LAYERS, OutlineCloud, graded
 
 
 def build_seal(
@@ -104,6 +103,7 @@ def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> Outli
 
 def _begun(file: SealFile) -> OutlineSeal:
     """Build the seal with the steps of the file, one for every stage where they are to be chosen."""
+    # the section and its cloud, then the terms along its edges, then the measures
     section = file.section
     try:
         boundaries = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
@@ -129,7 +129,7 @@ def _measures(file: SealFile, particles):
 
 
 def boundaries_of(
-    outline: Outline, spacing: float | Rays | GivenCloud, cuts=(), layers: int = LAYERS
+    outline: Outline, spacing: float | Rays | OutlineCloud, cuts=(), layers: int = LAYERS
 ) -> tuple:
     """Sample boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
 
@@ -143,7 +143,7 @@ def boundaries_of(
     """
     if isinstance(spacing, Rays):
         return ray_boundaries(outline, spacing), spacing
-    if isinstance(spacing, GivenCloud):
+    if isinstance(spacing, OutlineCloud):
         return spacing.boundaries, spacing
 
     def sample(at):

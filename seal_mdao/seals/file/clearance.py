@@ -28,6 +28,7 @@ class Nearest(NamedTuple):
 
 def gap_at_start(profile):
     """Return the gap of a point to a profile at the start, as a function of x and y."""
+    # g_n of the closest point, in the frame of the profile at the start of the path
     curve, pose = rigid_profile_of(profile).curve, motion_of(profile, 1).pose(0.0)
     return lambda x, y: closest_point(curve, *in_frame(pose, x, y))[2]
 
@@ -47,6 +48,7 @@ def check_start(where: str, profile, outline) -> float:
     SealFileError
         When the profile, at the place ``where`` in the file, begins within the section.
     """
+    # g < 0: the section begins inside the rigid body
     least, place, edge = nearest_at_start(profile, outline)
     if least < -ROUNDING * outline.size:
         gap, sagitta = gap_at_start(profile), LOOK * outline.size
@@ -88,6 +90,7 @@ def _nearest_of(segment, gap, sagitta) -> Nearest:
     def at(fraction):
         return gap(*segment.points([fraction])[0])
 
+    # g at the ends of chords, then its minimum by Brent's method between the neighbours of the least
     fractions = segment.chords(sagitta)
     k = int(np.argmin([at(s) for s in fractions]))
     beside = fractions[max(k - 1, 0)], fractions[min(k + 1, len(fractions) - 1)]

@@ -11,8 +11,8 @@ from seal_mdao.seals.file.clearance import LOOK, ROUNDING, check_start
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
 from seal_mdao.seals.file.schema import known
 from seal_mdao.seals.file.section_table import check_section
-from seal_mdao.seals.outline.cloud_file import GivenCloud
 from seal_mdao.seals.outline.contours import Contour, Outline
+from seal_mdao.seals.outline.section_cloud import OutlineCloud
 
 TOUCHING = 1e-9
 """Gap of a profile that touches the section at the start, over its size."""
@@ -32,6 +32,7 @@ def check(file) -> None:
     _check_steps(file)
     _check_fluids(file)
     _check_labels(file)
+    # contact of every profile, and whether it touches where nothing else holds the body
     gaps = []
     for number, profile in enumerate(file.profiles, 1):
         where = f"[[profile]] {number} ({profile.name!r})"
@@ -68,6 +69,7 @@ def _check_supports(file) -> None:
     outline, own = file.section.outline, file.fixed_edges
     _check_edges("[fixed]", "edges", own, outline)
     seen = dict.fromkeys(own, "[fixed]")
+    # every edge of symmetry is straight, across one axis
     for number, plane in enumerate(file.symmetries, 1):
         where = f"[[symmetry]] {number}"
         _check_edges(where, "edges", plane.edges, outline)
@@ -121,6 +123,7 @@ def _check_fluids(file) -> None:
     for number, fluid in enumerate(file.fluids, 1):
         where = f"[[fluid]] {number}"
         _check_fluid_edges(where, fluid.edges, file)
+        # without steps the pressure grows in the last stage
         if fluid.steps is None:
             continue
         if file.step_tolerance is not None:
@@ -147,6 +150,7 @@ def _check_fluid_edges(where: str, edges, file) -> None:
             f"{where} goes all round and has no ends; divide it where the fluid comes in and where it "
             "must not come out"
         )
+    # contact keeps the fluid from the dry side
     touching = dict.fromkeys(name for profile in file.profiles for name in profile.contact)
     if not any(name in touching for name in edges):
         raise SealFileError(
@@ -157,6 +161,7 @@ def _check_fluid_edges(where: str, edges, file) -> None:
 
 def _check_measures(file) -> None:
     """Refuse names that are taken, places without a cloud, and what other tables do not have."""
+    # a name is that of an output of OpenMDAO
     names = [measure.name for measure in file.measures]
     for number, measure in enumerate(file.measures, 1):
         where = f"[[measure]] {number}"
@@ -165,7 +170,7 @@ def _check_measures(file) -> None:
                 f"{where}: name = {measure.name!r}, but an earlier measure has it; give every measure "
                 "a name of its own"
             )
-        cloud = isinstance(file.section.spacing, GivenCloud)
+        cloud = isinstance(file.section.spacing, OutlineCloud)
         if getattr(measure, "places", None) is not None and not cloud:
             raise SealFileError(
                 f"{where}: places are numbers of particles, which are known beside [section] cloud alone"
@@ -175,6 +180,7 @@ def _check_measures(file) -> None:
 
 def _check_labels(file) -> None:
     """Refuse cavities, fluids, terms and contact of the section with itself under a taken name."""
+    # labels of terms are prefixes of their parameters
     seen = {"structure": "the body itself"} | {p.name: "a profile" for p in file.profiles}
     for kind, rows in (("cavity", file.cavities), ("fluid", file.fluids), ("term", file.terms)):
         for number, row in enumerate(rows, 1):
@@ -196,6 +202,7 @@ def _check_labels(file) -> None:
 
 def _check_steps(file) -> None:
     """Refuse profiles that all stand still, or whose stages do not go on side by side."""
+    # profiles move side by side: one without stages stands still, all others have as many steps
     moving = [profile for profile in file.profiles if profile.stages]
     if not moving:
         raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
@@ -255,6 +262,7 @@ def _check_bodies_held(file, gaps) -> None:
         names = {name for contour in contours for name in contour.edge_names}
         if names & set(fixed):
             continue
+        # a profile holds a body only at a particle that it touches at the start
         own = [
             gap
             for gap, profile in zip(gaps, file.profiles, strict=True)

@@ -50,12 +50,14 @@ def description(file: SealFile, seal: OutlineSeal) -> dict:
     ``seal_file`` is its text; ``beside`` has the packed contents of the drawing, the cloud and data by
     their names in the text; ``chosen`` has keyword arguments of ``build_seal``.
     """
+    # frozen dataclass: contents are no field, so ``replace`` drops them
     contents = file.__dict__.get(CONTENTS)
     return contents | {"chosen": chosen_for(file, seal)} if contents else {}
 
 
 def named_in(tables: dict) -> list[str]:
     """List the names of files in the tables of a seal file, each once."""
+    # drawing and mesh of the section, tests of materials
     found = [tables["section"].get(key) for key in ("dxf", "cloud")]
     found += [own.get("data") for own in tables["material"].values()]
     return list(dict.fromkeys(name for name in found if isinstance(name, str)))

@@ -30,6 +30,7 @@ NEIGHBOURS = 3.0
 MOST_PRESSURE = 1e9
 """kPa."""
 MOST_PARAMETERS = 1000
+# neighbouring edges, or one of them by its name alone
 Stretch = Annotated[
     Text | Names,
     AfterValidator(lambda given: (given,) if isinstance(given, str) else given),
@@ -106,6 +107,7 @@ class FluidTable(Table):
             Steps of the last stage, over which the pressure grows unless ``steps`` is given: a number of
             equal ones, or the fractions of the pressure at their ends.
         """
+        # contacts that touch the edges close them against the fluid
         particles = section.particles(section.in_order(self.edges))
         closing = tuple(
             own for own in section.contacts if np.isin(particles, own.where.at_particles).any()
@@ -132,6 +134,7 @@ class SelfContactTable(Table):
     def on(self, section: SectionBody) -> SelfContact:
         """Bind the contact to the loops that contain the edges."""
         particles, drawn = section.particles(self.edges), section.body.drawn
+        # closest points are looked for on the complete loops
         own = tuple(loop for loop in section.loops if np.isin(loop, particles).any())
         # neighbours along the boundary are always close: exclude them by their distance along it
         first, last = section.sides(self.edges).T

@@ -112,10 +112,12 @@ def _move_regions(regions, seal, offsets) -> None:
 
 def _with_places(rows, file, seal, offsets, measures) -> list:
     """Write the places that measures took from the nominal seal into their tables."""
+    # measures that [optimize] names by their type get a table of their own for their places
     rows = {row.get("name", row["type"]): dict(row) for row in rows}
     types = {entry.name: entry for entry in file.measures}
     for measure in measures:
         name, places = measure.name, places_of(measure)
+        # the nearest particle has moved with the design
         entry = types[name]
         if entry.type == "displacement":
             rows[name]["at"] = seal.particles(offsets)[measure.point].tolist()

@@ -88,6 +88,7 @@ class Extensible(Form):
         return f"one of {', '.join(every)}" if every else none
 
     def __get_pydantic_json_schema__(self, schema, handler):
+        # installed extensions by name; what is registered in a session is not of the schema
         names = registry.installed(self.kind)
         return {"anyOf": [handler(schema), named(self.key, names)]} if names else handler(schema)
 
@@ -167,5 +168,6 @@ def extension_table(
 
 def arguments(own: Table, base: type[Table]) -> dict:
     """Return the values of the keys of an extension beside those of all such tables."""
+    # all fields but those that every table of the kind has
     taken = base.entries()
     return {f.name: getattr(own, f.name) for f in fields(own) if f.name not in taken}

@@ -41,6 +41,7 @@ class Form:
         return handler(schema) | {"title": self.allowed}
 
 
+# numbers are no text and no booleans, and finite
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 
 
@@ -73,6 +74,7 @@ def many(one, allowed: str, least: int = 1, most: int | None = None):
 def point(most: float | None = None):
     """Make the form of a point, with coordinates up to ``most`` in size."""
     bounds = {} if most is None else {"minimum": -most, "maximum": most}
+    # two coordinates, each within the bounds
     own = Annotated[Number, Field(ge=bounds.get("minimum"), le=most)]
     size = "" if most is None else f", at most {most:g} in size"
     # JSON schema of draft 7 has no tuples of fixed length as pydantic writes them

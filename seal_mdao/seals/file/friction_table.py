@@ -81,6 +81,7 @@ class _OrLaw:
         return {"anyOf": [handler(schema), named("law", names)]}
 
 
+# Coulomb's coefficient by itself, or a table: ``{ law = "coulomb", friction = 0.3 }``
 Friction = Annotated[
     Number,
     Field(ge=0.0, le=MOST_FRICTION),

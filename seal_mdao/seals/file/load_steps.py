@@ -22,6 +22,7 @@ def _increasing(shares: tuple) -> tuple:
     return shares
 
 
+# "auto" leaves the steps open, as no key does
 Steps = Annotated[
     Literal[CHOSEN]
     | _Count
@@ -71,6 +72,7 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
         for i, profile in enumerate(profiles, 1)
         for k, stage in enumerate(profile.stages, 1)
     ]
+    # the first stage without steps is named in messages
     without = [where for where, own in named if own is None]
     if not without:
         if steps is not None:

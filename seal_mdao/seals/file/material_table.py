@@ -35,6 +35,7 @@ STABLE = (0.7, 1.5)
 
 
 def _range(given):
+    # 0 < least <= 1 <= largest: the undeformed state is in the range
     least, largest = given
     if not 0.0 < least <= 1.0 <= largest:
         raise ValueError
@@ -108,6 +109,7 @@ FURTHER = ("law", "stable", "data")
 def _constants_table(name: str) -> type[Table]:
     """Make the table of a law with its constants: fields, meanings and units of its class."""
     keys, texts = {"law": (one_of(name), key("name of the law"))}, _meanings(LAWS[name])
+    # every field of the law is a key, moduli in kPa
     for own in fields(LAWS[name]):
         unit = "kPa" if own.name in MODULI else ""
         several = get_origin(own.type) is tuple
@@ -149,6 +151,7 @@ def _extension(name: str, made: type[Isotropic]) -> type[LawTable]:
     return extension_table(LawTable, "law", name, made, keys_of(made, LawTable))
 
 
+# a table has constants, or ``data`` to which they are fitted
 LAW_TABLES = {name: _constants_table(name) for name in LAWS}
 FIT_TABLES = {f"{name}: data": _fit_table(name) for name in LAWS}
 AnyLaw = Annotated[

@@ -120,6 +120,7 @@ def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:
 
 def places_of(measure: Measure):
     """Return what ``places`` of a table says of a measure that has taken its places, or None."""
+    # a derived measure has the places of its base
     base = measure.base if isinstance(measure, Derived) else measure
     if isinstance(base, Gap | VonMises):
         return base.points

@@ -37,6 +37,7 @@ from seal_mdao.seals.file.measure_table import (
 from seal_mdao.seals.file.schema import chosen_by, key, known
 
 _AXES = {"x": 0, "y": 1}
+# lists of contact points; travels and directions; orders of p-norms
 Patches = many(Places, "a list of such lists, one for every patch")
 Travels = Annotated[
     number(least=0.0) | many(number(least=0.0), "a list of travels"),
@@ -215,6 +216,7 @@ class ReactionTable(OfProfile):
         done = super().settled(where, profiles)
         own = next(p for p in profiles if p.name == done.profile)
         # the first travel gives the axis, and the direction where it is "travel"
+        # without a component or a direction: along the first travel of the profile
         if done.component is None and done.direction is None:
             done = replace(done, component=_main_axis(own))
         if done.direction == TRAVEL and not own.travel > 0.0:
@@ -289,6 +291,7 @@ class VonMisesTable(MeasureTable):
         # a smooth maximum of the section, or the stress at particles
         if self.single:
             return LargestVonMises() if self.excess is None else LargestVonMises(self.excess)
+        # particles by number, nearest to points, or at the largest maxima of the nominal seal
         places = self.places
         if places is None and self.at is not None:
             places = tuple(_nearest(point, particles) for point in self.at)
@@ -314,6 +317,7 @@ def _nearest(point, particles) -> int:
 @cache
 def _extension(name: str, made: type[Measure]) -> type[MeasureTable]:
     """Make the table of a type of measure of another package."""
+    # a definition with a field ``profile`` has that key; ``name`` is that of every measure
     of_profile = "profile" in [field.name for field in fields(made)]
     base = OfProfile if of_profile else MeasureTable
     single = made.scalar or made.size is Measure.size

@@ -19,6 +19,7 @@ class Constraint(Table):
 
     @model_validator(mode="after")
     def _bounds(self):
+        # lower <= c <= upper, one of them at least
         if self.lower is None and self.upper is None:
             raise ValueError("needs lower, upper or both; it has neither")
         if self.lower is not None and self.upper is not None and self.lower > self.upper:

@@ -69,6 +69,7 @@ def _written(names) -> str:
 
 
 def _read(given, path) -> SealFile:
+    # unknown tables first: they may be required ones, misspelt
     for name in given:
         if name not in TABLES:
             raise SealFileError(

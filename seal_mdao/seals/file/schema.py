@@ -98,6 +98,7 @@ def table_of(base: type[Table], name: str, keys: dict, **attributes) -> type[Tab
 
     ``keys`` has the annotation and the ``key`` of each; ``attributes`` are others of the class.
     """
+    # a class body as Python would make it, then pydantic's dataclass of it
     hints = {own: hint for own, (hint, _) in keys.items()}
     body = {own: field for own, (_, field) in keys.items()}
     body |= {"__annotations__": hints, "__module__": base.__module__, "__doc__": base.__doc__}
@@ -131,6 +132,7 @@ class _Rows:
     def _checked(given):
         if isinstance(given, tuple):  # of a table that has been read
             return given
+        # a list of tables, not empty and of bounded length
         no_list = not isinstance(given, list) or not given
         if no_list or not all(isinstance(own, dict) for own in given) or len(given) > MOST_ROWS:
             raise PydanticCustomError(ROWS, "no list of tables")
@@ -147,6 +149,7 @@ def chosen_by(name: str, classes: dict, tag=None):
 
     ``classes`` are by tag: the text of the key, or what ``tag`` returns for a table, ``text: ...``.
     """
+    # several classes may share a text of the key: "law" and "law: data"
     texts = tuple(dict.fromkeys(own.partition(":")[0] for own in classes))
 
     def find(given):

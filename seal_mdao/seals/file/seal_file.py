@@ -88,6 +88,7 @@ class SealFile:
     @property
     def open_penalties(self) -> tuple:
         """Parameters of the seal whose values the file leaves to be chosen."""
+        # contacts with profiles, then that of the section with itself
         touching = (*self.profiles, *([] if self.self_contact is None else [self.self_contact]))
         return tuple(
             f"{contact.name}_{kind}"
@@ -114,6 +115,7 @@ class SealFile:
     @property
     def supports(self) -> dict:
         """Prescribed displacement components of edges: 0 for x, 1 for y."""
+        # fixed edges in one or both directions, edges of symmetry across their plane
         own = () if self.fixed is None else sorted(set(map("xy".index, self.fixed.directions)))
         mirrored = {n: ("xy".index(p.normal),) for p in self.symmetries for n in p.edges}
         return dict.fromkeys(self.fixed_edges, tuple(own)) | mirrored
@@ -121,6 +123,7 @@ class SealFile:
     @property
     def regions(self) -> list:
         """Parts of the section with their materials, that of the rest first."""
+        # constants have the prefix of their material where there are several
         section, several = self.section, bool(self.section.regions)
         prefix = f"{section.material}_" if several else ""
         rest = SectionRegion(self.materials[section.material], prefix)
@@ -134,6 +137,7 @@ class SealFile:
         """Functions that bind every term but the body to a section, in the order of the terms."""
         # the fluid of the last stage rises with that of a profile that moves
         last = next(profile.stages[-1].steps for profile in self.profiles if profile.stages)
+        # profiles, air, self-contact, fluids, terms of extensions
         tables = [*(cleared(profile, self.section.outline) for profile in self.profiles)]
         tables += [*self.cavities, *([] if self.self_contact is None else [self.self_contact])]
         fluids = [partial(fluid.on, last=last) for fluid in self.fluids]

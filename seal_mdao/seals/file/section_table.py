@@ -13,12 +13,12 @@ from seal_mdao.seals.file.forms import Point, Points, Text, number, one_of, whol
 from seal_mdao.seals.file.schema import Table, key, known, rows, table
 from seal_mdao.seals.file.segment_tables import PieceTable
 from seal_mdao.seals.outline.chain import ROUNDING
-from seal_mdao.seals.outline.cloud_file import GivenCloud, read_cloud
+from seal_mdao.seals.outline.cloud_file import read_cloud
 from seal_mdao.seals.outline.contours import JOIN, Contour, Outline
 from seal_mdao.seals.outline.dxf import read_dxf
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
 from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.outline.section_cloud import LAYERS
+from seal_mdao.seals.outline.section_cloud import LAYERS, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
 from seal_mdao.seals.wall_grid import SCHEMES
 
@@ -63,6 +63,7 @@ class RaysTable(Table):
 
     @model_validator(mode="after")
     def _enough_layers(self):
+        # a basis of order p across the wall needs p + 1 particles
         least = LEAST_LAYERS[self.accuracy]
         if self.layers < least:
             raise ValueError(
@@ -106,6 +107,7 @@ class WrittenSection(Table):
 
     @model_validator(mode="after")
     def _one_outline(self):
+        # segments in this file or a drawing, which has its own holes and units
         drawn = self.dxf is not None
         if drawn == (self.outer is not None):
             has = "both" if drawn else "neither"
@@ -118,6 +120,7 @@ class WrittenSection(Table):
 
     @model_validator(mode="after")
     def _one_filling(self):
+        # spacing, rays or cloud; layers are those of a spacing
         given = [name for name in FILLINGS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(
@@ -131,17 +134,19 @@ class WrittenSection(Table):
         return self
 
     def read(self, folder: Path) -> "SectionTable":
-        """The section of a file in ``folder``, which its drawing and its cloud are relative to.
+        """Read the section of a file in ``folder``, which its drawing and its cloud are relative to.
 
         Raises
         ------
         SealFileError
+            For contours that are open or cross, a drawing or a cloud that cannot be read.
         """
         if self.dxf is None:
             outline = self._segments()
         else:
             outline = _other_file("dxf", read_dxf, folder / self.dxf, self.units)
         regions = tuple(_to_joints(region, outline) for region in self.region or ())
+        # the largest distance of particles, the rays that they lie on, or they themselves
         filling = self.spacing
         if self.rays is not None:
             filling = Rays(**asdict(self.rays))
@@ -152,6 +157,7 @@ class WrittenSection(Table):
         return SectionTable(outline, self.material, filling, *beside, regions, layers)
 
     def _segments(self) -> Outline:
+        """Make the outline of the segments of this file, body by body and hole by hole."""
         bodies, holes = defaultdict(list), defaultdict(list)
         for row in self.outer:
             bodies[row.body] += row.pieces(row.edge)
@@ -177,7 +183,7 @@ class SectionTable:
     outline : Outline
     material : str
         Of what is in no region.
-    spacing : float, Rays or GivenCloud
+    spacing : float, Rays or OutlineCloud
         Largest distance of particles, mm; or the rays that they lie on; or they themselves.
     drawing, cloud : Path or None
         What the outline and the particles were read from.
@@ -188,7 +194,7 @@ class SectionTable:
 
     outline: Outline
     material: str
-    spacing: float | Rays | GivenCloud
+    spacing: float | Rays | OutlineCloud
     drawing: Path | None = None
     cloud: Path | None = None
     regions: tuple[RegionTable, ...] = ()
@@ -201,7 +207,7 @@ class SectionTable:
 
 
 def _other_file(key_, read, *arguments):
-    """What another file gives, that a key of the section names."""
+    """Read another file that a key of the section names."""
     try:
         return read(*arguments)
     except (GeometryError, ImportError) as error:
@@ -209,6 +215,7 @@ def _other_file(key_, read, *arguments):
 
 
 def _contour(where, segments) -> Contour:
+    """Make a contour; what is wrong with it is said of its table."""
     try:
         return Contour(tuple(segments))
     except GeometryError as error:
@@ -216,31 +223,32 @@ def _contour(where, segments) -> Contour:
 
 
 def _to_joints(region: RegionTable, outline: Outline) -> RegionTable:
-    """The region with the ends of its line at the joints of the boundary that they are drawn at."""
+    """Move the ends of the line of a region to the joints of the boundary that they are drawn at."""
     if region.line is None:
         return region
+    line = list(region.line)
+    for end in (0, -1):
+        joint, away = _nearest_joint(line[end], outline)
+        # equal up to rounding: the point of the file stays
+        if ROUNDING < away <= JOIN:
+            line[end] = tuple(joint.tolist())
+    return replace(region, line=tuple(line))
+
+
+def _nearest_joint(point, outline: Outline) -> tuple[np.ndarray, float]:
+    """Find the joint of segments nearest to a point, and its distance, mm."""
     joints = np.array([segment.start for c in outline.contours for segment in c.segments])
-
-    def moved(point):
-        away = np.hypot(*(joints - point).T)
-        near = ROUNDING < away.min() <= JOIN
-        return tuple(joints[away.argmin()].tolist()) if near else point
-
-    first, *inner, last = region.line
-    return replace(region, line=(moved(first), *inner, moved(last)))
+    away = np.hypot(*(joints - point).T)
+    return joints[away.argmin()], away.min()
 
 
 def check_section(file) -> None:
-    """Refuse materials that there are not, and a spacing that gives no particles or too many.
-
-    Raises
-    ------
-    SealFileError
-    """
+    """Raise SealFileError for unknown materials, and a spacing of no particles or too many."""
     section, outline = file.section, file.section.outline
     known("[section]", "material", section.material, tuple(file.materials), "material")
     if isinstance(section.spacing, float):
         _check_spacing(section.spacing, outline)
+    # constants of a material have its name, so every part has another one
     seen = {section.material: "[section]"}
     for number_, region in enumerate(section.regions, 1):
         where = f"[[section.region]] {number_}"
@@ -255,12 +263,14 @@ def check_section(file) -> None:
 
 
 def _check_spacing(spacing, outline) -> None:
+    """Refuse a spacing of half the section's width, or of more particles than can be analysed."""
     small = float(np.ptp(outline.box, axis=0).min())
     if spacing >= 0.5 * small:
         raise SealFileError(
             f"[section]: spacing = {spacing:g}, but the section is only {small:.4g} mm wide; it must be "
             "less than half of that"
         )
+    # about area / spacing^2 particles
     least = np.sqrt(outline.area / MOST_PARTICLES)
     if spacing < least:
         raise SealFileError(
@@ -270,6 +280,7 @@ def _check_spacing(spacing, outline) -> None:
 
 
 def _check_region(where, region, outline) -> None:
+    """Refuse a region without a line in a single body, and a line that divides nothing."""
     if region.line is None:
         if not outline.others:
             raise SealFileError(
@@ -277,9 +288,8 @@ def _check_region(where, region, outline) -> None:
                 "part from the rest"
             )
         return
-    ends = np.array([s.points([0.0])[0] for c in outline.contours for s in c.segments])
     for point in (region.line[0], region.line[-1]):
-        if np.hypot(*(ends - point).T).min() > JOIN:
+        if _nearest_joint(point, outline)[1] > JOIN:
             raise SealFileError(
                 f"{where}: line ends at {pair(point)}, where no segments of the boundary meet; let a "
                 "segment of the boundary end there"

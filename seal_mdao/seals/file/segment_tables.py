@@ -59,6 +59,7 @@ class SegmentTable(Table):
             raise ValueError(f"{given[0]}: {error}") from None
 
     def _made(self, edge) -> list:
+        # a polyline is several lines, all other kinds are one segment
         if self.line is not None:
             return [Line(a, b, edge) for a, b in pairwise(self.line)]
         if self.spline is not None:

@@ -4,14 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from seal_mdao.seals.outline.segments import (
-    Segment,
-    pair,
-    point,
-    require,
-    set_numbers,
-    set_points,
-)
+from seal_mdao.seals.outline.segments import Segment, pair, point, require, set_numbers, set_points
 
 COLLINEAR = 1e-6
 """Height of a triangle over its longest side below which its corners lie on one line."""
@@ -178,10 +171,9 @@ class Circle(_Round):
         return -2.0 * np.pi if self.clockwise else 2.0 * np.pi
 
     def points(self, s):
+        # it ends where it begins, to the last bit
         s = np.asarray(s, float)
-        return super().points(
-            np.where(s == 1.0, 0.0, s)
-        )  # it ends where it begins, to the last bit
+        return super().points(np.where(s == 1.0, 0.0, s))
 
     def reversed(self):
         return replace(self, clockwise=not self.clockwise)

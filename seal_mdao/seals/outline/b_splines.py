@@ -18,18 +18,10 @@ _MOST_PIECES = 4096
 
 
 def segments_of(degree: int, knots, control, weights, edge: str) -> list:
-    """Convert a B-spline to lines and cubic splines.
+    """Convert a B-spline to lines and cubic splines of an edge.
 
-    A new spline begins where the curvature is discontinuous.
-
-    Parameters
-    ----------
-    degree : int
-    knots : array_like, shape (n + degree + 1,)
-    control : array_like, shape (n, 2)
-        mm.
-    weights : array_like, shape (n,), or empty
-    edge : str
+    A new spline begins where the curvature is discontinuous. ``knots`` have shape (n + degree + 1,),
+    ``control`` (n, 2), mm, ``weights`` (n,) or none.
 
     Raises
     ------
@@ -101,10 +93,8 @@ class _Curve:
         distinct = inside[np.append(True, np.diff(inside) > span)]
         # at a knot of multiplicity m a curve of degree p is C^(p - m): C2 up to m = p - 2
         count = [(np.abs(self.knots - u) <= span).sum() for u in distinct]
-        cuts = [
-            i for i in range(1, len(distinct) - 1)
-            if count[i] > self.degree - 2
-        ]  # fmt: skip
+        cuts = [i for i in range(1, len(distinct) - 1) if count[i] > self.degree - 2]
+        # each stretch takes the knots from cut to cut, ends included
         bounds = [0, *cuts, len(distinct) - 1]
         return [distinct[a : b + 1] for a, b in pairwise(bounds)]
 

@@ -1,8 +1,12 @@
-"""Chains of segments: joined head to tail in one point, none too short, none folding back."""
+"""Chains of segments: joined head to tail in one point, and closed loops of loose segments."""
 
+from collections import defaultdict
 from itertools import pairwise
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.arcs import Circle
@@ -22,26 +26,20 @@ FOLDED = np.radians(1.0)
 
 
 def checked_chain(segments, join: float, closed: bool) -> tuple:
-    """Check that segments form a chain, and move ends that are apart together.
+    """Check that segments form a chain, and move ends that are up to ``join`` (mm) apart together.
 
     Every joint then is one point for particles, drawings and lines between materials. Lines keep their
-    directions, so that edges stay in planes of symmetry.
-
-    Parameters
-    ----------
-    segments : sequence of Segment
-    join : float
-        Largest distance of the ends of neighbours, mm.
-    closed : bool
-        Whether the last one leads to the first.
+    directions, so that edges stay in planes of symmetry. A closed chain ends where it begins.
 
     Raises
     ------
     GeometryError
+        For segments that are not joined, too short, or fold back on each other.
     """
     if not isinstance(segments, tuple | list) or not segments:
         raise GeometryError(f"a contour needs at least one segment, got {segments!r}")
     check_count(len(segments))
+    # every segment by itself, then every joint
     for number, segment in enumerate(segments, 1):
         _check_segment(number, segment, join, alone=len(segments) == 1)
     following = [*pairwise(enumerate(segments, 1))]
@@ -66,13 +64,7 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
 
 
 def check_count(count: int) -> None:
-    """Refuse more segments than ``MOST_SEGMENTS``.
-
-    Raises
-    ------
-    GeometryError
-        With their number.
-    """
+    """Raise GeometryError for more segments than ``MOST_SEGMENTS``."""
     if count > MOST_SEGMENTS:
         raise GeometryError(
             f"{count} segments (lines, arcs, splines), but at most {MOST_SEGMENTS} are read; draw the "
@@ -98,15 +90,13 @@ def _joined(segments: tuple, join: float, closed: bool) -> tuple:
 
 
 def _joint(one: Segment, other: Segment, join: float) -> np.ndarray:
-    """Choose the joint of two segments whose ends are no farther apart than ``join``.
-
-    Lines: their intersection, if that is within ``join``; a line and a curve: the end of the line; two
-    curves: the start of the second.
-    """
+    """Choose the joint of two segments whose ends are no farther apart than ``join``."""
+    # a line and a curve: the end of the line; two curves: the start of the second
     if not isinstance(other, Line):
         return one.end if isinstance(one, Line) else other.start
     if not isinstance(one, Line):
         return other.start
+    # two lines: their intersection, if that is within ``join``
     # one.end + s t, other.start + r u:  s = ((other.start - one.end) x u) / (t x u)
     t, u, gap = one.tangents([1.0])[0], other.tangents([0.0])[0], other.start - one.end
     turn = t[0] * u[1] - t[1] * u[0]
@@ -121,6 +111,7 @@ def _joint(one: Segment, other: Segment, join: float) -> np.ndarray:
 
 
 def _check_segment(number, segment, join, alone) -> None:
+    """Refuse what is no segment, has no edge, is too short, or a circle among others."""
     if not isinstance(segment, Segment):
         raise GeometryError(f"segment {number} must be a line, arc, circle or spline: {segment!r}")
     where = f"segment {number} (edge {segment.edge!r})"
@@ -133,3 +124,70 @@ def _check_segment(number, segment, join, alone) -> None:
         )
     if isinstance(segment, Circle) and not alone:
         raise GeometryError(f"{where} is a circle; a circle is a contour of its own")
+
+
+def loops(segments, names, join: float) -> list[tuple]:
+    """Chain segments head to tail into closed loops; ends up to ``join`` (mm) apart are joined.
+
+    Raises
+    ------
+    GeometryError
+        For an end that meets no other end, or several, with the ``names`` of the segments.
+    """
+    # ends 2 i and 2 i + 1 are start and end of segment i
+    ends = np.array([end for segment in segments for end in (segment.start, segment.end)])
+    node = _nodes(ends, join)
+    at = defaultdict(list)
+    for number, joint in enumerate(node):
+        at[joint].append(number)
+    _check_nodes(ends, at, names)
+    found, left = [], set(range(len(segments)))
+    while left:
+        here = min(left)  # the order of the file
+        first, forward, chain = node[2 * here], True, []
+        while here in left:
+            left.remove(here)
+            chain.append(segments[here] if forward else segments[here].reversed())
+            last = 2 * here + int(forward)
+            if node[last] == first:
+                break
+            # every node has two ends: leave it by the other one, forward if that is a start
+            following = next(end for end in at[node[last]] if end != last)
+            here, forward = following // 2, following % 2 == 0
+        found.append(tuple(chain))
+    return found
+
+
+def _nodes(ends, join):
+    """Number the ends (2 n, 2) so that joined ones have equal numbers."""
+    pairs = cKDTree(ends).query_pairs(join, output_type="ndarray")
+    ones = np.ones(len(pairs))
+    graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(ends), len(ends)))
+    return connected_components(graph, directed=False)[1]
+
+
+def _check_nodes(ends, at, names) -> None:
+    """Refuse joints of other than two ends."""
+    for numbers in at.values():
+        if len(numbers) > 2:
+            which = " and ".join(dict.fromkeys(names[number // 2] for number in numbers))
+            raise GeometryError(
+                f"{len(numbers)} ends meet at {pair(ends[numbers[0]])}: {which}; a contour has two "
+                "(is a piece drawn twice?)"
+            )
+    # an end that meets no other, and the nearest one of these
+    loose = [numbers[0] for numbers in at.values() if len(numbers) == 1]
+    if loose:
+        first = loose[0]
+        nearest, others = "", [number for number in loose if number != first]
+        if others:
+            away = np.hypot(*(ends[others] - ends[first]).T)
+            other = others[int(away.argmin())]
+            nearest = (
+                f"; the nearest open end is that of {names[other // 2]} at {pair(ends[other])}, "
+                f"{away.min():.3g} mm away"
+            )
+        raise GeometryError(
+            f"the contour is open: {names[first // 2]} ends at {pair(ends[first])} and nothing goes "
+            f"on from there{nearest}"
+        )

@@ -2,7 +2,6 @@
 
 import io
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import GAUSS_POINTS, in_both_directions
 from seal_mdao.seals.outline.contours import Outline
-from seal_mdao.seals.outline.located import located
+from seal_mdao.seals.outline.sampling import located
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud
 
 FIRST, SUPPORT, AXES = "first_place", "support_radius", "support_axes"
@@ -27,24 +26,6 @@ XDMF, ABAQUS = (".xdmf", ".xmf"), ".inp"
 
 KINDS = {"quad": 4, "triangle": 3}
 """Cell types of bodies; lines and points are ignored."""
-
-
-@dataclass(frozen=True, eq=False)
-class GivenCloud:
-    """A cloud read from a file, or made for another section.
-
-    Attributes
-    ----------
-    cloud : OutlineCloud
-    boundaries : tuple of Boundary
-        Its points along the contours of the section.
-    kernels : Kernels
-        Their basis, pressure and integration; supports are those of the cloud, if it has them.
-    """
-
-    cloud: OutlineCloud
-    boundaries: tuple
-    kernels: Kernels = field(default_factory=Kernels)
 
 
 def write_cloud(seal, offsets, path) -> Path:
@@ -85,7 +66,7 @@ def write_cloud(seal, offsets, path) -> Path:
     return Path(path)
 
 
-def read_cloud(path, outline: Outline) -> GivenCloud:
+def read_cloud(path, outline: Outline) -> OutlineCloud:
     """Read a cloud whose boundary coincides with that of a section within 1e-6 mm.
 
     Accepts quadrilaterals and triangles of any mesh. The point data ``first_place``, ``support_radius``,
@@ -110,13 +91,12 @@ def read_cloud(path, outline: Outline) -> GivenCloud:
             None if data is None else np.asarray(data, float)[used]
             for data in map(mesh.point_data.get, (FIRST, SUPPORT, AXES))
         )
-        cloud = OutlineCloud(
+        return OutlineCloud(
             particles, cells, loops, _of_cells(mesh, PART, 0),
             None if first is None else np.ascontiguousarray(first[:, :2]),
             None if support is None else support.ravel(),
-            None if axes is None else axes.reshape(-1, 2, 2),
+            None if axes is None else axes.reshape(-1, 2, 2), boundaries, _kernels(mesh),
         )  # fmt: skip
-        return GivenCloud(cloud, boundaries, _kernels(mesh))
     except GeometryError as error:
         raise GeometryError(f"{path}: {error}") from None
 
@@ -138,6 +118,7 @@ def _mesh(path):
 
 def _require_one_file(path) -> None:
     """Refuse meshes that refer to further files, which could be any file of the machine."""
+    # XDMF has its arrays beside it, Abaqus may include files
     content = read_bytes(path) if path.suffix.lower() == ABAQUS else b""
     if path.suffix.lower() in XDMF or b"include" in content.lower().replace(b"*", b""):
         raise GeometryError("names further files of its mesh; write it as one file, such as VTU")
@@ -146,6 +127,7 @@ def _require_one_file(path) -> None:
 
 def _cells(mesh):
     """Extract particles, cells (counter-clockwise) and the indices of the particles in the file."""
+    # a triangle repeats its last corner; lines and points are ignored
     found = []
     for block in mesh.cells:
         if block.type in KINDS:
@@ -180,6 +162,7 @@ def _loops(cells) -> list[np.ndarray]:
         # a directed side without its opposite is on the boundary; two from one particle: touching parts
         if (b, a) not in every and following.setdefault(a, b) != b:
             raise GeometryError("parts of the boundary of its cells touch in a point")
+    # follow the sides from the least particle until the loop closes
     loops = []
     while following:
         start = min(following)
@@ -213,6 +196,7 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
 
 def _kernels(mesh) -> Kernels:
     """Read basis, pressure and integration of the cells."""
+    # one basis, one size of columns and one rule for all cells
     order, column = _of_cells(mesh, BASIS, 1), _of_cells(mesh, COLUMN, None)
     if order.min() != order.max() or order[0] not in BASIS_SIZE:
         raise GeometryError(f"{BASIS} of its cells must be 1 or 2, the same for all")

@@ -79,12 +79,8 @@ class Contour:
     def polyline(self, sagitta: float) -> tuple[np.ndarray, np.ndarray]:
         """Approximate the contour by straight sides within a distance ``sagitta`` (mm).
 
-        Returns
-        -------
-        points : ndarray, shape (k, 2)
-            The first is not repeated.
-        segment : ndarray of int, shape (k,)
-            Index of the segment of the side from each point to the next.
+        Returns points (k, 2), the first one not repeated, and the index of the segment (k,) of the side
+        from each point to the next.
         """
         fractions = [segment.chords(sagitta)[:-1] for segment in self.segments]
         points = [part.points(s) for part, s in zip(self.segments, fractions, strict=True)]
@@ -129,14 +125,15 @@ class Outline:
         object.__setattr__(self, "holes", tuple(hole.from_edge() for hole in holes))
         object.__setattr__(self, "others", tuple(other.from_edge() for other in self.others))
         self._check_names()
-        check_apart(self.labelled(SAGITTA * self.size), self.titles, APART * self.size)
+        labelled = self.labelled(SAGITTA * self.size)
+        check_apart(labelled, self.titles, APART * self.size)
         for contour, title in zip(self.contours, self.titles, strict=True):
             if contour.area < 0.0 and contour not in self.holes:
                 raise GeometryError(
                     f"{title} (edges {', '.join(contour.edge_names)}) is walked clockwise; "
                     "walk it counter-clockwise, the material on the left"
                 )
-        check_nested(self.labelled(SAGITTA * self.size), self.titles, len(self.holes))
+        check_nested(labelled, self.titles, len(self.holes))
 
     @property
     def contours(self) -> tuple:
@@ -147,14 +144,14 @@ class Outline:
     def titles(self) -> tuple[str, ...]:
         """Names of the contours in messages."""
         first = "the outer contour of body 1" if self.others else "the outer contour"
-        return (
-            first, *(f"hole {n}" for n in range(1, len(self.holes) + 1)),
-            *(f"the outer contour of body {n}" for n in range(2, len(self.others) + 2)),
-        )  # fmt: skip
+        holes = (f"hole {n}" for n in range(1, len(self.holes) + 1))
+        others = (f"the outer contour of body {n}" for n in range(2, len(self.others) + 2))
+        return (first, *holes, *others)
 
     @cached_property
     def bodies(self) -> tuple:
         """Contours of every body, its outer one first."""
+        # a hole belongs to the smallest outer contour around it
         around, contours = nearest_around(self.polyline()), self.contours
         return tuple(
             (outer, *(h for i, h in enumerate(self.holes, 1) if contours[around[i]] is outer))
@@ -193,13 +190,7 @@ class Outline:
         return tuple(name for contour in self.contours for name in contour.edge_names)
 
     def edge(self, name: str) -> tuple:
-        """Return the segments of an edge in order.
-
-        Raises
-        ------
-        GeometryError
-            For a name that no edge has.
-        """
+        """Return the segments of an edge in order; GeometryError for a name that no edge has."""
         found = tuple(s for contour in self.contours for s in contour.segments if s.edge == name)
         if not found:
             raise GeometryError(
@@ -208,10 +199,7 @@ class Outline:
         return found
 
     def polyline(self, sagitta: float | None = None) -> list[np.ndarray]:
-        """Approximate every contour by points (k, 2) with chords within ``sagitta`` (mm) of it.
-
-        1e-5 of the size if left out.
-        """
+        """Approximate every contour by points (k, 2) within ``sagitta`` (mm), 1e-5 of the size."""
         sagitta = SAGITTA * self.size if sagitta is None else sagitta
         return [contour.polyline(sagitta)[0] for contour in self.contours]
 

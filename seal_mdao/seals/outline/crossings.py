@@ -8,19 +8,9 @@ from seal_mdao.seals.outline.segments import pair
 
 
 def check_apart(contours, titles, distance: float) -> None:
-    """Refuse contours with sides closer than ``distance`` (mm) that are not neighbours.
+    """Raise GeometryError for sides closer than ``distance`` (mm) that are not neighbours.
 
-    Parameters
-    ----------
-    contours : list of (points, segment, names)
-        As ``Outline.labelled`` gives them.
-    titles : sequence of str
-        Names of the contours in messages.
-
-    Raises
-    ------
-    GeometryError
-        With the edges and the point.
+    ``contours`` are those of ``Outline.labelled``, ``titles`` their names in messages.
     """
     # flat lists of the sides of all contours; before: index of the preceding side of the loop
     starts, ends, contour, names, before = [], [], [], [], []
@@ -44,17 +34,11 @@ def check_apart(contours, titles, distance: float) -> None:
     worst = close[np.argmax(crosses)]
     a, b = one[worst], other[worst]
     kind = "crosses" if crosses.any() else "touches"
-    line = shapely.shortest_line(sides[a], sides[b])
-    at = shapely.get_coordinates(line)[0]
-    raise GeometryError(
-        f"{titles[contour[a]]}, edge {names[a]!r}, {kind} "
-        + (
-            f"itself (edge {names[b]!r})"
-            if contour[a] == contour[b]
-            else f"{titles[contour[b]]}, edge {names[b]!r},"
-        )
-        + f" at {pair(at)}"
-    )
+    what = f"{titles[contour[b]]}, edge {names[b]!r},"
+    if contour[a] == contour[b]:
+        what = f"itself (edge {names[b]!r})"
+    at = shapely.get_coordinates(shapely.shortest_line(sides[a], sides[b]))[0]
+    raise GeometryError(f"{titles[contour[a]]}, edge {names[a]!r}, {kind} {what} at {pair(at)}")
 
 
 def _only_around_a_corner(sides, one, other, before, distance):
@@ -67,17 +51,10 @@ def _only_around_a_corner(sides, one, other, before, distance):
 
 
 def check_nested(contours, titles, n_holes: int) -> None:
-    """Refuse holes outside the material of bodies, and bodies inside it; contours must not cross.
+    """Raise GeometryError for holes outside the material of bodies, and bodies inside it.
 
-    Parameters
-    ----------
-    contours, titles
-        As of ``check_apart``: an outer contour, the holes, outer contours of further bodies.
-
-    Raises
-    ------
-    GeometryError
-        With the edges and a point of the contour.
+    Contours must not cross; they and ``titles`` are those of ``check_apart``: an outer contour, the
+    holes, outer contours of further bodies.
     """
     holes, several = range(1, 1 + n_holes), len(contours) > 1 + n_holes
     for i, around in enumerate(nearest_around([points for points, _, _ in contours])):
@@ -94,6 +71,7 @@ def check_nested(contours, titles, n_holes: int) -> None:
 def nearest_around(loops) -> list:
     """Find the index of the smallest loop (k, 2) around each of the closed loops; None without one."""
     rings = np.array([shapely.polygons(points) for points in loops])
+    # a loop contains another one if it contains a point inside it, and is larger
     size, found = shapely.area(rings), []
     for own, point in zip(size, shapely.point_on_surface(rings), strict=True):
         around = np.flatnonzero(shapely.contains(rings, point) & (size > own))
@@ -102,13 +80,7 @@ def nearest_around(loops) -> list:
 
 
 def check_simple(points, closed: bool) -> None:
-    """Refuse a polyline (k, 2), the first point repeated if closed, that crosses itself.
-
-    Raises
-    ------
-    GeometryError
-        With the point of intersection.
-    """
+    """Raise GeometryError for a polyline (k, 2), closed or not, that crosses itself."""
     points = np.vstack([points[:-1], points[:1]]) if closed else points
     line = shapely.linestrings(points)
     if not shapely.is_simple(line):

@@ -1,9 +1,14 @@
-"""Shape design of a section: its boundary moves along nominal normals by B-splines of arc length."""
+"""Design velocity of a section: its boundary moves along nominal normals by B-splines of arc length, the
+inside by harmonic extension on the background cells."""
 
 from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
+from scipy.sparse import coo_array
+from scipy.sparse.linalg import splu
+
+from seal_mdao.rkpm.cells import cell_map, quadrature_weights, tangents
 
 DEGREE = 3
 
@@ -17,6 +22,7 @@ class Stretch(NamedTuple):
     points : ndarray of int, shape (k,)
         Indices in the loop, in order; those of a complete loop once around.
     closed : bool
+        Whether it is a complete loop.
     """
 
     loop: int
@@ -25,18 +31,7 @@ class Stretch(NamedTuple):
 
 
 def stretches(boundaries) -> dict:
-    """Find the ``Stretch`` of every edge by name.
-
-    Parameters
-    ----------
-    boundaries : sequence of Boundary
-        Points of every loop with the edge of the side that begins there.
-
-    Raises
-    ------
-    ValueError
-        For an edge that is not contiguous.
-    """
+    """Find the ``Stretch`` of every edge of boundaries by name; ValueError if it is not contiguous."""
     found = {}
     for loop, boundary in enumerate(boundaries):
         edges = np.asarray(boundary.edge)
@@ -56,12 +51,7 @@ def stretches(boundaries) -> dict:
 
 
 def checked_names(names, known, what: str) -> None:
-    """Check that every name is that of an edge.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Raise ValueError for a name that no edge has."""
     for name in names:
         if name not in known:
             raise ValueError(f"{what}: no edge is called {name!r}; edges are {', '.join(known)}")
@@ -92,6 +82,7 @@ def boundary_velocity(boundaries, designs, supports) -> np.ndarray:
     starts = np.cumsum([0, *(len(boundary.points) for boundary in boundaries)])
     still = [known[name] for name in known if name not in designs and name not in planes]
     fixed_points = {(stretch.loop, int(k)) for stretch in still for k in stretch.points}
+    # designed edges end at zero where an edge without velocity begins
     columns = [np.zeros((0, starts[-1], 2))]
     for name, count in designs.items():
         stretch = known[name]
@@ -172,3 +163,44 @@ def _directions(boundary, stretch) -> np.ndarray:
     # v . n_1 = v . n_2 = 1 for v = (n_1 + n_2) / (1 + n_1 . n_2), bounded at sharp corners
     denominator = 1.0 + (before * after).sum(axis=1)
     return (before + after) / np.maximum(denominator, 0.5)[:, None]
+
+
+def stiffness(cells: np.ndarray, particles: np.ndarray):
+    """Assemble the stiffness int grad N_a . grad N_b of the Laplacian, sparse (n, n)."""
+    mapping = cell_map(cells)
+    t = tangents(mapping, particles)
+    weights = quadrature_weights(mapping, particles)
+    slopes = np.empty((2, *weights.shape, 4))
+    slopes[:] = mapping.rule.slopes[:, None]
+    slopes[:, mapping.triangles] = mapping.triangle_rule.slopes[:, None]
+    # t_k = dX/dxi_k:  J = t_1 x t_2,  dN/dx = (dN/dxi_1 t_2y - dN/dxi_2 t_1y) / J,
+    # dN/dy = (dN/dxi_2 t_1x - dN/dxi_1 t_2x) / J
+    jacobian = t[0, ..., 0] * t[1, ..., 1] - t[0, ..., 1] * t[1, ..., 0]
+    t, jacobian = t[..., None], jacobian[..., None]
+    along_x = (slopes[0] * t[1, ..., 1, :] - slopes[1] * t[0, ..., 1, :]) / jacobian
+    along_y = (slopes[1] * t[0, ..., 0, :] - slopes[0] * t[1, ..., 0, :]) / jacobian
+    # k_ab = sum_q w_q (N_a,x N_b,x + N_a,y N_b,y)
+    local = sum(np.einsum("cq,cqa,cqb->cab", weights, g, g) for g in (along_x, along_y))
+    rows = np.broadcast_to(mapping.cells[:, :, None], local.shape)
+    columns = np.broadcast_to(mapping.cells[:, None], local.shape)
+    n = len(particles)
+    return coo_array((local.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsc()
+
+
+def harmonic_extension(cells, particles, boundary, values: np.ndarray) -> np.ndarray:
+    """Extend values (P, k, 2) at boundary particles (k,) harmonically to all particles (P, n, 2).
+
+    Linear in the values; linear fields are reproduced. One factorisation serves all P of them.
+    """
+    n_fields, n = len(values), len(particles)
+    inside = np.setdiff1d(np.arange(n), boundary)
+    out = np.zeros((n_fields, n, 2))
+    out[:, boundary] = values
+    if n_fields == 0 or inside.size == 0:
+        return out
+    # K_ii V_i = -K_ib V_b for the inside i and the boundary b
+    matrix = stiffness(cells, particles)[inside]
+    known = values.transpose(1, 0, 2).reshape(len(boundary), -1)
+    solved = splu(matrix[:, inside].tocsc()).solve(-(matrix[:, boundary] @ known))
+    out[:, inside] = solved.reshape(inside.size, n_fields, 2).transpose(1, 0, 2)
+    return out

@@ -8,19 +8,10 @@ from seal_mdao import values
 from seal_mdao.errors import GeometryError
 from seal_mdao.input_files import reason_of, require_ordinary
 from seal_mdao.seals.outline.b_splines import b_spline_of
-from seal_mdao.seals.outline.chain import check_count
-from seal_mdao.seals.outline.contours import (
-    JOIN,
-    SAGITTA,
-    Arc,
-    Circle,
-    Contour,
-    Line,
-    Outline,
-)
+from seal_mdao.seals.outline.chain import check_count, loops
+from seal_mdao.seals.outline.contours import JOIN, SAGITTA, Arc, Circle, Contour, Line, Outline
 from seal_mdao.seals.outline.crossings import nearest_around
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name, pieces_of
-from seal_mdao.seals.outline.loops import loops
 
 MILLIMETRES = 4
 UNITS = {1: "inch", 2: "foot", 4: "mm", 5: "cm", 6: "m", 14: "dm"}
@@ -118,6 +109,7 @@ def write_dxf(outline: Outline, path) -> Path:
 
 def add_segment(model, segment) -> None:
     """Add a segment to the model space of an ezdxf drawing, on the layer of its edge."""
+    # every kind of segment has an entity of its own
     on = {"layer": segment.edge}
     if isinstance(segment, Line):
         model.add_line(segment.first, segment.last, on)
@@ -151,6 +143,7 @@ def _library():
 
 def _document(path):
     ezdxf = _library()
+    # ezdxf parses tags and header; foreign files are bounded before
     path = Path(path)
     if not path.is_file():
         raise GeometryError(f"{path}: there is no such drawing")

@@ -19,13 +19,7 @@ FORBIDDEN = '<>/\\":;?*=`'
 
 
 def layer_name(name: str) -> str:
-    """Check that the name of an edge is valid as the name of a layer, and return it.
-
-    Raises
-    ------
-    GeometryError
-        With the character that is not allowed.
-    """
+    """Check that an edge can have the name of a layer, and return it; GeometryError if not."""
     forbidden = [sign for sign in name if sign in FORBIDDEN or ord(sign) < 32]
     if forbidden:
         raise GeometryError(
@@ -38,10 +32,7 @@ def layer_name(name: str) -> str:
 def pieces_of(document, scale: float) -> list[tuple]:
     """Convert all entities of the model space on visible layers to segments (mm) with their names.
 
-    Raises
-    ------
-    GeometryError
-        For an entity of an unsupported kind, with its handle and layer.
+    GeometryError names the entity that cannot be converted by its kind, handle and layer.
     """
     from ezdxf import DXFError
 
@@ -59,6 +50,7 @@ def pieces_of(document, scale: float) -> list[tuple]:
 
 
 def _shown(document, name: str) -> bool:
+    """Return whether a layer is on and not frozen; one without an entry is."""
     if name not in document.layers:
         return True
     layer = document.layers.get(name)
@@ -77,6 +69,7 @@ def _segments(entity, scale) -> list:
             f"entities of this kind are not read, only {', '.join(_READERS)}; explode it, or put it "
             "on a layer that is off"
         )
+    # these have their own plane; lines and splines are in the coordinates of the drawing
     if kind in ("ARC", "CIRCLE", "LWPOLYLINE"):
         _make_upright(entity)
     return _READERS[kind](entity, scale, layer_name(entity.dxf.layer))
@@ -166,9 +159,5 @@ def _through_fit_points(entity, scale, edge):
 
 
 _READERS = {
-    "LINE": _line,
-    "ARC": _arc,
-    "CIRCLE": _circle,
-    "LWPOLYLINE": _polyline,
-    "SPLINE": _spline,
-}
+    "LINE": _line, "ARC": _arc, "CIRCLE": _circle, "LWPOLYLINE": _polyline, "SPLINE": _spline
+}  # fmt: skip

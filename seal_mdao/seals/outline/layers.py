@@ -15,12 +15,11 @@ NEARLY = 0.75
 
 
 class ThinWall(NamedTuple):
-    """The wall with the fewest layers.
+    """The wall with the fewest layers of particles across it.
 
     Attributes
     ----------
     layers : int
-        Of particles across it.
     thickness : float
         mm.
     place : ndarray, shape (2,)
@@ -35,12 +34,7 @@ class ThinWall(NamedTuple):
 def thin_wall(loops, particles: np.ndarray, cells: np.ndarray, wanted: int = ENOUGH):
     """Find the wall with the fewest layers of particles, if fewer than ``wanted``; else None.
 
-    Parameters
-    ----------
-    loops : sequence of ndarray of int
-        Boundary particles of every loop.
-    particles : ndarray, shape (n, 2)
-    cells : ndarray of int, shape (m, 4)
+    ``loops`` are the boundary particles of every loop, ``cells`` (m, 4).
     """
     points = [particles[loop] for loop in loops]
     size = _cell_sizes(particles, cells)
@@ -51,6 +45,7 @@ def thin_wall(loops, particles: np.ndarray, cells: np.ndarray, wanted: int = ENO
         side = np.hypot(*(np.roll(at, -1, axis=0) - at).T)
         few = across < wanted - 1 - NEARLY
         for run in _runs(few):
+            # tips and notches are no walls
             wall = thickness[run]
             if side[run].sum() < ALONG * wall.mean():
                 continue

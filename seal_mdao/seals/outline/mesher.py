@@ -25,20 +25,17 @@ def _netgen():
     try:
         return import_module("netgen.geom2d")
     except ImportError as error:
-        raise ImportError(
-            "clouds of particles need netgen-mesher, which is not installed: "
-            "pip install seal_mdao[mesh]"
-        ) from error
+        message = "clouds of particles need netgen-mesher, which is not installed: pip install "
+        raise ImportError(message + "seal_mdao[mesh]") from error
 
 
 class Triangles(NamedTuple):
-    """A triangulation.
+    """A triangulation, the same bits for the same input.
 
     Attributes
     ----------
     points : ndarray, shape (n, 2)
-        Those of the loops first, in order, then those between the ends of cuts; the same bits for the
-        same input.
+        Those of the loops first, in order, then those between the ends of cuts.
     triangles : ndarray of int, shape (m, 3)
         Counter-clockwise.
     parts : ndarray of int, shape (m,)
@@ -122,6 +119,7 @@ def _generated(geometry, size, grading, n_sides):
 
 def _parts(triangles, divided) -> np.ndarray:
     """Number the parts of the section: adjacent triangles share one unless a cut lies between."""
+    # the triangles on both sides of every side
     owners = {}
     for number, (a, b, c) in enumerate(triangles.tolist()):
         for side in ((a, b), (b, c), (c, a)):

@@ -26,7 +26,7 @@ def moved_outline(outline: Outline, boundaries: list[Boundary], points) -> Outli
     boundaries : list of Boundary
         Its sampled points.
     points : sequence of ndarray, shape (k, 2)
-        Positions of these points in the design, contour by contour, mm.
+        Their positions in the design, mm.
 
     Raises
     ------
@@ -51,6 +51,7 @@ def _moved(contour, boundary, points) -> Contour:
     ]
     if not any(changed):
         return contour
+    # the contour returns to its first point
     arc = np.append(boundary.arc_length, boundary.length)
     closed = np.vstack([points, points[:1]])
     found = []
@@ -71,6 +72,7 @@ def _runs(segments, changed) -> list[tuple[int, int]]:
     """List the first and last segment of every segment of the new contour."""
     runs = []
     for i, segment in enumerate(segments):
+        # a spline continues into the next moved segment of its edge without a corner
         continues = (
             i > 0 and changed[i] and changed[i - 1] and segments[i - 1].edge == segment.edge
             and _turn(segments[i - 1], segment) < SMOOTH

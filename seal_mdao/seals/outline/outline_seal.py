@@ -13,9 +13,12 @@ from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
-from seal_mdao.seals.outline.cloud_file import GivenCloud
-from seal_mdao.seals.outline.design import boundary_velocity, checked_names, stretches
-from seal_mdao.seals.outline.harmonic_extension import harmonic_extension
+from seal_mdao.seals.outline.design import (
+    boundary_velocity,
+    checked_names,
+    harmonic_extension,
+    stretches,
+)
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
@@ -55,7 +58,7 @@ class OutlineSeal(Seal):
     ----------
     loops : tuple of ndarray of int
         Boundary particles of every loop, which come first.
-    spacing : float, Rays or GivenCloud
+    spacing : float, Rays or OutlineCloud
         Of its cloud, mm; or the rays that fill its wall; or the cloud itself.
     kernels : Kernels
         Of its cloud.
@@ -64,7 +67,7 @@ class OutlineSeal(Seal):
     """
 
     loops: tuple = ()
-    spacing: float | Rays | GivenCloud = 1.0
+    spacing: float | Rays | OutlineCloud = 1.0
     kernels: Kernels = field(default_factory=Kernels)
     cuts: tuple = ()
 
@@ -91,7 +94,7 @@ class OutlineSeal(Seal):
 
 
 def outline_seal(
-    boundaries, spacing: float | Rays | GivenCloud, material, *, n_steps: int, supports=NONE,
+    boundaries, spacing: float | Rays | OutlineCloud, material, *, n_steps: int, supports=NONE,
     contributions=(), designs=NONE, kernels: Kernels | None = None,
 ) -> OutlineSeal:  # fmt: skip
     """Build a seal from the boundary of its section.
@@ -101,7 +104,7 @@ def outline_seal(
     boundaries : sequence of Boundary
         Outer contour, holes, outer contours of further bodies, as ``sampling.doubled`` returns them:
         points with edge names, arc length, tangents.
-    spacing : float, Rays or GivenCloud
+    spacing : float, Rays or OutlineCloud
         Target distance of particles, mm; or rays through a wall, for ``rays.ray_boundaries``; or a cloud
         with its boundaries, whose parts are its own, not given by lines of regions.
     material : Isotropic, or sequence of SectionRegion
@@ -140,7 +143,7 @@ def outline_seal(
         for name, stretch in known.items()
     }
     if kernels is None:
-        kernels = spacing.kernels if isinstance(spacing, Rays | GivenCloud) else Kernels()
+        kernels = spacing.kernels if isinstance(spacing, Rays | OutlineCloud) else Kernels()
     # both components of fixed edges are prescribed, the normal one of edges in a plane
     prescribed = np.zeros(filled.particles.shape, bool)
     for name, components in supports.items():
@@ -163,10 +166,11 @@ def outline_seal(
 
 def _filled(boundaries, spacing, cuts):
     """Build the cloud, and the function that extends boundary velocities to all particles."""
+    # radial rows: linear across the wall; all other clouds: harmonic
     if isinstance(spacing, Rays):
         return ray_cloud(boundaries, spacing), partial(through_wall, rays=spacing)
-    if isinstance(spacing, GivenCloud):
-        return spacing.cloud, _inside
+    if isinstance(spacing, OutlineCloud):
+        return spacing, _inside
     return cloud([boundary.points for boundary in boundaries], spacing, cuts), _inside
 
 

@@ -26,12 +26,8 @@ def corner_angles(corners: np.ndarray) -> np.ndarray:
 def paired(points: np.ndarray, triangles: np.ndarray, parts=None) -> tuple:
     """Join triangles (k, 3) of one part in pairs, greedily from the most rectangular pair.
 
-    Returns
-    -------
-    cells : ndarray of int, shape (m, 4)
-        Single triangles repeat a corner.
-    parts : ndarray of int, shape (m,)
-        Their parts, from those (k,) of the triangles; zeros if left out.
+    Returns cells (m, 4), in which single triangles repeat a corner, and their parts (m,) from those (k,)
+    of the triangles; zeros if left out.
     """
     parts = np.zeros(len(triangles), int) if parts is None else parts
     quads, owners = _candidates(triangles)

@@ -134,6 +134,7 @@ def _radius(segment, rays, ray, low, high) -> float:
 
 def ray_cloud(boundaries, rays: Rays) -> OutlineCloud:
     """Build particles and cells of a wall from its ``ray_boundaries``."""
+    # boundary points by their rays: ray k lies at the angle 2 pi k / rays from straight down
     unit = 2.0 * np.pi / rays.rays
     loops, ordered = [], []
     # the outer contour is the last layer, the hole the first

@@ -1,12 +1,21 @@
-"""Sample the boundary of a section at a given spacing, with an even number of sides between corners."""
+"""Points along the boundary of a section: sampled at a spacing, doubled, or located where given."""
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.segments import pair
+
 FINE = 16
 """Evaluations of a variable spacing per expected side."""
+MATCH = 1e-6
+"""Largest distance of a point that is located on the boundary from it, mm."""
+LOOK = 32
+"""Points per side of a segment in the first search for the nearest one."""
+STEPS = 12
+"""Gauss-Newton steps from there; quadratic convergence for points on the curve."""
 
 
 class Boundary(NamedTuple):
@@ -151,3 +160,77 @@ def _doubled(segments, boundary):
 def _between(values, others):
     # interleave: values at even indices, others at odd ones
     return np.stack([values, others], axis=1).reshape(2 * len(values), *values.shape[1:])
+
+
+def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Boundary, np.ndarray]:
+    """Locate the points of a loop on a contour; return its ``Boundary`` and the order of the points.
+
+    Parameters
+    ----------
+    contour : Contour
+    points : ndarray, shape (k, 2)
+        In order along the contour, starting anywhere; ends of segments must be among them.
+    closest : float
+        Largest distance from the contour, mm.
+
+    Raises
+    ------
+    GeometryError
+        For a point that is not on the contour, points in another order, an end of a segment where no
+        point is.
+    """
+    segments = contour.segments
+    number, fraction, away = _nearest(segments, points)
+    worst = int(away.argmax())
+    if not away[worst] <= closest:
+        raise GeometryError(
+            f"the particle at {pair(points[worst])} is {away[worst]:.3g} mm away from the edge "
+            f"{segments[number[worst]].edge!r}, on which it should lie"
+        )
+    lengths = np.array([segment.length for segment in segments])
+    number, fraction = _from_beginnings(number, fraction, lengths, closest)
+    starts = np.concatenate([[0.0], np.cumsum(lengths)])
+    arc = starts[number] + fraction * lengths[number]
+    order = np.roll(np.arange(len(points)), -int(arc.argmin()))
+    # sorted from the beginning the arc length must increase strictly: once around, no repetition
+    if not (np.diff(arc[order]) > 0.0).all():
+        raise GeometryError(
+            f"the particles along the contour with the edge {segments[0].edge!r} do not follow it once "
+            "around"
+        )
+    missing = np.setdiff1d(np.arange(len(segments)), number[fraction == 0.0])
+    if missing.size:
+        raise GeometryError(
+            f"no particle is at {pair(segments[missing[0]].start)}, where a segment of the edge "
+            f"{segments[missing[0]].edge!r} begins"
+        )
+    return boundary_at(segments, number[order], fraction[order])._replace(
+        points=points[order]
+    ), order
+
+
+def _nearest(segments, points):
+    """Find segment, fraction of its length and distance of the nearest point for every point."""
+    found = [_on(segment, points) for segment in segments]
+    fractions, away = (np.array([one[i] for one in found]) for i in (0, 1))
+    number, every = away.argmin(axis=0), np.arange(len(points))
+    return number, fractions[number, every], away[number, every]
+
+
+def _on(segment, points):
+    # start at the nearest of many points of the segment
+    first = np.linspace(0.0, 1.0, LOOK * segment.sides + 1)
+    candidates = segment.points(first)
+    fraction = first[np.hypot(*np.moveaxis(points[:, None] - candidates, -1, 0)).argmin(axis=1)]
+    for _ in range(STEPS):
+        # s <- s + (p - x(s)) . t(s) / L, clipped to the segment
+        along = ((points - segment.points(fraction)) * segment.tangents(fraction)).sum(axis=1)
+        fraction = np.clip(fraction + along / segment.length, 0.0, 1.0)
+    return fraction, np.hypot(*(points - segment.points(fraction)).T)
+
+
+def _from_beginnings(number, fraction, lengths, closest):
+    """Assign points at the end of a segment to the beginning of the next one."""
+    fraction = np.where(fraction * lengths[number] <= closest, 0.0, fraction)
+    ends = (1.0 - fraction) * lengths[number] <= closest
+    return np.where(ends, (number + 1) % len(lengths), number), np.where(ends, 0.0, fraction)

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -58,8 +57,9 @@ class Kernels:
     n_gauss: int | tuple[int, int] = 2
 
 
-class OutlineCloud(NamedTuple):
-    """A cloud of particles for a section.
+@dataclass(frozen=True, eq=False)
+class OutlineCloud:
+    """A cloud of particles for a section, filled or read from a file.
 
     Attributes
     ----------
@@ -77,6 +77,10 @@ class OutlineCloud(NamedTuple):
         Kernel supports chosen then; None to choose them by the cells.
     support_axes : ndarray, shape (n, 2, 2), or None
         Axes of product kernels chosen then.
+    boundaries : tuple of Boundary
+        Of a cloud from a file: its points along the contours of the section.
+    kernels : Kernels or None
+        Those of the file; supports are those chosen then.
     """
 
     particles: np.ndarray
@@ -86,6 +90,8 @@ class OutlineCloud(NamedTuple):
     first_places: np.ndarray | None = None
     support_radius: np.ndarray | None = None
     support_axes: np.ndarray | None = None
+    boundaries: tuple = ()
+    kernels: Kernels | None = None
 
     @property
     def n_boundary(self) -> int:
@@ -130,20 +136,7 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
         For invalid loops or an invalid spacing.
     """
     loops = [np.asarray(loop, float) for loop in loops]
-    for number, loop in enumerate(loops):
-        if loop.ndim != 2 or loop.shape[1] != 2 or len(loop) < 6 or len(loop) % 2:
-            raise ValueError(
-                f"loop {number} must have shape (2 k, 2) with k of at least 3, got {loop.shape}"
-            )
-        if not np.isfinite(loop).all():
-            raise ValueError(f"loop {number} has a coordinate that is not a finite number")
-    for number, (loop, around) in enumerate(zip(loops, nearest_around(loops), strict=True)):
-        # a loop directly inside a body is a hole (area < 0), every other one a body (area > 0)
-        hole = around is not None and polygon_area(loops[around])[0] > 0.0
-        if (polygon_area(loop)[0] > 0.0) == hole:
-            raise ValueError(
-                f"loop {number} is walked the wrong way: the material must lie on the left"
-            )
+    _check_loops(loops)
     if not (np.isfinite(spacing) and spacing > 0.0):
         raise ValueError(f"spacing must be a positive number, got {spacing!r}")
     # triangles on every other boundary point, of twice the size: halving the cells restores it
@@ -163,6 +156,24 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
     return OutlineCloud(particles, cells, around, np.repeat(parts, corners))
 
 
+def _check_loops(loops) -> None:
+    """Refuse loops of odd or few points, or with the material on the right."""
+    for number, loop in enumerate(loops):
+        if loop.ndim != 2 or loop.shape[1] != 2 or len(loop) < 6 or len(loop) % 2:
+            raise ValueError(
+                f"loop {number} must have shape (2 k, 2) with k of at least 3, got {loop.shape}"
+            )
+        if not np.isfinite(loop).all():
+            raise ValueError(f"loop {number} has a coordinate that is not a finite number")
+    for number, (loop, around) in enumerate(zip(loops, nearest_around(loops), strict=True)):
+        # a loop directly inside a body is a hole (area < 0), every other one a body (area > 0)
+        hole = around is not None and polygon_area(loops[around])[0] > 0.0
+        if (polygon_area(loop)[0] > 0.0) == hole:
+            raise ValueError(
+                f"loop {number} is walked the wrong way: the material must lie on the left"
+            )
+
+
 def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list, float]:
     """Grade boundary points by wall thickness, and choose the spacing for ``cloud``.
 
@@ -173,14 +184,12 @@ def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list,
     Parameters
     ----------
     sample : callable
-        Boundaries for a function that gives the largest distance of points at points (k, 2); they
-        have the attribute ``points`` and an even number of sides between corners.
+        Returns boundaries for the largest distance of points, a function of points (k, 2); they have an
+        even number of sides between corners.
     spacing : float
         Largest distance of particles, mm; sides of cells inside are up to a quarter longer.
-    cuts
-        As of ``cloud``.
-    layers : int
-        Of particles across a wall, at least 2; cells come in pairs.
+    cuts, layers
+        As of ``cloud``; particles across a wall, at least 2: cells come in pairs.
 
     Raises
     ------

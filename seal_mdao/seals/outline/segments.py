@@ -87,8 +87,8 @@ class Segment:
     def between(self, start, end) -> "Segment":
         """Move its ends to two points nearby, mm.
 
-        All other points move by less than three times the displacement of the ends; by more where the
-        ends of an arc are closer to each other than its radius, for their chord then rotates.
+        All other points move by less than three times as far as the ends; by more where the ends of an
+        arc are closer to each other than its radius, for their chord then rotates.
         """
         raise NotImplementedError
 
@@ -145,13 +145,7 @@ class Line(Segment):
 
 
 def point(value, what: str) -> tuple[float, float]:
-    """Check a pair of finite floats and return it.
-
-    Raises
-    ------
-    GeometryError
-        With the expected form.
-    """
+    """Check a pair of finite floats and return it; GeometryError with the expected form."""
     try:
         x, y = (float(v) for v in value)
     except (TypeError, ValueError):
@@ -163,7 +157,8 @@ def point(value, what: str) -> tuple[float, float]:
 
 def pair(p) -> str:
     """Format a point for a message."""
-    x, y = (round(float(v), 9) + 0.0 for v in p)  # no -0, no rounding errors
+    # no -0, no rounding errors
+    x, y = (round(float(v), 9) + 0.0 for v in p)
     return f"({x:.6g}, {y:.6g})"
 
 

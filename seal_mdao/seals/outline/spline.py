@@ -14,7 +14,8 @@ PANELS = 8
 """Panels between consecutive points; the arc length of each is an 8-point Gauss sum."""
 
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-_INVERSIONS = 6  # Newton's method on a function almost linear in a panel: two or three suffice
+# Newton's method on a function almost linear in a panel: two or three suffice
+_INVERSIONS = 6
 
 
 @dataclass(frozen=True)
@@ -50,20 +51,14 @@ class Spline(Segment):
             count = len(self.through)
         except TypeError:
             raise GeometryError(f"a spline needs a list of points, got {self.through!r}") from None
-        points = tuple(
-            point(value, f"point {i} of a spline") for i, value in enumerate(self.through, 1)
-        )
-        least = 4 if count > 1 and points[0] == points[-1] and self.slopes is None else 2
-        require(
-            count >= least,
-            f"a spline needs at least {least} points" + " when it is closed" * (least == 4)
-            + f", got {count}",
-        )  # fmt: skip
+        points = tuple(point(p, f"point {i} of a spline") for i, p in enumerate(self.through, 1))
+        # a closed one without slopes is periodic: three distinct points
+        periodic = count > 1 and points[0] == points[-1] and self.slopes is None
+        least, closed = (4, " when it is closed") if periodic else (2, "")
+        require(count >= least, f"a spline needs at least {least} points{closed}, got {count}")
         for i in range(1, count):
-            require(
-                points[i] != points[i - 1],
-                f"points {i} and {i + 1} of a spline coincide at {pair(points[i])}",
-            )
+            message = f"points {i} and {i + 1} of a spline coincide at {pair(points[i])}"
+            require(points[i] != points[i - 1], message)
         object.__setattr__(self, "through", points)
         object.__setattr__(self, "parameter", self._checked_parameter())
         if self.slopes is not None:
@@ -92,6 +87,7 @@ class Spline(Segment):
     @cached_property
     def curve(self) -> CubicSpline:
         """The spline as a function of its parameter, with its end conditions."""
+        # end conditions: given slopes x'(u), periodic, or a continuous third derivative
         points = np.array(self.through)
         if self.slopes is not None:
             ends = tuple((1, np.array(slope)) for slope in self.slopes)
@@ -142,6 +138,7 @@ class Spline(Segment):
     def parameters(self, s) -> np.ndarray:
         """Compute the spline parameters at fractions ``s`` (k,) of the arc length."""
         wanted = np.asarray(s, float) * self.length
+        # the panel that contains the arc length, and the rest within it
         panel = np.searchsorted(self._lengths, wanted, side="right") - 1
         panel = np.clip(panel, 0, len(self._panels) - 2)
         a, b = self._panels[panel], self._panels[panel + 1]
