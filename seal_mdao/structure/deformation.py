@@ -34,6 +34,7 @@ class Deformation(NamedTuple):
     @property
     def jacobian(self) -> np.ndarray:
         """J = det F, shape (K, n_columns, q)."""
+        # J = 1 + (det F - 1)
         return 1.0 + self.f[..., 4]
 
 
@@ -48,6 +49,7 @@ def _swelling(functions, h, weights, column, f):
     """s_h = sum_q N_h w (det F - 1) / V_h of one column."""
     volume, change = 0.0, 0.0
     for q in range(len(f)):
+        # V_h += N_h w,  V_h s_h += N_h w (det F - 1)
         share = functions[h, q] * weights[column, q]
         volume += share
         change += share * f[q, 4]
@@ -59,6 +61,7 @@ def volume_of(function, weights):
     """V = sum_q N w of one function N (q,)."""
     volume = 0.0
     for q in range(weights.size):
+        # V_h += N_h w
         volume += function[q] * weights[q]
     return volume
 
@@ -84,10 +87,12 @@ def group_gradients(grad, displacement, n, q_count, f):
         f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0
         for a in range(n):
             bx, by = grad[2 * q * n + a], grad[(2 * q + 1) * n + a]
+            # grad u_ij = sum_I d_Ii Phi_I,j
             f11 += displacement[0, a] * bx
             f12 += displacement[0, a] * by
             f21 += displacement[1, a] * bx
             f22 += displacement[1, a] * by
+        # F = 1 + grad u,  det F - 1 = tr grad u + det grad u
         f[q, 0], f[q, 1], f[q, 2], f[q, 3] = 1.0 + f11, f12, f21, 1.0 + f22
         f[q, 4] = f11 + f22 + (f11 * f22 - f12 * f21)
 
@@ -123,12 +128,15 @@ def deform(table, weights, functions, d, out):
         grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count]
         for i in range(n):
             near = table.neighbours[s0 + i]
+            # d_I of the neighbours
             displacement[0, i], displacement[1, i] = d[near, 0], d[near, 1]
         f = out.f[0, column]
         group_gradients(grad, displacement, n, q_count, f)
         for q in range(q_count):
+            # det F <= 0, or no number: inverted
             if not f[q, 4] > -1.0:
                 return column
+            # T = F : F
             out.square[0, column, q] = (
                 f[q, 0] * f[q, 0] + f[q, 1] * f[q, 1] + f[q, 2] * f[q, 2] + f[q, 3] * f[q, 3]
             )
@@ -168,15 +176,18 @@ def _deform_many(table, weights, functions, d, out):
         for a in range(n):
             for r in range(points):
                 b[a, r] = grad[r, a]
+        # grad u of all steps and points: d^T B
         np.dot(u, b, slopes)
         for k in range(len(d)):
             for q in range(q_count):
                 f = out.f[k, column, q]
                 f11, f12 = slopes[2 * k, 2 * q], slopes[2 * k, 2 * q + 1]
                 f21, f22 = slopes[2 * k + 1, 2 * q], slopes[2 * k + 1, 2 * q + 1]
+                # as in ``group_gradients``
                 f[0], f[1], f[2], f[3] = 1.0 + f11, f12, f21, 1.0 + f22
                 f[4] = f11 + f22 + (f11 * f22 - f12 * f21)
                 out.square[k, column, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
+            # s_h of every function
             for h in range(len(functions)):
                 out.swelling[k, column, h] = _swelling(
                     functions, h, weights, column, out.f[k, column]
@@ -216,6 +227,7 @@ def particle_gradients(table, cells, d, out):
         n = table.start[column + 1] - s0
         grad = table.grad[2 * s0 * points : 2 * (s0 + n) * points]
         group_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, points, f)
+        # sums over the quadrature points of the cells at a particle
         for x in range(of_column):
             corners = cells[column * of_column + x]
             for a in range(corners.size):
@@ -228,6 +240,7 @@ def particle_gradients(table, cells, d, out):
                         for k in range(2):
                             out[particle, i, k] += f[q, 2 * i + k]
     for particle in range(len(out)):
+        # mean F, or 1
         if count[particle] > 0.0:
             out[particle] /= count[particle]
         else:

@@ -79,6 +79,7 @@ class PointLaw(TermDefinition):
         X; shape (s, rows, columns). By complex steps where a class does not give them."""
         flat, columns = _flat(given), []
         for column in range(flat.shape[1]):
+            # column j: Im law(inputs + i h e_j) / h, exact to rounding
             moved = flat.astype(complex)
             moved[:, column] += 1j * COMPLEX_STEP
             rows = np.hstack(self.evaluated(_given(self, moved), fraction))
@@ -151,8 +152,10 @@ class LawTerm(PointTerm):
 
     def respond(self, x, fraction, history):
         every = np.arange(len(x))
+        # x, h, w, theta, X of all points
         given = self._inputs(x, history, every)
         force, passed, outputs = self.definition.evaluated(given, fraction)
+        # ds/dx: the first rows and columns of L
         tangent = np.ascontiguousarray(self.definition.linearize(given, fraction)[:, :2, :2])
         return PointResponse(x, force, tangent, np.ones(len(x), int), passed, outputs)
 
