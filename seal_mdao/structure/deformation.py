@@ -34,7 +34,6 @@ class Deformation(NamedTuple):
     @property
     def jacobian(self) -> np.ndarray:
         """J = det F, shape (K, n_columns, q)."""
-        # J = 1 + (det F - 1)
         return 1.0 + self.f[..., 4]
 
 
@@ -61,7 +60,6 @@ def volume_of(function, weights):
     """V = sum_q N w of one function N (q,)."""
     volume = 0.0
     for q in range(weights.size):
-        # V_h += N_h w
         volume += function[q] * weights[q]
     return volume
 
@@ -183,11 +181,9 @@ def _deform_many(table, weights, functions, d, out):
                 f = out.f[k, column, q]
                 f11, f12 = slopes[2 * k, 2 * q], slopes[2 * k, 2 * q + 1]
                 f21, f22 = slopes[2 * k + 1, 2 * q], slopes[2 * k + 1, 2 * q + 1]
-                # as in ``group_gradients``
                 f[0], f[1], f[2], f[3] = 1.0 + f11, f12, f21, 1.0 + f22
                 f[4] = f11 + f22 + (f11 * f22 - f12 * f21)
                 out.square[k, column, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
-            # s_h of every function
             for h in range(len(functions)):
                 out.swelling[k, column, h] = _swelling(
                     functions, h, weights, column, out.f[k, column]

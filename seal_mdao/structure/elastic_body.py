@@ -87,7 +87,6 @@ class ElasticBody(TermDefinition):
     def per_cell(self, values, n_cells: int, dtype=float) -> np.ndarray:
         """A value of each region spread to its cells."""
         out = np.empty(n_cells, dtype)
-        # one value a region, to its cells
         for region, value in zip(self.regions, values, strict=True):
             out[region.at] = value
         return out

@@ -276,5 +276,4 @@ def add_tangent_product(states, nodal, equations, out):
         force = np.dot(grad.T, stress.reshape(points, 2 * count)).reshape(n, 2, count)
         for a in range(n):
             for i in range(2):
-                # into the rows of the components
                 out[equations[near[a], i]] += force[a, i]
