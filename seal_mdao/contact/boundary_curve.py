@@ -59,6 +59,7 @@ class Rings(NamedTuple):
         own, its = (np.minimum(value.astype(int), k - 1) for value in (xi, before))
         size = self.size[own]
         way = xi - before
+        # the shorter way round the ring
         way = way - size * np.round(way / size)
         return np.where(self.first[own] == self.first[its], way, np.nan)
 
@@ -74,6 +75,7 @@ def cubics(s: np.ndarray, order: int) -> np.ndarray:
     """N_0 ... N_5 or a derivative of them at s (m,), shape (m, 6)."""
     coefficients = _CUBICS
     for _ in range(order):
+        # d(s^k)/ds = k s^(k-1)
         coefficients = coefficients[1:] * np.arange(1, len(coefficients))[:, None]
     return s[:, None] ** np.arange(len(coefficients)) @ coefficients
 
@@ -81,6 +83,7 @@ def cubics(s: np.ndarray, order: int) -> np.ndarray:
 def outward(x: np.ndarray, ring: Rings) -> np.ndarray:
     """Unit normals at the points of the boundary, out of the body, shape (k, 2)."""
     every = np.arange(len(x))
+    # e_n = e_t turned clockwise, e_t along x_(i+1) - x_(i-1)
     along = x[ring.step(every, 1)] - x[ring.step(every, -1)]
     return np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
 
@@ -98,8 +101,10 @@ def _polynomials(x, segments, ring):
 def _slope(polynomials, places, s):
     """(x - x_c) . t and its derivative by s."""
     (c0, c1, c2, c3), s = polynomials, s[:, None]
+    # r = x - x_c,  t = x_c,s,  x_c,ss
     r = places - (((c3 * s + c2) * s + c1) * s + c0)
     t, bend = (3.0 * c3 * s + 2.0 * c2) * s + c1, 6.0 * c3 * s + 2.0 * c2
+    # h = r . t,  h,s = r . x_c,ss - t . t
     return (r * t).sum(axis=1), (r * bend).sum(axis=1) - (t * t).sum(axis=1)
 
 
@@ -114,11 +119,13 @@ def project(x, places, nearest, ring: Rings):
         Whether (x - x_c) . t = 0 within two segments of the nearest particle.
     """
     zero, one = np.zeros(len(nearest)), np.ones(len(nearest))
+    # the projection lies ahead of the nearest particle where r . t >= 0 there
     ahead = _slope(_polynomials(x, nearest, ring), places, zero)[0] >= 0.0
     segments = np.where(ahead, nearest, ring.step(nearest, -1))
     for _ in range(2):
         polynomials = _polynomials(x, segments, ring)
         first, last = (_slope(polynomials, places, end)[0] for end in (zero, one))
+        # a segment has it where r . t changes sign
         found = (first >= 0.0) & (last <= 0.0)
         on = np.where(ahead, ring.step(segments, 1), ring.step(segments, -1))
         segments = np.where(found, segments, on)
@@ -134,9 +141,11 @@ def _stationary(polynomials, places) -> np.ndarray:
     for _ in range(_ITERATIONS):
         at = s[left]
         value, rate = _slope(polynomials[:, left], places[left], at)
+        # h falls along s: the zero lies in [low, high]
         low[left] = np.where(value > 0.0, at, low[left])
         high[left] = np.where(value > 0.0, high[left], at)
         with np.errstate(divide="ignore", invalid="ignore"):
+            # Newton, halving where it leaves the bracket
             step = at - value / rate
         inside = (step > low[left]) & (step < high[left])
         step = np.where(inside, step, 0.5 * (low[left] + high[left]))

@@ -135,6 +135,7 @@ class ContactLaw(NamedTuple):
 
     def potential(self, gap: np.ndarray, length: np.ndarray) -> float:
         """Energy of the normal penalty at points with gaps (k,) that stand for ``length`` (k,), mJ/m."""
+        # Pi = sum w_n/2 g_n^2 l over g_n < 0, Eq. (20)
         return 0.5 * self.normal_penalty * float(length @ np.minimum(gap, 0.0) ** 2)
 
     def most_friction_work(self, slip, gaps, length) -> float:
@@ -151,7 +152,9 @@ class ContactLaw(NamedTuple):
         low, high = np.minimum(*gaps), np.maximum(*gaps)
         at = np.flatnonzero(low < 0.0)
         low, high = low[at], high[at]
+        # fraction of the increment in contact
         fraction = np.where(high > 0.0, low / np.where(high > 0.0, low - high, 1.0), 1.0)
+        # p = w_n |g_n|, the larger one
         pressure = -self.normal_penalty * low
         if isinstance(self.friction, FrictionLaw):
             limit, factor = self.friction.highest(pressure), 1.0
@@ -198,9 +201,12 @@ def elastic_slip(g_n, way, state_0, size_0, carried):
     """
     if state_0 == UNKNOWN:
         return 0.0
+    # g_t = |t0| (xi - xi0)   Eq. (19)
     slid = size_0 * way
     if state_0 == OPEN:
+        # after the touch: g_t g_n / (g_n - g_n0)
         return slid * g_n / (g_n - carried)
+    # g_t + s0
     return slid + carried
 
 
@@ -209,12 +215,14 @@ def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
     """Derivative of ``elastic_slip`` with respect to the input ``column``, Eq. (60)."""
     if state_0 == UNKNOWN:
         return 0.0
+    # g_t' = |t0|' (xi - xi0) + |t0| (xi' - xi0')   Eq. (60)
     slid, slid_r = size_0 * way, size_0 * way_r
     if column == SIZE_0:
         slid_r = way
     carried_r = 1.0 if column == SLIP_0 else 0.0
     if state_0 != OPEN:
         return slid_r + carried_r
+    # (g_n / (g_n - g_n0))' = (g_n g_n0' - g_n0 g_n') / (g_n - g_n0)^2
     whole = g_n - carried
     share_r = (g_n * carried_r - carried * gap_r) / (whole * whole)
     return slid_r * g_n / whole + slid * share_r
@@ -233,6 +241,7 @@ def friction_limit(limits, law, i, g_n, g_t):
     """The largest traction of point ``i`` against slip along g_t: mu w_n |g_n| of Eq. (28), or what
     another law has in ``law.limits``, given apart for numba to leave out the one or the other."""
     if limits is None:
+        # mu w_n |g_n|   Eq. (28)
         return -law.friction * law.normal_penalty * g_n
     return limits[i, 1 if math.copysign(1.0, g_t) > 0.0 else 0, 0]
 
@@ -241,6 +250,7 @@ def friction_limit(limits, law, i, g_n, g_t):
 def _friction_limit_rate(limits, law, i, column, g_n, gap_r, tau):
     """Derivative of ``friction_limit``, which is |tau|."""
     if limits is None:
+        # d(mu w_n |g_n|) = mu |g_n| dw_n + w_n |g_n| dmu - mu w_n dg_n
         if column == NORMAL_PENALTY:
             return abs(tau) / law.normal_penalty
         if column == FRICTION:
@@ -273,6 +283,7 @@ def traction(law, i, g_n, g_t):
     if g_n >= 0.0:
         return OPEN, 0.0
     limit = friction_limit(law.limits, law, i, g_n, g_t)
+    # stick: tau = w_t g_t;  slip: tau = +-mu w_n |g_n|   Eqs. (28), (29)
     tau = law.tangent_penalty * g_t
     if abs(tau) < limit:
         return STICK, tau
@@ -284,11 +295,13 @@ def traction_rate(law, i, column, state, tau, g_n, gap_r, slip_r):
     """Derivatives of tau and of the elastic slip tau / w_t that is carried on, with respect to the input
     ``column``."""
     if state == STICK:
+        # tau' = w_t g_t' + w_t' g_t, the elastic slip g_t'
         tau_r = law.tangent_penalty * slip_r
         if column == TANGENT_PENALTY:
             tau_r = tau / law.tangent_penalty
         return tau_r, slip_r
     limit_r = _friction_limit_rate(law.limits, law, i, column, g_n, gap_r, tau)
+    # tau' = +-(mu w_n |g_n|)', the elastic slip (tau / w_t)'
     tau_r = math.copysign(1.0, tau) * limit_r
     slip_r = tau_r / law.tangent_penalty
     if column == TANGENT_PENALTY:

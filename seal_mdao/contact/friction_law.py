@@ -86,8 +86,10 @@ class FrictionLaw:
             For slip along -e_t and along +e_t: the limit, d limit / d pressure, and d limit / d constant
             of the m constants. Zero without pressure; NaN where the limit is negative or no real number.
         """
+        # an imaginary step in the pressure, then in every constant
         steps = COMPLEX_STEP * np.eye(1 + len(self.constants))
         found = np.stack([self._evaluated(pressure, stepped) for stepped in steps], axis=2)
+        # limit = Re, slopes = Im / h
         limit, slopes = found[:, :, 0].real, found.imag / COMPLEX_STEP
         no_limit = (limit < 0.0) | (np.abs(slopes) > MOST_SLOPE).any(axis=2)
         return np.concatenate([np.where(no_limit, np.nan, limit)[:, :, None], slopes], axis=2)
@@ -122,6 +124,7 @@ class FrictionLaw:
         names = ("pressure", *self.by_name)
         for column, name in enumerate(names):
             quotient = self._quotient(column)
+            # complex step against central difference
             off = np.abs(found[:, :, 1 + column] - quotient)
             if (off > AGREEMENT * (np.abs(quotient) + np.abs(found[:, :, 0]).max())).any():
                 raise ValueError(

@@ -21,6 +21,7 @@ FARTHEST_MISS = 0.3
 def _on_line(ox, oy, angle, length, open_start, open_end):
     """Distance squared, gap, s, and whether s lies beyond the piece."""
     c, n = np.cos(angle), np.sin(angle)
+    # s = e_t . (x - x_0),  g_n = e_n . (x - x_0)
     s, gap = ox * c + oy * n, ox * n - oy * c
     over = 0.0
     if s < 0.0 and not open_start:
@@ -35,9 +36,11 @@ def _on_arc(ox, oy, angle, length, r):
     """Distance squared, gap, s, and whether s lies beyond the piece."""
     size, turn = abs(r), (1.0 if r > 0.0 else -1.0)
     span = length / size
+    # angle from the start of the arc, in the sense of xi
     distance = (ox * ox + oy * oy) ** 0.5
     a = turn * (np.arctan2(oy, ox) - angle)
     a -= 2.0 * np.pi * np.floor((a - 0.5 * span + np.pi) / (2.0 * np.pi))
+    # g_n = +-(|x - m| - r)
     gap = turn * (distance - size)
     over = 0.0
     if a < 0.0:
@@ -57,6 +60,7 @@ def _on_cubic(coefficients, piece, length, x, y, open_start, open_end):
         return np.inf, 0.0, 0.0, True
     square, s = nearest_on_cubic(coefficients[piece], length, x, y, open_start, open_end)
     x_c, t, _, _ = cubic_point(coefficients, piece, length, s)
+    # g_n = (x - x_c) . e_n   Eq. (17)
     gap = ((x - x_c[0]) * t[1] - (y - x_c[1]) * t[0]) / (t[0] * t[0] + t[1] * t[1]) ** 0.5
     slack = END_SLACK * length
     over = (s < -slack and not open_start) or (s > length + slack and not open_end)
@@ -169,11 +173,14 @@ def contact_frame(profile, piece, xi, g_n):
     """e_t and e_n (pairs) and the scalars (22): |t|, alpha, beta, gamma, c."""
     _, t, x2, x3 = curve_point(profile, piece, xi)
     size = (t[0] * t[0] + t[1] * t[1]) ** 0.5
+    # e_t = t / |t|,  e_n = e_t turned clockwise
     e_t = (t[0] / size, t[1] / size)
     e_n = (e_t[1], -e_t[0])
+    # alpha = e_n . x_c,xixi,  beta = e_t . x_c,xixi,  gamma = e_n . x_c,xixixi   Eq. (22)
     alpha = e_n[0] * x2[0] + e_n[1] * x2[1]
     beta = e_t[0] * x2[0] + e_t[1] * x2[1]
     gamma = e_n[0] * x3[0] + e_n[1] * x3[1]
+    # c = |t|^2 - g_n alpha   Eq. (22)
     return e_t, e_n, size, alpha, beta, gamma, size * size - g_n * alpha
 
 
@@ -195,6 +202,7 @@ def linearized_places(profile, pose, x, place, normal, gap):
     """
     for i in range(len(x)):
         dx, dy = x[i, 0] - place[i, 0], x[i, 1] - place[i, 1]
+        # g + e_n . (x - z)
         expected = gap[i] + normal[i, 0] * dx + normal[i, 1] * dy
         own = in_frame(pose, x[i, 0], x[i, 1])
         piece, xi, g_n = closest_point(profile, own[0], own[1])
@@ -204,6 +212,7 @@ def linearized_places(profile, pose, x, place, normal, gap):
             missed = 0.0
         gap[i] = g_n - missed
         for a in range(2):
+            # z = x - (g_n(x) - g) e_n
             place[i, a], normal[i, a] = x[i, a] - missed * e_n[a], e_n[a]
 
 
@@ -232,13 +241,19 @@ def rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2):
     size_rate, c_rate : float
         |t|' and c'.
     """
+    # components of w = V - V_c + z' and of V_c,xi
     w_t = e_t[0] * w[0] + e_t[1] * w[1]
     w_n = e_n[0] * w[0] + e_n[1] * w[1]
     v1_t = e_t[0] * v1[0] + e_t[1] * v1[1]
     v1_n = e_n[0] * v1[0] + e_n[1] * v1[1]
+    # xi' = (|t|/c) e_t . w + (g_n/c) e_n . V_c,xi   Eqs. (26), (52)
     xi_rate = (size * w_t + g_n * v1_n) / c
+    # e_t' = [(alpha/c) e_t . w + (|t|/c) e_n . V_c,xi] e_n   Eqs. (24), (53)
     turn = (alpha * w_t + size * v1_n) / c
+    # |t|' = beta xi' + e_t . V_c,xi
     size_rate = beta * xi_rate + v1_t
+    # alpha' = -turn beta + gamma xi' + e_n . V_c,xixi
     alpha_rate = -turn * beta + gamma * xi_rate + e_n[0] * v2[0] + e_n[1] * v2[1]
+    # c' = 2 |t| |t|' - g_n' alpha - g_n alpha', g_n' = e_n . w   Eqs. (23), (55)
     c_rate = 2.0 * size * size_rate - w_n * alpha - g_n * alpha_rate
     return xi_rate, w_n, turn, size_rate, c_rate

@@ -81,9 +81,11 @@ def find_kinks(period, law, gap, xi, state_0, variables_0, rounding, found):
     count = 0
     for i in range(gap.size):
         found[i] = SMOOTH
+        # g_n = 0
         if abs(gap[i]) <= rounding:
             found[i] = TOUCHING
         elif gap[i] < 0.0:
+            # xi - xi0, the shorter way round
             way = xi[i] - variables_0[i, 0]
             if period > 0.0:
                 way -= period * np.floor(way / period + 0.5)

@@ -201,6 +201,7 @@ class ContactTerm(PointTerm):
         x, pose = response.x, self.pose(step.fraction)
         place, normal, gap = x.copy(), np.zeros_like(x), np.zeros(len(x))
         linearized_places(self.curve, pose, x, place, normal, gap)
+        # places move with the profile to its pose at ``target``
         moved = self.motion.coordinates(target) - self.motion.coordinates(step.fraction)
         self._linearized = place + rigid_velocity(pose, x) @ moved, normal, gap
 
@@ -210,6 +211,7 @@ class ContactTerm(PointTerm):
         one that touches there is pulled back where x has a small positive gap."""
         x, place = self.deformed(raw), self._linearized[0]
         linearized_places(self.curve, self.pose(fraction), x, *self._linearized)
+        # f(z) + T(z) (x - z)
         response = self.respond(place, fraction, history)
         response.force[:] += np.einsum("kij,kj->ki", response.tangent, x - place)
         return self.assembled(response._replace(x=x), force, values)
@@ -233,8 +235,10 @@ class ContactTerm(PointTerm):
         ):  # fmt: skip
             return no_kinks(found.size)
         touching = np.flatnonzero(found == TOUCHING)
+        # |g_t| of this step against |g_n0|
         slips = np.abs(self._slid(response, history)) > SLIGHT * np.abs(history.variables[:, 2])
         if following is not None:
+            # and of the next one against its gap
             after = self._slid(following, response.history)
             slips |= np.abs(after) > SLIGHT * np.abs(following.gap)
         forces = np.zeros((touching.size, *response.x.shape))
@@ -246,6 +250,7 @@ class ContactTerm(PointTerm):
 
     def _slid(self, response, history) -> np.ndarray:
         """|t0| (xi - xi0) of all points in a step, mm."""
+        # |t0| (xi - xi0)   Eq. (19)
         way = response.history.variables[:, 0] - history.variables[:, 0]
         if self.curve.period:
             way -= self.curve.period * np.floor(way / self.curve.period + 0.5)

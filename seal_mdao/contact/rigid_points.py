@@ -58,12 +58,15 @@ def slip_slopes(profile, points, history, xi, gap, local, out):
     """
     for k, i in enumerate(points):
         state_0, before = history.state[i], history.variables[i]
+        # xi0, |t0|, s0 or g_n0 that the step began with
         xi_0, size_0, carried = before[0], before[1], before[2]
         way = way_along(profile, xi[i], xi_0)
+        # dg_t/dxi0 and dg_t/ds0   Eq. (60)
         by_xi = elastic_slip_rate(XI_0, gap[i], 0.0, way, -1.0, state_0, size_0, carried)
         by_carried = elastic_slip_rate(SLIP_0, gap[i], 0.0, way, 0.0, state_0, size_0, carried)
         scale = 0.0
         for c in range(2):
+            # dg_t/dx_(n-1) = (dg_t/dxi0) dxi0/dx + (dg_t/ds0) ds0/dx
             a, b = by_xi * local[k, XI, X + c], by_carried * local[k, CARRIED, X + c]
             out[k, 0, c], scale = a + b, max(scale, abs(a) + abs(b))
         if max(abs(out[k, 0, 0]), abs(out[k, 0, 1])) <= ROUNDING * scale:
@@ -121,6 +124,7 @@ def _fill_columns(first, end, frame, now, then, law, i, length, out):
     """Columns ``first`` to ``end`` of ``linearize_contact_point``, none of them of the shape."""
     zero = (0.0, 0.0)
     for column in range(first, end):
+        # w = dx, a unit vector for the places and zero for the others
         w = (1.0 if column == X else 0.0, 1.0 if column == Y else 0.0)
         way_r = -1.0 if column == XI_0 else 0.0
         _fill_column(column, way_r, (w, zero, zero), frame, now, then, law, i, length, out)
@@ -151,6 +155,7 @@ def linearize_contact_point(
     e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
     frame = turned(pose, e_t), turned(pose, e_n), size, alpha, beta, gamma, c
     way = way_along(profile, xi, carried[0])
+    # nu = |t||t0|/c   Eq. (22)
     now = g_n, state, tau, size * carried[1] / c if state != OPEN else 0.0
     then = state_0, carried[1], way, carried[2]
     if state == OPEN:
@@ -158,6 +163,7 @@ def linearize_contact_point(
         out[:, XI_0:first] = 0.0
     _fill_columns(X, first if state != OPEN else XI_0, frame, now, then, law, i, length, out)
     for column in range(first, end):
+        # w = -V_c, and V_c,xi, V_c,xixi of a shape parameter   Eq. (52)
         v, v1, v2 = curve_velocity(profile, column - first, piece, xi)
         moved = turned(pose, (-v[0], -v[1])), turned(pose, v1), turned(pose, v2)
         turns = whole_turns(profile, xi, carried[0])
@@ -212,6 +218,7 @@ def contact_points(
     local = np.empty((6, 2))
     made_to_stick = 0
     for i in range(x.shape[0]):
+        # x in the frame of the profile, closest point (18) and gap (17)
         x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
         piece, xi, g_n = closest_point(profile, x_1, x_2)
         e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
@@ -237,6 +244,7 @@ def contact_points(
         frame = e_t, e_n, size, alpha, beta, gamma, c
         now = g_n, state[i], tau, size * carried[1] / c
         then = state_0, carried[1], way, carried[2]
+        # d force/dx: tangents (35), (36), (41)
         _fill_columns(X, Y + 1, frame, now, then, law, i, length[i], local)
         for row in range(2):
             for column in range(2):
@@ -250,9 +258,11 @@ def _add_motion(pose, motion_rates, x, force, first, out):
     see ``geometry.pose``."""
     for m in range(motion_rates.shape[0]):
         v_x, v_y, turn = motion_rates[m, 0], motion_rates[m, 1], motion_rates[m, 2]
+        # velocity of the profile at x
         v_x -= turn * (x[1] - pose.position[1] - pose.pivot[1])
         v_y += turn * (x[0] - pose.position[0] - pose.pivot[0])
         for row in range(out.shape[0]):
+            # the law depends on x minus the profile's motion; forces turn with it
             out[row, first + m] = -out[row, X] * v_x - out[row, Y] * v_y
         out[FORCE_X, first + m] -= turn * force[1]
         out[FORCE_Y, first + m] += turn * force[0]

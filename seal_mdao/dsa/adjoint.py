@@ -93,18 +93,24 @@ class AdjointSweep:
         """
         which = np.empty(0, int) if seeds is None else np.flatnonzero(seeds.used)
         taken = {} if seeds is None else seeds.terms
+        # L of every term at the step
         terms = [term.linearization(step, following, which.size > 0) for term in self.problem.terms]
+        # (h+_bar, o_bar) of every term
         bars = [
             linearized.seeds(own, taken.get(term.label))
             for term, linearized, own in zip(self.problem.terms, terms, history_bar, strict=True)
         ]
+        # K^T Lambda = columns,  lambda = Lambda C
         loads, mix = self._columns(step, following, seeds, which, terms, bars)
+        # no more right-hand sides than measures
         if len(mix) > self.m:
             loads, mix = loads @ mix, np.eye(self.m)
+        # Lambda = K^-T (...)
         adjoints = solve_transposed(self.problem, step, loads)
         if len(mix):
             self._collect(step, adjoints, mix)
         held_bar = self._no_held()
+        # (x_bar, h_bar, w_bar, theta_bar, X_bar) = L^T (-B lambda, h+_bar, o_bar)
         history = self._pull_back(terms, bars, adjoints, mix, held_bar)
         if held_bar is not None:
             self._collect_held(step, seeds, which, held_bar)
@@ -122,6 +128,7 @@ class AdjointSweep:
                 # B^T G and H^T h+_bar
                 loads[:, first:last], mix[first:last] = term.loads_of(own), own.seeds(bar.history)
         if which.size:
+            # what is measured belongs to its own measure
             mix[np.arange(which.size), which] = 1.0
             measured = loads[:, : which.size]
             for term, linearized in zip(self.problem.terms, terms, strict=True):
@@ -171,6 +178,7 @@ class AdjointSweep:
         if which.size:
             every = layout.every_component.equations
             held_bar[:, which] += self.probe.nodal_seeds(step, seeds, which, every, len(held_bar))
+        # (dd/dp)^T d_bar of the imposed components
         nodal = held_bar[:-1] * (layout.equations < 0).reshape(-1, 1)
         self.held += imposed.linearization(step.fraction).T @ nodal
 
@@ -185,8 +193,10 @@ class AdjointSweep:
         seeds : dict of int to Seeds
             By place in ``path.steps``.
         """
+        # h+_bar = 0 at the last measured step
         history_bar = tuple(term.no_rates(self.m) for term in self.problem.terms)
         following, places = None, range(max(seeds, default=-1), -1, -1)
+        # steps without history do not depend on each other
         if not self.problem.history_dependent:
             places = sorted(seeds, reverse=True)
         for place in places:
@@ -199,6 +209,7 @@ class AdjointSweep:
     def _pulled_back(self, history_bar) -> AdjointGradient:
         """All collected seeds, and those on the first history, to the particles and the parameters."""
         disc, names = self.path.discretization, self.problem.names
+        # the first history moves with X
         terms = [term.linearization(self.path.start) for term in self.problem.terms]
         bars = [term.seeds(own) for term, own in zip(terms, history_bar, strict=True)]
         no_adjoints = np.zeros((disc.layout.n_equations + 1, 0)), np.zeros((0, self.m))
@@ -210,12 +221,16 @@ class AdjointSweep:
             for term, own in zip(self.problem.terms, self.designs, strict=True)
         ]
         for term, design in zip(self.problem.terms, self.designs, strict=True):
+            # B_bar, w_bar, X_bar to the particles, T_bar collected
             matrix_bar = matrix_bar + term.basis.pull_back(design, particles_bar)
         if len(self.held):
             owners.append((self.problem.imposed.names, self.held))
+        # theta_bar by the names of the parameters
         for own_names, rows in owners:
             for name, row in zip(own_names, rows, strict=True):
                 scalars[names.index(name)] += row
+        # T_bar to the particles, once for all tables
         add_matrix_seeds(disc, matrix_bar, particles_bar)
+        # measures first
         gradient = np.ascontiguousarray(np.moveaxis(particles_bar, -1, 0))
         return AdjointGradient(gradient, names, scalars)

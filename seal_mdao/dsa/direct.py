@@ -56,6 +56,7 @@ class DirectSweep:
 
     def start(self) -> tuple:
         """Rates of the histories in the undeformed state, which moves with the design."""
+        # h'_0 of the undeformed body: X' alone
         none = tuple(term.no_rates(self.rates.count) for term in self.problem.terms)
         unused = np.zeros((self.path.discretization.layout.n_equations + 1, self.rates.count))
         terms = [term.linearization(self.path.start) for term in self.problem.terms]
@@ -66,6 +67,7 @@ class DirectSweep:
         imposed = self.problem.imposed
         if imposed is None or not imposed.names:
             return None
+        # d' = (dd/dp) p' of imposed displacements
         return imposed.linearization(step.fraction) @ self.rates.of(imposed.names)
 
     def explicit_loads(self, steps) -> np.ndarray:
@@ -87,7 +89,9 @@ class DirectSweep:
 
     def _solved(self, step, terms, found, load) -> tuple:
         """d' of Eq. (70), and the rates of every term with it."""
+        # K_n d'_n = -f'_n   Eq. (70)
         solution = -converged_factor(self.problem, step).solve(load[:-1])
+        # x' = X' + B' d + B d', then L again
         found = [term.solved(own, solution) for term, own in zip(terms, found, strict=True)]
         return solution, found
 
@@ -96,7 +100,9 @@ class DirectSweep:
 
     def step(self, step, history, load) -> StepRates:
         """Solve (70) at one converged step; ``load`` is its row of ``explicit_loads``, added to."""
+        # L of every term at the step
         terms = [term.linearization(step) for term in self.problem.terms]
+        # f' and (s', h+', o') at fixed d
         found = self._at_fixed_displacements(terms, history, self.held(step), load)
         solution, found = self._solved(step, terms, found, load)
         return StepRates(solution, tuple(found), self._carried(terms, found))
@@ -106,6 +112,7 @@ class DirectSweep:
         terms = [term.linearization(step, following, False) for term in self.problem.terms]
         found = self._at_fixed_displacements(terms, history, self.held(step), load)
         passed = [term.passed_on(following) for term in terms]
+        # more functions than parameters: all of d' costs less
         if sum(own.count for own in passed if own is not None) > self.rates.count:
             return self._carried(terms, self._solved(step, terms, found, load)[1])
         for index, (term, own) in enumerate(zip(terms, passed, strict=True)):
@@ -125,11 +132,13 @@ class DirectSweep:
             Places of the steps to return; the last one when left out.
         """
         every = self.path.steps
+        # without history the steps do not depend on each other
         measured = {len(every) - 1} if measured is None else set(measured)
         last = max(measured, default=-1)
         places = range(last + 1) if self.problem.history_dependent else sorted(measured)
         history, wanted = self.start(), {}
         size = self.path.discretization.layout.n_equations
+        # forces without history for a block of steps at once, then step by step
         for block in blocks(places, size, self.rates.count):
             loads = self.explicit_loads([every[place] for place in block])
             for place, load in zip(block, loads, strict=True):

@@ -20,6 +20,7 @@ def solve_transposed(problem: PathProblem, step: ConvergedStep, loads: np.ndarra
     """K_n^-T times ``loads`` (n_equations + 1, c), overwritten; the last row, of imposed
     displacements, becomes zero."""
     if loads.shape[1]:
+        # K_n^-T, the last row aside
         loads[:-1] = converged_factor(problem, step).solve(loads[:-1], transposed=True)
     loads[-1] = 0.0
     return loads
@@ -27,6 +28,7 @@ def solve_transposed(problem: PathProblem, step: ConvergedStep, loads: np.ndarra
 
 def blocks(places, n_equations: int, n_columns: int) -> list:
     """Consecutive pieces of ``places``, as long as their vectors fit in ``BLOCK_BYTES``."""
+    # 8 bytes a number
     size = max(1, BLOCK_BYTES // (8 * n_equations * n_columns))
     return [places[first : first + size] for first in range(0, len(places), size)]
 

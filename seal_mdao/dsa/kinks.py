@@ -33,6 +33,7 @@ def warn_of_kinks(path: PathResult, measured: Collection[int]) -> None:
         Indices in ``path.steps`` at which something is measured. Where the path is history
         dependent, the steps before them count as well.
     """
+    # without history only the measured steps matter
     steps = sorted(measured)
     if path.problem.history_dependent:
         steps = range(max(measured, default=-1) + 1)
@@ -80,6 +81,7 @@ def _kinks_at(path: PathResult, index: int, measured: bool) -> list[str]:
             continue
         touching = kinks.touching
         if touching.size and not measured:
+            # a touching point matters by what the step passes on
             touching = touching[kinks.slips | _passes_on(path, term, kinks, step, following)]
         for what, points in (("zero gap", touching), ("zero slip margin", kinks.slipping)):
             if points.size:
@@ -98,10 +100,12 @@ def _passes_on(path: PathResult, term, kinks: Kinks, step, following) -> np.ndar
             columns.append(linearized.loads_of(passed))
     if not columns:
         return np.zeros(len(kinks.touching), bool)
+    # Lambda = K^-T B^T G
     adjoints = solve_transposed(path.problem, step, np.hstack(columns))
     every = np.arange(len(term.where))
     at_points = np.zeros((every.size, 2, adjoints.shape[1]))
     add_field(term.table.table, every, layout.equations, adjoints, at_points)
+    # |Lambda^T B^T df/dg_n| of every touching point
     moved = np.abs(np.tensordot(kinks.forces, at_points, 2))
     return (moved > SLIGHT).any(axis=1)
 

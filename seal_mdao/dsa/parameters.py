@@ -37,6 +37,7 @@ class ParameterRates:
 
 def parameter_rates(velocity: np.ndarray, names=()) -> ParameterRates:
     """Rates for parameters that move the particles by ``velocity`` (S, n, 2), then scalar ones."""
+    # unit rates: shape parameters move particles, the others none
     shape, total = len(velocity), len(velocity) + len(names)
     still = np.zeros((len(names), *velocity.shape[1:]))
     return ParameterRates(np.concatenate([velocity, still]), tuple(names), np.eye(total)[shape:])

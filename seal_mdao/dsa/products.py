@@ -57,6 +57,7 @@ def vjp(result, weights: dict, names=()) -> AdjointGradient:
     for measure, own in zip(wanted.measures, weights.values(), strict=True):
         base = measure.base if isinstance(measure, Derived) else measure
         index, own = wanted.bases.index(base), np.atleast_2d(own)
+        # m = g(values): w dg/dvalues on the independent values
         if isinstance(measure, Derived):
             own = own * measure.value(wanted.values[index])[1]
         of_bases[index] = of_bases[index] + own

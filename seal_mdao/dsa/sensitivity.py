@@ -97,12 +97,15 @@ def sensitivities(result, names, measures, method: str = "auto") -> Sensitivitie
     wanted = Wanted(result, measures)
     warn_of_kinks(result.path, wanted.stack.seeds)
     count = len(velocity) + len(names)
+    # fewer right-hand sides: measures or parameters
     if method == "auto":
         method = "adjoint" if wanted.count < count else "direct"
     if method == "direct":
+        # one column a parameter, one row a measure
         table = direct_rates(result, wanted, parameter_rates(velocity, names))
     else:
         gradient = adjoint_gradient(result, wanted, names)
+        # dm/db = dm/dX . V
         by_shape = np.tensordot(gradient.particles, velocity, ((1, 2), (1, 2)))
         table = np.hstack([by_shape, gradient.of(names)])
     rows = {
@@ -139,6 +142,7 @@ def particle_gradient(result, parameters, measures, method: str = "auto") -> dic
         gradient = adjoint_gradient(result, wanted, parameters)
         rows, columns = gradient.particles, gradient.of(parameters)
     else:
+        # V = unit vectors: every coordinate of every particle
         unit = np.eye(2 * n).reshape(2 * n, n, 2)
         table = direct_rates(result, wanted, parameter_rates(unit, parameters))
         rows, columns = table[:, : 2 * n].reshape(-1, n, 2), table[:, 2 * n :]
@@ -196,6 +200,7 @@ class Wanted:
             place = self.bases.index(_base(measure))
             out[measure.name] = parts[place]
             if isinstance(measure, Derived):
+                # m' = (dg/dvalues) values' of a measure of measures
                 gradient = measure.value(self.values[place])[1]
                 out[measure.name] = np.tensordot(gradient, parts[place], 1)[None]
         return out
@@ -210,6 +215,7 @@ def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
     stack, terms = wanted.stack, result.path.problem.terms
     sweep = DirectSweep(result.path, rates)
     by_place = sweep.run(stack.seeds)
+    # what measures take of X and of parameters directly
     out = np.einsum("mni,pni->mp", stack.particles, rates.velocity, optimize=True)
     for name, own in stack.parameters.items():
         out += np.outer(own, rates.of((name,))[0])
@@ -220,8 +226,10 @@ def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
         here, step = by_place[place], result.path.steps[place]
         for term, found in zip(terms, here.terms, strict=True):
             if term.label in seeds.terms:
+                # of forces and outputs of terms
                 out += seeds.terms[term.label].times(found)
         if stack.at.size:
+            # of displacements and F at points
             moved, f_rate = probe.rates(shape, step, here.solution, sweep.held(step))
             out += np.tensordot(seeds.displacement, moved, 2)
             out += np.tensordot(seeds.gradient, f_rate, 2)
@@ -235,5 +243,6 @@ def adjoint_gradient(result, wanted: Wanted, names) -> AdjointGradient:
     gradient = AdjointSweep(result.path, wanted.probe, stack.count, names).run(stack.seeds)
     scalars = gradient.scalars.copy()
     for name, own in stack.parameters.items():
+        # direct part in the parameters
         scalars[gradient.names.index(name)] += own
     return AdjointGradient(gradient.particles + stack.particles, gradient.names, scalars)

@@ -33,13 +33,16 @@ class DiscretizationRates:
 def _matrix_rates(discretization: Discretization, velocity: np.ndarray) -> np.ndarray:
     """T' along design velocities (P, n, 2), shape (c, u, P)."""
     transformation, rows = discretization.transformation, discretization.constrained_rows
+    # Phi_I(X_C)' of the constrained particles
     rates = rows.raw_rates(velocity)
     dense = np.zeros((rows.raw.neighbours.size, len(velocity)))
+    # sparse in the parameters -> dense
     for g in range(rows.raw.n_groups):
         which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
         here = slice(rows.raw.start[g], rows.raw.start[g + 1])
         block = rates.phi[rates.start[g, 1] : rates.start[g + 1, 1]]
         dense[here, which] = block.reshape(here.stop - here.start, which.size)
+    # T' from Lambda'
     return transformation_rates(
         transformation, rows_on_union(rows.raw, transformation.union, dense)
     )
@@ -48,9 +51,11 @@ def _matrix_rates(discretization: Discretization, velocity: np.ndarray) -> np.nd
 def add_matrix_seeds(discretization: Discretization, matrix_bar, particles_bar) -> None:
     """Transpose of T': seeds (c, u, M) on the essential transformation to the particles (n, 2, M)."""
     rows, transformation = discretization.constrained_rows, discretization.transformation
+    # Lambda_bar from T_bar
     rows_bar = transformation_seeds(transformation, matrix_bar)
     raw = rows.raw
     point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
+    # rows over the union -> rows of the table
     phi_bar = rows_bar[point, np.searchsorted(transformation.union, raw.neighbours)]
     grad_bar = np.zeros((raw.grad.size, particles_bar.shape[2]))
     rows.pull_back(np.ascontiguousarray(phi_bar), grad_bar, particles_bar)
@@ -59,6 +64,7 @@ def add_matrix_seeds(discretization: Discretization, matrix_bar, particles_bar) 
 def discretization_rates(discretization: Discretization, velocity) -> DiscretizationRates:
     """All rates of the discretisation along design velocities (P, n, 2)."""
     matrix = _matrix_rates(discretization, velocity)
+    # w' of the quadrature weights
     weights = weight_rates(discretization.body.cell_map, discretization.particles, velocity)
     return DiscretizationRates(
         matrix,

@@ -93,6 +93,7 @@ def linearize_column(states, column, step_of, law):
     """Compute L of one column at the steps ``step_of`` (S,), sorted."""
     weights, functions, bulk = states.weights[column], states.functions, states.bulk[column]
     w, moduli = states.w, np.empty((4, 4))
+    # N_h / V_h and K N_h
     for h in range(len(functions)):
         volume = volume_of(functions[h], weights)
         for q in range(weights.size):
@@ -104,6 +105,7 @@ def linearize_column(states, column, step_of, law):
             law.swelling[h, s] = swelling[h]
         for q in range(weights.size):
             values = law.values[q]
+            # another column of the same step
             if s > 0 and step_of[s - 1] == k:
                 for row in range(ROWS):
                     values[row, s] = values[row, s - 1]
@@ -169,6 +171,7 @@ def product(law, weights, strain, weight_rate, p, out):
 @internal
 def contract(values, row, strain, q, p, out):
     """Contract four rows of ``values``, from ``row`` on, with the strains of a point."""
+    # a_11 e_11 + a_12 e_12 + a_21 e_21 + a_22 e_22
     a0, a1, a2, a3 = values[row], values[row + 1], values[row + 2], values[row + 3]
     e0, e1 = strain[2 * q, p, 0], strain[2 * q + 1, p, 0]
     e2, e3 = strain[2 * q, p, 1], strain[2 * q + 1, p, 1]

@@ -48,6 +48,7 @@ def _swelling(functions, h, weights, column, f):
     """s_h = sum_q N_h w (det F - 1) / V_h of one column."""
     volume, change = 0.0, 0.0
     for q in range(len(f)):
+        # V_h += N_h w,  V_h s_h += N_h w (det F - 1)
         share = functions[h, q] * weights[column, q]
         volume += share
         change += share * f[q, 4]
@@ -84,10 +85,12 @@ def group_gradients(grad, displacement, n, q_count, f):
         f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0
         for a in range(n):
             bx, by = grad[2 * q * n + a], grad[(2 * q + 1) * n + a]
+            # grad u_ij = sum_I d_Ii Phi_I,j
             f11 += displacement[0, a] * bx
             f12 += displacement[0, a] * by
             f21 += displacement[1, a] * bx
             f22 += displacement[1, a] * by
+        # F = 1 + grad u,  det F - 1 = tr grad u + det grad u
         f[q, 0], f[q, 1], f[q, 2], f[q, 3] = 1.0 + f11, f12, f21, 1.0 + f22
         f[q, 4] = f11 + f22 + (f11 * f22 - f12 * f21)
 
@@ -123,12 +126,15 @@ def deform(table, weights, functions, d, out):
         grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count]
         for i in range(n):
             near = table.neighbours[s0 + i]
+            # d_I of the neighbours
             displacement[0, i], displacement[1, i] = d[near, 0], d[near, 1]
         f = out.f[0, column]
         group_gradients(grad, displacement, n, q_count, f)
         for q in range(q_count):
+            # det F <= 0, or no number: inverted
             if not f[q, 4] > -1.0:
                 return column
+            # T = F : F
             out.square[0, column, q] = (
                 f[q, 0] * f[q, 0] + f[q, 1] * f[q, 1] + f[q, 2] * f[q, 2] + f[q, 3] * f[q, 3]
             )
@@ -168,6 +174,7 @@ def _deform_many(table, weights, functions, d, out):
         for a in range(n):
             for r in range(points):
                 b[a, r] = grad[r, a]
+        # grad u of all steps and points: d^T B
         np.dot(u, b, slopes)
         for k in range(len(d)):
             for q in range(q_count):
@@ -216,6 +223,7 @@ def particle_gradients(table, cells, d, out):
         n = table.start[column + 1] - s0
         grad = table.grad[2 * s0 * points : 2 * (s0 + n) * points]
         group_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, points, f)
+        # sums over the quadrature points of the cells at a particle
         for x in range(of_column):
             corners = cells[column * of_column + x]
             for a in range(corners.size):
@@ -228,6 +236,7 @@ def particle_gradients(table, cells, d, out):
                         for k in range(2):
                             out[particle, i, k] += f[q, 2 * i + k]
     for particle in range(len(out)):
+        # mean F, or 1
         if count[particle] > 0.0:
             out[particle] /= count[particle]
         else:

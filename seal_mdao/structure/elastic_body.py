@@ -133,6 +133,7 @@ class StructuralTerm(Term):
         """
         cells = self.definition.per_cell(values, len(self.cells.weights), dtype)
         columns = cells.reshape(self.cells.raw.n_groups, -1)
+        # all cells of a column must have the value of its first
         mixed = np.flatnonzero((columns != columns[:, :1]).any(axis=1))
         if mixed.size:
             raise ValueError(
@@ -150,10 +151,12 @@ class StructuralTerm(Term):
     def energy_derivatives(self, deformation: Deformation) -> np.ndarray:
         """W_T, W_J, W_TT, W_TJ, W_JJ of K fields, shape (5, K, n_columns, q)."""
         square, jacobian = deformation.square, deformation.jacobian
+        # one material: no copies
         if len(self.definition.regions) == 1:
             return self.definition.regions[0].material.derivatives(square, jacobian)
         out = np.empty((5, *square.shape))
         t, j, rows = self._by_cell(square), self._by_cell(jacobian), self._by_cell(out)
+        # every region by its own law
         for region in self.definition.regions:
             at = region.at
             rows[:, :, at] = region.material.derivatives(t[:, at], j[:, at])
@@ -166,6 +169,7 @@ class StructuralTerm(Term):
         by_cell = self._by_cell(out)
         for region in self.definition.regions:
             at = region.at
+            # d(W_T, W_J)/dc; equal names are one parameter
             rows = region.material.constant_derivatives(t[:, at], j[:, at])
             for name, row in zip(region.names, rows, strict=True):
                 by_cell[self.names.index(name)][:, :, at] = row
@@ -199,6 +203,7 @@ class StructuralTerm(Term):
         for number, region in enumerate(regions):
             cell_regions[region.at] = number
         n, m = body.n_particles, len(body.cells)
+        # midpoints of sides follow the particles, centres of cells come last
         ends = np.sort(body.samples.anchors[n:-m, :2], axis=1)
         sides = np.zeros(len(ends), int)
         # sides are in the order of their two particles
@@ -218,10 +223,12 @@ class StructuralTerm(Term):
 
     def pressure(self, deformation: Deformation) -> np.ndarray:
         """K sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
+        # p = K sum_h N_h s_h
         return self.bulk[:, None] * (deformation.swelling @ self.functions)
 
     def squared_swelling(self, deformation: Deformation) -> np.ndarray:
         """sum_h N_h s_h^2 at the quadrature points of one field, shape (n_columns, q)."""
+        # sum_h N_h s_h^2
         return deformation.swelling[0] ** 2 @ self.functions
 
     # ---- the contract of a term ----
@@ -238,11 +245,13 @@ class StructuralTerm(Term):
         weights, functions = self.cells.column_weights, self.functions
         if deform(table, weights, functions, d, self.deformation) >= 0:
             return False
+        # W_T, W_J, W_TT, W_TJ, W_JJ at F
         w, now = self.energy_derivatives(self.deformation)[:, 0], self.deformation
         quadrature, law = (table, weights, functions), (0, w, self.bulk, scatter)
         if before is None:
             assemble_internal(*quadrature, now, *law, force, values)
             return True
+        # tangent with the pressure of the linearised swelling, force with the exact one
         expected = now._replace(swelling=now.swelling - self._beyond_linear(table, d - before))
         assemble_internal(*quadrature, now, *law, force, np.empty(0))
         assemble_internal(*quadrature, expected, *law, np.empty_like(force), values)
@@ -256,7 +265,9 @@ class StructuralTerm(Term):
         if deform(table, weights, functions, du, increment) >= 0:
             return np.zeros(self.deformation.swelling.shape[1:])
         f = increment.f[0]
+        # f is 1 + G: det G = det(1 + G) - 1 - tr G
         det = f[..., 4] - (f[..., 0] - 1.0) - (f[..., 3] - 1.0)
+        # sum_q N_h w det G / V_h
         return (weights * det) @ functions.T / (weights @ functions.T)
 
     # ---- mixed iterations ----
@@ -290,6 +301,7 @@ class StructuralTerm(Term):
     def energy(self, d: np.ndarray) -> float:
         """Strain energy per unit depth, mJ/m."""
         deformation, weights = self.deformation_of(d[None]), self.cells.column_weights
+        # W = sum_q w W(T, J) + sum_h K/2 V_h s_h^2, V_h = sum_q N_h w
         volumetric = 0.5 * self.bulk[:, None] * self.squared_swelling(deformation)
         return float((weights * (self.density(deformation) + volumetric)).sum())
 

@@ -68,11 +68,13 @@ def energy_gradient(term, d: np.ndarray) -> EnergyGradient:
     table, weights = term.cells.table, term.cells.column_weights
     deformation = term.deformation_of(d[None])
     pressure, squares = term.pressure(deformation)[0], term.squared_swelling(deformation)
+    # dE/dw = W + K sum_h N_h (s_h e - s_h^2 / 2)
     on_weights = term.density(deformation) + pressure * deformation.f[0, ..., 4]
     on_weights -= 0.5 * term.bulk[:, None] * squares
     grad = np.empty(table.grad.size)
     w = term.energy_derivatives(deformation)[:2, 0]
     _fill_gradient(table, weights, deformation.f[0], w, pressure, d, grad)
+    # dE/dc = sum_q w dW/dc,  dE/dK = sum_h V_h s_h^2 / 2
     constants = np.einsum("ncq,cq->n", term.constant_densities(deformation), weights)
     for row in range(len(constants)):
         own = term.bulk_row == row
@@ -90,9 +92,11 @@ def _fill_gradient(table, weights, f, w, pressure, d, out):
         n = table.start[column + 1] - s0
         own = out[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
         for q in range(q_count):
+            # P = 2 W_T F + (W_J + p) cof F
             w_j = w[1, column, q] + pressure[column, q]
             p = point_stress(f[column, q], w[0, column, q], w_j)
             for j in range(2):
+                # dE/dB_Ij = w P_ij d_Ii
                 x, y = weights[column, q] * p[j], weights[column, q] * p[2 + j]
                 for a in range(n):
                     near = table.neighbours[s0 + a]
@@ -107,5 +111,6 @@ def add_gradient_rates(table, rates, gradient, out):
         count, first = which.size, 2 * table.group_size * table.start[column]
         at = 2 * rates.start[column, 1]
         for k in range(2 * table.group_size * (table.start[column + 1] - table.start[column])):
+            # E' += dE/dB B'
             for p in range(count):
                 out[which[p]] += gradient[first + k] * rates.grad[at + k * count + p]

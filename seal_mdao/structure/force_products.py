@@ -80,6 +80,7 @@ def add_force_rates(states, rates, weight_rates, equations, out):
         linearize_column(states, column, every, law)
         for k in range(n_steps):
             for q in range(q_count):
+                # w P, rows (component, step)
                 for r in range(4):
                     weighted = weights[q] * law.values[q, STRESS + r, k]
                     stress[r // 2 * n_steps + k, 2 * q + r % 2] = weighted
@@ -97,6 +98,7 @@ def add_force_rates(states, rates, weight_rates, equations, out):
         on_rates, on_b = block(moving, rows, n * count), block(moved, n, count * rows)
         np.dot(stress, b_rate, on_rates)
         np.dot(b, p_rate, on_b)
+        # into the equations of the free components
         for k in range(n_steps):
             for i in range(2):
                 row = i * n_steps + k

@@ -26,12 +26,14 @@ def point_stress(f, w_t, w_j):
 @internal
 def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
     """Moduli A = dP/dF in ``a`` (4, 4) at fixed pressure, which ``w_j`` contains."""
+    # A = 2 W_T 1 + 4 W_TT F F + 2 W_TJ (F cof F + cof F F) + W_JJ cof F cof F + W_J d(cof F)/dF
     cof = (f[3], -f[2], -f[1], f[0])
     for r in range(4):
         for c in range(4):
             a[r, c] = 2.0 * w_tj * (f[r] * cof[c] + cof[r] * f[c]) + w_jj * cof[r] * cof[c]
             a[r, c] += 4.0 * w_tt * f[r] * f[c]
         a[r, r] += 2.0 * w_t
+    # d(cof F)/dF: 11 with 22, 12 with 21
     a[0, 3] += w_j
     a[3, 0] += w_j
     a[1, 2] -= w_j
@@ -43,6 +45,7 @@ def _moduli_rows(weight, a, b, n, c, first):
     """weight A B of one quadrature point in four rows of ``c`` from ``first`` on: 11, 12, 21, 22;
     columns x then y."""
     for r in range(len(a)):  # not range(4): unrolled there is twice as much to compile
+        # w A B, the two components of B side by side
         ax0, ax1 = weight * a[r, 0], weight * a[r, 1]
         ay0, ay1 = weight * a[r, 2], weight * a[r, 3]
         row, b0, b1 = c[first + r], b[0], b[1]
@@ -140,6 +143,7 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
         n = table.start[column + 1] - s0
         near = table.neighbours[s0 : s0 + n]
         grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        # s_h of the column
         swelling = deformation.swelling[k, column]
         for i in range(2 * n):
             local[i] = 0.0
@@ -147,17 +151,21 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
                 g[h, i] = 0.0
         for q in range(q_count):
             f, weight, b = deformation.f[k, column, q], weights[column, q], grad[q]
+            # P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
             pressure = bulk[column] * at_point(functions, q, swelling)
             w_t, w_j = w[0, column, q], w[1, column, q] + pressure
             p = point_stress(f, w_t, w_j)
             for i in range(n):
+                # f_Ii = sum_q w P_ij Phi_I,j   Eq. (43)
                 local[i] += weight * (p[0] * b[0, i] + p[1] * b[1, i])
                 local[n + i] += weight * (p[2] * b[0, i] + p[3] * b[1, i])
             if values.size:
+                # A = dP/dF at fixed pressure
                 w_tt, w_tj, w_jj = w[2, column, q], w[3, column, q], w[4, column, q]
                 point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a)
                 f11, f12, f21, f22 = f[0], f[1], f[2], f[3]
                 for h in range(len(functions)):
+                    # g_h += N_h w cof F B
                     share = functions[h, q] * weight
                     if share != 0.0:
                         for i in range(n):
@@ -166,10 +174,12 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
                             g[h, n + i] += share * (f11 * b[1, i] - f12 * b[0, i])
                 _moduli_rows(weight, a, b, n, c, 4 * q)
         for i in range(n):
+            # into the equations
             force[scatter.equations[near[i], 0]] += local[i]
             force[scatter.equations[near[i], 1]] += local[n + i]
         if values.size:
             for h in range(len(functions)):
+                # K_p = sum_h K/V_h (sum_q N_h w cof F B)^T (...)
                 root = math.sqrt(bulk[column] / volume_of(functions[h], weights[column]))
                 for i in range(2 * n):
                     g[h, i] *= root

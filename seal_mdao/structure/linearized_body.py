@@ -73,7 +73,9 @@ class CellBasis:
     def pull_back(self, seeds: BodyDesign, particles_bar):
         disc = self.discretization
         weight_bar = seeds.weights.reshape(*disc.weights.shape, -1)
+        # B_bar to the particles, by way of the consistent gradients and T
         matrix_bar = disc.cells.pull_back(seeds.grad, weight_bar, particles_bar)
+        # w_bar to the particles
         add_weight_seeds(disc.body.cell_map, disc.particles, weight_bar, particles_bar)
         return matrix_bar
 
@@ -141,12 +143,15 @@ class BodyRates:
     def energy(self) -> np.ndarray:
         """E' = E_d d' + E_B B' + E_w w' + E_c c', shape (P,)."""
         gradient, design, term = self.body.energy, self.design, self.body.term
+        # E_w w'
         out = np.einsum(
             "pcq,cq->p", design.weights, gradient.weights.reshape(design.weights.shape[1:])
         )
+        # E_c c' and E_B B'
         out += gradient.constants @ design.parameters
         add_gradient_rates(term.cells.table, design.grad, gradient.grad, out)
         equations = term.discretization.layout.equations
+        # E_d d', of free and of imposed components
         free = equations >= 0
         out += gradient.nodal[free] @ self.solution[equations[free]]
         if self.held is not None:
@@ -191,6 +196,7 @@ class LinearizedBody(LinearizedTerm):
             np.zeros((self.layout.n_equations + 1, which.size)),
             self.layout.equations >= 0,
         )
+        # E_d of the free components
         loads[self.layout.equations[free]] = np.outer(self.energy.nodal[free], taken.energy[which])
         return loads
 

@@ -11,6 +11,7 @@ def _point_gradients(table, d, f):
     """F in the order 11, 12, 21, 22 and det F - 1 at single points, ``f`` (s, 5)."""
     for i in range(table.start.size - 1):
         s0, s1 = table.start[i], table.start[i + 1]
+        # F = 1 + sum_I d_I grad Phi_I
         grad = table.grad[2 * s0 : 2 * s1]
         group_gradients(grad, d[table.neighbours[s0:s1]].T, s1 - s0, 1, f[i : i + 1])
 
@@ -41,15 +42,19 @@ def particle_stress(path, points: np.ndarray, step=None):
     # in order, as the sensitivities ask for their shape functions too
     which, place = np.unique(points, return_inverse=True)
     f = deformation_gradients(disc.table_at(which).table, step.d)[place]
+    # T = F : F,  J = det F
     t, j = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4]
+    # cof F = (F_22, -F_21, -F_12, F_11)
     cofactor = f[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0)
     stress, by_gradient, by_constants = np.empty(len(points)), np.empty((len(points), 4)), {}
+    # beyond the particles are midpoints of sides and centres of cells
     inside = points.size > 0 and points.max() >= disc.body.n_particles
     of_region = (structure.sample_regions if inside else structure.particle_regions)[points]
     for number, region in enumerate(structure.definition.regions):
         at = np.flatnonzero(of_region == number)
         value, by_t, by_j = region.material.von_mises(t[at], j[at])
         stress[at] = value
+        # d sigma/dF = 2 sigma_T F + sigma_J cof F
         by_gradient[at] = 2.0 * by_t[:, None] * f[at, :4] + by_j[:, None] * cofactor[at]
         rows = region.material.von_mises_constants(t[at], j[at])
         for name, row in zip(region.names, rows, strict=True):

@@ -118,6 +118,7 @@ class CoupledTerm(TermAtPoints):
     def deformed(self, raw) -> np.ndarray:
         """Deformed places of the points (k, 2)."""
         x = np.empty((len(self.where), 2))
+        # x = X + Phi d
         interpolate(self.table.raw, raw, x)
         return x + self.reference
 
@@ -128,10 +129,13 @@ class CoupledTerm(TermAtPoints):
     def assembled(self, response: CoupledResponse, force, values) -> CoupledResponse:
         """Add a response to the forces and, where ``values`` is not empty, to the tangent."""
         layout = self.discretization.layout
+        # f += Phi^T s
         self._add_force(response.force, response.loaded, force)
         if values.size:
+            # K += Phi_i^T (ds_i/dx_j) Phi_j of every pair
             slots = self._pair_slots(response.pairs)
             assemble_pairs(self.table.raw, response.pairs, response.tangent, *slots, values)
+            # K += size (Phi^T g)(Phi^T g)^T of every part of rank one
             columns, sizes = layout.columns(values)
             first = self.discretization.first_column[self.place]
             for i, (column, size) in enumerate(zip(response.columns, response.sizes, strict=True)):
@@ -166,6 +170,7 @@ class CoupledTerm(TermAtPoints):
 
     def linearization(self, step, following=None, measured=True) -> LinearizedPoints:
         response, before = step.responses[self.place], step.before[self.place]
+        # L of all points: they depend on each other
         matrix, every = self.linearize(response, step.fraction, before), np.arange(len(self.where))
         law = Linearization(every, matrix, *self.spaces)
         used = np.empty(0, int)
@@ -178,6 +183,7 @@ class CoupledTerm(TermAtPoints):
 
     def passed_on(self, law: Linearization, used, step, following) -> PassedOn:
         """H: the variables of the history that the next step uses; G = (dh+/dx)^T H."""
+        # H: unit vectors of the variables that are used;  G = (dh+/dx)^T H
         chosen = law.rows.zeros(len(self.where), used.size)
         chosen.history.reshape(-1, used.size)[used, np.arange(used.size)] = 1.0
         return PassedOn((law.T @ chosen).x, chosen.history)
@@ -187,11 +193,13 @@ class CoupledTerm(TermAtPoints):
 def assemble_pairs(table, pairs, tangent, start, slots, values):
     """Add the tangents (m, 2, 2) of pairs of points (m, 2) through their rows of Phi."""
     for m in range(len(pairs)):
+        # rows of Phi of both points
         i, j, at = table.start[pairs[m, 0]], table.start[pairs[m, 1]], start[m]
         rows, columns = table.start[pairs[m, 0] + 1] - i, table.start[pairs[m, 1] + 1] - j
         for e in range(2):
             for b in range(columns):
                 for c in range(2):
+                    # K_(Ic)(Je) += Phi_I T_ce Phi_J
                     weight = tangent[m, c, e] * table.phi[j + b]
                     for a in range(rows):
                         values[slots[at]] += weight * table.phi[i + a]

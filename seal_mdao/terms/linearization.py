@@ -145,11 +145,13 @@ class LocalMap(NamedTuple):
     right: np.ndarray
 
     def __matmul__(self, rates: np.ndarray) -> np.ndarray:
+        # (S + U V) r
         return self.sparse @ rates + self.left @ (self.right @ rates)
 
     @property
     def mT(self) -> "LocalMap":
         """The transpose, named as that of arrays."""
+        # (S + U V)^T = S^T + V^T U^T
         return LocalMap(self.sparse.T, self.right.T, self.left.T)
 
 
@@ -171,6 +173,7 @@ class Linearization(NamedTuple):
     columns: NamedTuple
 
     def __matmul__(self, values):
+        # L r
         return self.rows.split(self.matrix @ self.columns.joined(values))
 
     @property
@@ -202,6 +205,7 @@ class PassedOn(NamedTuple):
 
     def seeds(self, history_bar: np.ndarray) -> np.ndarray:
         """H^T h+_bar, shape (c, M)."""
+        # sum over points and variables
         return np.tensordot(self.history, history_bar, ((0, 1), (0, 1)))
 
 
@@ -248,10 +252,12 @@ def _fill_directions(used, slopes, points, directions):
     count = 0
     for k, i in enumerate(used):
         a_x, a_y, b_x, b_y = slopes[k, 0, 0], slopes[k, 0, 1], slopes[k, 1, 0], slopes[k, 1, 1]
+        # |a|; a point with a = 0 passes on nothing
         size = math.hypot(a_x, a_y)
         if size == 0.0:
             continue
         points[count] = i
+        # |a x b| <= eps |a||b|: one direction, a / |a|
         if abs(a_x * b_y - a_y * b_x) <= PARALLEL * size * math.hypot(b_x, b_y):
             directions[count, 0], directions[count, 1] = a_x / size, a_y / size
             count += 1

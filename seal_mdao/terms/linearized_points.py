@@ -87,6 +87,7 @@ class PointRows:
     def rates(self, shape, rates) -> PointDesign:
         """Rates for the parameters of ``rates``; ``shape`` are the ``DiscretizationRates``."""
         particles, velocity = self.discretization.particles, rates.velocity
+        # w', X' and theta'
         measure = self.where.length_rates(particles, velocity)[:, None]
         x, parameters = self.where.velocity(velocity), rates.of(self.term.names)
         return PointDesign(shape.tables[self.term.place], x, measure, parameters)
@@ -107,8 +108,10 @@ class PointRows:
         disc, none, law = self.discretization, np.empty((0, particles_bar.shape[2])), seeds.law
         # x = X + B d, and X itself
         x_bar = law.x + law.reference if law.reference.shape[1] else law.x
+        # w = length of the boundary at the point,  x = X + B d
         self.where.add_length_seeds(disc.particles, law.measure[:, 0], particles_bar)
         self.where.add_point_seeds(x_bar, particles_bar)
+        # B_bar to the particles and to T
         return self.table.pull_back(seeds.phi, none, particles_bar)
 
 
@@ -168,9 +171,11 @@ class LinearizedPoints(LinearizedTerm):
         add_displacement_rates(self.table, points, design.phi, self.step.d, x)
         if held is not None:
             add_field(self.table, points, self.layout.every_component.equations, held, x)
+        # (x', h', w', theta', X') of the law
         self.given = Inputs(
             x, history[points], design.measure[points], design.parameters, design.x[points]
         )
+        # (s', h+', o') = L (x', h', w', theta', X'), Eqs. (57), (63), (66) of contact
         found = self.law @ self.given
         # f' = B^T s' + B'^T s
         add_force_rates(
@@ -190,6 +195,7 @@ class LinearizedPoints(LinearizedTerm):
             # as in ``solved``: h+' = L_h (x' + G z, ...)
             self.given.x[:] += passed.places @ values
             return self.law @ self.given
+        # h+' += H z
         found.history[:] += passed.history @ values
         return found
 
@@ -217,6 +223,7 @@ class LinearizedPoints(LinearizedTerm):
     # ---- products with seeds ----
 
     def seeds(self, history_bar, taken: PointSeeds | None = None) -> Outputs:
+        # (s_bar, h+_bar, o_bar), s_bar = 0 yet
         seeds = self.law.rows.zeros(self.points.size, history_bar.shape[2])
         seeds.history[:] = history_bar[self.points]
         if taken is not None:
@@ -226,6 +233,7 @@ class LinearizedPoints(LinearizedTerm):
     def measured_loads(self, taken: PointSeeds, which) -> np.ndarray:
         seeds = self.law.rows.zeros(self.points.size, which.size)
         _fill(seeds, taken, which)
+        # d_bar = B^T x_bar of what is measured
         return self._spread((self.law.T @ seeds).x)
 
     def pull_back(self, seeds: Outputs, adjoints, mix, design: PointDesignSeeds, held_bar):
@@ -237,6 +245,7 @@ class LinearizedPoints(LinearizedTerm):
         at_points = np.zeros((points.size, 2, len(mix)))
         add_field(table, points, self.equations, adjoints, at_points)
         seeds.force[:] -= at_points @ mix
+        # (x_bar, h_bar, w_bar, theta_bar, X_bar) = L^T (s_bar, h+_bar, o_bar)
         taken = self.law.T @ seeds
         self.law.columns.add(taken, points, design.law)
         # B_bar = x_bar d^T - s (B lambda)^T

@@ -9,6 +9,7 @@ def interpolate(table, d, out):
     for i in range(table.start.size - 1):
         ux, uy = 0.0, 0.0
         for a in range(table.start[i], table.start[i + 1]):
+            # u_i = Phi_I d_Ii   Eq. (13)
             ux += table.phi[a] * d[table.neighbours[a], 0]
             uy += table.phi[a] * d[table.neighbours[a], 1]
         out[i, 0], out[i, 1] = ux, uy
@@ -28,6 +29,7 @@ def assemble_points(table, point_force, point_tangent, state, scatter, force, va
         for a in range(n):
             for c in range(2):
                 at = scatter.equations[table.neighbours[s0 + a], c]
+                # f_Ic += Phi_I s_c   Eqs. (29), (37)
                 force[at] += table.phi[s0 + a] * point_force[i, c]
         if values.size == 0:
             continue
@@ -36,6 +38,7 @@ def assemble_points(table, point_force, point_tangent, state, scatter, force, va
             for b in range(n):
                 at = (e * n + b) * 2 * n
                 for c in range(2):
+                    # K_(Ic)(Je) += Phi_I (ds_c/dx_e) Phi_J   Eq. (42)
                     weight = point_tangent[i, c, e] * table.phi[s0 + b]
                     for a in range(n):
                         values[slots[at + c * n + a]] += weight * table.phi[s0 + a]

@@ -89,6 +89,7 @@ class PointLaw(TermDefinition):
         """All columns of the linearisation, or the first ones."""
         flat, columns = _flat(given), []
         for column in range(flat.shape[1] if count is None else count):
+            # column j: Im law(inputs + i h e_j) / h, exact to rounding
             moved = flat.astype(complex)
             # d rows / d input = Im rows(input + i h) / h
             moved[:, column] += 1j * COMPLEX_STEP
@@ -162,8 +163,10 @@ class LawTerm(PointTerm):
 
     def respond(self, x, fraction, history):
         every = np.arange(len(x))
+        # x, h, w, theta, X of all points
         given = self._inputs(x, history, every)
         force, passed, outputs = self.definition.evaluated(given, fraction)
+        # ds/dx: the first rows and columns of L
         tangent = np.ascontiguousarray(self.definition.tangent(given, fraction))
         return PointResponse(x, force, tangent, np.ones(len(x), int), passed, outputs)
 

@@ -17,6 +17,7 @@ def add_displacement_rates(table, points, rates, d, out):
         for a in range(table.start[i + 1] - table.start[i]):
             near = table.neighbours[table.start[i] + a]
             for p in range(count):
+                # x'_c += d_Ic Phi_I'
                 rate = rates.phi[at + a * count + p]
                 out[k, 0, which[p]] += d[near, 0] * rate
                 out[k, 1, which[p]] += d[near, 1] * rate
@@ -31,6 +32,7 @@ def add_field(table, points, equations, field, out):
             for c in range(2):
                 at = equations[table.neighbours[a], c]
                 if at >= 0:
+                    # x_c += Phi_I v_Ic
                     row = field[at]
                     for p in range(row.size):
                         out[k, c, p] += phi * row[p]
@@ -44,6 +46,7 @@ def add_transposed(table, points, equations, values, out):
         for c in range(2):
             value = values[k, c]
             for a in range(table.start[i], table.start[i + 1]):
+                # v_Ic += Phi_I s_c
                 row, phi = out[equations[table.neighbours[a], c]], table.phi[a]
                 for m in range(value.size):
                     row[m] += phi * value[m]
@@ -70,8 +73,10 @@ def add_force_rates(table, points, rates, force, force_rate, branch, equations, 
             for c in range(2):
                 row = out[equations[table.neighbours[table.start[i] + a], c]]
                 for p in range(out.shape[1]):
+                    # f'_Ic += Phi_I s_c'
                     row[p] += phi * force_rate[k, c, p]
                 for p in range(count):
+                    # f'_Ic += Phi_I' s_c
                     row[which[p]] += rates.phi[at + a * count + p] * force[i, c]
 
 
@@ -90,6 +95,7 @@ def add_shape_seeds(table, points, x_bar, force, d, adjoint, mix, equations, phi
         for a in range(table.start[i], table.start[i + 1]):
             near, out = table.neighbours[a], phi_bar[a]
             for c in range(2):
+                # Phi_I_bar += x_bar_c d_Ic - s_c lambda_Ic, lambda = Lambda C
                 u, t, row = d[near, c], force[i, c], adjoint[equations[near, c]]
                 for m in range(out.size):
                     out[m] += x_bar[k, c, m] * u
@@ -115,6 +121,7 @@ def add_gradient_rates(table, rates, d, out):
             for j in range(2):
                 for p in range(count):
                     rate = rates.grad[at + (j * n + a) * count + p]
+                    # F_ij' += d_Ii Phi_I,j'
                     out[i, j, which[p]] += d[near, 0] * rate
                     out[i, 2 + j, which[p]] += d[near, 1] * rate
 
@@ -131,6 +138,7 @@ def add_field_gradient(table, equations, field, out):
                 if at >= 0:
                     row = field[at]
                     for j in range(2):
+                        # F_ij += v_Ii Phi_I,j
                         b = table.grad[2 * s0 + j * n + a]
                         for p in range(row.size):
                             out[i, 2 * c + j, p] += b * row[p]
@@ -151,5 +159,6 @@ def add_gradient_seeds(table, f_bar, d, equations, d_bar, grad_bar):
                     seed = f_bar[i, 2 * c + j]
                     row = d_bar[equations[near, c]]
                     for m in range(seed.size):
+                        # v_Ii_bar += F_ij_bar Phi_I,j,  Phi_I,j_bar += F_ij_bar d_Ii
                         row[m] += seed[m] * table.grad[at]
                         grad_bar[at, m] += seed[m] * d[near, c]

@@ -135,6 +135,7 @@ class PointTerm(TermAtPoints):
     def deformed(self, raw) -> np.ndarray:
         """Deformed places (k, 2) of the points, in a buffer."""
         interpolate(self.table.raw, raw, self._x)
+        # x = X + Phi d
         self._x += self.reference
         return self._x
 
@@ -161,6 +162,7 @@ class PointTerm(TermAtPoints):
         response, used = step.responses[self.place], np.empty(0, int)
         if following is not None:
             used = self.uses_history(following.responses[self.place])
+        # what is not measured matters at loaded points and at those used next alone
         matters = np.ones(len(self.where), bool) if measured else response.branch != 0
         matters[used] = True
         points, local = np.flatnonzero(matters), np.empty((0, *self.local_shape))
@@ -178,7 +180,9 @@ class PointTerm(TermAtPoints):
         points, directions = self.handed_on(*responses, law.matrix, law.points)
         if not points.size:
             return None
+        # G, a unit vector of one point in every column
         places = np.zeros((law.points.size, 2, points.size))
         places[np.searchsorted(law.points, points), :, np.arange(points.size)] = directions
+        # dh+/dx;  H = (dh+/dx) G
         of_history = law.rows.split(law.matrix[:, :, :2]).history
         return PassedOn(places, of_history @ places, are_places=True)

@@ -54,40 +54,47 @@ class MaterialPoints:
     def mean_at_particles(self, values: np.ndarray, n_particles: int) -> np.ndarray:
         """At every particle the mean of the ``values`` (k,) of the points beside it, zero elsewhere."""
         anchors, weights = self.points.anchors.ravel(), self.points.weights
+        # sum of weight v over sum of weight
         total = np.bincount(anchors, weights.ravel(), n_particles)
         summed = np.bincount(anchors, (weights * values[:, None]).ravel(), n_particles)
         return summed / np.where(total > 0.0, total, 1.0)
 
     def lengths(self, particles: np.ndarray) -> np.ndarray:
         """Measure of every point, shape (k,)."""
+        # l = sum_e share |X_b - X_a|
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]
         return self.fixed + (self.shares * np.hypot(edge[..., 0], edge[..., 1])).sum(axis=1)
 
     def _pulls(self, particles) -> np.ndarray:
         """d(measure) / d(second end of an edge), shape (k, e, 2)."""
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]
+        # dl/dX_b = share (X_b - X_a) / |X_b - X_a|
         size = np.linalg.norm(edge, axis=2, keepdims=True)
         return self.shares[..., None] * edge / np.where(size > 0.0, size, 1.0)
 
     def length_rates(self, particles: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Rates along design velocities (P, n, 2), shape (k, P)."""
+        # l' = dl/dX_b . (V_b - V_a)
         motion = velocity[:, self.edges[..., 1]] - velocity[:, self.edges[..., 0]]
         return np.einsum("kei,pkei->kp", self._pulls(particles), motion)
 
     def add_length_seeds(self, particles, length_bar, x_bar) -> None:
         """Transpose of ``length_rates``: seeds (k, M) added to ``x_bar`` (n, 2, M)."""
+        # X_b_bar += dl/dX_b l_bar,  X_a_bar -= the same
         pull = self._pulls(particles)[..., None] * length_bar[:, None, None]
         scatter_add(x_bar, self.edges[..., 1], pull)
         scatter_add(x_bar, self.edges[..., 0], -pull)
 
     def velocity(self, velocity: np.ndarray) -> np.ndarray:
         """Velocity (k, 2, P) of the undeformed points along design velocities (P, n, 2)."""
+        # V = sum_a weight_a V_a
         at = np.einsum("ka,pkai->kip", self.points.weights, velocity[:, self.points.anchors])
         return np.ascontiguousarray(at)
 
     def add_point_seeds(self, point_bar, x_bar) -> None:
         """Transpose of ``velocity``: seeds (k, 2, M) added to ``x_bar`` (n, 2, M)."""
         for a in range(self.points.anchors.shape[1]):
+            # V_a_bar += weight_a V_bar
             weighted = point_bar * self.points.weights[:, a, None, None]
             scatter_add(x_bar, self.points.anchors[:, a], weighted)
 
@@ -117,6 +124,7 @@ def boundary_particles(which: np.ndarray, neighbours: np.ndarray) -> MaterialPoi
 def edge_points(edges: np.ndarray, n_gauss: int = 3) -> MaterialPoints:
     """Gauss points of straight boundary edges (m, 2), with their weights times the edges' lengths."""
     g, w = np.polynomial.legendre.leggauss(n_gauss)
+    # X = (1 - g)/2 X_a + (1 + g)/2 X_b, length w/2 |X_b - X_a|
     between = np.column_stack([0.5 * (1 - g), 0.5 * (1 + g)])
     anchors = np.repeat(np.asarray(edges, int), n_gauss, axis=0)
     return MaterialPoints(

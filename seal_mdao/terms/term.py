@@ -199,6 +199,7 @@ class Term:
         work : float
             Largest amount of that work, mJ/m.
         """
+        # fixed loading and a potential: E_0 - E
         if self.conservative and not self.changes(step, before, target):
             return self.potential(step.d, before) - self.potential(d, response), 0.0
         return work_of_forces(before, response) if hasattr(response, "x") else (-math.inf, 0.0)
@@ -257,6 +258,7 @@ def work_of_forces(before, response) -> tuple[float, float]:
 
     With the forces before and after the increment, where nothing is known of what lies between.
     """
+    # W = -f . du with the forces of the beginning and of the end
     moved = response.x - before.x
     works = [-float(np.sum(forces * moved)) for forces in (before.force, response.force)]
     return min(works), abs(works[1] - works[0])

@@ -37,6 +37,7 @@ class TermAtPoints(Term):
         self.label, self.names, self.where, self.place = label, tuple(names), where, place
         self.discretization, self.table = discretization, discretization.tables[place]
         self.reference = self.table.coordinates
+        # w, the length that a point stands for
         self.length = where.lengths(discretization.particles)
         self._x = np.empty((len(where), 2))
 
