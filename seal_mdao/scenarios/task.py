@@ -12,7 +12,12 @@ from seal_mdao.dsa.sensitivity import METHODS, sensitivities
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.seals.clear_start import with_clear_starts
-from seal_mdao.seals.result import FACTOR_MEMORY, analyze_particles
+from seal_mdao.seals.result import (
+    FACTOR_MEMORY,
+    analyze_particles,
+    frozen_measures,
+    is_empty,
+)
 from seal_mdao.seals.seal import Seal
 from seal_mdao.values import one_of
 
@@ -117,6 +122,13 @@ class SealTask:
         rates = sensitivities(result, self.parameters, self.measures, self.method)
         rows = [np.atleast_2d(rates[measure.name]) for measure in self.measures]
         return values, np.vstack(rows)
+
+
+def measures_with_values(seal: Seal, measures=None) -> tuple:
+    """Return measures (standard ones for None) with their points, without empty ones, such as the gap of
+    a closed contact."""
+    found = frozen_measures(seal, measures)
+    return tuple(measure for measure in found if not is_empty(measure, seal))
 
 
 def run_task(key: str, packed: bytes | Path | None, offsets, parameters) -> Outcome | None:
