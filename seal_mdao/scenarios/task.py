@@ -27,18 +27,8 @@ _tasks = {}
 
 
 class Outcome(NamedTuple):
-    """Result of one scenario.
-
-    Attributes
-    ----------
-    values : ndarray, shape (M,)
-        Values of all measures in succession; NaN for a failed scenario.
-    gradient : ndarray, shape (M, P + N), or None
-        Derivatives in the boundary offsets, then in the parameters of the task.
-    failure : str
-        Reason of a failure; empty for a success.
-    seconds : float
-    """
+    """Result of one scenario: values (M,) of all measures in succession, NaN if it failed, gradient
+    (M, P + N) in boundary offsets and parameters of the task, or None, reason of a failure, duration."""
 
     values: np.ndarray
     gradient: np.ndarray | None
@@ -48,19 +38,8 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SealTask:
-    """Common data of all scenarios; pickled once for every worker.
-
-    Attributes
-    ----------
-    seal : Seal
-    measures : tuple of Measure
-        With their points selected.
-    parameters : tuple of str
-        Scalar parameters that every scenario defines.
-    method : {"auto", "direct", "adjoint"}
-        Method of the gradients.
-    derivatives : bool
-        Whether gradients are computed.
+    """Common data of all scenarios, pickled once for every worker: the seal, measures with their points,
+    names of the parameters that every scenario defines, and the method of gradients, if any.
     """
 
     seal: Seal
@@ -90,15 +69,9 @@ class SealTask:
 
     @one_blas_thread
     def run(self, offsets: np.ndarray, parameters: np.ndarray) -> Outcome:
-        """Analyse one scenario; a failure is an outcome, not an exception.
+        """Analyse one scenario with offsets (P,), mm, and parameters (N,); failures are no exceptions.
 
         Profiles that would start inside the body start farther back (``seals.clear_start``).
-
-        Parameters
-        ----------
-        offsets : ndarray, shape (P,)
-            mm.
-        parameters : ndarray, shape (N,)
         """
         begun, failure = time.perf_counter(), ""
         try:

@@ -177,17 +177,8 @@ class ToleranceStudy:
 
 
 class Sampled(NamedTuple):
-    """All analysed samples of a study.
-
-    Attributes
-    ----------
-    scenarios : Scenarios
-    values : ndarray, shape (S, M)
-        NaN in failed rows.
-    messages : list of str
-        Reasons of failures; empty for completed samples.
-    seconds : ndarray, shape (S,)
-    """
+    """All analysed samples of a study: scenarios, values (S, M) of the measures, NaN in failed rows,
+    reasons of failures, empty for completed samples, and durations (S,), s."""
 
     scenarios: Scenarios
     values: np.ndarray
