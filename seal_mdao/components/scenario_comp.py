@@ -6,6 +6,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.components.options import (
+    OPTIONAL,
     add_boundary_offsets,
     add_parameters,
     check_outputs,
@@ -17,9 +18,8 @@ from seal_mdao.components.random_directions import RandomDirectionsComp
 from seal_mdao.scenarios.evaluate import evaluate
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import usual_workers
-from seal_mdao.scenarios.task import SealTask
+from seal_mdao.scenarios.task import SealTask, measures_with_values
 from seal_mdao.scenarios.variation import Scenarios
-from seal_mdao.seals.result import frozen_measures, is_empty
 
 POLICIES = ("raise", "leave_out")
 LEAST_LEFT = 2
@@ -41,12 +41,10 @@ def declare_scenario_options(options) -> None:
     )
     options.declare(
         "workers",
-        default=None,
-        allow_none=True,
         types=(int, Processes, Executor),
-        recordable=False,
         desc="0: in line; a number of processes, one a core for None; or any executor of "
         "concurrent.futures.",
+        **OPTIONAL,
     )
 
 
@@ -69,18 +67,17 @@ class ScenarioComp(RandomDirectionsComp):
         check_parameters(seal, self.options["parameters"])
         # all errors of the options are raised here, before processes are started
         scenarios.check(seal)
-        measures = frozen_measures(seal, self.options["measures"])
+        measures = measures_with_values(seal, self.options["measures"])
         inputs = dict.fromkeys((*seal.inputs, *self.options["parameters"]))
         names = tuple(dict.fromkeys((*inputs, *scenarios.parameters)))
         check_outputs(seal, measures)
-        kept = tuple(measure for measure in measures if not is_empty(measure, seal))
         # scenarios may vary parameters that are no inputs of the component
-        self._task = SealTask(seal, kept, names, self.options["sensitivity"], derivatives=True)
+        self._task = SealTask(seal, measures, names, self.options["sensitivity"], derivatives=True)
         self._named, self._workers, self._last = tuple(inputs), _workers(self.options), None
         self._check_admissible()
         add_boundary_offsets(self, seal)
         add_parameters(self, seal, inputs)
-        for measure in kept:
+        for measure in measures:
             self.add_output(
                 f"{measure.name}_scenarios", shape=(len(scenarios), measure.size(seal)),
                 units=measure.units, desc=measure.text,

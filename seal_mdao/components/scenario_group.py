@@ -4,7 +4,7 @@ from seal_mdao.components.aggregate_comp import AggregateComp
 from seal_mdao.components.area_comp import AreaComp
 from seal_mdao.components.scenario_comp import ScenarioComp, declare_scenario_options
 from seal_mdao.components.seal_group import DesignGroup
-from seal_mdao.seals.result import frozen_measures, is_empty
+from seal_mdao.scenarios.task import measures_with_values
 from seal_mdao.values import real
 
 SHARED = ("seal", "scenarios", "measures", "parameters", "sensitivity", "failed", "workers")
@@ -40,10 +40,8 @@ class ScenarioGroup(DesignGroup):
     def setup(self):
         super().setup()
         seal, scenarios = self.options["seal"], self.options["scenarios"]
-        # selections by the nominal analysis are made once, so that outputs keep their sizes;
-        # empty measures have no outputs
-        measures = frozen_measures(seal, self.options["measures"])
-        measures = tuple(measure for measure in measures if not is_empty(measure, seal))
+        # selections by the nominal analysis are made once, so that outputs keep their sizes
+        measures = measures_with_values(seal, self.options["measures"])
         shared = {name: self.options[name] for name in SHARED} | {"measures": measures}
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
         self.add_subsystem("scenarios", ScenarioComp(**shared), promotes=["*"])

@@ -40,17 +40,8 @@ DESIGN_UNITS = {"boundary_offsets": "mm", "door_radius": "mm"}
 
 @dataclass(frozen=True, eq=False)
 class Constraint:
-    """One scalar constraint along the history.
-
-    Attributes
-    ----------
-    name : str
-        Recorded name, with the entry in brackets for an array.
-    values : ndarray, shape (n,)
-    lower, upper : float
-        Limits; infinite where there is none.
-    units : str or None
-    """
+    """One scalar constraint along the history: recorded name, with the entry of an array in brackets,
+    values (n,), and limits, infinite where there are none."""
 
     name: str
     values: np.ndarray

@@ -28,14 +28,7 @@ ARRAYS = {"particles": "mm", "boundary_offsets": "mm"}
 
 
 class RecordedProblem(NamedTuple):
-    """Arguments of ``seal_problem`` that set up a recorded problem again.
-
-    Attributes
-    ----------
-    seal : Seal
-    settings : dict
-        Further keyword arguments.
-    """
+    """Arguments of ``seal_problem`` that set up a recorded problem again: seal and keywords."""
 
     seal: Seal
     settings: dict

@@ -12,17 +12,9 @@ from seal_mdao.scenarios.variation import Scenarios
 
 
 class Evaluated(NamedTuple):
-    """Results of S scenarios, in their order.
-
-    Attributes
-    ----------
-    values : ndarray, shape (S, M)
-        Values of all measures of the task in succession; NaN in failed rows.
-    gradients : ndarray, shape (S, M, P + N), or None
-        Derivatives in the boundary offsets and parameters of the design; zero in failed rows.
-    failures : tuple of str
-        Reason of a failure; empty for a success.
-    """
+    """Results of S scenarios, in their order: values (S, M) of all measures, NaN in failed rows,
+    gradients (S, M, P + N) in offsets and parameters of the design, zero in failed rows, or None, and
+    reasons of failures, empty for successes."""
 
     values: np.ndarray
     gradients: np.ndarray | None
@@ -41,12 +33,11 @@ def evaluate(
     Parameters
     ----------
     task : SealTask
-        Task with the parameters of ``design``.
     scenarios : Scenarios
     offsets : ndarray, shape (P,)
         Boundary offsets of the design, mm.
     design : dict of str to float
-        Scalar parameters of the design, including those that vary.
+        Parameters of the task in the design, including those that vary.
     workers : int, Processes or Executor
         As of ``running.run_scenarios``.
     """

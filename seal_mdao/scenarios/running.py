@@ -26,16 +26,7 @@ NONE_BEGAN = (
 
 
 class Point(NamedTuple):
-    """Point at which a task is run.
-
-    Attributes
-    ----------
-    index : int
-        Index among all points.
-    offsets : ndarray, shape (P,)
-        mm.
-    parameters : ndarray, shape (N,)
-    """
+    """Point at which a task is run: index, boundary offsets (P,), mm, and parameters (N,)."""
 
     index: int
     offsets: np.ndarray

@@ -12,7 +12,12 @@ from seal_mdao.dsa.sensitivity import METHODS, sensitivities
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.seals.clear_start import with_clear_starts
-from seal_mdao.seals.result import FACTOR_MEMORY, analyze_particles
+from seal_mdao.seals.result import (
+    FACTOR_MEMORY,
+    analyze_particles,
+    frozen_measures,
+    is_empty,
+)
 from seal_mdao.seals.seal import Seal
 from seal_mdao.values import one_of
 
@@ -22,18 +27,8 @@ _tasks = {}
 
 
 class Outcome(NamedTuple):
-    """Result of one scenario.
-
-    Attributes
-    ----------
-    values : ndarray, shape (M,)
-        Values of all measures in succession; NaN for a failed scenario.
-    gradient : ndarray, shape (M, P + N), or None
-        Derivatives in the boundary offsets, then in the parameters of the task.
-    failure : str
-        Reason of a failure; empty for a success.
-    seconds : float
-    """
+    """Result of one scenario: values (M,) of all measures in succession, NaN if it failed, gradient
+    (M, P + N) in boundary offsets and parameters of the task, or None, reason of a failure, duration."""
 
     values: np.ndarray
     gradient: np.ndarray | None
@@ -43,19 +38,8 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SealTask:
-    """Common data of all scenarios; pickled once for every worker.
-
-    Attributes
-    ----------
-    seal : Seal
-    measures : tuple of Measure
-        With their points selected.
-    parameters : tuple of str
-        Scalar parameters that every scenario defines.
-    method : {"auto", "direct", "adjoint"}
-        Method of the gradients.
-    derivatives : bool
-        Whether gradients are computed.
+    """Common data of all scenarios, pickled once for every worker: the seal, measures with their points,
+    names of the parameters that every scenario defines, and the method of gradients, if any.
     """
 
     seal: Seal
@@ -85,15 +69,9 @@ class SealTask:
 
     @one_blas_thread
     def run(self, offsets: np.ndarray, parameters: np.ndarray) -> Outcome:
-        """Analyse one scenario; a failure is an outcome, not an exception.
+        """Analyse one scenario with offsets (P,), mm, and parameters (N,); failures are no exceptions.
 
         Profiles that would start inside the body start farther back (``seals.clear_start``).
-
-        Parameters
-        ----------
-        offsets : ndarray, shape (P,)
-            mm.
-        parameters : ndarray, shape (N,)
         """
         begun, failure = time.perf_counter(), ""
         try:
@@ -117,6 +95,13 @@ class SealTask:
         rates = sensitivities(result, self.parameters, self.measures, self.method)
         rows = [np.atleast_2d(rates[measure.name]) for measure in self.measures]
         return values, np.vstack(rows)
+
+
+def measures_with_values(seal: Seal, measures=None) -> tuple:
+    """Return measures (standard ones for None) with their points, without empty ones, such as the gap of
+    a closed contact."""
+    found = frozen_measures(seal, measures)
+    return tuple(measure for measure in found if not is_empty(measure, seal))
 
 
 def run_task(key: str, packed: bytes | Path | None, offsets, parameters) -> Outcome | None:

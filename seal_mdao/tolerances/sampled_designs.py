@@ -10,19 +10,10 @@ from seal_mdao.tolerances.statistics import described
 
 
 class SampledLimit(NamedTuple):
-    """Limit of a measure that a sample may satisfy.
+    """Limit of a measure: ``kept`` returns which rows of its values (n, m) satisfy it, (n,).
 
-    Attributes
-    ----------
-    key : str
-        Key in summaries of the fraction of the samples that satisfy it.
-    text : str
-        Description.
-    measure : str
-    kept : callable
-        Returns which rows of values (n, m) of the measure satisfy the limit, (n,).
-    entry : int, optional
-        Limited entry of a measure with several values; all by default.
+    ``key`` stands in summaries for the fraction of samples that satisfy it, ``text`` describes it,
+    ``entry`` is the limited entry of a measure with several values, all by default.
     """
 
     key: str

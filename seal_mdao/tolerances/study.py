@@ -14,9 +14,8 @@ from seal_mdao.errors import LoadPathError
 from seal_mdao.scenarios.evaluate import points_of
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import run_scenarios
-from seal_mdao.scenarios.task import Outcome, SealTask
+from seal_mdao.scenarios.task import Outcome, SealTask, measures_with_values
 from seal_mdao.scenarios.variation import Scenarios
-from seal_mdao.seals.result import frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
 from seal_mdao.tolerances.first_order import FirstOrder
 from seal_mdao.tolerances.record import StudyRecord
@@ -51,11 +50,10 @@ class ToleranceStudy:
     @cached_property
     def task(self) -> SealTask:
         """Task that is run at every sample."""
-        found = frozen_measures(self.seal, self.measures)
-        kept = tuple(measure for measure in found if not is_empty(measure, self.seal))
+        measures = measures_with_values(self.seal, self.measures)
         # parameters of all variations and of the design, each once
         varied = [name for own in self.tolerances.variations for name in own.parameters]
-        return SealTask(self.seal, kept, tuple(dict.fromkeys((*varied, *(self.design or {})))))
+        return SealTask(self.seal, measures, tuple(dict.fromkeys((*varied, *(self.design or {})))))
 
     @cached_property
     def nominal(self) -> dict:
@@ -179,17 +177,8 @@ class ToleranceStudy:
 
 
 class Sampled(NamedTuple):
-    """All analysed samples of a study.
-
-    Attributes
-    ----------
-    scenarios : Scenarios
-    values : ndarray, shape (S, M)
-        NaN in failed rows.
-    messages : list of str
-        Reasons of failures; empty for completed samples.
-    seconds : ndarray, shape (S,)
-    """
+    """All analysed samples of a study: scenarios, values (S, M) of the measures, NaN in failed rows,
+    reasons of failures, empty for completed samples, and durations (S,), s."""
 
     scenarios: Scenarios
     values: np.ndarray
