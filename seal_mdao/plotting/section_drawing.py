@@ -102,7 +102,7 @@ def face_of(profile: RigidProfile, size: float) -> np.ndarray:
 
 
 def profile_body(result: SealResult, contact, fraction: float):
-    """The rigid side of a profile as far as it is drawn: a shapely polygon, or several."""
+    """Build the drawn part of the rigid side of a profile: a shapely polygon, or several."""
     face = profile_face(result, contact, fraction)
     return rigid_side(contact.shape.profile(), face, size_of(result))
 
