@@ -26,10 +26,7 @@ from verification.file_errors import (
 )
 from verification.flat_door_reference import REACTION
 from verification.flexure import bend_block
-from verification.outline_errors import (
-    flat_door_seal,
-    reaction_error,
-)
+from verification.outline_errors import flat_door_seal, reaction_error
 from verification.pressed_elements import CORNER, FLAT, GAP
 from verification.ray_bulb import limit, ray_bulb
 

@@ -4,12 +4,7 @@ from pathlib import Path
 
 import numpy as np
 from verification.hertz import press_cylinder
-from verification.o_ring import (
-    lindley_force,
-    small_force,
-    small_squeeze,
-    squeeze_ring,
-)
+from verification.o_ring import lindley_force, small_force, small_squeeze, squeeze_ring
 from verification.sliding import drag_block, pull_belt
 
 import seal_mdao as sm

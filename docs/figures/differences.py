@@ -10,21 +10,15 @@ from verification.differences import (
     Differences,
     contact_states,
     evaluation_noise,
-    measure_names,
     measure_rates,
     measure_values,
 )
-from verification.estimates import error_scale, plateau
+from verification.estimates import plateau
 from verification.gradients import design_away
 
 import seal_mdao as sm
 from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.result import SealResult
-
-__all__ = [
-    "SCHEMES", "Case", "Estimated", "Quotient", "at_step", "away", "case", "error_scale",
-    "estimate", "measure_names", "measure_rates",
-]  # fmt: skip
 
 TIGHT = sm.NewtonOptions(tolerance=1e-11)
 STEPS = (3e-5, 1e-5, 3e-6)
@@ -79,16 +73,11 @@ class Quotient(NamedTuple):
     Attributes
     ----------
     value : ndarray, shape (m,)
-    step : float
-    scheme : str
-        central, forward or backward.
     changed : int
         Contact states that differ along the paths of its analyses.
     """
 
     value: np.ndarray
-    step: float
-    scheme: str
     changed: int
 
 
@@ -101,7 +90,7 @@ def at_step(origin: Case, parameter: int, scheme: str, step: float) -> Quotient:
             result = origin.design.moved(parameter, place * step).analyze()
             changed += abs(origin.differences_in_state(result))
         value = value + weight / step * measure_values(result)
-    return Quotient(value, step, scheme, changed)
+    return Quotient(value, changed)
 
 
 class Estimated(NamedTuple):

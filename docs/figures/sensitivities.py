@@ -4,28 +4,13 @@ import time
 from pathlib import Path
 
 import numpy as np
-from verification.differences import perturbed
-from verification.two_methods import (
-    DOORS,
-    FRICTIONS,
-    PATHS,
-    analyze_case,
-    method_difference,
-)
+from verification.differences import SCHEMES, measure_names, measure_rates, perturbed
+from verification.estimates import error_scale
+from verification.two_methods import DOORS, FRICTIONS, PATHS, analyze_case, method_difference
 
 import seal_mdao as sm
 from figures import straddling
-from figures.differences import (
-    SCHEMES,
-    Case,
-    at_step,
-    away,
-    case,
-    error_scale,
-    estimate,
-    measure_names,
-    measure_rates,
-)
+from figures.differences import Case, at_step, away, case, estimate
 from figures.tables import percent, power, table
 from seal_mdao.plotting import save, sensitivity_errors, step_study
 from seal_mdao.seals.result import SealResult

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-from verification.differences import contact_states
+from verification.differences import contact_states, measure_names
 
-from figures.differences import Case, at_step, case, measure_names
+from figures.differences import Case, at_step, case
 from figures.drawing import picture
 from figures.tables import power, table
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, signed

@@ -115,6 +115,7 @@ def material_tests(readings: dict, source: str = "data") -> MaterialTests:
     """
     rows = []
     for mode, columns in readings.items():
+        # stretch, stress and perhaps lateral stretch, of one length
         arrays = [np.ravel(np.asarray(column, float)) for column in columns]
         if len(arrays) not in (2, 3) or len({array.size for array in arrays}) > 1:
             raise MaterialDataError(
@@ -233,6 +234,7 @@ def _check(where: str, mode: str, stretch: float, stress: float, lateral: float 
          f"{stretch:g} has a stress of {stress:g} kPa with the wrong sign; compression is a stretch "
          "below 1 with a negative stress (is this a strain?)"),
     ]  # fmt: skip
+    # the first rule that is broken is reported
     for valid, column, text in checks:
         if not valid:
             raise MaterialDataError(f"{where}, column {column}: {text}")

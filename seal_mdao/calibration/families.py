@@ -31,16 +31,7 @@ MAX_TERMS = 3
 
 @dataclass(frozen=True)
 class Unknown:
-    """A constant to be fitted.
-
-    Attributes
-    ----------
-    name : str
-    lower, upper : float
-        Bounds; moduli in units of the data's scale.
-    modulus : bool
-        Whether the stress is linear in it.
-    """
+    """A constant to be fitted, with its bounds; the stress is linear in a ``modulus``."""
 
     name: str
     lower: float
@@ -190,6 +181,7 @@ def family(
     """
     if law not in LAWS:
         raise ValueError(f"unknown law {law!r}; known are {', '.join(LAWS)}")
+    # only sums of terms have a number of them, only foams a Poisson's ratio
     most = MAX_TERMS if law in OF_TERMS else 1
     if not 1 <= terms <= most:
         raise ValueError(

@@ -174,6 +174,7 @@ def _ends(kind: Family, differences, scale: float, rng, progress) -> list[_End]:
         found = _best_moduli(kind.template, unknowns, values, differences, scale)
         if found is not None:
             started.append((*found, unknowns))
+    # the best samples, each followed to a minimum
     chosen, ends = sorted(started, key=lambda start: start[0])[:STARTS], []
     for i, (_, values, unknowns) in enumerate(chosen, 1):
         ends.append(_descend(kind.template, unknowns, values, differences, scale))

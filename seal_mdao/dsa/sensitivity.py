@@ -177,9 +177,8 @@ class Wanted:
     def __init__(self, result, measures):
         self.measures = measures
         self.bases = list(dict.fromkeys(_base(measure) for measure in measures))
-        functionals = [base.of(result) for base in self.bases]
-        self.values = [functional.values for functional in functionals]
-        self.stack = stacked(functionals)
+        self.values, partials = zip(*(base.of(result) for base in self.bases), strict=True)
+        self.stack = stacked(partials)
         self.probe = result.path.discretization.table_at(self.stack.at)
 
     @property

@@ -57,6 +57,7 @@ def write_contact(result, folder, steps=None) -> list[Path]:
         for step in steps:
             response = result.path.at_nominal(contact.label)[step]
             words = [STATE_NAMES.get(state, "stick") for state in response.state]
+            # force over deformed and over undeformed length
             true = true_pressure(result, contact, step)
             nominal = nominal_pressure(contact, response)
             # columns in the order of EDGE_HEADER; steps are numbered from 1 in files
@@ -77,6 +78,7 @@ def write_boundary(seal, offsets, path) -> Path:
         mm.
     path : str or Path
     """
+    # particles of the design X(b)
     particles, rows = seal.particles(offsets), []
     for name, edge in seal.body.edges.items():
         ring = np.append(edge.particles, edge.particles[:1]) if edge.closed else edge.particles
@@ -89,6 +91,7 @@ def write_boundary(seal, offsets, path) -> Path:
 def travel_table(result) -> np.ndarray:
     """Tabulate travel of the leading profile (mm) and both components of the force on it (N/m) of
     every step, shape (n_steps, 3)."""
+    # travel without noise of rounding
     return np.column_stack([np.round(result.travel, 12), result.reaction])
 
 

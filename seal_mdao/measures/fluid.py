@@ -8,7 +8,7 @@ import numpy as np
 from seal_mdao.measures.measure import Measure
 
 BEYOND = 0.1
-"""Limit of extrapolation beyond the last load step that held, as a fraction of the fluid pressure."""
+"""Limit of extrapolation beyond the last tight load step, as a fraction of the fluid pressure."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class BlowOffPressure(Measure):
     """Blow-off pressure, at which a fluid reaches the dry end of its edge.
 
     There the highest contact pressure along the edge equals 1 + share times the fluid pressure
-    (``FluidPressure.share``), interpolated between the last load step that held and the next one.
+    (``FluidPressure.share``), interpolated between the last tight load step and the next one.
     If there is no next one, because the path ended at the blow-off or because the seal holds the full
     pressure, the line through the last two is extrapolated, by at most ``BEYOND`` of the pressure:
     then the value is above the applied pressure. It is 0 without contact.
@@ -100,7 +100,7 @@ class BlowOffPressure(Measure):
             yield _State(float(term.ramp[number]), float(closing[point]), point, step)
 
     def _crossing(self, partials, term, needed, first, second) -> float:
-        """Compute the pressure at which the line through two states reaches what is ``needed``."""
+        """Compute the pressure at which the line through two states reaches the ``needed`` pressure."""
         span = second.share - first.share
         slope = (second.closing - first.closing) / span if span else 0.0
         # c(s) = c_1 + slope (s - s_1) = needed s:  s = (c_1 - slope s_1) / (needed - slope)

@@ -123,20 +123,6 @@ class Partials:
         return self.parameters.setdefault(name, np.zeros(self.count))
 
 
-@dataclass(frozen=True, eq=False)
-class Functional:
-    """Values of M measures and their partial derivatives.
-
-    Attributes
-    ----------
-    values : ndarray, shape (M,)
-    partials : Partials
-    """
-
-    values: np.ndarray
-    partials: Partials
-
-
 class Measure:
     """Base class of measures; a subclass is a frozen dataclass that defines ``size`` and ``evaluate``.
 
@@ -182,12 +168,12 @@ class Measure:
         """
         raise NotImplementedError
 
-    def of(self, result) -> Functional:
-        """Evaluate values and partial derivatives."""
+    def of(self, result) -> tuple[np.ndarray, Partials]:
+        """Evaluate values (M,) and partial derivatives."""
         # m and its partial derivatives in u, F, forces, outputs, X and parameters
         partials = Partials(result.path, self.size(result.seal))
         values = np.atleast_1d(np.asarray(self.evaluate(result, partials), float))
-        return Functional(values, partials)
+        return values, partials
 
 
 class Derived(Measure):
@@ -211,7 +197,7 @@ class Derived(Measure):
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """All measures of several functionals in succession, as input of the sensitivity analysis.
+    """Partial derivatives of several measures in succession, as input of the sensitivity analysis.
 
     Attributes
     ----------
@@ -232,14 +218,13 @@ class Stack:
     parameters: dict
 
 
-def stacked(functionals) -> Stack:
-    """Stack several functionals of one path."""
-    parts = [functional.partials for functional in functionals]
+def stacked(parts: list[Partials]) -> Stack:
+    """Stack the partial derivatives of several measures of one path."""
     path = parts[0].path
     total = Partials(path, sum(part.count for part in parts))
     first = 0
     for part in parts:
-        # every functional fills its own rows
+        # every measure fills its own rows
         rows = slice(first, first + part.count)
         total.particles[rows] = part.particles
         for name, own in part.parameters.items():
@@ -253,9 +238,11 @@ def stacked(functionals) -> Stack:
         for index, own in part.section.items():
             total.section_gradient(path.steps[index])[rows] = own
         first += part.count
-    seeds = {
-        index: _on_samples(own, total.section.get(index)) for index, own in total.seeds.items()
-    }
+    seeds = total.seeds
+    for index, section in total.section.items():
+        # the particles are the first of the samples: F at a particle may have seeds of both kinds
+        every = _padded(seeds[index], section.shape[1])
+        seeds[index] = replace(every, gradient=every.gradient + section)
     n_samples = max((own.gradient.shape[1] for own in seeds.values()), default=0)
     # only points with derivatives that are not zero take part in the sweeps
     used = np.zeros(n_samples, bool)
@@ -265,15 +252,6 @@ def stacked(functionals) -> Stack:
     at = np.flatnonzero(used)
     seeds = {index: _padded(own, n_samples).at(at) for index, own in seeds.items()}
     return Stack(total.count, at, seeds, total.particles, total.parameters)
-
-
-def _on_samples(own: Seeds, section: np.ndarray | None) -> Seeds:
-    """Add seeds in F over the section to those at the particles."""
-    if section is None:
-        return own
-    # the particles are the first of the samples: F at a particle may have seeds of both kinds
-    every = _padded(own, section.shape[1])
-    return replace(every, gradient=every.gradient + section)
 
 
 def _padded(own: Seeds, count: int) -> Seeds:

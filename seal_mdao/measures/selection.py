@@ -28,7 +28,7 @@ def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
     """
     # symmetric values that differ by rounding only keep their order
     stress = np.round(stress / max(np.abs(stress).max(), np.finfo(float).tiny), 9)
-    # by number within a boundary, so that ties do not depend on the way round
+    # by number within a boundary, so that ties do not depend on the orientation
     peaks = np.concatenate(
         [np.sort(row[local_maxima(stress[row], closed)]) for row, closed in rows]
     )

@@ -103,6 +103,7 @@ def _draw_pressures(axes, result, contact, steps) -> None:
             color, style = CYCLE[1:][number % (len(CYCLE) - 1)], (":", "--", "-.")[number % 3]
             look = {"color": color, "linestyle": style, "linewidth": 1.1, "zorder": 2}
         axes.plot(s, values, label=result.caption(step), **look)
+    # nominal pressure w_n |g_n| of the last step, per undeformed length
     nominal = nominal_pressure(contact, end)
     axes.plot(s, nominal, color=GREY, linewidth=1.1, label="nominal, at the end", zorder=2)
     _mark_states(axes, s, pressures[-1], end.state, STATES[1:], 5.5, ", at the end")
@@ -139,6 +140,7 @@ def gap_profile(result: SealResult, earlier=(), profile: str | None = None) -> F
     s, responses = arc_length(result, label), result.path.at_nominal(label)
     gap, state = responses[-1].gap, responses[-1].state
     shown = _shown(state != OPEN, GAP_BEYOND)
+    # points of gap regions, open between contacts
     opened = opened_points(state, is_closed(result.term(label).where))
     _shade_gaps(axes, s, opened)
     for number, travel in enumerate(earlier):

@@ -89,7 +89,7 @@ def step_study(steps: np.ndarray, groups: dict) -> Figure:
     axes.set(xscale="log", yscale="log", ylabel="relative error")
     axes.set_xlabel("step of the difference quotient (mm), smaller to the right")
     axes.set_title("median over the derivatives, bands: middle 80 %", loc="left", fontsize=9.5)
-    # room for the words below at the top, and the smallest step on the right
+    # clearance for the words below at the top, and the smallest step on the right
     axes.set_ylim(top=10.0 * axes.get_ylim()[1])
     axes.invert_xaxis()
     for x, text, side in ((0.01, "truncation", "left"), (0.99, "rounding", "right")):

@@ -75,6 +75,7 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
         Particles of the stresses, for the legend.
     """
     figure, axes = subplots(width=8.2, height=4.6)
+    # g / limit for a positive upper limit, in general 1 + (g - limit) / |limit|
     uses = {_legend(c.name, particles): c.use() for c in history.constraints}
     uses = {text: use for text, use in uses.items() if np.isfinite(use).all()}  # there is a limit
     # colour and marker change with every curve, the dash after all colours are used

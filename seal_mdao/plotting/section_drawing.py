@@ -1,7 +1,5 @@
 """Plotting of one section: stress contours, outline, rigid profiles, fixed boundaries."""
 
-from typing import NamedTuple
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
@@ -45,29 +43,16 @@ def stress_levels(highest: float) -> np.ndarray:
     return step * np.arange(int(np.ceil(highest / step)) + 1)
 
 
-class Scale(NamedTuple):
-    """Stress scale shared by several panels.
-
-    Attributes
-    ----------
-    levels : ndarray
-        kPa.
-    extend : str
-        Option of ``tricontourf``: "max" if single points, as at corners, exceed the levels.
-    """
-
-    levels: np.ndarray
-    extend: str
-
-
-def stress_scale(stresses) -> Scale:
-    """Choose the scale for panels with stresses (k,) each, kPa."""
+def stress_scale(stresses) -> dict:
+    """Choose the colour scale for panels with stresses (k,) each, kPa, as options of ``tricontourf``."""
     stresses = list(stresses)
     highest = max(stress.max() for stress in stresses)
     # single peaks at corners must not stretch the colour scale
     usual = PEAK * max(np.quantile(stress, USUAL) for stress in stresses)
     levels = stress_levels(min(highest, usual))
-    return Scale(levels, "max" if highest > levels[-1] else "neither")
+    extend = "max" if highest > levels[-1] else "neither"
+    norm = Normalize(levels[0], levels[-1])
+    return {"levels": levels, "norm": norm, "extend": extend, "cmap": STRESS_MAP}
 
 
 def size_of(result: SealResult) -> float:
@@ -102,7 +87,7 @@ def face_of(profile: RigidProfile, size: float) -> np.ndarray:
 
 
 def profile_body(result: SealResult, contact, fraction: float):
-    """The rigid side of a profile as far as it is drawn: a shapely polygon, or several."""
+    """Build the drawn part of the rigid side of a profile: a shapely polygon, or several."""
     face = profile_face(result, contact, fraction)
     return rigid_side(contact.shape.profile(), face, size_of(result))
 
@@ -206,7 +191,7 @@ def draw_section(axes: Axes, fine: FineGrid, step: int, **patch) -> None:
     draw_surroundings(axes, fine.result, fine.result.path.nominal_steps[step].fraction)
 
 
-def draw_stress(axes: Axes, fine: FineGrid, step: int, scale: Scale):
+def draw_stress(axes: Axes, fine: FineGrid, step: int, scale: dict):
     """Plot the deformed body with filled von Mises contours, and the profiles around it.
 
     Returns
@@ -214,11 +199,10 @@ def draw_stress(axes: Axes, fine: FineGrid, step: int, scale: Scale):
     contours : ContourSet
         For the colour bar.
     """
-    coordinates, (levels, extend) = fine.deformed(step), scale
+    coordinates = fine.deformed(step)
     contours = axes.tricontourf(
         Triangulation(*coordinates.T, fine.triangles), np.maximum(fine.von_mises(step), 0.0),
-        levels=levels, cmap=STRESS_MAP, norm=Normalize(levels[0], levels[-1]), extend=extend,
-        zorder=2,
+        zorder=2, **scale,
     )  # fmt: skip
     draw_outline(axes, coordinates, fine.loops, color="black", linewidth=0.8, zorder=3)
     draw_surroundings(axes, fine.result, fine.result.path.nominal_steps[step].fraction)

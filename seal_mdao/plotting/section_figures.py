@@ -45,6 +45,7 @@ def section_cloud(result: SealResult) -> Figure:
         Its undeformed section is plotted.
     """
     seal, particles = result.seal, result.particles
+    # larger than a panel of shapes: cells and names must be legible
     low, high = _cloud_window(result)
     width, height = section.panel_size(low, high)
     figure, axes = subplots(width=1.35 * width + 2.2, height=1.35 * height + 0.6)

@@ -36,6 +36,7 @@ def load_deflection(result: SealResult) -> Figure:
     """
     figure, panels = _segment_panels(result, "force on {} (N/m)")
     for history, segment, axes, last in panels:
+        # F = 0 at the start of the path
         travel, force = _with_start(segment, history.force)
         axes.axhline(0.0, color="black", linewidth=0.8)
         for component, name, color, style in COMPONENTS:
@@ -131,6 +132,7 @@ def _segment_panels(result: SealResult, text: str):
         raise ValueError("the result has no profile, or no converged load step to draw")
     # one grid for all profiles: as many columns as the longest row needs
     columns, rows = max(len(history.courses) for history in histories), len(histories)
+    # wider for more segments
     width = WIDTHS[min(columns, len(WIDTHS)) - 1]
     figure, grid = subplots(
         rows, columns, width=width, height=0.6 + 3.4 * rows, squeeze=False, sharey="row"

@@ -7,7 +7,7 @@ import sys
 
 
 def setup():
-    """What OpenMDAO asks of a command: parser, executor, description."""
+    """Return parser, executor and description of the command for OpenMDAO."""
     return add_arguments, execute, "Write and show an HTML report of a recorded optimisation."
 
 
@@ -19,17 +19,19 @@ def add_arguments(parser) -> None:
 
 
 def execute(options, user_args) -> None:
-    """Write the report and show it; what is wrong with the file is said in one line."""
+    """Write the report and show it; report errors of the file in one line."""
     from openmdao.utils.webview import webview
 
     from seal_mdao.errors import GeometryError
     from seal_mdao.report.write import write_report
     from seal_mdao.standard_streams import make_writable
 
+    # names with characters that the terminal's encoding lacks
     make_writable()
     try:
         report = write_report(options.cases, options.outfile)
     except (ValueError, OSError, GeometryError) as error:
+        # one line on the error stream instead of a traceback
         print(f"openmdao seal_report: {' '.join(str(error).split())}", file=sys.stderr)
         sys.exit(2)
     print(report)

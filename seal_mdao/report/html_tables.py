@@ -33,12 +33,13 @@ def number(value, digits: int = 4) -> str:
     """Format a number for reading: rounded, real minus sign, powers of ten."""
     if value is None or not math.isfinite(value):
         return NO_VALUE
+    # format g switches to an exponent for large and small numbers
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
     power = f"\u00a0·\u00a010{str(int(exponent)).translate(SUPERSCRIPTS)}" if exponent else ""
     return mantissa.replace("-", "−") + power
 
 
-def share(value: float) -> str:
+def percent(value: float) -> str:
     """Format a ratio in percent."""
     return f"{number(100.0 * value, 3)}\u00a0%"
 
@@ -50,6 +51,7 @@ def with_unit(name: str, unit: str) -> str:
 
 def table(head: list[str], rows: list[list], caption: str) -> str:
     """Format an HTML table; cells are text, or (text, class); the first of a row is its heading."""
+    # all text is escaped here: names in a recorder file are data of others
     columns = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
     body = "".join(
         f'<tr><th scope="row">{escape(heading)}</th>{"".join(map(_cell, cells))}</tr>'
@@ -72,14 +74,16 @@ def _cell(cell) -> str:
 def limits_table(history: RecordedOptimization) -> str:
     """Tabulate objective and constraints at the first and at the last point of the recorder file."""
     first, last = history.objective[[0, -1]]
-    ratio = share(last / first) if first else NO_VALUE
+    # the objective has no limit: its ratio to the start in that column
+    ratio = percent(last / first) if first else NO_VALUE
     rows = [[_heading(history, history.objective_name), number(first), number(last), "", ratio,
              "of its start"]]  # fmt: skip
     for own in history.constraints:
+        # relative violations below FEASIBLE are rounding of the optimiser
         violated = own.violation()[-1] > FEASIBLE
         rows.append([
             _heading(history, own.name), *map(number, own.values[[0, -1]]), _limits(own),
-            share(own.use()[-1]), ("violated", "bad") if violated else ("satisfied", "good"),
+            percent(own.use()[-1]), ("violated", "bad") if violated else ("satisfied", "good"),
         ])  # fmt: skip
     head = ["recorded quantity", "start", "end", "limit", "end / limit", ""]
     return table(head, rows, "Objective and constraints, as the optimiser saw them")
@@ -90,6 +94,7 @@ def _heading(history: RecordedOptimization, name: str) -> str:
 
 
 def _limits(constraint) -> str:
+    # an infinite limit, which number() shows as NO_VALUE, is none
     low, high = number(constraint.lower), number(constraint.upper)
     if low == NO_VALUE:
         return f"≤ {high}"
@@ -101,12 +106,13 @@ def _limits(constraint) -> str:
 def history_table(history: RecordedOptimization) -> str:
     """Tabulate objective and largest violation of every point, for reading and copying."""
     rows = [
-        [str(i), str(analysis), number(value, 6), share(violation)]
+        [str(i), str(analysis), number(value, 6), percent(violation)]
         for i, (analysis, value, violation) in enumerate(
             zip(history.analyses, history.objective, history.max_violation, strict=True)
         )
     ]
     name = history.objective_name
+    # without a unit the column is named by its role
     objective = _heading(history, name) if unit_of(history, name) else "objective"
     kind = "iteration" if history.major else "evaluation"
     head = [kind, "evaluation number", objective, "largest violation"]
@@ -117,8 +123,10 @@ def runs_table(history: RecordedOptimization) -> str:
     """Tabulate when the file was written, by what, and how each run ended."""
     rows = []
     for run in history.runs:
+        # ISO time stamps without fractions of a second
         begun, ended = (stamp.replace("T", " ")[:19] for stamp in (run.begun, run.ended))
         if run.cut_off:
+            # a run that was cut off has no counts
             cells = ["cut off", run.driver, *[NO_VALUE] * 3, ("cut off", "bad")]
         else:
             numbers = str(run.iterations), str(run.analyses), f"{number(run.seconds, 3)} s"
@@ -132,6 +140,7 @@ def options_table(history: RecordedOptimization) -> str:
     """Tabulate options of the last driver and versions it ran with."""
     last = history.runs[-1]
     rows = [[name, str(value)] for name, value in last.options.items()]
+    # versions of the packages with which the run was made
     rows += [[f"version of {name}", value] for name, value in last.versions.items()]
     return table(["option or version", "value"], rows, f"Options of {last.driver}; versions")
 
@@ -140,6 +149,7 @@ def settings_table(history: RecordedOptimization) -> str:
     """Tabulate the attributes of the seals, and the further settings of the problem."""
     known, rows = [seal for seal in history.seals if seal.seal is not None], []
     for seal in known:
+        # attributes of the seal, or tables of its seal file
         settings = described(json.loads(seal.seal.settings()))
         rows += _flat(settings, f"{seal.name}: " if len(known) > 1 else "")
     rows += [
@@ -151,6 +161,7 @@ def settings_table(history: RecordedOptimization) -> str:
 def _flat(settings, prefix: str = ""):
     """Generate rows of settings that hold others."""
     for name, value in settings.items() if isinstance(settings, dict) else enumerate(settings, 1):
+        # a list of tables is numbered from 1, other lists are values
         tables = isinstance(value, list) and any(isinstance(own, dict) for own in value)
         if isinstance(value, dict) or tables:
             yield from _flat(value, f"{prefix}{name}: ")
@@ -172,10 +183,13 @@ def analysis_table(start: SealResult, end: SealResult, recorded: dict, name="") 
         Of the seal where there are several.
     """
     rows, last = [], measures(end)
+    # of measures with one label the first recorded one
     by_label = {label(key): key for key in reversed(recorded)}
     for what, (unit, value) in measures(start).items():
+        # the measure from both analyses
         rows.append([what, number(value), number(last.get(what, (unit, math.nan))[1]), unit])
         if what in by_label:
+            # the recorded values below it; those that differ are marked
             own = by_label[what]
             cells = [
                 number(value)
@@ -206,9 +220,11 @@ def measures(result: SealResult) -> dict[str, tuple[str, float]]:
             found[label(m.name)] = shown_unit(m.units), value
     profiles = contacts(result.seal)
     for contact, history in zip(profiles, profile_histories(result), strict=True):
+        # figures of the contact, with the profile's name where there are several
         at = f", {contact.label}" if len(profiles) > 1 else ""
         found |= {name + at: row for name, row in _at_profile(result, contact, history).items()}
     for name in result.seal.inputs:
+        # scalar parameters that are inputs of the seal's component
         scalar = result.seal.scalars[name]
         found[label(name)] = shown_unit(scalar.units), float(scalar.value)
     # area of the design; that of the cells where only the particles are known
@@ -220,6 +236,7 @@ def measures(result: SealResult) -> dict[str, tuple[str, float]]:
         "travel reached": ("mm", float(result.travel[-1])),
         "times that stability was lost": ("", len(result.critical_points)),
     }
+    # effect of the contact penalties on the measures, in percent
     errors = result.penalty_error if result.converged else {}
     return found | {
         f"error of {label(name)} by contact penalties, estimated": ("%", 100.0 * error.relative)
@@ -232,6 +249,7 @@ def _at_profile(result: SealResult, contact, history) -> dict:
     """Figures of one profile after the last load step."""
     last = result.path.at_nominal(contact.label)[-1]
     touching = last.state != OPEN
+    # force over deformed and over undeformed length
     true, nominal = true_pressure(result, contact), nominal_pressure(contact, last)
     return {
         "largest gap between contacts": ("mm", largest_gap(result, contact.label).size),

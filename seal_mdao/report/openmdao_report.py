@@ -30,9 +30,11 @@ def run(problem) -> None:
     from seal_mdao.recording.recorder import RestartRecorder
     from seal_mdao.report.write import write_report
 
+    # the first SQLite recorder of the driver that is in use
     for recorder in recorders(problem.driver):
         if isinstance(recorder, SqliteRecorder) and recorder.connection:
             if isinstance(recorder, RestartRecorder):
+                # the run log must have its end before the file is read
                 recorder.note_end()
             out = problem.get_reports_dir() / FILE
             write_report(
@@ -60,6 +62,7 @@ def constant_inputs(problem) -> dict:
     from seal_mdao.recording.recorded_seals import inputs_of_seals
 
     model = problem.model
+    # sources that no driver changes: the same at all points
     free = independent_outputs(problem.driver).difference(sources(problem.driver).values())
     inputs = model.get_nonlinear_vectors()[0]
     names = [name for name in inputs_of_seals(model) if model.get_source(name) in free]

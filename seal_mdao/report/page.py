@@ -93,6 +93,7 @@ def render(
     figures, notes : sequence
         Further figures and warnings, as of ``write_report``.
     """
+    # one entry of shapes for each seal; the page shows the first one at the start
     kind, short, long = status(history)
     shapes = [Pictures(*s.ends, s.designs).as_data() | {"numbers": numbers} for s in seals]
     data = {
@@ -101,6 +102,7 @@ def render(
     }  # fmt: skip
     notes = [*warnings(history, seals), *(escape(f"{note}.") for note in notes)]
     several = len(seals) > 1
+    # the template's names with their HTML; text from the file is escaped
     return Template(_asset("page.html")).substitute(
         title=escape(title(history)),
         source=escape(source),
@@ -135,8 +137,10 @@ def render(
 def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]:
     """List restrictions of the pictures and warnings of the analyses, as HTML."""
     found = []
+    # seals without shapes, and with assumed inputs
     for seal in history.seals:
         name, assumed = escape(seal.name or "the model"), escape(", ".join(seal.assumed))
+        # reasons why the shapes of a seal cannot be shown, or not exactly
         hidden = f"The shapes of {name} are not shown: the file does not"
         if seal.seal is None:
             found.append(f"{hidden} describe its kind of seal.")
@@ -158,6 +162,7 @@ def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]
         if (changed := seal.changed)
     ]
     for seal in seals:
+        # warnings of the analyses, and gaps that the objective does not see
         texts = [("First", text) for text in seal.ends[0].warnings]
         texts += [("Last", text) for text in seal.ends[1].warnings]
         objective = history.objective_name.rsplit(".", 1)[-1]
@@ -167,12 +172,14 @@ def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]
 
 
 def _choice(seals: list[ShownSeal]) -> str:
+    # the page's script shows the seal that the address names
     links = (f'<a href="#{quote(seal.name)}">{escape(seal.name)}</a>' for seal in seals)
     return f'<nav class="choice" aria-label="Seals">Shapes of {" ".join(links)}</nav>'
 
 
 def title(history: RecordedOptimization) -> str:
     """Return the heading: the optimisation of a seal's shape, else the kind of run and its objective."""
+    # settings of seal_problem or of a seal file are in the file
     if history.settings and history.kind == "optimisation":
         return "Shape of a seal"
     return f"{KINDS[history.kind]} {history.objective_name}"
@@ -182,10 +189,11 @@ def status(history: RecordedOptimization) -> tuple[str, str, str]:
     """Return class, word and sentence on how the optimisation ended."""
     worst = history.max_violation[-1]
     feasible = worst <= FEASIBLE
-    limits = f"A constraint is violated by {tables.share(worst)}."
+    limits = f"A constraint is violated by {tables.percent(worst)}."
     if feasible:
         limits = "All constraints are satisfied."
     if history.kind != "optimisation":
+        # points of a design of experiments or of single runs have no end state
         points = _counted(len(history.objective), "point", "points")
         text = f"{points} with values, {history.failed} failed."
         return "unknown", "No optimisation", text
@@ -193,8 +201,10 @@ def status(history: RecordedOptimization) -> tuple[str, str, str]:
         return "unknown", "End not recorded", f"The file does not say how the run ended. {limits}"
     last = history.runs[-1]
     if last.cut_off:
+        # the process ended before the driver did
         analyses = _counted(history.evaluations, "recorded analysis", "recorded analyses")
         return "stopped", "Cut off", f"The run was cut off after {analyses}. {limits}"
+    # the driver's own claim counts only at a feasible point
     kind = ("stopped", "Not converged")
     if last.success and feasible:
         kind = ("converged", "Converged")
@@ -216,6 +226,7 @@ def key_figures(
             (f"lowest {name}", short(values.min(), 3), f"point {values.argmin()}"),
             (f"highest {name}", short(values.max(), 3), f"point {values.argmax()}"),
         ]
+    # order of the figures: objective, gaps, work of the driver, violation, forces
     first, last = values[[0, -1]]
     gaps, forces = [], []
     for seal in seals:
@@ -229,12 +240,13 @@ def key_figures(
             before = f"between the contacts; start {short(old, 2)} mm"
             gaps.append((f"largest gap{of}", f"{short(new, 2)} mm", before))
             old, new = (own[f"vertical force on the profile{at}"][1] for own in (start, end))
-            change = f"{tables.share(new / old)} of its start" if old else ""
+            change = f"{tables.percent(new / old)} of its start" if old else ""
             forces.append((f"vertical force{of}", f"{short(new, 3)} N/m", change))
     kind, done = "gradients" if history.major else "evaluations", history.evaluations
-    worst = tables.share(history.max_violation[-1])
+    # relative to the limit
+    worst = tables.percent(history.max_violation[-1])
     return [
-        (name, tables.share(last / first) if first else short(last),
+        (name, tables.percent(last / first) if first else short(last),
          f"of its start: {short(first, 3)} → {short(last, 3)}"),
         *gaps,
         (kind, str(len(values) - 1), f"{done} evaluations recorded"),
@@ -244,6 +256,7 @@ def key_figures(
 
 
 def _figure(name: str, value: str, text: str) -> str:
+    # name above the value, explanation below
     parts = (escape(part) for part in (name, value, text))
     return "<li><span>{}</span><strong>{}</strong><small>{}</small></li>".format(*parts)
 

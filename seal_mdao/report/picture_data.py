@@ -51,8 +51,10 @@ class Pictures:
     """
 
     def __init__(self, start: SealResult, end: SealResult, between: list[SealResult]):
+        # one grid for each result: a design may be an end as well
         fine = {id(result): _fine_grid(result) for result in (start, end, *between)}
         self._ends, self._between = ([fine[id(r)] for r in own] for own in ((start, end), between))
+        # load steps of the first and the last design
         self._steps = [
             evenly_spread(len(own.path.nominal_steps), FRAMES).tolist() for own in (start, end)
         ]
@@ -61,6 +63,7 @@ class Pictures:
             for own, steps in zip(self._ends, self._steps, strict=True)
             for step in steps
         ]
+        # one window around everything that is drawn
         shapes = [own.deformed(step) for own, step in frames]
         shapes += [own.deformed() for own in self._between]
         shapes += [own.undeformed() for own in self._ends]
@@ -90,6 +93,7 @@ class Pictures:
 
     def _frame(self, fine: field.FineGrid, step: int) -> dict:
         """One load step: x, y, stress of all points of the grid, x, y of the contact points."""
+        # stress in the integer scale, cut at its end
         result, stress = fine.result, fine.von_mises(step)
         scaled = np.minimum(stress * FULL / self._top, FULL)
         touching, marks = contact_points(result, step)
@@ -103,6 +107,7 @@ class Pictures:
 
     def _path(self, fine: field.FineGrid, steps) -> dict:
         result = fine.result
+        # definition and history of every profile
         profiles = zip(contacts(result.seal), profile_histories(result), strict=True)
         return {
             "frames": [self._frame(fine, step) for step in steps],
@@ -133,12 +138,14 @@ def _watched(fine: field.FineGrid) -> list[list[int]]:
     neighbours along the boundary; alone inside of the section."""
     beside = {}
     for loop in fine.loops:
+        # every boundary point between its neighbours
         ring = zip(np.roll(loop, 1), loop, np.roll(loop, -1), strict=True)
         beside |= {int(at): [int(a), int(at), int(b)] for a, at, b in ring}
     # points of the grid with all weight on one particle
     anchors = fine.points.anchors
     alone = np.flatnonzero((anchors == anchors[:, :1]).all(axis=1))
     at = dict(zip(anchors[alone, 0].tolist(), alone.tolist(), strict=True))
+    # particles of all stress measures
     watched = (m for m in fine.result.measures() if isinstance(m, VonMises))
     points = [at[particle] for measure in watched for particle in measure.points]
     return [beside.get(point, [point]) for point in points]
@@ -153,6 +160,7 @@ def _profile_shapes(result) -> list[dict]:
     for contact in contacts(result.seal):
         profile = contact.shape.profile()
         face = section.face_of(profile, size)
+        # the filled side of the profile, with holes as further rings
         rings = section.outlines(section.rigid_side(profile, face, size))
         body = [_rounded(ring) for ring in rings]
         found.append({"name": contact.label, "face": _rounded(face), "body": body})
@@ -201,6 +209,7 @@ def contact_points(result, step: int) -> tuple[np.ndarray, str]:
     places, found = [np.empty((0, 2))], [np.empty(0, int)]
     for term in (*contacts(result.seal), *self_contacts(result.seal)):
         response = result.path.at_nominal(term.label)[step]
+        # open points beyond the contact are left out
         own = _marks(result, term.label, response)
         places.append(response.x[own != OPEN])
         found.append(own[own != OPEN])

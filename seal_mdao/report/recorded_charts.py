@@ -36,11 +36,13 @@ def _bounds(lower, upper) -> dict:
 
 def _design_charts(history: RecordedOptimization, name: str) -> list[dict]:
     """One chart for a design variable; for the offsets one for each boundary that they move."""
+    # one row a point, one column an entry of the design variable
     rows = history.design[name].reshape(len(history.objective), -1)
     parts = [(label(name), slice(None))]
     own = name.rsplit(".", 1)[-1] == "boundary_offsets"
     if own and history.seal is not None and rows.shape[1] == history.seal.n_offsets:
         parts = [(f"{edge} offsets", part) for edge, part in offset_parts(history.seal)]
+    # bounds common to a chart: the widest of its entries
     low, high = history.bounds[name]
     return [
         {
@@ -59,6 +61,7 @@ def offset_parts(seal) -> list[tuple[str, slice]]:
     # |V| of every particle: an offset belongs to the edge that it moves most
     moved = np.linalg.norm(seal.design_velocity, axis=2)
     names = [max(edges, key=lambda name: own[edges[name]].sum()) for own in moved]
+    # indices at which the edge changes
     first = [i for i, name in enumerate(names) if i == 0 or names[i - 1] != name]
     return [(names[i], slice(i, j)) for i, j in zip(first, [*first[1:], len(names)], strict=True)]
 

@@ -5,7 +5,7 @@ from base64 import b64encode
 
 from matplotlib.figure import Figure
 
-from seal_mdao.report.html_tables import number, share, table
+from seal_mdao.report.html_tables import number, percent, table
 from seal_mdao.tolerances.sampled_designs import SampledDesign
 
 NOTE = (
@@ -29,15 +29,20 @@ def samples_section(designs: list[SampledDesign], limits, cost: str, figure: Fig
         The minimised measure, with its unit.
     figure : Figure
     """
+    # statistics of the cost of every design
     costs = [design.summary(())[design.cost] for design in designs]
     rows = [
         [head, *(number(own[key], 3) for own in costs)]
         for head, key in ({f"{cost}, median": "q50"} | COST_ROWS).items()
     ]
-    rows += [[limit.text, *(share(design.share(limit)) for design in designs)] for limit in limits]
+    # fraction of the samples within each limit
+    rows += [
+        [limit.text, *(percent(design.share(limit)) for design in designs)] for limit in limits
+    ]
     rows.append(["samples that could not be analysed", *(str(own.failed) for own in designs)])
     heads = ["", *(design.label for design in designs)]
     caption = f"On {designs[0].samples} fresh samples of all tolerances"
+    # the figure as a data address, so that the page needs no other file
     drawn = io.BytesIO()
     figure.savefig(drawn, dpi=160)
     image = b64encode(drawn.getvalue()).decode("ascii")

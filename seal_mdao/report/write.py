@@ -56,11 +56,13 @@ def write_report(
         When the report cannot be written.
     """
     cases = Path(cases)
+    # histories from the recorder file, shapes from new analyses
     history, kept = read_optimization(cases, given), KeptAnalyses() if kept is None else kept
     seals = [seal for seal in history.seals if seal.drawable]
     numbers = evenly_spread(len(history.objective), DESIGNS).tolist() if seals else []
     shown = [ShownSeal(seal, analyze_points(seal, numbers, kept)) for seal in seals]
     text = render(history, cases.name, shown, numbers, further, figures, notes)
+    # the report stands beside the recorder file unless told otherwise
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(text, encoding="utf-8")
@@ -71,6 +73,7 @@ def analyze_points(
     recorded: RecordedSeal, numbers: list[int], kept: KeptAnalyses
 ) -> list[SealResult]:
     """Analyse designs of a seal; all are measured where the recorded run did."""
+    # points of the measures on the nominal seal, once for all designs
     measures = frozen_measures(recorded.seal, None, kept.analyze)
     results = []
     for number in tqdm(numbers, desc="report", unit="analysis", disable=hidden(), leave=False):

@@ -287,7 +287,7 @@ class SealResult:
         """Values of a measure with frozen places, shape (m,)."""
         if isinstance(measure, Derived):
             return np.atleast_1d(measure.value(self.value(measure.base))[0])
-        return measure.of(self).values
+        return measure.of(self)[0]
 
 
 def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None) -> tuple:

@@ -91,7 +91,6 @@ class PointLaw(TermDefinition):
         for column in range(flat.shape[1] if count is None else count):
             # column j: Im law(inputs + i h e_j) / h, exact to rounding
             moved = flat.astype(complex)
-            # d rows / d input = Im rows(input + i h) / h
             moved[:, column] += 1j * COMPLEX_STEP
             rows = np.hstack(self.evaluated(_given(self, moved), fraction))
             columns.append(rows.imag / COMPLEX_STEP)

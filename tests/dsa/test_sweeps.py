@@ -131,7 +131,7 @@ def test_few_parameters_and_few_measures_are_solved_for_themselves(random_design
         np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-10 * np.abs(b).max())
     wanted = Wanted(random_design, random_design.measures())
     last_gap = random_design.measures(("gap",))[0]
-    alone = stacked([replace(last_gap, points=last_gap.points[-1:]).of(random_design)])
+    alone = stacked([replace(last_gap, points=last_gap.points[-1:]).of(random_design)[1]])
     single = AdjointSweep(path, path.discretization.table_at(alone.at), 1).run(alone.seeds)
     whole = wanted.by_name(adjoint_gradient(random_design, wanted, ()).particles)["gap"][-1]
     np.testing.assert_allclose(

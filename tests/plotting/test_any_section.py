@@ -93,11 +93,11 @@ def test_every_figure(pressed, tmp_path):
 def test_single_points_do_not_set_the_scale():
     usual = np.linspace(0.0, 100.0, 1000)
     scale = section.stress_scale([usual, np.append(usual, 5000.0)])
-    assert scale.extend == "max"
-    assert 190.0 < scale.levels[-1] < 230.0
+    assert scale["extend"] == "max"
+    assert 190.0 < scale["levels"][-1] < 230.0
     plain = section.stress_scale([usual])
-    assert plain.extend == "neither"
-    assert plain.levels[-1] >= 100.0
+    assert plain["extend"] == "neither"
+    assert plain["levels"][-1] >= 100.0
 
 
 def test_triangles_and_holes_make_loops():
