@@ -11,6 +11,7 @@ from matplotlib.contour import ContourSet
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting import style
 from seal_mdao.plotting.contact_curves import arc_length
 from seal_mdao.recording.recorded_optimization import Constraint, RecordedOptimization
 from seal_mdao.seals.profiles import contacts
@@ -161,6 +162,22 @@ def test_error_map_and_step_study(tmp_path):
     for number, each in enumerate((figure, study)):
         picture = matplotlib.image.imread(plotting.save(each, tmp_path / f"{number}.png", dpi=60))
         assert picture.std() > 0.01
+
+
+def test_number_that_rounds_to_zero_has_no_sign():
+    assert [style.signed(value) for value in (-0.04, 0.0, -4.9, 12.0)] == [
+        "0.0",
+        "0.0",
+        "−4.9",
+        "12.0",
+    ]
+
+
+def test_rest_of_the_last_row_of_panels_is_hidden():
+    figure, shown = style.panels(4, 3, lambda rows, columns: (2.0 * columns, 3.0 * rows))
+    assert figure.get_size_inches().tolist() == [6.0, 6.0]
+    assert [axes.get_visible() for axes in figure.axes] == [True] * 4 + [False] * 2
+    assert shown == figure.axes[:4]
 
 
 def test_stress_levels_are_round_and_cover_the_peak():
