@@ -120,6 +120,7 @@ def profile_histories(result) -> tuple[ProfileHistory, ...]:
 
 
 def _history(result, contact) -> ProfileHistory:
+    # a profile that stands still shows the stages of the leading one
     motion = contact.motion if moves(contact.motion) else leading_motion(result.seal)
     number = np.array([step.nominal for step in result.path.nominal_steps], int)
     stage = stage_of(motion, number)
@@ -136,6 +137,7 @@ def _history(result, contact) -> ProfileHistory:
 def _contact_at(result, contact, step: int) -> tuple:
     """Deformed and undeformed width in contact, highest true and nominal pressure after a step."""
     response, where = result.path.at_nominal(contact.label)[step], result.term(contact.label).where
+    # widths of the sides in contact, deformed and undeformed
     ring = way_round(where)
     shares = touching_shares(response.gap[ring])[0]
     widths = [
@@ -148,6 +150,7 @@ def _contact_at(result, contact, step: int) -> tuple:
 
 def nominal_pressure(contact: RigidContact, response) -> np.ndarray:
     """Contact pressure w_n |g_n| of the points, force over undeformed length, shape (k,), kPa."""
+    # p = w_n |g_n|
     return np.where(response.state != OPEN, -contact.law.normal_penalty * response.gap, 0.0)
 
 
@@ -189,6 +192,7 @@ def stage_place(seal, fraction: float) -> np.ndarray | None:
     if motion is None:
         return None
     stage = min(np.searchsorted(np.cumsum(motion.steps), fraction), len(motion.steps) - 1)
+    # x, y in mm, angle in degrees, from the waypoint where the stage begins
     here = np.array(motion.coordinates(fraction)) * (1.0, 1.0, np.degrees(1.0))
     return here - _waypoints(motion)[stage]
 
@@ -199,6 +203,7 @@ def stage_travel(seal, fraction: float) -> float:
     place = stage_place(seal, fraction)
     if place is None:
         return float("nan")
+    # |x - x_stage|, in the first stage less the travel before the first touch
     first = fraction <= leading_motion(seal).steps[0]
     return float(np.hypot(*place[:2])) - seal.before_touch * first
 
@@ -236,6 +241,7 @@ def courses(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, 
         turns = bool(direction[2]) and not direction[:2].any()
         unit = np.array([0.0, 0.0, 1.0]) if turns else np.append(direction[:2], 0.0)
         unit = unit / (np.linalg.norm(unit) or 1.0)
+        # s = u . (x - x_begin), u along the first stage with a direction
         moved = _coordinates(motion, range(steps.start, steps.stop)) - waypoints[stages[0]]
         numbers = tuple(s + 1 for s in stages if ends[s] < n_steps)
         begin = 0.0 if turns or stages[0] else -before
@@ -249,6 +255,7 @@ def _one_line(one, other) -> bool:
         return True
     if one[2] or other[2]:
         return not (one[:2].any() or other[:2].any()) and bool(one[2] and other[2])
+    # |a x b| <= eps |a| |b|
     across = one[0] * other[1] - one[1] * other[0]
     return abs(across) <= PARALLEL * np.hypot(*one[:2]) * np.hypot(*other[:2])
 
@@ -261,6 +268,7 @@ def key_steps(result) -> list[int]:
     n = result.seal.n_steps
     stages, ends = (1, step_shares(n)) if motion is None else (motion.steps.size, motion.ends)
     parts = 4 if stages == 1 else 2 if stages <= MIDDLES else 1
+    # fractions of the stages, and the steps that end nearest to them
     wanted = np.arange(1, stages * parts + 1) / parts
     if result.seal.before_touch:  # of the way from the first touch on
         share = result.seal.before_touch / np.hypot(*np.diff(motion.positions[:2], axis=0)[0])
