@@ -68,6 +68,7 @@ def door_task(drawn: SealResult, problem: DoorProblem | None = None) -> Task:
         "stress_norm": problem.stress_norm, "gap_square_integral": problem.gap_integral,
     }  # fmt: skip
     measures = (*STANDARD, *(name for name, is_wanted in wanted.items() if is_wanted))
+    # A <= 110 mm^2;  s <= max(0.8 s_0, 100 kPa) of seven particles, or of the p-norm
     limits = [_area_limit()]
     if problem.stress_norm:
         upper = _stress_limit(_value(drawn, "stress_norm"))[0]
@@ -75,9 +76,11 @@ def door_task(drawn: SealResult, problem: DoorProblem | None = None) -> Task:
     else:
         upper = _stress_limit(drawn.von_mises)
         limits.append(Limit("von_mises", upper=upper, ref=upper))
+    # 0.9 F_0(t) <= F(t) <= 1.1 F_0(t)
     if problem.clamp_load:
         limits.append(_band("reaction_curve", _value(drawn, "reaction_curve")))
     if problem.pressure_floor:
+        # p >= 0.5 p_0 of each patch
         floor = PRESSURE_SHARE * _value(drawn, "patch_pressure")
         limits.append(Limit("patch_pressure", lower=floor, ref=floor))
     if problem.keep_force:
@@ -101,6 +104,7 @@ def robust_door_task(drawn: SealResult, goal: RobustGoal) -> Task:
     cost, force = "gap_square_integral", float(drawn.reaction[-1, 1])
     floor = PRESSURE_SHARE * _value(drawn, "patch_pressure")
     stress = float(_stress_limit(_value(drawn, "stress_norm"))[0])
+    # (1 - b) F_0 <= F <= (1 + b) F_0 in a fraction of all samples
     band = (1.0 - goal.band) * force, (1.0 + goal.band) * force
     limits = (
         _area_limit(),
@@ -130,6 +134,7 @@ def _value(drawn: SealResult, name: str) -> np.ndarray:
 
 def _variables(drawn: SealResult) -> dict[str, dict]:
     """Boundary offsets and door radius, within ``OFFSET_BOUND``."""
+    # scaled radius = R - R_0, of the order of the offsets
     radius = drawn.seal.as_drawn().scalars["door_radius"].value
     low, high = radius - OFFSET_BOUND, radius + OFFSET_BOUND
     middle = 0.5 * (low + high)

@@ -40,6 +40,7 @@ def file_task(file: SealFile, drawn: SealResult) -> Task:
     require_problem(file, seal)
     measures, start = optimized_measures(file, seal, drawn)
     aim, bounds = file.optimize.minimize, design_bounds(file)
+    # -b <= offset <= b, scaled to [-1/2, 1/2]
     variables = {"boundary_offsets": {"lower": -bounds, "upper": bounds, "ref": 2.0 * bounds}}
     limits = tuple(_limit(constraint, start) for constraint in file.optimize.constraints)
     chosen = {CHOSEN: chosen_for(file, seal)} if file.leaves_open else {}
@@ -72,6 +73,7 @@ def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
     SealFileError
         For a section that cannot be filled so.
     """
+    # given places are particles of the old cloud
     measures = tuple(m for m in design.measures if m.arguments.get("places") is None)
     section = replace(design.section, spacing=filling, layers=layers)
     return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))

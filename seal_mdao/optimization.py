@@ -97,6 +97,7 @@ class Limit:
     def kept(self, values: np.ndarray) -> np.ndarray:
         """In which samples of values (n, m) the limits are kept, shape (n,)."""
         own = values if self.entry is None else values[:, [self.entry]]
+        # l <= m <= u, without a bound always
         low = -np.inf if self.lower is None else self.lower
         high = np.inf if self.upper is None else self.upper
         return ((own >= low) & (own <= high)).all(axis=1)
@@ -230,15 +231,14 @@ def optimization_problem(task: Task, run: RunOptions | None = None, robust=None)
         group.add_design_var(name, **settings)
     objective = formulation.objective(task)
     group.add_objective(objective, ref=task.scale)
-    # what is constrained twice, or minimised as well, has another name the second time
-    used, outputs = (
-        {objective},
-        [own for limit in task.limits for own in formulation.outputs(limit)],
-    )
+    outputs = [own for limit in task.limits for own in formulation.outputs(limit)]
+    # OpenMDAO takes an output once: the second time it needs an alias
+    used = {objective}
     for number, (name, settings) in enumerate(outputs, 1):
         alias = f"{name}_{number}" if name in used else None
         group.add_constraint(name, alias=alias, **settings)
         used.add(name)
+    # a restart compares them (``continue_run``)
     settings = json.dumps(formulation.settings | task.settings)
     group.options.declare(PROBLEM_OPTION, default=settings, types=str)
     if run.recorder is not None:

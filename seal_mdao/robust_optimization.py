@@ -59,6 +59,7 @@ class RobustGoal:
         As far out among the wide scenarios as those of all cars, were both normal; to a tenth of a per
         cent, for they name outputs.
         """
+        # Phi(Phi^-1(q) / widen) for the quantiles q on both sides
         outside = 0.5 * (1.0 - self.share)
         return tuple(ndtr(ndtri([outside, 1.0 - outside]) / self.widen).round(3).tolist())
 
@@ -73,7 +74,9 @@ class RobustGoal:
             As of ``Tolerances.samples``.
         """
         made, middle = tolerances.samples(seal, count, seed=seed), tolerances.means
+        # m + widen (x - m) around the means m
         numbers = middle + self.widen * (made.numbers - middle)
+        # the nominal seal is the first scenario
         drawing = drawn_numbers(tolerances.variations, seal)
         offsets = np.vstack([np.zeros(seal.n_offsets), self.widen * made.offsets])
         return Scenarios(tolerances.variations, np.vstack([drawing, numbers]), offsets)

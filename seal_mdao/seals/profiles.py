@@ -120,7 +120,7 @@ def profile_histories(result) -> tuple[ProfileHistory, ...]:
 
 
 def _history(result, contact) -> ProfileHistory:
-    # a profile that stands still has the stages of the leading one
+    # a profile that stands still shows the stages of the leading one
     motion = contact.motion if moves(contact.motion) else leading_motion(result.seal)
     number = np.array([step.nominal for step in result.path.nominal_steps], int)
     stage = stage_of(motion, number)
@@ -137,6 +137,7 @@ def _history(result, contact) -> ProfileHistory:
 def _contact_at(result, contact, step: int) -> tuple:
     """Compute deformed and undeformed width in contact, highest true and nominal pressure of a step."""
     response, where = result.path.at_nominal(contact.label)[step], result.term(contact.label).where
+    # widths of the sides in contact, deformed and undeformed
     ring = way_round(where)
     shares = touching_shares(response.gap[ring])[0]
     # width = sum over the sides of the length that touches
@@ -150,6 +151,7 @@ def _contact_at(result, contact, step: int) -> tuple:
 
 def nominal_pressure(contact: RigidContact, response) -> np.ndarray:
     """Compute the pressure w_n |g_n| of the points, force over undeformed length, shape (k,), kPa."""
+    # p = w_n |g_n|
     return np.where(response.state != OPEN, -contact.law.normal_penalty * response.gap, 0.0)
 
 
@@ -192,6 +194,7 @@ def stage_place(seal, fraction: float) -> np.ndarray | None:
     if motion is None:
         return None
     stage = min(np.searchsorted(np.cumsum(motion.steps), fraction), len(motion.steps) - 1)
+    # x, y in mm, angle in degrees, from the waypoint where the stage begins
     here = np.array(motion.coordinates(fraction)) * (1.0, 1.0, np.degrees(1.0))
     return here - _waypoints(motion)[stage]
 
@@ -204,6 +207,7 @@ def stage_travel(seal, fraction: float) -> float:
     place = stage_place(seal, fraction)
     if place is None:
         return float("nan")
+    # |x - x_stage|, in the first stage less the travel before the first touch
     first = fraction <= leading_motion(seal).steps[0]
     return float(np.hypot(*place[:2])) - seal.before_touch * first
 
@@ -244,6 +248,7 @@ def courses(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, 
         turns = bool(direction[2]) and not direction[:2].any()
         unit = np.array([0.0, 0.0, 1.0]) if turns else np.append(direction[:2], 0.0)
         unit = unit / (np.linalg.norm(unit) or 1.0)
+        # s = u . (x - x_begin), u along the first stage with a direction
         moved = _coordinates(motion, range(steps.start, steps.stop)) - waypoints[stages[0]]
         numbers = tuple(s + 1 for s in stages if ends[s] < n_steps)
         begin = 0.0 if turns or stages[0] else -before
@@ -271,6 +276,7 @@ def key_steps(result) -> list[int]:
     stages, ends = (1, step_shares(n)) if motion is None else (motion.steps.size, motion.ends)
     # quarters of one stage, halves of up to three, else ends of stages alone
     parts = 4 if stages == 1 else 2 if stages <= MIDDLES else 1
+    # fractions of the stages, and the steps that end nearest to them
     wanted = np.arange(1, stages * parts + 1) / parts
     # fractions of the travel from the first touch on
     if result.seal.before_touch:

@@ -112,6 +112,7 @@ class Seal:
         for name in ("drawn_particles", "design_velocity"):
             if not np.isfinite(values.numbers(name, getattr(self, name))).all():
                 raise ValueError(f"{name} must be finite numbers")
+        # X_0 (n, 2) and V (P, n, 2) for the n particles of the body
         shape = (self.body.n_particles, 2)
         if np.shape(self.drawn_particles) != shape:
             raise ValueError(
@@ -123,6 +124,7 @@ class Seal:
                 f"{np.shape(self.design_velocity)}"
             )
         self._complete()
+        # a label is how measures, sensitivities and figures find a term
         labels = [definition.label for definition in self.definitions]
         if len(set(labels)) < len(labels):
             raise ValueError(f"labels of terms repeat: {labels}")
@@ -143,6 +145,7 @@ class Seal:
     @cached_property
     def scalars(self) -> dict:
         """``Scalar`` by name: what ``with_parameters`` takes and what can be differentiated."""
+        # p_0, for parameters that no term has
         found = {
             name: Scalar(own.zero, own.units, own.text) for name, own in self.parameters.items()
         }
@@ -158,6 +161,7 @@ class Seal:
 
     def _applied(self, definition):
         """A definition with what was changed of it."""
+        # parameter of the term = p - p_0
         own = {
             name: self.changed[name] - self.parameters[name].zero
             if name in self.parameters
@@ -178,6 +182,7 @@ class Seal:
         self.check_parameters(changes)
         if not changes:
             return self
+        # checked before any term is built
         checked = {name: self._checked_value(name, value) for name, value in changes.items()}
         other = self._with_changed(self.changed | checked)
         other.terms()  # values that are not admissible are refused here
@@ -253,6 +258,7 @@ class Seal:
             if own.label in rooms else own
             for own in self.definitions
         ))  # fmt: skip
+        # what was moved back before stays so
         rooms = {label: np.asarray(room, float).tolist() for label, room in rooms.items()}
         known = self.description.get("rooms", {})
         return other._made_as(self, rooms=known | rooms)

@@ -13,7 +13,7 @@ from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.stress import StressNorm, VonMises
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.seals.choice import choose
-from seal_mdao.seals.door.options import BASE_RAYS, DoorOptions, door_options
+from seal_mdao.seals.door.options import BASE_RAYS, PARTS, DoorOptions, door_options
 from seal_mdao.seals.door.splines import design_velocity
 from seal_mdao.seals.seal import Parameter, Seal
 from seal_mdao.seals.wall_grid import SCHEMES
@@ -158,11 +158,7 @@ def described_door_seal(description: dict) -> Seal:
 
 def _read(settings: dict) -> DoorOptions:
     """Options as JSON holds them."""
-    defaults = DoorOptions()
-    parts = {
-        name: type(getattr(defaults, name))(**settings[name])
-        for name in ("section", "material", "newton")
-    }
+    parts = {name: kind(**settings[name]) for name, kind in PARTS.items()}
     return door_options(**settings | parts)
 
 
@@ -182,6 +178,7 @@ def _built(options: DoorOptions) -> Seal:
         section_area=splines.area,
         offset_limit=section.outer_radius - section.inner_radius,
     ).made_from({DOOR_SEAL: asdict(options)})  # fmt: skip
+    # the radius of this design is a change of the drawn door, where places of measures are chosen
     if options.door_radius is None:
         return seal
     return seal.with_parameters({"door_radius": options.door_radius})
@@ -189,7 +186,9 @@ def _built(options: DoorOptions) -> Seal:
 
 def _parameters(options: DoorOptions) -> dict[str, Parameter]:
     """The parameters as users see them; those of the motion are zero at the nominal path."""
+    # p = p_0 + change: waypoints count from zero
     zeros = {name: getattr(options, name) for name in ("depth", "door_shift", "door_angle")}
+    # no term has the radius of the flat door
     if not options.shape.names:
         zeros["door_radius"] = options.drawn_door_radius
     bounds = options.bounds
@@ -207,6 +206,7 @@ def _reaction_curve(options: DoorOptions) -> tuple:
 
 def _body(options: DoorOptions, particles: np.ndarray) -> Body:
     grid = options.grid
+    # both components of the particles on the base
     fixed = np.zeros((len(particles), 2), bool)
     fixed[grid.base] = True
     inner = grid.particle(np.arange(grid.rays), 0)

@@ -19,13 +19,54 @@ from seal_mdao.seals.door.splines import BoundarySplines
 from seal_mdao.seals.wall_grid import SCHEMES
 from seal_mdao.terms.points import CONTACT_POINTS
 
-DOORS = ("corner", "flat")
-PRESSURES = ("cell", "wall")
 BASE_RAYS = 58
+PARTS = {"section": Section, "material": MooneyRivlin, "newton": NewtonOptions}
+"""Options that are records of their own."""
 MOST_SUPPORT = 10.0
 """Cell edges."""
 FARTHEST = 100.0
 """Of the start above the top of the drawn seal, and of the room above the start, mm."""
+
+
+def _optional(check):
+    """A check that lets None pass."""
+    return lambda name, value: None if value is None else check(name, value)
+
+
+def _support(name: str, value):
+    # one number: round kernels; two: product kernels, which need more than one cell
+    pair = values.numbers(name, value)
+    if pair.ndim == 0:
+        return values.real(name, value, above=0.0, high=MOST_SUPPORT)
+    values.require(
+        pair.shape == (2,) and bool(np.all((pair > 1.0) & (pair <= MOST_SUPPORT))),
+        f"{name} must be a positive number, or two above 1 and at most {MOST_SUPPORT} (around and "
+        f"across the wall), got {values.formatted(value)}",
+    )
+    return tuple(pair.tolist())
+
+
+def _gauss(name: str, value):
+    if not isinstance(value, tuple | list):
+        return values.integer(name, value, *GAUSS_POINTS)
+    values.require(
+        len(value) == 2,
+        f"{name} must be an integer, or two (around and across the wall), got {values.formatted(value)}",
+    )
+    return tuple(values.integer(name, points, *GAUSS_POINTS) for points in value)
+
+
+def _integer(low: int, high: int):
+    return partial(values.integer, low=low, high=high)
+
+
+def _one_of(*choices: str):
+    return partial(values.one_of, choices=choices)
+
+
+def _option(default, check):
+    """An option with its default; ``check(name, value)`` gives the value as it is kept."""
+    return field(default=default, metadata={"check": check})
 
 
 @dataclass(frozen=True)
@@ -100,37 +141,37 @@ class DoorOptions:
         "auto": the band where it is narrow, else PARDISO where pypardiso is installed, else SuperLU.
     """
 
-    rays: int = BASE_RAYS
-    layers: int = 3
-    refinement: int = 1
-    support: float | tuple[float, float] = SCHEMES["paper"].support
-    basis_order: int = 1
-    n_gauss: int | tuple[int, int] = 2
-    pressure: str = "cell"
-    contact_points: str = "particles"
+    rays: int = _option(BASE_RAYS, _integer(BASE_RAYS, 40 * BASE_RAYS))
+    layers: int = _option(3, _integer(3, 40))  # two leave the wall far too soft
+    refinement: int = _option(1, _integer(1, 10))
+    support: float | tuple[float, float] = _option(SCHEMES["paper"].support, _support)
+    basis_order: int = _option(1, _integer(1, 2))
+    n_gauss: int | tuple[int, int] = _option(2, _gauss)
+    pressure: str = _option("cell", _one_of("cell", "wall"))
+    contact_points: str = _option("particles", _one_of(*CONTACT_POINTS))
     section: Section = field(default_factory=Section)
     outer_parameters: int = 14
     inner_parameters: int = 11
-    symmetric: bool = False
+    symmetric: bool = _option(False, values.flag)
     material: MooneyRivlin = field(default_factory=MooneyRivlin)
-    door: str = "corner"
-    corner_x: float = 2.0
+    door: str = _option("corner", _one_of("corner", "flat"))
+    corner_x: float = _option(2.0, partial(values.real, low=-50.0, high=50.0))
     drawn_door_radius: float = 4.0
     door_radius: float | None = None
-    segments: int | None = None
+    segments: int | None = _option(None, _optional(_integer(4, 10_000)))
     friction: float = 0.25
-    friction_history: str = "accumulated"
+    friction_history: str = _option("accumulated", _one_of(*FRICTION_HISTORIES))
     normal_penalty: float = 1e4
     tangent_penalty: float = 1e2
     start: float = 10.0
-    room: float = 0.1
+    room: float = _option(0.1, partial(values.real, low=0.0, high=FARTHEST))
     depth: float = 10.0
     door_shift: float = 0.0
     door_angle: float = 0.0
-    n_steps: int = 105
+    n_steps: int = _option(105, _integer(1, 10**9))
     step_ends: tuple | None = None
     newton: NewtonOptions = field(default_factory=NewtonOptions)
-    solver: str = "auto"
+    solver: str = _option("auto", _one_of(*SOLVERS))
 
     @property
     def radius(self) -> float:
@@ -169,6 +210,7 @@ class DoorOptions:
         ValueError
             When the base ends between two rays: particles would be fixed that do not lie on it.
         """
+        # D_0 = k 2 pi / rays with a whole k, else the base ends between two rays
         spacing = 2 * np.pi / self.rays
         columns = round(self.section.base_angle / spacing)
         below = int(self.section.base_angle / spacing)
@@ -196,13 +238,17 @@ class DoorOptions:
     @property
     def motion(self) -> Motion:
         """Straight down from above ``start``; ``depth`` moves its end, shift and angle all of it."""
+        # y(1) = R - depth, dy(1)/d(depth) = -1
         end = self.section.outer_radius - self.depth
         steps = self.n_steps if self.step_ends is None else 1
         path = straight_motion((0.0, self.start), (0.0, end), steps, {"depth": (0.0, -1.0)})
+        # shift and angle move every waypoint
         path = path.with_placement(x="door_shift", angle="door_angle")
         path = path.moved({"door_shift": self.door_shift, "door_angle": self.door_angle})
+        # unequal steps divide one step over the complete path
         if self.step_ends is not None:
             path = path.with_ends(self.step_ends)
+        # only the first step becomes longer, upwards
         return replace(path, room=(0.0, self.room))
 
     @property
@@ -210,6 +256,7 @@ class DoorOptions:
         """Shape of the drawn door."""
         if self.door == "flat":
             return FlatDoor()
+        # the vertical side stays where it is when the radius changes
         side = self.corner_x + self.drawn_door_radius
         return CornerDoor(self.corner_x, side, self.drawn_door_radius, self.segments)
 
@@ -222,84 +269,31 @@ def door_options(**given) -> DoorOptions:
     TypeError, ValueError
         For options that are unknown or not admissible.
     """
-    known = [field.name for field in fields(DoorOptions)]
+    known = [own.name for own in fields(DoorOptions)]
     unknown = sorted(set(given) - set(known))
     if unknown:
         raise TypeError(f"unknown option {unknown[0]!r}; known options are {', '.join(known)}")
     options = DoorOptions(**given)
+    for name, kind in PARTS.items():
+        values.instance(name, getattr(options, name), kind)
     # first what the bounds of others depend on
-    for checks in (_OWN_CHECKS, _dependent_checks):
-        own = checks if isinstance(checks, dict) else checks(options)
-        checked = {name: check(name, getattr(options, name)) for name, check in own.items()}
-        options = replace(options, **checked)
+    own = {f.name: f.metadata["check"] for f in fields(DoorOptions) if f.metadata}
+    options = _checked(options, own)
+    options = _checked(options, _dependent_checks(options))
     _check_together(options)
     return options
 
 
-def _instance(kind: type):
-    def check(name, value):
-        values.instance(name, value, kind)
-        return value
-
-    return check
-
-
-def _optional(check):
-    """A check that lets None pass."""
-    return lambda name, value: None if value is None else check(name, value)
+def _checked(options: DoorOptions, checks: dict) -> DoorOptions:
+    """The options as their checks give them."""
+    found = {name: check(name, getattr(options, name)) for name, check in checks.items()}
+    return replace(options, **found)
 
 
 def _radius(name: str, value, bounds: dict) -> float:
     found = values.numbers(name, value).reshape(-1)
     values.require(found.size == 1, f"{name} must be one number, got {found.size}")
     return values.real(name, float(found[0]), **bounds)
-
-
-def _support(name: str, value):
-    pair = values.numbers(name, value)
-    if pair.ndim == 0:
-        return values.real(name, value, above=0.0, high=MOST_SUPPORT)
-    values.require(
-        pair.shape == (2,) and bool(np.all((pair > 1.0) & (pair <= MOST_SUPPORT))),
-        f"{name} must be a positive number, or two above 1 and at most {MOST_SUPPORT} (around and "
-        f"across the wall), got {values.formatted(value)}",
-    )
-    return tuple(pair.tolist())
-
-
-def _gauss(name: str, value):
-    if not isinstance(value, tuple | list):
-        return values.integer(name, value, *GAUSS_POINTS)
-    values.require(
-        len(value) == 2,
-        f"{name} must be an integer, or two (around and across the wall), got {values.formatted(value)}",
-    )
-    return tuple(values.integer(name, points, *GAUSS_POINTS) for points in value)
-
-
-def _integer(low: int, high: int):
-    return partial(values.integer, low=low, high=high)
-
-
-def _one_of(*choices: str):
-    return partial(values.one_of, choices=choices)
-
-
-_OWN_CHECKS = {
-    "material": _instance(MooneyRivlin), "section": _instance(Section),
-    "newton": _instance(NewtonOptions),
-    "rays": _integer(BASE_RAYS, 40 * BASE_RAYS),
-    "layers": _integer(3, 40),  # two leave the wall far too soft
-    "refinement": _integer(1, 10), "basis_order": _integer(1, 2), "n_steps": _integer(1, 10**9),
-    "support": _support, "n_gauss": _gauss, "pressure": _one_of(*PRESSURES),
-    "contact_points": _one_of(*CONTACT_POINTS), "solver": _one_of(*SOLVERS),
-    "symmetric": values.flag, "door": _one_of(*DOORS),
-    "friction_history": _one_of(*FRICTION_HISTORIES),
-    "corner_x": partial(values.real, low=-50.0, high=50.0),
-    "segments": _optional(_integer(4, 10_000)),
-    "room": partial(values.real, low=0.0, high=FARTHEST),
-}  # fmt: skip
-"""Checks of options by themselves: ``check(name, value)`` gives the value as it is kept."""
 
 
 def _dependent_checks(options: DoorOptions) -> dict:
@@ -319,6 +313,8 @@ def _check_together(options: DoorOptions) -> None:
         options.rays % BASE_RAYS == 0,
         f"rays = {options.rays} must be a multiple of {BASE_RAYS}, else the base changes its width",
     )
+    # both raise where the section and the rays do not fit; control values beyond the particles of a
+    # boundary would have no effect of their own
     splines, _ = options.splines, options.grid
     for name, count in (
         ("outer_parameters", splines.outer_controls), ("inner_parameters", splines.inner_controls)

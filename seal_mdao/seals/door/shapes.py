@@ -43,6 +43,7 @@ class CornerDoor:
     names = ("door_radius",)
 
     def profile(self) -> RigidProfile:
+        # line, quarter circle, line exactly, or chords of the circle in its place
         if self.segments is None:
             return corner_profile(self.corner_x, self.door_radius, self.side)
         return segmented_corner_profile(self.corner_x, self.door_radius, self.side, self.segments)
