@@ -1,12 +1,11 @@
 """Base class of the drivers: options, start and end of a run, and messages."""
 
-from __future__ import annotations
-
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from numpy.typing import NDArray
 from openmdao.core.analysis_error import AnalysisError
 from tqdm import tqdm
 
@@ -19,11 +18,6 @@ from seal_mdao.drivers.optimality import Optimality
 from seal_mdao.drivers.solver_settings import count, positive_count, tolerance
 from seal_mdao.recording import run_log
 from seal_mdao.recording.evaluations import RecordedEvaluations
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
 
 SUPPORTED = (
     "optimization", "gradients", "inequality_constraints", "equality_constraints",
@@ -56,11 +50,6 @@ class OptimizerDriver(access.DriverHooks):
     A successful run leaves the model at the optimiser's result, any other one at the best feasible
     point found, or the least infeasible one. A run that was not ended by a limit or Ctrl-C counts as
     a success if that point satisfies the optimality conditions, see `Optimality`.
-
-    Parameters
-    ----------
-    **kwargs
-        Options of the driver.
 
     Attributes
     ----------
@@ -167,6 +156,7 @@ class OptimizerDriver(access.DriverHooks):
     def show_iteration(self, objective: float, infeasibility: float, optimality: float) -> None:
         """Count an iteration and print a line if requested."""
         self.iterations += 1
+        # by default only where someone watches
         if self.options["disp"] or (self.options["disp"] is None and sys.stdout.isatty()):
             # repeat the header every 30 lines
             if self._next_header == self.iterations:
@@ -179,6 +169,7 @@ class OptimizerDriver(access.DriverHooks):
 
     def optimal_anyway(self, callbacks: SolverCallbacks) -> str:
         """Return a message if the best point satisfies the KKT conditions, else an empty string."""
+        # of the best point, whatever the optimiser reports
         best = callbacks.best
         try:
             totals = callbacks.evaluator.totals(best.x)

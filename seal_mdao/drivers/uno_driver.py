@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from seal_mdao.drivers.callbacks import SolverCallbacks
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
 from seal_mdao.drivers.solver_settings import import_library, positive, set_option
-
-if TYPE_CHECKING:
-    from seal_mdao.drivers.callbacks import SolverCallbacks
 
 CITATION = """
 @article{Vanaret_Leyffer_2026,
@@ -62,11 +58,6 @@ class UnoDriver(OptimizerDriver):
     option of Uno, ``preset`` among them. Driver and failures: see `OptimizerDriver`. Where Uno stalls,
     at a region of failed analyses or at a kink, it is restarted once at the best point with a larger
     trust region, which may step across.
-
-    Parameters
-    ----------
-    **kwargs
-        Options of the driver.
 
     Raises
     ------
