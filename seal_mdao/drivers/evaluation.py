@@ -230,6 +230,7 @@ class ModelEvaluator:
         jacobian = np.zeros((layout.m, layout.n))
         # row 0 is the objective
         jacobian[layout.rows(layout.responses)] = rows[1:]
+        # linear constraints in their own rows
         if layout.linear:
             # constant: computed once
             if self._linear_jacobian is None:

@@ -1,7 +1,5 @@
 """IpoptDriver: Ipopt from a plain ``pip install``, for any OpenMDAO problem."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from seal_mdao.drivers.callbacks import SolverCallbacks

@@ -216,6 +216,7 @@ class OptimizerDriver(access.DriverHooks):
     def _describe(self, end: SolverEnd, callbacks: SolverCallbacks) -> str:
         if callbacks.interrupted:
             return INTERRUPTED + (BEST_KEPT if callbacks.feasible else LEAST_KEPT)
+        # failures are named even if the optimiser reports another reason
         if callbacks.stalled:
             return (
                 "Stopped: failed analyses leave no way forward from the best point found. "

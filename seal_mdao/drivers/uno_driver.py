@@ -1,7 +1,5 @@
 """UnoDriver: the SQP and interior-point methods of Uno, for any OpenMDAO problem."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from seal_mdao.drivers.callbacks import SolverCallbacks
@@ -116,6 +114,7 @@ class UnoDriver(OptimizerDriver):
 
         During the restoration of feasibility ``x`` is followed by slack variables of Uno.
         """
+        # the values are cached: nothing is analysed here
         point = callbacks.values(x[: callbacks.evaluator.layout.n])
         if point is not None:
             self.show_iteration(point.objective, state[-3], max(state[-2:]))
@@ -166,6 +165,7 @@ def _uno_model(callbacks: SolverCallbacks):
 
 
 def _given(found):
+    # Uno treats exceptions as failed evaluations
     if found is None:
         raise NotEvaluatedError
     return found
