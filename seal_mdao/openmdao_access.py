@@ -4,8 +4,6 @@ OpenMDAO has no public interface for the tasks of an optimisation driver: respon
 total derivatives of a running problem, recorded data.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable

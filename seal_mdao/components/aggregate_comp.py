@@ -35,6 +35,7 @@ class AggregateComp(om.ExplicitComponent):
         for level in self.options["quantiles"]:
             own = partial(scenario_statistics.quantile, level=level)
             self._functions[quantile_name(level)] = own, f"Smooth {100 * level:g} % quantile"
+        # scenarios that failed are left out of all aggregates
         self.add_output("share_failed", val=0.0, desc="Fraction of scenarios that failed.")
         for name, shape in self.options["shapes"].items():
             units = self.options["units"][name]

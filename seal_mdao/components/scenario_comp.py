@@ -145,6 +145,7 @@ class ScenarioComp(RandomDirectionsComp):
 
     def _too_many(self, failures) -> str:
         """Return the message if more scenarios failed than the policy allows; else empty."""
+        # the first failure represents all in the message
         failed = [number for number, text in enumerate(failures) if text]
         if not failed:
             return ""

@@ -5,18 +5,12 @@ analysis returns None, after which either of them shortens its step. Any other e
 and every further call returns None at once, until the optimiser stops.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 from openmdao.core.analysis_error import AnalysisError
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from seal_mdao.drivers.evaluation import Evaluation, ModelEvaluator
-    from seal_mdao.drivers.interrupt import InterruptGuard
+from seal_mdao.drivers.evaluation import Evaluation, ModelEvaluator
+from seal_mdao.drivers.interrupt import InterruptGuard
 
 
 class SolverCallbacks:

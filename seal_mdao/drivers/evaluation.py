@@ -6,26 +6,18 @@ the point as failed, and marks the recorded case as not successful, so that a re
 cannot mistake it for a result.
 """
 
-from __future__ import annotations
-
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from openmdao.core.analysis_error import AnalysisError
 
 from seal_mdao import openmdao_access as access
-from seal_mdao.drivers.layout import flat
-from seal_mdao.recording.evaluations import UNFINISHED, recorded_jacobian
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from seal_mdao.drivers.layout import ProblemLayout
-    from seal_mdao.openmdao_access import FailedCases
-    from seal_mdao.recording.evaluations import RecordedEvaluations
-    from seal_mdao.recording.recorder_file import Case
+from seal_mdao.drivers.layout import ProblemLayout, flat
+from seal_mdao.openmdao_access import FailedCases
+from seal_mdao.recording.evaluations import UNFINISHED, RecordedEvaluations, recorded_jacobian
+from seal_mdao.recording.recorder_file import Case
 
 
 @dataclass(frozen=True)
@@ -238,6 +230,7 @@ class ModelEvaluator:
         jacobian = np.zeros((layout.m, layout.n))
         # row 0 is the objective
         jacobian[layout.rows(layout.responses)] = rows[1:]
+        # linear constraints in their own rows
         if layout.linear:
             # constant: computed once
             if self._linear_jacobian is None:

@@ -1,16 +1,10 @@
 """IpoptDriver: Ipopt from a plain ``pip install``, for any OpenMDAO problem."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from seal_mdao.drivers.callbacks import SolverCallbacks
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
 from seal_mdao.drivers.solver_settings import import_library, set_option
-
-if TYPE_CHECKING:
-    from seal_mdao.drivers.callbacks import SolverCallbacks
 
 CITATION = """
 @article{Waechter_Biegler_2006,
@@ -57,11 +51,6 @@ class IpoptDriver(OptimizerDriver):
     and failures: see `OptimizerDriver`. Ipopt cannot reject a point that it has accepted; if the
     derivatives fail there, it restarts at the best point with derivatives, and from then on values
     and derivatives are computed together.
-
-    Parameters
-    ----------
-    **kwargs
-        Options of the driver.
 
     Raises
     ------

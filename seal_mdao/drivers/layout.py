@@ -1,17 +1,12 @@
 """Layout of design variables and constraints in the flat arrays of an optimiser, in driver scaling."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
+from openmdao.core.driver import Driver
 
 from seal_mdao import openmdao_access as access
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-    from openmdao.core.driver import Driver
 
 INFINITE_BOUND = 1e20
 """Bounds at or beyond this size count as absent (users write 1e20 or 1e30 for infinity)."""

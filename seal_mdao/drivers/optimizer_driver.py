@@ -1,13 +1,12 @@
 """Base class of the drivers: options, start and end of a run, and messages."""
 
-from __future__ import annotations
-
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from numpy.typing import NDArray
 from openmdao.core.analysis_error import AnalysisError
 from tqdm import tqdm
 
@@ -21,11 +20,6 @@ from seal_mdao.drivers.optimality import Optimality
 from seal_mdao.drivers.solver_settings import count, positive_count, tolerance
 from seal_mdao.recording import run_log
 from seal_mdao.recording.evaluations import RecordedEvaluations
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
 
 SUPPORTED = (
     "optimization", "gradients", "inequality_constraints", "equality_constraints",
@@ -60,11 +54,6 @@ class OptimizerDriver(access.DriverHooks):
     a success if that point satisfies the optimality conditions, see `Optimality`, be it at a kink that
     no direction improves, see `Kink`. Components with a method ``contact_states``, states by name, have
     the states that change there named.
-
-    Parameters
-    ----------
-    **kwargs
-        Options of the driver.
 
     Attributes
     ----------
@@ -179,6 +168,7 @@ class OptimizerDriver(access.DriverHooks):
     def show_iteration(self, objective: float, infeasibility: float, optimality: float) -> None:
         """Count an iteration and print a line if requested."""
         self.iterations += 1
+        # by default only where someone watches
         if self.options["disp"] or (self.options["disp"] is None and sys.stdout.isatty()):
             # repeat the header every 30 lines
             if self._next_header == self.iterations:
@@ -191,6 +181,7 @@ class OptimizerDriver(access.DriverHooks):
 
     def optimal_anyway(self, callbacks: SolverCallbacks) -> str:
         """Return a message if the best point satisfies the KKT conditions, else an empty string."""
+        # of the best point, whatever the optimiser reports
         best, tolerances = callbacks.best, (self.options["tol"], self.options["feas_tol"])
         try:
             totals = callbacks.evaluator.totals(best.x)
@@ -234,6 +225,7 @@ class OptimizerDriver(access.DriverHooks):
     def _describe(self, end: SolverEnd, callbacks: SolverCallbacks) -> str:
         if callbacks.interrupted:
             return INTERRUPTED + (BEST_KEPT if callbacks.feasible else LEAST_KEPT)
+        # failures are named even if the optimiser reports another reason
         if callbacks.stalled:
             return (
                 "Stopped: failed analyses leave no way forward from the best point found. "

@@ -1,7 +1,5 @@
 """SlsqpDriver: OpenMDAO's SLSQP with a line search that survives failed analyses."""
 
-from __future__ import annotations
-
 import sys
 
 import openmdao.api as om

@@ -1,7 +1,5 @@
 """Import of optimiser libraries, and checks of settings of drivers and optimisers."""
 
-from __future__ import annotations
-
 from importlib import import_module
 
 import numpy as np

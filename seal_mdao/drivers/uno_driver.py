@@ -1,16 +1,10 @@
 """UnoDriver: the SQP and interior-point methods of Uno, for any OpenMDAO problem."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from seal_mdao.drivers.callbacks import SolverCallbacks
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
 from seal_mdao.drivers.solver_settings import import_library, positive, set_option
-
-if TYPE_CHECKING:
-    from seal_mdao.drivers.callbacks import SolverCallbacks
 
 CITATION = """
 @article{Vanaret_Leyffer_2026,
@@ -62,11 +56,6 @@ class UnoDriver(OptimizerDriver):
     option of Uno, ``preset`` among them. Driver and failures: see `OptimizerDriver`. Where Uno stalls
     at a point that can be improved, it is restarted once at the best point with a larger trust region,
     which may step across a region of failed analyses or a kink.
-
-    Parameters
-    ----------
-    **kwargs
-        Options of the driver.
 
     Raises
     ------
@@ -127,6 +116,7 @@ class UnoDriver(OptimizerDriver):
 
         During the restoration of feasibility ``x`` is followed by slack variables of Uno.
         """
+        # the values are cached: nothing is analysed here
         point = callbacks.values(x[: callbacks.evaluator.layout.n])
         if point is not None:
             self.show_iteration(point.objective, state[-3], max(state[-2:]))
@@ -177,6 +167,7 @@ def _uno_model(callbacks: SolverCallbacks):
 
 
 def _given(found):
+    # Uno treats exceptions as failed evaluations
     if found is None:
         raise NotEvaluatedError
     return found

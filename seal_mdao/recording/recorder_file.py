@@ -1,7 +1,5 @@
 """Contents of a recorder file: the model, and the cases of its driver."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, field
 

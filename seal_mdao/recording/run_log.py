@@ -33,16 +33,12 @@ class LoggedRun:
     ----------
     begun, ended : str
         Local time with its offset, ISO 8601; ``ended`` is empty for a run that was cut off.
-    driver : str
-        Class of the driver.
-    options : dict
-        Options of the driver, as text if JSON cannot represent them.
+    driver, options : str, dict
+        Class of the driver, and its options, as text if JSON cannot represent them.
     versions : dict of str to str
         Versions of Python and of ``PACKAGES``.
-    success : bool
-        Whether the driver reported success.
-    message : str
-        Exit message of the driver.
+    success, message : bool, str
+        Whether the driver reported success, and its exit message.
     iterations, analyses : int
         Driver iterations, and model runs, of this run.
     seconds : float

@@ -67,6 +67,7 @@ def square_root(covariance: np.ndarray) -> np.ndarray:
 
 def boundary_loops(seal: Seal) -> list[np.ndarray]:
     """List the particles of every closed boundary of a seal, in order."""
+    # the next particle by each particle of the boundary
     sides, _ = sides_of(seal.body.cells)
     after, loops = dict(sides.tolist()), []
     while after:

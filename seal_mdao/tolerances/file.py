@@ -81,6 +81,7 @@ def _read(given: dict) -> Tolerances:
     # messages for the tables first, then the schema checks their keys
     for name in given:
         known("the file", "table", name, ("vary", "boundary"), "table of tolerances")
+    # names of [vary.NAME] are free
     vary = given.get("vary", {})
     if not isinstance(vary, dict):
         raise SealFileError("vary must be tables, each written [vary.name]")
