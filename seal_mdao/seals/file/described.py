@@ -39,6 +39,7 @@ def _contents(path: Path) -> dict:
         if written is None:
             return {}
         text = text.replace(written, f'"{short}"')
+        # compressed bytes as text, for JSON
         packed = zlib.compress((path.parent / name).read_bytes())
         beside[short] = base64.b64encode(packed).decode("ascii")
     return {FILE: text, "beside": beside}
