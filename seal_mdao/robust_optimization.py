@@ -26,7 +26,7 @@ from seal_mdao.optimization import (
 )
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.variation import FACTOR, SHIFT, Scenarios
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.seal import Seal
 from seal_mdao.tolerances.tolerances import Tolerances

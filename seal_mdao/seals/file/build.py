@@ -10,9 +10,9 @@ from seal_mdao import values
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.choice import choose
 from seal_mdao.seals.file.described import description
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import measure_of
 from seal_mdao.seals.file.read import read_seal_file
-from seal_mdao.seals.file.seal_file import SealFile
 from seal_mdao.seals.outline.contours import Outline, sampled
 from seal_mdao.seals.outline.moved import moved_outline
 from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal

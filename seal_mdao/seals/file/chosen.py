@@ -4,7 +4,7 @@ import numpy as np
 
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT, penalties_of
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.seal import Seal

@@ -7,7 +7,7 @@ import zlib
 from pathlib import Path
 
 from seal_mdao.seals.file.chosen import chosen_for
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 FILE = "seal_file"

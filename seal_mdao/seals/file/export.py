@@ -10,8 +10,8 @@ import shapely
 
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import places_of
-from seal_mdao.seals.file.seal_file import SealFile
 from seal_mdao.seals.outline.cloud_file import write_cloud
 from seal_mdao.seals.outline.dxf import write_dxf
 from seal_mdao.seals.outline.outline_seal import OutlineSeal

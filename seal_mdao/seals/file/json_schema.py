@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from seal_mdao.seals.file.seal_file import Written
+from seal_mdao.seals.file.file_tables import Written
 
 
 class _Schema(GenerateJsonSchema):

@@ -10,10 +10,10 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.consistency import check
 from seal_mdao.seals.file.described import note_contents
+from seal_mdao.seals.file.file_tables import SealFile, Written
 from seal_mdao.seals.file.load_steps import with_steps
 from seal_mdao.seals.file.optimize_table import with_implied
 from seal_mdao.seals.file.schema import checked, suggestion
-from seal_mdao.seals.file.seal_file import SealFile, Written
 from seal_mdao.seals.file.section_table import SectionTable
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.wall_grid import SCHEMES
