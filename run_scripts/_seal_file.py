@@ -7,7 +7,7 @@ import seal_mdao as sm
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 

@@ -28,7 +28,7 @@ _LAZY = {
     "LoadPathError": "seal_mdao.errors",
     "KinkWarning": "seal_mdao.errors",
     "SealFileError": "seal_mdao.errors",
-    "SealFile": "seal_mdao.seals.file.seal_file",
+    "SealFile": "seal_mdao.seals.file.file_tables",
     "read_seal_file": "seal_mdao.seals.file.read",
     "build_seal": "seal_mdao.seals.file.build",
     "Outline": "seal_mdao.seals.outline.contours",

@@ -11,7 +11,7 @@ from seal_mdao.measures.gap import BetweenContacts
 from seal_mdao.optimization import Limit, Task
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.section_cloud import LAYERS
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal

@@ -9,8 +9,8 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.seals.door.door_seal import DOOR_SEAL, described_door_seal
 from seal_mdao.seals.file.build import built
 from seal_mdao.seals.file.described import FILE, named_in, unpacked
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_seal_file
-from seal_mdao.seals.file.seal_file import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.seal import Seal
 

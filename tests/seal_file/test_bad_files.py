@@ -13,9 +13,9 @@ from json_check import fits
 from pydantic import TypeAdapter
 
 import seal_mdao as sm
+from seal_mdao.seals.file.file_tables import Written
 from seal_mdao.seals.file.json_schema import json_schema
 from seal_mdao.seals.file.schema import checked
-from seal_mdao.seals.file.seal_file import Written
 
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 ARC = "arc = { start = [4.0, 0.0], through = [0.0, 14.0], end = [-4.0, 0.0] }"

@@ -8,7 +8,7 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.file.build import build_seal
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.section_cloud import Kernels
 from seal_mdao.seals.result import analyze

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from seal_mdao.seals.file.build import build_seal
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.contours import Arc, Contour, Outline
 from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.result import analyze

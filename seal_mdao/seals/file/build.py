@@ -10,9 +10,9 @@ from seal_mdao import values
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.choice import choose
 from seal_mdao.seals.file.described import description
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import measure_of
 from seal_mdao.seals.file.read import read_seal_file
-from seal_mdao.seals.file.seal_file import SealFile
 from seal_mdao.seals.outline.contours import Outline, sampled
 from seal_mdao.seals.outline.moved import moved_outline
 from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
@@ -97,6 +97,7 @@ def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> Outli
         raise SealFileError(
             f"penalties are given of {', '.join(penalties) or 'none'}, but the file leaves open {wanted}"
         )
+    # set as parameters, which checks them, then taken over into the definitions
     seal = seal.with_parameters(dict(penalties))
     return replace(seal, definitions=seal.terms(), changed={})
 
@@ -141,6 +142,7 @@ def boundaries_of(
     GeometryError
         For a section that cannot be filled.
     """
+    # points of rays and of clouds are decided by these
     if isinstance(spacing, Rays):
         return ray_boundaries(outline, spacing), spacing
     if isinstance(spacing, OutlineCloud):
@@ -163,6 +165,7 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
     GeometryError
         For a boundary that crosses itself.
     """
+    # the same boundary particles as those of the seal, then where they are in the design
     section = file.section
     boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
     particles = seal.particles(offsets)
@@ -176,11 +179,8 @@ def _check_places(file: SealFile, seal: OutlineSeal) -> None:
         if places is None:
             continue
         # of contact points where the measure names a profile, else of all particles
-        label, count, what = (
-            measure.arguments.get("profile"),
-            len(seal.drawn_particles),
-            "particles",
-        )
+        label = measure.arguments.get("profile")
+        count, what = len(seal.drawn_particles), "particles"
         if label is not None:
             contact = next(term for term in seal.terms() if term.label == label)
             count, what = len(contact.where), f"points that may touch {label!r}, from 0 on"

@@ -4,7 +4,7 @@ import numpy as np
 
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT, penalties_of
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.seal import Seal
@@ -18,6 +18,7 @@ def chosen_for(file: SealFile, seal: Seal) -> dict:
     dict
         ``step_ends``, in stages, and ``penalties``, kPa/mm by parameter; each where it was open.
     """
+    # only what the file leaves open
     found = {}
     if file.step_tolerance is not None:
         found["step_ends"] = chosen_ends(seal)
@@ -58,5 +59,6 @@ def _write_steps(given: dict, seal: Seal) -> None:
     by_stage = np.split(motion.shares, np.cumsum(motion.steps)[:-1])
     given.pop("steps", None)
     for profile in given["profile"]:
+        # profiles without stages stand still in any steps
         for stage, shares in zip(profile.get("stage", ()), by_stage, strict=False):
             stage["steps"] = shares.tolist()

@@ -52,6 +52,7 @@ def check_start(where: str, profile, outline) -> float:
     least, place, edge = nearest_at_start(profile, outline)
     if least < -ROUNDING * outline.size:
         gap, sagitta = gap_at_start(profile), LOOK * outline.size
+        # points along all edges that may touch
         every = [s.points(s.chords(sagitta)) for s in _segments(profile, outline)]
         # all of the section on the wrong side: the curve has the wrong direction
         inside = all(gap(*x) < 0.0 for x in np.concatenate(every))

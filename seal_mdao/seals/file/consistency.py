@@ -20,6 +20,7 @@ TOUCHING = 1e-9
 
 def check(file) -> None:
     """Refuse a ``SealFile`` whose tables contradict each other."""
+    # the section and its materials, then all that names its edges
     check_section(file)
     _check_supports(file)
     _check_designs(file)
@@ -28,6 +29,7 @@ def check(file) -> None:
         _check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
     for number, term in enumerate(file.terms, 1):
         _check_edges(f"[[term]] {number}", "edges", term.edges, file.section.outline)
+    # what refers to profiles, steps and names
     _check_measures(file)
     _check_steps(file)
     _check_fluids(file)
@@ -88,6 +90,7 @@ def _check_supports(file) -> None:
 
 def _check_designs(file) -> None:
     """Refuse edges of designs that are held, or that two designs move."""
+    # edges of [fixed] and [[symmetry]] are those with supports
     seen = {}
     for number, design in enumerate(file.designs, 1):
         where = f"[[design]] {number}"
@@ -107,6 +110,7 @@ def _check_designs(file) -> None:
 
 def _check_cavities(file) -> None:
     """Refuse holes that there are not, or that two cavities name."""
+    # holes are counted from 1, and each has one volume of air
     holes, seen = len(file.section.outline.holes), {}
     for number, cavity in enumerate(file.cavities, 1):
         where = f"[[cavity]] {number}: hole = {cavity.hole}"
@@ -170,6 +174,7 @@ def _check_measures(file) -> None:
                 f"{where}: name = {measure.name!r}, but an earlier measure has it; give every measure "
                 "a name of its own"
             )
+        # numbers of particles belong to a cloud that does not change
         cloud = isinstance(file.section.spacing, OutlineCloud)
         if getattr(measure, "places", None) is not None and not cloud:
             raise SealFileError(
@@ -226,6 +231,7 @@ def _check_steps(file) -> None:
 
 def _check_contact(where: str, profile, file) -> None:
     """Refuse contact of edges that are fixed, or that are not one stretch of the boundary."""
+    # fixed particles are no contact points; edges in a plane still slide
     _check_edges(where, "contact", profile.contact, file.section.outline)
     for name in profile.contact:
         if len(file.supports.get(name, ())) == 2:
@@ -247,6 +253,7 @@ def _check_contact_points(where: str, profile, file) -> None:
             f"{where} a [[fluid]] needs contact at the particles; leave contact_points out"
         )
     for number, measure in enumerate(file.measures, 1):
+        # the moment of a profile that turns needs forces at particles
         of = getattr(measure, "profile", None)
         if measure.type == "profile_work" and of == profile.name and profile.turns:
             raise SealFileError(
@@ -270,6 +277,7 @@ def _check_bodies_held(file, gaps) -> None:
         ]
         if min(own, default=np.inf) <= TOUCHING * outline.size:
             continue
+        # what is missing, which body, and how far the nearest profile is
         first = contours[0].edge_names[0]
         what = f"body {number} (edge {first!r})" if outline.others else "the section"
         missing = "[fixed] has no edge of it" if fixed else "[fixed] is missing"

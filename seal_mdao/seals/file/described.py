@@ -7,7 +7,7 @@ import zlib
 from pathlib import Path
 
 from seal_mdao.seals.file.chosen import chosen_for
-from seal_mdao.seals.file.seal_file import SealFile
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 FILE = "seal_file"
@@ -39,6 +39,7 @@ def _contents(path: Path) -> dict:
         if written is None:
             return {}
         text = text.replace(written, f'"{short}"')
+        # compressed bytes as text, for JSON
         packed = zlib.compress((path.parent / name).read_bytes())
         beside[short] = base64.b64encode(packed).decode("ascii")
     return {FILE: text, "beside": beside}

@@ -169,6 +169,7 @@ class TermTable(Table):
 @cache
 def _extension(name: str, made: type) -> type[TermTable]:
     """Make the table of a term of another package."""
+    # the name is the type unless given; label and points are given by the section
     keys = {"name": (Name, key(TERM_NAME, name))} | keys_of(made, TermTable, ("label", "where"))
     return extension_table(TermTable, "type", name, made, keys)
 

@@ -10,8 +10,8 @@ import shapely
 
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import places_of
-from seal_mdao.seals.file.seal_file import SealFile
 from seal_mdao.seals.outline.cloud_file import write_cloud
 from seal_mdao.seals.outline.dxf import write_dxf
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
@@ -54,6 +54,7 @@ def write_design(
     ImportError
         Without ezdxf, meshio or tomli-w.
     """
+    # the section as a drawing, the particles as a mesh, everything else in the seal file
     writer, folder = _writer(), Path(folder)
     paths = [folder / f"{name}.{kind}" for kind in ("toml", "dxf", "vtu")]
     write_dxf(outline_of(file, seal, offsets), paths[1])
@@ -63,12 +64,14 @@ def write_design(
     section = {key: value for key, value in given["section"].items() if key not in DRAWN}
     given["section"] = section | {"dxf": paths[1].name, "cloud": paths[2].name}
     _move_regions(section.get("region", []), seal, offsets)
+    # tests of materials stay where they are, relative to the new file
     for material in given["material"].values():
         if "data" in material:
             material["data"] = _from(folder, file.path.parent / material["data"])
     # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
+    # a cloud has no scheme, from which contact points would follow
     for own, profile in zip(given["profile"], file.profiles, strict=True):
         own["contact_points"] = profile.contact_points
     text = HEAD.format(name=file.path.name) + writer.dumps(given)

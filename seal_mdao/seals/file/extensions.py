@@ -115,6 +115,7 @@ def keys_of(made: type, base: type[Table], left_out=()) -> dict:
         # required without a default; a type without a form is left to its default
         form = _form_of(hints[field.name])
         default = field.default if field.default_factory is MISSING else field.default_factory()
+        # a required field must have a form, and no field the name of a key or attribute of the base
         if form is None and default is MISSING:
             raise ValueError(
                 f"{made.__name__}: no key can give {field.name!r}; its type must be float, int, str, "

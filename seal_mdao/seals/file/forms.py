@@ -107,6 +107,7 @@ Name = Annotated[
     AfterValidator(_identifier),
     Form("a name of letters, digits and _ that begins with no digit"),
 ]
+# names of edges; points in mm; penalties of contact
 Names = many(Text, 'a list of names, such as ["base"]')
 Point = point()
 Points = Annotated[

@@ -77,6 +77,7 @@ class _OrLaw:
         return _LAW.validate_python(given).made() if isinstance(given, dict) else coefficient(given)
 
     def __get_pydantic_json_schema__(self, schema, handler):
+        # a number, or a table with the name of a law
         names = (COULOMB, *registry.installed("friction_laws"))
         return {"anyOf": [handler(schema), named("law", names)]}
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from seal_mdao.seals.file.seal_file import Written
+from seal_mdao.seals.file.file_tables import Written
 
 
 class _Schema(GenerateJsonSchema):
@@ -37,6 +37,7 @@ def json_schema() -> dict:
     It checks tables, keys, forms and bounds; what tables say of each other is checked by
     ``read_seal_file`` alone.
     """
+    # forms of keys are titles, their meanings descriptions
     made = Written.model_json_schema(schema_generator=_Schema)
     return {"$schema": _Schema.schema_dialect} | made | {"title": "Seal file of seal_mdao"}
 

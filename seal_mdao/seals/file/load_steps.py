@@ -17,6 +17,7 @@ _Count = whole(1, MOST_STEPS)
 
 
 def _increasing(shares: tuple) -> tuple:
+    # 0 < s_1 < ... < s_n = 1
     if not increases_to_one(shares):
         raise ValueError
     return shares
@@ -81,6 +82,7 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
                 "out either"
             )
         return profiles, None
+    # some stages have steps and others none: one choice for all
     for where, own in named:
         if own is not None:
             raise SealFileError(
@@ -92,6 +94,7 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
 
 def one_step_each(profiles) -> tuple:
     """Give every stage one load step, for a choice to begin with."""
+    # stages keep their travels and turns
     return tuple(
         replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))
         for profile in profiles

@@ -112,6 +112,7 @@ def _constants_table(name: str) -> type[Table]:
     # every field of the law is a key, moduli in kPa
     for own in fields(LAWS[name]):
         unit = "kPa" if own.name in MODULI else ""
+        # laws of several terms have lists of constants
         several = get_origin(own.type) is tuple
         allowed = f"a list of numbers{f' ({unit})' * bool(unit)}"
         form = many(Number, allowed) if several else number(unit)
@@ -123,6 +124,7 @@ def _constants_table(name: str) -> type[Table]:
 def _meanings(law: type) -> dict[str, str]:
     """Read what the docstring of a law says of its constants (Attributes of numpydoc)."""
     attributes = getdoc(law).partition("Attributes\n----------\n")[2]
+    # "c10, c01 : float" and the indented lines below it
     found = {}
     for names, text in re.findall(r"^([\w, ]+) : .*\n((?: +.*\n?)*)", attributes, re.MULTILINE):
         found |= dict.fromkeys(names.split(", "), " ".join(text.replace("``", "`").split()))
@@ -170,6 +172,7 @@ def _named(given):
         line = f"[material.NAME] must be a table for every material, got {formatted(given)}"
         raise PydanticCustomError(LINE, "{line}", {"line": line})
     for name, value in given.items():
+        # [material] with the keys of a material in place of [material.NAME]
         if not isinstance(value, dict):
             line = (
                 f"[material]: {name} = {formatted(value)}, but a material needs a name: write "

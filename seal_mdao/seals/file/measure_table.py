@@ -36,6 +36,7 @@ class MeasureTable(Table):
     @property
     def arguments(self) -> dict:
         """Values of its keys beside ``type`` and ``name``."""
+        # fields of the dataclass are the keys of the table
         every = {own.name: getattr(self, own.name) for own in fields(self)}
         return {name: own for name, own in every.items() if name not in ("type", "name")}
 
@@ -47,19 +48,12 @@ class MeasureTable(Table):
     def settled(self, where: str, profiles: tuple) -> "MeasureTable":
         """Return the table with what it leaves to the profiles of the file, and its name.
 
-        Raises
-        ------
-        SealFileError
+        SealFileError says what it cannot leave to them.
         """
         return replace(self, name=self.type if self.name is None else self.name)
 
     def check(self, where: str, file) -> None:
-        """Refuse a table that does not fit the other tables of the file.
-
-        Raises
-        ------
-        SealFileError
-        """
+        """Raise SealFileError for a table that does not fit the other tables of the file."""
 
 
 KINDS = {}
@@ -84,6 +78,7 @@ def kind(name: str, makes: Callable[..., Measure]):
 
 def simple_kind(name: str, makes: Callable[..., Measure], base: type, text: str) -> None:
     """Add a type of measure whose table has the keys of ``base``, with its docstring."""
+    # no keys of its own: the annotations are those of the base
     attributes = {"__doc__": text, "__annotations__": {}, "__module__": base.__module__}
     kind(name, makes)(type(f"{name}_table", (base,), attributes))
 

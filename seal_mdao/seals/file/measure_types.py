@@ -203,6 +203,7 @@ class ReactionTable(OfProfile):
 
     @model_validator(mode="after")
     def _one_direction(self):
+        # an axis, or a vector
         if self.component is not None and self.direction is not None:
             raise ValueError("component beside direction; use one of them")
         return self
@@ -226,6 +227,7 @@ class ReactionTable(OfProfile):
             )
         # travels are those of the profile, or of the first one that travels where it stands still
         moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
+        # up to rounding, travels end with the path
         if done.travel is not None and np.max(done.travel) > moving.travel * (1.0 + ROUNDING):
             raise SealFileError(
                 f"{where}: travel = {np.max(done.travel):g}, but the path of the profile "
@@ -236,6 +238,7 @@ class ReactionTable(OfProfile):
 
 def _main_axis(profile) -> str:
     """Find the axis along which the first translation of a profile moves most; y without one."""
+    # the larger component of the first stage that is not at rest
     for stage in profile.stages:
         if any(stage.translate):
             return "x" if abs(stage.translate[0]) > abs(stage.translate[1]) else "y"
@@ -273,6 +276,7 @@ class VonMisesTable(MeasureTable):
 
     @model_validator(mode="after")
     def _one_choice(self):
+        # places are given by points or by a number of maxima; the excess is that of the smooth maximum
         if self.at is not None and self.count is not None:
             raise ValueError("at beside count; use one of them")
         if self.excess is not None and not self.single:

@@ -58,6 +58,7 @@ def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> t
 
 def _implied(where: str, name: str, every: list, profiles: tuple) -> MeasureTable:
     """Find the measure that ``[optimize]`` means by a name; one of its own is added to ``every``."""
+    # a declared measure by its name, else a type of the package or an extension
     names = [measure.name for measure in every]
     if name in names:
         return every[names.index(name)]

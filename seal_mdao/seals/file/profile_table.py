@@ -60,7 +60,8 @@ class ShapeTable(Table):
 
     @model_validator(mode="after")
     def _makeable(self):
-        _ = self.made  # raises where the fields give no curve
+        # raises where the fields give no curve
+        _ = self.made
         return self
 
 
@@ -108,6 +109,7 @@ class ProfileTable(SegmentTable):
     @cached_property
     def segments(self) -> tuple:
         """Chain of its curve, unless that is of another package."""
+        # keys of a single segment beside a list of them contradict each other
         alone = [kind for kind in KINDS if getattr(self, kind) is not None]
         if self.segment is not None and alone:
             raise ValueError(f"{alone[0]} beside [[profile.segment]]; use one of them")
@@ -138,6 +140,7 @@ class ProfileTable(SegmentTable):
 
     def on(self, section: SectionBody) -> RigidContact:
         """Bind the contact to the points of its edges."""
+        # contact points, shape, motion and law of the term; constants with the name of the profile
         where = section.contact_points(self.contact, self.contact_points)
         shape = GivenShape(rigid_profile_of(self)) if self.shape is None else self.shape.made
         law = ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, True)
@@ -152,6 +155,7 @@ def _joined(chain) -> bool:
 
 def _corners(segments) -> np.ndarray:
     """Compute the corners of a fine polygon along a chain, shape (k, 2)."""
+    # sagitta of the chords relative to the largest coordinate
     size = max(np.abs(segment.points([0.0, 0.5, 1.0])).max() for segment in segments)
     parts = [segment.points(segment.chords(SAGITTA * size)[:-1]) for segment in segments]
     return np.concatenate([*parts, segments[-1].points([1.0])])
@@ -159,6 +163,7 @@ def _corners(segments) -> np.ndarray:
 
 def motion_of(profile: ProfileTable, n_steps: int) -> Motion:
     """Make the motion of a profile; one without stages stands still for ``n_steps``."""
+    # stages in succession from the start, turns about the pivot
     stages = profile.stages or (Stage(n_steps),)
     return staged_motion(stages, profile.start, profile.angle, profile.pivot)
 

@@ -10,10 +10,10 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.consistency import check
 from seal_mdao.seals.file.described import note_contents
+from seal_mdao.seals.file.file_tables import SealFile, Written
 from seal_mdao.seals.file.load_steps import with_steps
 from seal_mdao.seals.file.optimize_table import with_implied
 from seal_mdao.seals.file.schema import checked, suggestion
-from seal_mdao.seals.file.seal_file import SealFile, Written
 from seal_mdao.seals.file.section_table import SectionTable
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.wall_grid import SCHEMES
@@ -45,6 +45,7 @@ def read_seal_file(path) -> SealFile:
 
 def _parsed(path) -> dict:
     """Parse the TOML of a file; what it cannot read, it says in one line."""
+    # reading, decoding and parsing each have their own message
     try:
         content = read_text(path)
     except FileNotFoundError:
@@ -87,6 +88,7 @@ def _read(given, path) -> SealFile:
 
 def _decided(written: Written, path: Path) -> SealFile:
     """Decide what a file leaves to its other tables and files, and to defaults."""
+    # labels and steps first: measures refer to profiles and their travels
     _check_profile_names(written.profile)
     profiles, step_tolerance = with_steps(written.profile, written.steps)
     measures = tuple(
@@ -127,6 +129,7 @@ def _with_contact_points(profiles, section: SectionTable, fixed, fluids) -> tupl
     body that only profiles hold, the work of a profile that turns. Else the particles, which are at the
     corners of the section.
     """
+    # those of the scheme of the rays, where no particle is needed
     chosen = "particles"
     if isinstance(section.spacing, Rays) and fixed is not None and not fluids:
         chosen = SCHEMES[section.spacing.accuracy].contact_points

@@ -187,6 +187,7 @@ def _line(error: dict, given: dict) -> str:
     loc = tuple(own for own in error["loc"] if not str(own).startswith(_TAG))
     value, context = error["input"], error.get("ctx", {})
     names = [own for own in loc if isinstance(own, str)]
+    # one table where a list is written, or none at all
     if error["type"] == "table":
         written = f", written [{names[0]}]" if isinstance(value, list) and len(names) == 1 else ""
         return f"{_place(loc, given)} must be one table{written}, got {formatted(value)}"
@@ -204,7 +205,8 @@ def _line(error: dict, given: dict) -> str:
         return f"{where}{name} = {formatted(value)}, but it must be {context['allowed']}"
     if error["type"] == LINE:
         return context["line"]
-    if isinstance(value, dict):  # of a table by itself
+    # a cross check of a table: the place is that of the table itself
+    if isinstance(value, dict):
         where, name = "", _place(loc, given)
     return f"{where}{name}: {context['error']}"
 
@@ -242,12 +244,8 @@ def _row_name(name: str, number: int, given) -> str:
 
 
 def known(where: str, key: str, name: str, names, what: str) -> None:
-    """Refuse a name that is not among ``names``.
-
-    Raises
-    ------
-    SealFileError
-    """
+    """Raise SealFileError for a name that is not among ``names``."""
+    # with the nearest known name, and all of them
     if name not in names:
         raise SealFileError(
             f"{where}: {key} = {name!r}, but there is no such {what}{suggestion(name, names)}; "

@@ -152,6 +152,7 @@ class WrittenSection(Table):
             filling = Rays(**asdict(self.rays))
         elif self.cloud is not None:
             filling = _other_file("cloud", read_cloud, folder / self.cloud, outline)
+        # files that designs and recorders refer to
         beside = (None if name is None else folder / name for name in (self.dxf, self.cloud))
         layers = LAYERS if self.layers is None else self.layers
         return SectionTable(outline, self.material, filling, *beside, regions, layers)
@@ -163,6 +164,7 @@ class WrittenSection(Table):
             bodies[row.body] += row.pieces(row.edge)
         for row in self.hole or ():
             holes[row.hole] += row.pieces(row.edge)
+        # the first body is that of the number 1, and so on; contours close by themselves
         outer = [
             _contour("[[section.outer]]" + (f" of body {n}" if len(bodies) > 1 else ""), own)
             for n, own in sorted(bodies.items())
@@ -244,6 +246,7 @@ def _nearest_joint(point, outline: Outline) -> tuple[np.ndarray, float]:
 
 def check_section(file) -> None:
     """Raise SealFileError for unknown materials, and a spacing of no particles or too many."""
+    # material of the rest, spacing, then region by region
     section, outline = file.section, file.section.outline
     known("[section]", "material", section.material, tuple(file.materials), "material")
     if isinstance(section.spacing, float):

@@ -75,6 +75,7 @@ class PieceTable(SegmentTable):
 
     @model_validator(mode="after")
     def _one_segment(self):
+        # points that give no segment are refused with the table that has them
         self.pieces("")
         return self
 

@@ -48,6 +48,7 @@ def segments_of(degree: int, knots, control, weights, edge: str) -> list:
         raise
     except ValueError as error:  # knots repeated until the curve falls apart
         raise GeometryError(f"not a curve: {error}") from None
+    # lines of degree one, else a cubic spline for every stretch of continuous curvature
     parts = []
     for stretch in curve.stretches():
         if degree == 1:

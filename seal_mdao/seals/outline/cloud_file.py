@@ -81,6 +81,7 @@ def read_cloud(path, outline: Outline) -> OutlineCloud:
     GeometryError
         For a file that is no mesh, or the mesh of another section.
     """
+    # cells, then their boundary along the section, then kernels at the nominal particles
     path = Path(path)
     try:
         mesh = _mesh(path)

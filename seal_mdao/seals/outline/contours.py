@@ -211,6 +211,7 @@ class Outline:
         ]
 
     def _check_names(self):
+        # names of edges are unique over all contours
         seen = {}
         for contour, where in zip(self.contours, self.titles, strict=True):
             names = [segment.edge for segment in contour.segments]

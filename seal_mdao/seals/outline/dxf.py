@@ -161,6 +161,7 @@ def _document(path):
 def _units(document, wanted) -> str:
     if wanted is not None and wanted not in MODEL_UNITS:
         raise GeometryError(f"units = {wanted!r}, but it must be one of {', '.join(MODEL_UNITS)}")
+    # the header, which units of the caller must not contradict
     code = document.header.get("$INSUNITS", 0)
     # $INSUNITS = 0 means unitless: the caller has to state the unit
     if code == 0 and wanted is None:

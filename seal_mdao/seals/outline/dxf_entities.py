@@ -79,6 +79,7 @@ def _make_upright(entity) -> None:
     """Transform an entity with extrusion direction -z (mirrored) to the usual coordinates."""
     from ezdxf.upright import upright
 
+    # n = (0, 0, 1) or (0, 0, -1) up to rounding
     normal = np.array(entity.dxf.extrusion)
     if np.abs(np.abs(normal) - [0.0, 0.0, 1.0]).max() > _LEVEL:
         raise GeometryError(f"it does not lie in the plane of the drawing (normal {tuple(normal)})")

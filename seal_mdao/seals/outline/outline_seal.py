@@ -79,6 +79,7 @@ class OutlineSeal(Seal):
         wall = thin_wall(self.loops, self.drawn_particles, self.body.cells)
         if wall is None:
             return ()
+        # no -0 in the message
         x, y = np.round(wall.place, 6) + 0.0
         return (
             f"the wall near x = {x:.3g}, y = {y:.3g} is {wall.thickness:.3g} mm thick and has about "
@@ -187,6 +188,7 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     ValueError
         For a section of several materials, or one not filled by a spacing.
     """
+    # parts of several materials, rays and given clouds cannot be filled by a spacing alone
     several = len(seal.definitions[0].regions) > 1
     if several or not isinstance(seal.spacing, int | float):
         raise ValueError(

@@ -58,6 +58,7 @@ def ray_boundaries(outline: Outline, rays: Rays) -> list:
         For a section of another kind, a contour that a ray meets twice, an end of a segment between
         two rays.
     """
+    # an annular wall: one outer contour and one hole
     if len(outline.holes) != 1:
         raise GeometryError(f"rays need one hole, but the section has {len(outline.holes)}")
     if outline.others:

@@ -34,6 +34,7 @@ from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 class Written(BaseModel):
     """Tables of a seal file as they are written."""
 
+    # keys are the names of tables; what is unknown is refused by ``read_seal_file`` before
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     material: Materials = key("rubbers by their names")
