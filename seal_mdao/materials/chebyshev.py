@@ -23,7 +23,7 @@ the series fall like (v / 2)^k: at this v the first costs less than a digit and 
 
 
 def stretch_power(v, a: float, rows: int = 3) -> np.ndarray:
-    """Evaluate C, C' and C'', or the first ``rows`` of them; a complex step passes through both.
+    """Evaluate C, C', C'', and with five rows also the derivatives of C and C' with respect to a.
 
     Parameters
     ----------
@@ -45,11 +45,10 @@ def stretch_power(v, a: float, rows: int = 3) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _coefficients(a) -> np.ndarray:
-    """Compute the coefficients of v^k in the columns C, C', C''.
+    """Compute the coefficients of v^k in the columns C, C', C'', dC/da, dC'/da.
 
-    The series ends where the next term of C'', which converges last, and its derivative in a are below
-    rounding relative to the first at ``SWITCH``; for k > |a| the ratio of successive terms is below
-    v / 2.
+    The series ends where the next term of C'', which converges last, is below rounding relative to the
+    first at ``SWITCH``; for k > |a| the ratio of successive terms is below v / 2.
     """
     # t_0 = 1, t_1 = a^2 and their derivatives in a
     terms, rates = [1.0, a * a], [0.0, 2.0 * a]
@@ -65,8 +64,10 @@ def _coefficients(a) -> np.ndarray:
         terms.append(terms[k] * factor)
     # C = sum t_k v^k,  C' = sum (k + 1) t_(k+1) v^k,  C'' = sum (k + 1)(k + 2) t_(k+2) v^k
     k = np.arange(len(terms) - 2)
-    t = np.array(terms)
-    return np.stack([t[k], (k + 1) * t[k + 1], (k + 1) * (k + 2) * t[k + 2]], axis=1)
+    t, r = np.array(terms), np.array(rates)
+    return np.stack(
+        [t[k], (k + 1) * t[k + 1], (k + 1) * (k + 2) * t[k + 2], r[k], (k + 1) * r[k + 1]], axis=1
+    )
 
 
 @compiled
@@ -89,12 +90,13 @@ def _fill(v, a, table, out):
 
 @inlined
 def closed_form(v, a):
-    """Evaluate C, C', C'' from hyperbolic functions, away from v = 0."""
+    """Evaluate the five values from hyperbolic functions, away from v = 0."""
     # c = cosh u,  s = sinh u = sqrt(c^2 - 1),  u = ln(c + s)
     c, s = 1.0 + v, np.sqrt(v * (v + 2.0))
     u = np.log(c + s)
     power = np.exp(a * u)
     cosh, sinh = 0.5 * (power + 1.0 / power), 0.5 * (power - 1.0 / power)
     # C' = a sinh(a u) / s,  C'' = (a^2 C - c C') / s^2 (Chebyshev's equation)
+    # dC/da = u sinh(a u),  dC'/da = (sinh(a u) + a u cosh(a u)) / s
     slope = a * sinh / s
-    return cosh, slope, (a * a * cosh - c * slope) / (s * s)
+    return cosh, slope, (a * a * cosh - c * slope) / (s * s), u * sinh, (sinh + a * u * cosh) / s

@@ -11,7 +11,7 @@ from seal_mdao.materials.isotropic import NO_VALUE, Isotropic
 
 
 class FirstInvariant(Isotropic):
-    """Base class of laws given by f(x), f' and f''; complex steps pass through x and the constants."""
+    """Base class of laws given by f(x), f' and f'', and the derivatives of f' in their constants."""
 
     @abstractmethod
     def invariant_energy(self, x):
@@ -20,6 +20,10 @@ class FirstInvariant(Isotropic):
     @abstractmethod
     def invariant_derivatives(self, x):
         """Evaluate f' and f'', two arrays of the shape of ``x``, or numbers."""
+
+    @abstractmethod
+    def invariant_constants(self, x):
+        """Evaluate d f' / d constant for all constants but ``bulk_modulus``: arrays, or numbers."""
 
     @np.errstate(**NO_VALUE)
     def energy(self, t, j):
@@ -44,6 +48,14 @@ class FirstInvariant(Isotropic):
                 second * x_j * x_j + first * x_jj,
             ]
         )
+
+    @np.errstate(**NO_VALUE)
+    def constant_derivatives(self, t, j):
+        """Evaluate d(W_T, W_J) / d constant, shape (n_constants, 2, ...)."""
+        x, x_t, x_j = _distortion(t, j)
+        # d(W_T, W_J)/dc = (df'/dc) (x_T, x_J); f does not depend on the bulk modulus, the last constant
+        slopes = [*self.invariant_constants(x), 0.0]
+        return np.array([[slope * x_t, slope * x_j] for slope in slopes])
 
 
 def _distortion(t, j):

@@ -45,6 +45,13 @@ class Gent(FirstInvariant):
         first = 0.5 * self.shear_modulus / margin
         return first, first / (self.limit * margin)
 
+    def invariant_constants(self, x):
+        """Differentiate f' with respect to G and Jm."""
+        margin = 1.0 - self._extension(x)
+        # df'/dG = (1/2) / (1 - x / Jm),  df'/dJm = -(G x / 2) / (Jm - x)^2
+        by_limit = -0.5 * self.shear_modulus * x / (self.limit * margin) ** 2
+        return 0.5 / margin, by_limit
+
     def _extension(self, x):
         """Evaluate x / Jm, NaN at and beyond the limiting extension."""
         ratio = x / self.limit

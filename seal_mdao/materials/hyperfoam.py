@@ -59,9 +59,9 @@ class Hyperfoam(StretchPowers):
     def terms(self):
         """Terms of the sum over powers."""
         # lambda_1^alpha + lambda_2^alpha = 2 J^(alpha/2) C and h = (J^(-alpha b) - 1) / b - 2:
-        # k = 2 / alpha^2, q = alpha / 2, r = alpha b
+        # k = 2 / alpha^2, q = alpha / 2, r = alpha b and their derivatives in alpha
         return tuple(
-            PowerTerm(m, a, 2.0 / a**2, 0.5 * a, a * b)
+            PowerTerm(m, a, 2.0 / a**2, 0.5 * a, a * b, -4.0 / a**3, 0.5, b)
             for m, a, b in zip(self.mu, self.alpha, self._b, strict=True)
         )
 
@@ -76,6 +76,29 @@ class Hyperfoam(StretchPowers):
         )
 
     @np.errstate(**NO_VALUE)
+    def further_constants(self, log_j, j):
+        """Evaluate d(W_T, W_J) / d nu, by way of r = alpha b."""
+        # W_J = mu k (... - 2 q J^(-r - 1)):  dW_J/dnu = mu k 2 q ln J J^(-r - 1) alpha db/dnu
+        zero = np.zeros_like(log_j)
+        return [
+            np.array(
+                [
+                    zero,
+                    m.mu
+                    * m.scale
+                    * 2.0
+                    * m.q
+                    * log_j
+                    * np.exp(-m.r * log_j)
+                    / j
+                    * m.alpha
+                    * b_rate,
+                ]
+            )
+            for m, b_rate in zip(self.terms, self._b_rates, strict=True)
+        ]
+
+    @np.errstate(**NO_VALUE)
     def across(self, t, j):
         """Evaluate sigma_33 and its derivatives in T and J."""
         j = np.asarray(j)
@@ -85,6 +108,20 @@ class Hyperfoam(StretchPowers):
         # d sigma_33/dJ = (1/J) [ (1/J) sum 2 mu/alpha r J^(-r) - sigma_33 ]
         slope = sum(m.mu * m.scale * m.alpha * m.r * np.exp(-m.r * log_j) for m in self.terms)
         return np.array([value, np.zeros_like(value), (slope / j - value) / j])
+
+    @np.errstate(**NO_VALUE)
+    def across_constant_derivatives(self, t, j):
+        """Evaluate d sigma_33 / d constant: all mu, all alpha, all nu."""
+        j = np.asarray(j)
+        log_j, by_mu, by_alpha, by_nu = np.log(j), [], [], []
+        for m, b_rate in zip(self.terms, self._b_rates, strict=True):
+            tension, factor = -np.expm1(-m.r * log_j), 2.0 / m.alpha
+            # J sigma_33 = sum mu (2/alpha) (1 - J^-r),  d(1 - J^-r)/dr = ln J J^-r
+            fall = log_j * np.exp(-m.r * log_j)
+            by_mu.append(factor * tension)
+            by_alpha.append(m.mu * factor * (m.r_rate * fall - tension / m.alpha))
+            by_nu.append(m.mu * factor * fall * m.alpha * b_rate)
+        return np.array([*by_mu, *by_alpha, *by_nu]) / j
 
     @np.errstate(**NO_VALUE)
     def principal_stress(self, stretches):
@@ -108,6 +145,26 @@ class Hyperfoam(StretchPowers):
         )
         return np.einsum("ij,j...->ij...", np.eye(3), own) + volume
 
+    @np.errstate(**NO_VALUE)
+    def principal_constants(self, stretches):
+        """Evaluate d (Kirchhoff stress) / d constant: all mu, all alpha, all nu."""
+        log = np.log(np.asarray(stretches))
+        log_j, by_mu, by_alpha, by_nu = log.sum(axis=0), [], [], []
+        for m, b, b_rate in zip(self.terms, self._b, self._b_rates, strict=True):
+            power, volume, factor = np.exp(m.alpha * log), np.exp(-m.r * log_j), 2.0 / m.alpha
+            by_mu.append(factor * (power - volume))
+            # d(lambda^alpha - J^(-alpha b))/d alpha = ln lambda lambda^alpha + b ln J J^(-alpha b)
+            slope = log * power + b * log_j * volume
+            by_alpha.append(m.mu * factor * (slope - (power - volume) / m.alpha))
+            # d tau/dnu = (2 mu/alpha) alpha ln J J^(-alpha b) db/dnu
+            by_nu.append(np.broadcast_to(2.0 * m.mu * b_rate * log_j * volume, log.shape))
+        return np.array([*by_mu, *by_alpha, *by_nu])
+
     @property
     def _b(self):
         return tuple(nu / (1.0 - 2.0 * nu) for nu in self.nu)
+
+    @property
+    def _b_rates(self):
+        """Evaluate db / dnu = 1 / (1 - 2 nu)^2."""
+        return tuple(1.0 / (1.0 - 2.0 * nu) ** 2 for nu in self.nu)

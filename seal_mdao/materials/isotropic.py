@@ -53,23 +53,17 @@ class Isotropic(ABC):
 
     @abstractmethod
     def derivatives(self, t, j) -> np.ndarray:
-        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...); complex step passes, as through ``energy``."""
+        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
 
-    # ---- derivatives in the constants, by complex steps ----
+    @abstractmethod
+    def constant_derivatives(self, t, j) -> np.ndarray:
+        """d(W_T, W_J) / d constant, shape (n_constants, 2, ...); zero for ``bulk_modulus``."""
 
     def constant_energies(self, t, j) -> np.ndarray:
-        """Evaluate dW / d constant, shape (n_constants, ...)."""
-        return self._by_constants(lambda law: law.energy(t, j), np.shape(t))
-
-    def constant_derivatives(self, t, j) -> np.ndarray:
-        """Evaluate d(W_T, W_J) / d constant, shape (n_constants, 2, ...); zero for ``bulk_modulus``."""
-        return self._by_constants(lambda law: law.derivatives(t, j)[:2], (2, *np.shape(t)))
-
-    def _by_constants(self, evaluate, shape) -> np.ndarray:
-        """Evaluate d evaluate(law) / d constant, shape (n_constants, *shape)."""
-        # df/dc = Im f(c + i h) / h, exact for a step as small as 1e-30
-        slopes = [np.imag(evaluate(self._stepped(name))) / STEP for name in self.names]
-        return np.array([np.broadcast_to(slope, shape) for slope in slopes])
+        """Evaluate dW / d constant, shape (n_constants, ...), by complex steps of ``energy``."""
+        # dW/dc = Im W(c + i h) / h, exact for a step as small as 1e-30
+        slopes = [self._stepped(name).energy(t, j).imag / STEP for name in self.names]
+        return np.array([np.broadcast_to(slope, np.shape(t)) for slope in slopes])
 
     def _stepped(self, name: str):
         """Copy the law with an imaginary step in one constant, unchecked."""
@@ -121,7 +115,9 @@ class Isotropic(ABC):
 
     def across_constant_derivatives(self, t, j) -> np.ndarray:
         """Evaluate d sigma_33 / d constant, shape (n_constants, ...)."""
-        return self._by_constants(lambda law: law.across(t, j)[0], np.shape(t))
+        rates = self.constant_derivatives(t, j)
+        # dm/dc = (dW_T/dc) T / J + dW_J/dc
+        return -2.0 * (rates[:, 0] * t / j + rates[:, 1])
 
     # ---- three principal stretches, lambda_3 not fixed at 1 ----
 
@@ -130,7 +126,7 @@ class Isotropic(ABC):
 
         An isochoric energy depends on ratios of stretches alone, W = W(T, J) at (lambda_1/lambda_3,
         lambda_2/lambda_3, 1), so that W(T, J) of plane strain covers all states. A compressible law
-        overrides ``principal_stress`` and ``principal_tangent``, as it does ``across``.
+        overrides the three ``principal_`` methods, as it does ``across``.
 
         Parameters
         ----------
@@ -161,7 +157,11 @@ class Isotropic(ABC):
 
     def principal_constants(self, stretches) -> np.ndarray:
         """Evaluate d tau_i / d constant of Kirchhoff stresses, shape (n_constants, 3, ...)."""
-        return self._by_constants(lambda law: law.principal_stress(stretches), np.shape(stretches))
+        first, second, t, j = _in_plane(stretches)
+        rates = self.constant_derivatives(t, j)
+        by_t, by_j = 2.0 * rates[:, 0], rates[:, 1] * j
+        pair = _trace_free(by_t * first + by_j, by_t * second + by_j)
+        return np.moveaxis(pair, 0, 1)
 
     # ---- stresses and tangents from the energy ----
 

@@ -101,22 +101,20 @@ class MooneyRivlin(Isotropic):
 
     def derivatives(self, t, j):
         """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...), in one compiled loop."""
-        constants = np.array([self.c10, self.c01])
-        t, j, out = _loop_arrays(t, j, constants.dtype, 5)
-        c10, c01 = constants.astype(out.dtype)
-        _fill_derivatives(t.ravel(), j.ravel(), c10, c01, out.reshape(5, -1))
+        t, j, out = _loop_arrays(t, j, 5)
+        _fill_derivatives(t.ravel(), j.ravel(), self.c10, self.c01, out.reshape(5, -1))
         return out
 
     def constant_derivatives(self, t, j):
         """Evaluate d(W_T, W_J) / d(c10, c01, bulk_modulus), shape (3, 2, ...)."""
-        t, j, out = _loop_arrays(t, j, float, 3, 2)
+        t, j, out = _loop_arrays(t, j, 3, 2)
         _fill_unit_gradients(t.ravel(), j.ravel(), out.reshape(3, 2, -1))
         out[2] = 0.0
         return out
 
 
-def _loop_arrays(t, j, constants, *leading):
-    """Make T and J arrays of one type, that of the constants or wider, and allocate the result."""
-    kind = np.result_type(t, j, constants, float)
+def _loop_arrays(t, j, *leading):
+    """Make T and J arrays of floating numbers, and allocate the result."""
+    kind = np.result_type(t, j, float)
     t, j = np.asarray(t, kind), np.asarray(j, kind)
     return t, j, np.empty((*leading, *t.shape), kind)

@@ -32,3 +32,7 @@ class NeoHookean(FirstInvariant):
     def invariant_derivatives(self, x):
         """Evaluate f' = C10 and f'' = 0."""
         return self.c10, 0.0
+
+    def invariant_constants(self, x):
+        """Evaluate df'/dC10 = 1."""
+        return (1.0,)

@@ -44,12 +44,16 @@ class Ogden(StretchPowers):
     def terms(self):
         """Terms of the sum over powers."""
         # lb_1^alpha + lb_2^alpha = 2 J^(alpha/6) C and h = lb_3^alpha - 3 = J^(-alpha/3) - 3:
-        # k = 1 / alpha, q = alpha / 6, r = alpha / 3
+        # k = 1 / alpha, q = alpha / 6, r = alpha / 3 and their derivatives in alpha
         return tuple(
-            PowerTerm(m, a, 1.0 / a, a / 6.0, a / 3.0)
+            PowerTerm(m, a, 1.0 / a, a / 6.0, a / 3.0, -1.0 / (a * a), 1.0 / 6.0, 1.0 / 3.0)
             for m, a in zip(self.mu, self.alpha, strict=True)
         )
 
     def rest(self, term, log_j):
         """Evaluate h = J^(-alpha/3) - 3."""
         return np.exp(-term.r * log_j) - 3.0
+
+    def further_constants(self, log_j, j):
+        """Return zero: the isochoric energy does not depend on the bulk modulus."""
+        return [np.zeros((2, *np.shape(j)))]

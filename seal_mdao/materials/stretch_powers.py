@@ -22,7 +22,7 @@ LEAST_POWER, MOST_POWER = 1e-6, 200.0
 
 
 class PowerTerm(NamedTuple):
-    """One term of the sum.
+    """One term of the sum, and the derivatives of k, q, r with respect to alpha.
 
     Attributes
     ----------
@@ -30,6 +30,8 @@ class PowerTerm(NamedTuple):
         Modulus and exponent.
     scale, q, r : float
         k, q and r above.
+    scale_rate, q_rate, r_rate : float
+        d / d alpha.
     """
 
     mu: float
@@ -37,6 +39,9 @@ class PowerTerm(NamedTuple):
     scale: float
     q: float
     r: float
+    scale_rate: float
+    q_rate: float
+    r_rate: float
 
 
 class StretchPowers(Isotropic):
@@ -99,6 +104,22 @@ class StretchPowers(Isotropic):
         v, log_j = _variables(t, j)
         return sum(m.mu * m.scale * _term_derivatives(m, v, log_j, j) for m in self.terms)
 
+    @np.errstate(**NO_VALUE)
+    def constant_derivatives(self, t, j):
+        """Evaluate d(W_T, W_J) / d constant: all mu, all alpha, then ``further_constants``."""
+        v, log_j = _variables(t, j)
+        by_mu, by_alpha = [], []
+        for m in self.terms:
+            # d/dmu = k E,  d/dalpha = mu (k' E + k E')  with the bracket E = 2 J^q C + h
+            first, rate = _term_rates(m, v, log_j, j)
+            by_mu.append(m.scale * first)
+            by_alpha.append(m.mu * (m.scale_rate * first + m.scale * rate))
+        return np.array([*by_mu, *by_alpha, *self.further_constants(log_j, j)])
+
+    @abstractmethod
+    def further_constants(self, log_j, j) -> list[np.ndarray]:
+        """Evaluate d(W_T, W_J) / d constant, (2, ...) each, of the constants after mu and alpha."""
+
 
 def _variables(t, j):
     """Compute v = c - 1 = (T - 2 J) / (2 J) and ln J."""
@@ -128,6 +149,22 @@ def _term_derivatives(m, v, log_j, j):
             / (j * j),
         ]
     )
+
+
+def _term_rates(m, v, log_j, j):
+    """Evaluate E_T, E_J of E = 2 J^q C + h, and their derivatives with respect to alpha."""
+    C, C1, _, C_a, C1_a = stretch_power(v, 0.5 * m.alpha, 5)
+    c, swell, balance = 1.0 + v, np.exp(m.q * log_j), np.exp(-m.r * log_j)
+    q, grow = m.q, m.q_rate * log_j
+    # d/dalpha of J^q C, J^q C' and J^-r;  a = alpha / 2, hence 1/2 dC/da
+    power, slope = swell * (grow * C + 0.5 * C_a), swell * (grow * C1 + 0.5 * C1_a)
+    balance_rate = -m.r_rate * log_j * balance
+    first = [swell * C1, 2.0 * q * (swell * C - balance) - 2.0 * swell * c * C1]
+    rate = [
+        slope,
+        2.0 * m.q_rate * (swell * C - balance) + 2.0 * q * (power - balance_rate) - 2.0 * c * slope,
+    ]
+    return np.array(first) / j, np.array(rate) / j
 
 
 def checked_terms(material, names: tuple[str, ...]) -> None:

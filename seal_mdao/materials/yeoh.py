@@ -39,3 +39,7 @@ class Yeoh(FirstInvariant):
         # f' = C10 + 2 C20 x + 3 C30 x^2,  f'' = 2 C20 + 6 C30 x
         first = self.c10 + x * (2.0 * self.c20 + x * (3.0 * self.c30))
         return first, 2.0 * self.c20 + 6.0 * self.c30 * x
+
+    def invariant_constants(self, x):
+        """Evaluate df'/dC10 = 1, df'/dC20 = 2 x and df'/dC30 = 3 x^2."""
+        return 1.0, 2.0 * x, 3.0 * x * x

@@ -33,3 +33,10 @@ class ArrudaBoyce(FirstInvariant):
         first = sum(c * (i + 1) * (x + 3) ** i for c, i in terms)
         second = sum(c * (i + 1) * i * (x + 3) ** (i - 1) for c, i in terms[1:])
         return self.modulus * first, self.modulus * second
+
+    def invariant_constants(self, x):
+        first, _ = self.invariant_derivatives(x)
+        by_links = sum(
+            -i * c / self.links ** (i + 1) * (i + 1) * (x + 3) ** i for i, c in enumerate(SERIES)
+        )
+        return first / self.modulus, self.modulus * by_links
