@@ -104,7 +104,7 @@ def held_bytes(record) -> int:
         return sum(map(held_bytes, record))
     if isinstance(record, PathProblem):
         # not a dataclass; its terms refer to arrays of the discretisation
-        return held_bytes((record.discretization, record.values, record.forces))
+        return held_bytes(record.discretization)
     if is_dataclass(record):
         return sum(held_bytes(getattr(record, f.name)) for f in fields(record))
     return 0

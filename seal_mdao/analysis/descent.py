@@ -9,15 +9,14 @@ last resort: alpha makes the determinant positive and the step oppose the residu
 J. Nocedal and S. J. Wright, Numerical Optimization, 2nd ed., Springer 2006, section 3.4.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from seal_mdao.analysis.newton import NewtonOptions, converged
-from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.assembly import Assembly
+from seal_mdao.analysis.increment import Increment, Solution
+from seal_mdao.analysis.newton import converged
 from seal_mdao.analysis.pseudo_time import FAR
 from seal_mdao.analysis.result import Status
-from seal_mdao.equilibrium.modes import nearest_mode
+from seal_mdao.equilibrium.eigenmodes import nearest_mode
 
 # Shift alpha over |lowest eigenvalue|, and its growth factor while it is too small.
 ENOUGH, MORE = 2.0, 4.0
@@ -31,110 +30,86 @@ RISE, FIRST, FALL, SLOWEST = 10.0, 1e-9, 0.2, 1e3
 NEAR = 1e-3
 
 
-def descend(
-    problem: PathProblem,
-    d,
-    target: float,
-    history,
-    options: NewtonOptions,
-    note: Callable[[int, float], None] | None = None,
-):
-    """Find a stable equilibrium of lower potential from ``d``, which must not be an equilibrium.
+def descend(increment: Increment, guess: np.ndarray) -> Solution:
+    """Find a stable equilibrium of lower potential from ``guess`` (n, 2), which must not be one itself.
 
-    Parameters
-    ----------
-    note : callable, optional
-        Called with the number of every iteration and the relative residual.
-
-    Returns
-    -------
-    status, d, residuals
-        As of ``newton``; MOVED_OFF where the body moves away without bound.
+    The status is MOVED_OFF where the body moves away without bound.
     """
+    now = increment.evaluate(guess)
+    if now is None:
+        return Solution(Status.INVERTED, guess, ())
     residuals = []
-    far = FAR * np.ptp(problem.discretization.particles, axis=0).max()
-    problem.begin()
-    if not problem.assemble(d, target, history):
-        return Status.INVERTED, d, ()
-    # least: lower bound of alpha, 0 unless halving has failed
-    first = FIRST * np.abs(problem.values[problem.discretization.layout.storage.diagonal()]).mean()
-    (residual, size, rounding), least = problem.residual(), 0.0
     try:
-        for number in range(options.damped_iterations):
-            residuals.append(size)
-            if note is not None:
-                note(number, size)
-            if not np.isfinite(size):  # beyond the limit of a material
-                return Status.DIVERGED, d, tuple(residuals)
-            factor, stable, shift = _definite(problem, least, residual, first)
-            if stable and converged(problem, size, rounding, options):
-                return Status.CONVERGED, d, tuple(residuals)
-            if np.abs(d).max() > far:
-                return Status.MOVED_OFF, d, tuple(residuals)
-            # (K + alpha I) s = -r
-            step = -factor.solve(residual)
-            taken = _step_length(
-                problem, d, step, residual, target, history, stable and size < NEAR
-            )
-            least = (
-                RISE * max(shift, first) if not taken else FALL * least if least > first else 0.0
-            )
-            # first / FIRST is the mean diagonal entry
-            if least > SLOWEST * first / FIRST:
-                break
-            d = d + taken * problem.discretization.layout.gather(step)
-            problem.begin()  # no sliding point is forced to stick for its earlier direction
-            problem.assemble(d, target, history)
-            residual, size, rounding = problem.residual()
+        return _descend(increment, now, residuals)
     except np.linalg.LinAlgError:
-        return Status.SINGULAR, d, tuple(residuals)
-    return Status.NOT_CONVERGED, d, tuple(residuals)
+        return Solution(Status.SINGULAR, guess, tuple(residuals), now)
 
 
-def _definite(problem: PathProblem, least: float, residual, first: float):
+def _descend(increment: Increment, now: Assembly, residuals: list) -> Solution:
+    """Descend from the state ``now``; the relative residuals are appended to ``residuals``."""
+    far = FAR * np.ptp(increment.problem.discretization.particles, axis=0).max()
+    # least: lower bound of alpha, 0 unless halving has failed
+    stiffness, least = now.mean_stiffness, 0.0
+    first = FIRST * stiffness
+    for number in range(increment.options.damped_iterations):
+        residuals.append(now.size)
+        if increment.note is not None:
+            increment.note(number, now.size)
+        if not np.isfinite(now.size):  # beyond the limit of a material
+            return Solution(Status.DIVERGED, now.d, tuple(residuals), now)
+        factor, shift = _definite(now, least, first)
+        if shift == 0.0 and converged(now, increment.options):
+            return Solution(Status.CONVERGED, now.d, tuple(residuals), now, factor)
+        if np.abs(now.d).max() > far:
+            return Solution(Status.MOVED_OFF, now.d, tuple(residuals), now)
+        # (K + alpha I) s = -r
+        step = -factor.solve(now.residual)
+        length = _step_length(increment, now, step, shift == 0.0 and now.size < NEAR)
+        least = RISE * max(shift, first) if not length else FALL * least if least > first else 0.0
+        if least > SLOWEST * stiffness:
+            break
+        # a new solution: no sliding point is forced to stick for its earlier direction
+        now = increment.evaluate(now.d + length * increment.gather(step))
+    return Solution(Status.NOT_CONVERGED, now.d, tuple(residuals), now)
+
+
+def _definite(now: Assembly, least: float, first: float):
     """Factorise K + alpha I, alpha >= ``least`` and such that it is positive definite.
 
     Returns
     -------
     factor : Factor
-    stable : bool
-        Whether K is positive definite and not shifted.
     shift : float
-        alpha.
+        alpha; 0 where K itself is positive definite.
     """
-    storage, values = problem.discretization.layout.storage, problem.values.copy()
-    factor, shift = problem.factorize(check=True), least
-    stable = factor.positive
-    if stable and not least:
-        return factor, True, 0.0
-    if not stable and problem.symmetric:
+    symmetric = now.problem.symmetric
+    factor, shift = now.factorize(check=True), least
+    if factor.positive and not least:
+        return factor, 0.0
+    if not factor.positive and symmetric:
         # alpha = ENOUGH |lambda|, lambda the negative eigenvalue nearest to zero; more negative ones
         # are found by the loop below, which enlarges alpha until the factor is positive definite
-        lowest = nearest_mode(factor, storage.n, True, negative=True)[0]
+        lowest = nearest_mode(factor, now.residual.size, True, negative=True)[0]
         shift = max(shift, ENOUGH * abs(lowest))
     shift = max(shift, first)
     while True:
-        problem.values[:] = values
-        problem.values[storage.diagonal()] += shift
-        factor = problem.factorize(check=True)
+        factor = now.factorize(check=True, shift=shift)
         # unsymmetric: positive determinant, and s . r = -r . (K + alpha I)^-1 r < 0
-        if factor.positive and (problem.symmetric or residual @ factor.solve(residual) > 0.0):
-            return factor, False, shift
+        if factor.positive and (symmetric or now.residual @ factor.solve(now.residual) > 0.0):
+            return factor, shift
         shift *= MORE
 
 
-def _step_length(problem, d, step, residual, target, history, full: bool) -> float:
+def _step_length(increment: Increment, now: Assembly, step, full: bool) -> float:
     """Find the step length t in {1, 1/2, 1/4, ...} by backtracking; 0 where none descends.
 
     With ``full`` the first one without inverted quadrature points, without a test of the force.
     """
-    driven, increment, length = residual @ step, problem.discretization.layout.gather(step), 1.0
+    driven, whole, length = now.residual @ step, increment.gather(step), 1.0
     for _ in range(HALVINGS):
-        problem.begin()
+        trial = increment.evaluate(now.d + length * whole, tangent=False)
         # curvature condition on the slope of the potential: r(d + t s) . s <= -TURNED r(d) . s
-        if problem.assemble_forces(d + length * increment, target, history) and (
-            full or problem.residual()[0] @ step <= -TURNED * driven
-        ):
+        if trial is not None and (full or trial.residual @ step <= -TURNED * driven):
             return length
         length *= 0.5
     return 0.0

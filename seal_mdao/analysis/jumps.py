@@ -14,6 +14,8 @@ possible work of friction make ``released`` a lower bound, which is not positive
 
 import numpy as np
 
+from seal_mdao.analysis.assembly import Assembly
+from seal_mdao.analysis.increment import Increment
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep
 
@@ -28,13 +30,13 @@ def extent(problem: PathProblem) -> float:
     return float(np.ptp(problem.discretization.particles, axis=0).max())
 
 
-def released_energy(problem: PathProblem, d, last: ConvergedStep, target: float):
+def released_energy(problem: PathProblem, now: Assembly, last: ConvergedStep, target: float):
     """Bound from below the energy that the body releases in an increment.
 
     Parameters
     ----------
-    d : ndarray, shape (n, 2)
-        Equilibrium at ``target``, where the terms were evaluated last.
+    now : Assembly or ConvergedStep
+        Equilibrium at ``target``.
     last : ConvergedStep
 
     Returns
@@ -46,17 +48,17 @@ def released_energy(problem: PathProblem, d, last: ConvergedStep, target: float)
     """
     # work of the prescribed displacements with the forces at both ends of the increment:
     # the smaller one bounds the released energy, the larger one in amount bounds the work
-    prescribed = [problem.held_work(at, last.fraction, target) for at in (last.d, d)]
+    prescribed = [problem.prescribed_work(at.d, last.fraction, target) for at in (last, now)]
     released, work = min(prescribed), max(map(abs, prescribed))
     # released = sum over terms of (work of the loading - stored energy - friction), bounded below
-    for term, before, now in zip(problem.terms, last.responses, problem.responses, strict=True):
-        own, own_work = term.released_energy(last, before, d, now, target)
-        released, work = released + own, work + own_work
+    for term, before, own in zip(problem.terms, last.responses, now.responses, strict=True):
+        one, one_work = term.released_energy(last, before, now.d, own, target)
+        released, work = released + one, work + one_work
     return released, work
 
 
-def jumped(problem: PathProblem, d, guess, last: ConvergedStep, target: float) -> bool:
-    """Return whether equilibrium ``d`` lies on another branch than the path up to ``last``.
+def jumped(increment: Increment, now: Assembly, guess) -> bool:
+    """Return whether the equilibrium ``now`` lies on another branch than the path up to ``last``.
 
     It does where the increment releases energy, and
 
@@ -67,17 +69,18 @@ def jumped(problem: PathProblem, d, guess, last: ConvergedStep, target: float) -
 
     Increments that the predictor meets to ``SMALL_BEND`` are described by the tangent and not checked.
     """
-    missed, ahead = np.abs(d - guess).max(), np.abs(guess - last.d).max()
+    problem, last = increment.problem, increment.last
+    missed, ahead = np.abs(now.d - guess).max(), np.abs(guess - last.d).max()
     if missed <= SMALL_BEND * ahead:
         return False
-    released, work = released_energy(problem, d, last, target)
-    far = is_far(problem, d, guess, last)
+    released, work = released_energy(problem, now, last, increment.target)
+    far = is_far(increment, now.d, guess)
     # rounding of forces over the size of the body is rounding of energies
     return released > problem.rounding * extent(problem) and bool(far or released > work)
 
 
-def is_far(problem: PathProblem, d, guess, last: ConvergedStep) -> bool:
+def is_far(increment: Increment, d, guess) -> bool:
     """Return whether the correction |d - guess| is larger than the predicted increment
     |guess - d_n|, and than ``FAR_AWAY`` of the body."""
-    missed, ahead = np.abs(d - guess).max(), np.abs(guess - last.d).max()
-    return bool(missed > max(ahead, FAR_AWAY * extent(problem)))
+    missed, ahead = np.abs(d - guess).max(), np.abs(guess - increment.last.d).max()
+    return bool(missed > max(ahead, FAR_AWAY * extent(increment.problem)))

@@ -1,15 +1,26 @@
-"""Equilibrium beyond a limit point, where the smallest increment fails or jumps."""
+"""Equilibrium beyond a limit point, where the smallest increment fails or jumps.
+
+In this order, and each only where the one before found none:
+
+1. A jump under friction: damped motion at the same loading, else the equilibrium that Newton's method
+   has found. (There is no potential to descend.)
+2. Without friction: descent of the potential at the same loading (``critical_points.leave``).
+3. Damped motion at the end of the nominal step; under friction descent where that is slow; damped motion
+   with all its iterations. A saddle at which it may end is left by descent again.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 
+from seal_mdao.analysis.critical_points import critical_mode, follows_stable, leave, limit_point
 from seal_mdao.analysis.descent import descend
+from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.jumps import released_energy
 from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.predictor import closest, predict
 from seal_mdao.analysis.pseudo_time import relax
 from seal_mdao.analysis.result import Status
-from seal_mdao.analysis.stability import critical_mode, follows_stable, leave, limit_point
 
 # Iterations of damped motion before descent is tried.
 SOON = 300
@@ -17,77 +28,85 @@ SOON = 300
 DESCENT = 500
 
 
-def beyond(problem, status, d, guess, targets, last, options, note):
-    """Find an equilibrium beyond the smallest step, which ended with ``status`` at ``d``.
+def beyond(increment: Increment, failed: Solution, guess: np.ndarray, end: float):
+    """Find an equilibrium beyond the smallest increment.
 
-    A stable one is sought at the first of the ``targets`` by descent; damped motion ends at the second.
+    Parameters
+    ----------
+    failed : Solution
+        How the increment ended.
+    guess : ndarray, shape (n, 2)
+        Its predictor.
+    end : float
+        Path parameter at the end of the nominal step.
 
     Returns
     -------
-    status, d, residuals
-        As of ``newton``.
-    point : CriticalPoint
+    Solution
+    CriticalPoint
     target : float
         Path parameter of that equilibrium.
     """
-    target, end = targets
-    # under friction there is no potential to descend: accept where damped motion or Newton landed
-    if status is Status.JUMPED and not problem.symmetric:
-        return *_equilibrium_after_jump(problem, d, guess, target, last, options, note), target
-    # with a potential: descend at the loading of the smallest step, from the unstable
-    # equilibrium along its mode, or from the prediction beyond a limit point
-    if follows_stable(problem, options):
-        begin = d if status is Status.UNSTABLE else guess
-        left, d, residuals, point = leave(problem, status, begin, target, last, options, note)
-        if left is Status.CONVERGED:
-            return left, d, residuals, point, target
-    # else damped motion at the end of the increment, from the Euler predictor
-    euler = problem.predict(last, problem.factorize_at(last), end)
-    mode = critical_mode(problem, problem.factor, euler[0] - last.d, negative=False)
-    guess = problem.closest(euler, end, last.after)
-    status, d, residuals = _damped_equilibrium(problem, guess, end, last, options, note)
-    released = np.nan
-    if status is Status.CONVERGED:
-        released = released_energy(problem, d, last, end)[0]
-    point = limit_point(last, d, mode, released)
-    stable = status is not Status.CONVERGED or problem.factor.positive
+    if failed.status is Status.JUMPED and not increment.problem.symmetric:
+        return *_after_jump(increment, failed.d, guess), increment.target
+    if follows_stable(increment):
+        unstable = failed if failed.status is Status.UNSTABLE else None
+        found, point = leave(increment, guess, unstable)
+        if found.converged:
+            return found, point, increment.target
+    return *_at_the_end(replace(increment, target=end)), end
+
+
+def shortened(increment: Increment, iterations: int) -> Increment:
+    """Return the increment with at most so many iterations of damped motion or descent."""
+    few = min(iterations, increment.options.damped_iterations)
+    return replace(increment, options=replace(increment.options, damped_iterations=few))
+
+
+def _after_jump(increment: Increment, d, guess):
+    """Find the equilibrium after a jump under friction, from ``guess``, else from ``d``."""
+    mode = critical_mode(
+        increment.problem, increment.factor, guess - increment.last.d, negative=False
+    )
+    found = relax(shortened(increment, SOON), guess)
+    if not found.converged:
+        found = newton(increment, d)
+    return found, _point(increment, found, mode)
+
+
+def _at_the_end(increment: Increment):
+    """Find equilibrium at the end of the nominal step by damped motion, from the Euler predictor."""
+    euler = predict(increment)
+    mode = critical_mode(
+        increment.problem, increment.factor, euler[0] - increment.last.d, negative=False
+    )
+    guess = closest(increment, euler)
+    found = _damped_equilibrium(increment, guess)
+    point = _point(increment, found, mode)
     # damped motion may end on an unstable equilibrium, a saddle: leave that along its mode
-    if follows_stable(problem, options) and not stable:
-        status, d, more, point = leave(problem, Status.UNSTABLE, d, end, last, options, note)
-        residuals += more
-    return status, d, residuals, point, end
+    if found.converged and follows_stable(increment) and not found.factor.positive:
+        left, point = leave(increment, guess, found)
+        found = left.after(found.residuals)
+    return found, point
 
 
-def _damped_equilibrium(problem, guess, end, last, options, note):
+def _point(increment: Increment, found: Solution, mode):
+    """Build the limit point between the last step and an equilibrium; None where none was ``found``."""
+    if not found.converged:
+        return None
+    last = increment.last
+    released = released_energy(increment.problem, found.assembly, last, increment.target)[0]
+    return limit_point(last, found.d, mode, released)
+
+
+def _damped_equilibrium(increment: Increment, guess) -> Solution:
     """Find equilibrium by damped motion; under friction by descent where that is slow or moves off."""
-    few = replace(options, damped_iterations=min(SOON, options.damped_iterations))
-    status, d, residuals = relax(problem, guess, end, last.after, few, note)
-    slow = status is Status.NOT_CONVERGED and few != options
-    if not problem.symmetric and (slow or status is Status.MOVED_OFF):
-        few = replace(options, damped_iterations=min(DESCENT, options.damped_iterations))
+    few = shortened(increment, SOON)
+    found = relax(few, guess)
+    slow = found.status is Status.NOT_CONVERGED and few.options != increment.options
+    if not increment.problem.symmetric and (slow or found.status is Status.MOVED_OFF):
         # descent from the same prediction; where it fails, damped motion with all its iterations
-        found = descend(problem, guess, end, last.after, few, note)
-        if found[0] is Status.CONVERGED:
-            return found
-    if not slow:
-        return status, d, residuals
-    return relax(problem, guess, end, last.after, options, note)
-
-
-def _equilibrium_after_jump(problem, d, guess, target, last, options, note):
-    """Find the equilibrium after a jump under friction that persists in the smallest increment.
-
-    By damped motion from the prediction ``guess``; else from ``d``, where Newton's method ended.
-
-    Returns
-    -------
-    status, d, residuals, point
-        As of ``leave``.
-    """
-    mode = critical_mode(problem, problem.factorize_at(last), guess - last.d, negative=False)
-    few = replace(options, damped_iterations=min(SOON, options.damped_iterations))
-    status, found, residuals = relax(problem, guess, target, last.after, few, note)
-    if status is not Status.CONVERGED:
-        status, found, residuals = newton(problem, d, target, last.after, options)
-    released = released_energy(problem, found, last, target)[0]
-    return status, found, residuals, limit_point(last, found, mode, released)
+        descended = descend(shortened(increment, DESCENT), guess)
+        if descended.converged:
+            return descended
+    return relax(increment, guess) if slow else found

@@ -18,25 +18,19 @@ D. Magisano, L. Leonetti, G. Garcea, Advantages of the mixed format in geometric
 analysis of beams and shells using solid finite elements, Int. J. Numer. Methods Eng. 109, 2017.
 """
 
-from seal_mdao.analysis.newton import NewtonOptions, iterate
-from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep
+import numpy as np
+
+from seal_mdao.analysis.increment import Increment, Solution
+from seal_mdao.analysis.newton import iterate
 
 
-def mixed_newton(
-    problem: PathProblem, d, target: float, last: ConvergedStep, options: NewtonOptions
-):
-    """Iterate to equilibrium at a fixed loading with linearised pressures and contact forces.
+def mixed_newton(increment: Increment, guess: np.ndarray) -> Solution:
+    """Iterate to equilibrium with linearised pressures and contact forces.
 
     Parameters
     ----------
-    d : ndarray, shape (n, 2)
-        The predictor, which is the first linearised step from ``last``.
-
-    Returns
-    -------
-    status, d, residuals
-        As of ``iterate``.
+    guess : ndarray, shape (n, 2)
+        The predictor, which is the first linearised step from the last converged one.
     """
-    problem.begin_mixed(last, target)
-    return iterate(problem, d, target, last.after, options, mixed=True)
+    begin = increment.problem.begin_mixed(increment.last, increment.target)
+    return iterate(increment, guess, begin, mixed=True)

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao import values
-from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.assembly import Assembly
+from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.result import Status
 
 BRANCHES = ("stable", "primary")
@@ -51,60 +52,49 @@ class NewtonOptions:
         object.__setattr__(self, "branch", values.one_of("branch", self.branch, BRANCHES))
 
 
-def converged(problem: PathProblem, size: float, rounding: bool, options: NewtonOptions) -> bool:
+def converged(assembly: Assembly, options: NewtonOptions) -> bool:
     """Whether a residual is small, or mere rounding, under the laws of the terms as they are."""
-    return (size <= options.tolerance or rounding) and not problem.unsettled
+    return (assembly.size <= options.tolerance or assembly.rounding) and not assembly.unsettled
 
 
-def newton(problem: PathProblem, d, target: float, history, options: NewtonOptions):
-    """Iterate by Newton's method (44) at a fixed loading.
-
-    Returns
-    -------
-    status, d, residuals
-        As of ``iterate``.
-    """
-    problem.begin()
-    return iterate(problem, d, target, history, options)
+def newton(increment: Increment, guess: np.ndarray) -> Solution:
+    """Iterate by Newton's method (44) from the predictor ``guess`` (n, 2)."""
+    return iterate(increment, guess)
 
 
-def iterate(problem: PathProblem, d, target: float, history, options, mixed: bool = False):
-    """Iterate to equilibrium with the tangent of every iterate, from where the problem has begun.
+def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Solution:
+    """Iterate to equilibrium with the tangent of every iterate.
 
     Parameters
     ----------
     d : ndarray, shape (n, 2)
         The predictor.
+    iteration : tuple, optional
+        State of the iterations of all terms to begin with.
     mixed : bool
         Whether the linearisations are those of mixed iterations (``mixed_newton``).
-
-    Returns
-    -------
-    status : Status
-    d : ndarray, shape (n, 2)
-    residuals : tuple of float
-        Relative. Where they converged the factor of the tangent is left in ``problem``.
     """
-    gather, residuals = problem.discretization.layout.gather, []
-    assemble = problem.assemble_forces if mixed else problem.assemble
+    options, residuals, now = increment.options, [], None
     for number in range(options.max_iterations + 1):
-        if not assemble(d, target, history):
-            return Status.INVERTED, d, tuple(residuals)
-        residual, size, rounding = problem.residual()
-        residuals.append(size)
-        if not np.isfinite(size):
-            return Status.DIVERGED, d, tuple(residuals)
-        done = converged(problem, size, rounding, options)
+        last, now = now, increment.evaluate(d, iteration, tangent=not mixed)
+        if now is None:
+            return Solution(Status.INVERTED, d, tuple(residuals), last)
+        residuals.append(now.size)
+        if not np.isfinite(now.size):
+            return Solution(Status.DIVERGED, d, tuple(residuals), now)
+        done = converged(now, options)
         if number == options.max_iterations and not done:
             break
         if mixed:
-            problem.assemble(d, target, history, mixed=not done)
-            residual = problem.residual()[0]
+            now = increment.evaluate(d, now.iteration, mixed=not done)
         try:
-            problem.factorize(check=done)
+            if done:
+                return Solution(
+                    Status.CONVERGED, d, tuple(residuals), now, now.factorize(check=True)
+                )
+            # K dd = -r, Eq. (44)
+            d = d - increment.gather(now.factorize().solve(now.residual))
         except np.linalg.LinAlgError:
-            return Status.SINGULAR, d, tuple(residuals)
-        if done:
-            return Status.CONVERGED, d, tuple(residuals)
-        d = d - gather(problem.factor.solve(residual))
-    return Status.NOT_CONVERGED, d, tuple(residuals)
+            return Solution(Status.SINGULAR, d, tuple(residuals), now)
+        iteration = now.iteration
+    return Solution(Status.NOT_CONVERGED, d, tuple(residuals), now)

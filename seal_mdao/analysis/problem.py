@@ -1,23 +1,16 @@
-"""Residual and tangent of the incremental equation (44) as a sum of terms, and the predictors."""
-
-from math import sqrt
+"""The problem of a load path: a sum of terms on one discretised body, Eq. (43)."""
 
 import numpy as np
 
+from seal_mdao.analysis.assembly import Assembly, relative_residual
 from seal_mdao.analysis.result import ConvergedStep
 from seal_mdao.equilibrium.discretization import Discretization
 
-
-def _norm(vector) -> float:
-    """Compute the Euclidean norm with less overhead for short vectors than ``numpy.linalg.norm``."""
-    return sqrt(vector.dot(vector))
+_NO_TANGENT = np.empty(0)
 
 
 class PathProblem:
-    """Residual and tangent of one discretised body under its terms.
-
-    The buffers are reused between iterations; their content is valid until the next assembly.
-    ``factor`` is that of the tangent factorised last, or None.
+    """One discretised body under its terms; ``evaluate`` gives residual and tangent.
 
     Parameters
     ----------
@@ -33,10 +26,6 @@ class PathProblem:
         self.terms = tuple(
             definition.on(discretization, index) for index, definition in enumerate(definitions)
         )
-        layout = discretization.layout
-        self.forces = np.empty((len(self.terms), layout.force_size))
-        self.values, self.factor = np.empty(layout.size), None
-        self.responses, self.held = [], 0.0
         # rounding error of a residual: 10 eps times the forces (N/m) that strains, and penetrations
         # over the size of the body, of order one would give
         self.rounding = 10 * np.finfo(float).eps * sum(term.rounding for term in self.terms)
@@ -61,18 +50,6 @@ class PathProblem:
         """Whether all terms have a potential: the tangent is symmetric then."""
         return all(term.conservative for term in self.terms)
 
-    def potential(self, d, fraction: float, history) -> float:
-        """Evaluate the potential of all terms of a ``symmetric`` problem at ``d``, mJ/m.
-
-        Forces and responses of the terms at ``d`` remain in the buffers.
-        """
-        self.begin()
-        self.assemble_forces(d, fraction, history)
-        return sum(
-            term.potential(d, response)
-            for term, response in zip(self.terms, self.responses, strict=True)
-        )
-
     @property
     def history_dependent(self) -> bool:
         """Whether the problem is history dependent: a step depends on the one before."""
@@ -84,131 +61,89 @@ class PathProblem:
 
     # ---- residual and tangent ----
 
-    def begin(self) -> None:
-        """Reset the state of the iterations of all terms: a new solution begins."""
-        for term in self.terms:
-            term.begin()
+    def evaluate(
+        self, d, fraction: float, history, iteration=None, *, tangent=True, mixed=False
+    ) -> Assembly | None:
+        """Evaluate residual and tangent at displacements ``d``: a function of the arguments alone.
 
-    def begin_mixed(self, step: ConvergedStep, target: float) -> None:
-        """Take a converged step as the first linearisation of mixed iterations at ``target``."""
-        self.begin()
-        for term, response in zip(self.terms, step.responses, strict=True):
-            term.begin_mixed(step, response, target)
+        Parameters
+        ----------
+        d : ndarray, shape (n, 2)
+        fraction : float
+            Path parameter, in nominal load steps.
+        history : tuple
+            What every term carries from the converged step before.
+        iteration : tuple, optional
+            ``Assembly.iteration`` of the iteration before, or ``begin_mixed``; None where a new solution
+            begins.
+        tangent : bool
+            Whether the tangent is wanted, and not the forces alone.
+        mixed : bool
+            Whether the tangent is that of ``mixed`` iterations.
 
-    def assemble(self, d, fraction: float, history, mixed: bool = False) -> bool:
-        """Assemble forces and tangent at displacements ``d``, those of ``mixed`` iterations if wanted.
-
-        False where a term cannot be evaluated, such as with det F <= 0.
+        Returns
+        -------
+        Assembly or None
+            None where a term cannot be evaluated, such as with det F <= 0.
         """
-        self.values[:] = 0.0
-        evaluated = self._add_to(self.values, d, fraction, history, mixed)
-        if evaluated:
-            # K~ = N^T K N; the forces are transformed term by term
-            self.discretization.layout.condense_tangent(self.values)
-        return evaluated
-
-    def assemble_forces(self, d, fraction: float, history) -> bool:
-        """Assemble the forces as ``assemble`` does, and leave the tangent unchanged."""
-        return self._add_to(np.empty(0), d, fraction, history)
-
-    def _add_to(self, values, d, fraction, history, mixed=False) -> bool:
-        """Assemble the forces and, where ``values`` is not empty, add the tangent to it."""
-        disc = self.discretization
-        self.forces[:] = 0.0
+        layout = self.discretization.layout
+        values = np.zeros(layout.size) if tangent else _NO_TANGENT
+        forces, responses = np.zeros((len(self.terms), layout.force_size)), []
+        self._begin(iteration)
         # raw coefficients c = N d, with which the raw shape functions give u(X) = sum_I Phi_I(X) c_I
-        raw, responses = disc.transformation.coefficients(d), []
-        for term, force, own in zip(self.terms, self.forces, history, strict=True):
+        raw = self.discretization.transformation.coefficients(d)
+        for term, force, own in zip(self.terms, forces, history, strict=True):
             add = term.add_mixed if mixed else term.add
             response = add(d, raw, fraction, own, force, values)
             if response is None:
-                return False
+                return None
             # f~ = N^T f
-            disc.layout.condense_force(force)
-            responses.append(response)
-        self.responses = responses
-        self.held = 0.0 if self.imposed is None else self._force_norm(d)
-        return True
+            layout.condense_force(force)
+            responses.append(response.kept())
+        if tangent:
+            # K~ = N^T K N, Eq. (44)
+            layout.condense_tangent(values)
+        # with prescribed displacements |r| is relative to the forces on all components, too
+        prescribed = 0.0 if self.imposed is None else float(np.linalg.norm(self.forces_on_all(d)))
+        residual, size, relative = relative_residual(forces[:, : layout.n_equations], prescribed)
+        return Assembly(
+            self, d, forces, tuple(responses), values, tuple(term.iteration for term in self.terms),
+            residual, relative, size <= self.rounding,
+        )  # fmt: skip
 
-    def _force_norm(self, d) -> float:
-        """Compute the norm of the internal forces of all components, prescribed ones included."""
-        return float(np.linalg.norm(self.term("structure").forces(d)))
+    def _begin(self, iteration) -> None:
+        """Give every term the state of the iterations with which the next one begins."""
+        for term, own in zip(self.terms, iteration or [None] * len(self.terms), strict=True):
+            term.begin(own)
 
-    @property
-    def unsettled(self) -> int:
-        """Number of points not converged in contact state."""
-        return sum(response.unsettled for response in self.responses)
+    def begin_mixed(self, step: ConvergedStep, target: float) -> tuple:
+        """Return the state of mixed iterations at ``target`` whose first linearisation is ``step``."""
+        self._begin(None)
+        for term, response in zip(self.terms, step.responses, strict=True):
+            term.begin_mixed(step, response, target)
+        return tuple(term.iteration for term in self.terms)
 
-    def factorize(self, check: bool = False):
-        """Factorise the assembled tangent; the factor before is freed first, to save its memory.
-
-        With ``check`` the factor of a symmetric tangent knows whether it is definite.
-
-        Raises
-        ------
-        LinAlgError
-            The tangent is singular.
-        """
-        self.factor = None
-        self.factor = self.discretization.layout.factorize(self.values, check and self.symmetric)
-        return self.factor
-
-    def factorize_roughly(self):
-        """Factorise in the precision that a predictor and quasi-Newton iterations need."""
-        self.factor = None
-        self.factor = self.discretization.layout.factorize_roughly(self.values)
-        return self.factor
-
-    def assemble_at(self, step: ConvergedStep) -> None:
-        """Assemble forces and tangent at a converged step."""
-        self.begin()
-        self.assemble(step.d, step.fraction, step.before)
+    def assemble_at(self, step: ConvergedStep) -> Assembly:
+        """Evaluate residual and tangent at a converged step."""
+        return self.evaluate(step.d, step.fraction, step.before)
 
     def factorize_at(self, step: ConvergedStep):
         """Assemble and factorise the tangent at a converged step."""
-        self.assemble_at(step)
-        return self.factorize()
+        return self.assemble_at(step).factorize()
 
-    def residual(self):
-        """Compute the residual, its norm relative to the forces, and whether it is a rounding error."""
-        forces = self.forces[:, : self.discretization.layout.n_equations]
-        # r = sum of the terms' forces; |r| relative to the largest of them, and with prescribed
-        # displacements to the internal forces of all components
-        residual = forces[0].copy()
-        for force in forces[1:]:
-            residual += force
-        size = _norm(residual)
-        scale = max(self.held, *(_norm(force) for force in forces))
-        return residual, size / scale if scale > 0.0 else 0.0, size <= self.rounding
+    # ---- prescribed displacements ----
 
-    # ---- the predictors ----
+    def forces_on_all(self, d) -> np.ndarray:
+        """Sum the forces of the terms that act on prescribed components, at all components, (n, 2)."""
+        found = (term.forces(d) for term in self.terms)
+        return sum(forces for forces in found if forces is not None)
 
-    def predict(self, step: ConvergedStep, factor, target: float) -> np.ndarray:
-        """Compute Euler predictors (1 or 2, n, 2) from a converged step, reusing its factorisation."""
-        # each term gives the change of its force with the loading at fixed d: none, one, or two
-        # estimates (slip continues, or stops); combine all first ones, and all second ones
-        loads = [np.zeros(self.discretization.layout.force_size)]
-        for term, response in zip(self.terms, step.responses, strict=True):
-            changes = term.changes(step, response, target)
-            if changes:
-                pairs = max(len(loads), len(changes))
-                loads = [loads[min(i, len(loads) - 1)] + changes[min(i, len(changes) - 1)]
-                         for i in range(pairs)]  # fmt: skip
-        return np.stack([self._euler(step, factor, target, load) for load in loads])
+    def prescribed_increment(self, fraction: float, target: float) -> np.ndarray:
+        """Return the increment of the prescribed displacements (n, 2), zero at free components."""
+        increment = self.imposed.at(target) - self.imposed.at(fraction)
+        return np.where(self.discretization.layout.equations < 0, increment, 0.0)
 
-    def _euler(self, step: ConvergedStep, factor, target: float, load) -> np.ndarray:
-        """Compute d_n - K^-1 load, with ``load`` the change of the forces at fixed displacements."""
-        layout, d = self.discretization.layout, step.d
-        layout.condense_force(load)
-        load = load[: layout.n_equations]
-        if self.imposed is not None:
-            # prescribed increment du_p: its forces K_fp du_p on the free components are part of the load
-            increment = self.imposed.at(target) - self.imposed.at(step.fraction)
-            increment = np.where(layout.equations < 0, increment, 0.0)
-            load = load + self._prescribed_rate(d, increment)
-            d = d + increment
-        return d - layout.gather(factor.solve(load))
-
-    def held_work(self, d, fraction: float, target: float) -> float:
+    def prescribed_work(self, d, fraction: float, target: float) -> float:
         """Compute the work of the forces at ``d`` on prescribed displacements, mJ/m.
 
         Between the path parameters ``fraction`` and ``target``.
@@ -216,26 +151,5 @@ class PathProblem:
         if self.imposed is None:
             return 0.0
         # W = f_p . (u_p(target) - u_p(fraction)), sum over the prescribed components p
-        increment = self.imposed.at(target) - self.imposed.at(fraction)
-        prescribed = self.discretization.layout.equations < 0
-        return float(np.sum((self.term("structure").forces(d) * increment)[prescribed]))
-
-    def _prescribed_rate(self, d, increment, step=1e-6) -> np.ndarray:
-        """Compute the change K_fp du_p of the internal force with prescribed displacements.
-
-        By a forward difference, which suffices for the predictor.
-        """
-        structure, layout = self.term("structure"), self.discretization.layout
-        change = structure.forces(d + step * increment) - structure.forces(d)
-        return layout.reduce(change / step)
-
-    def closest(self, guesses, target: float, history) -> np.ndarray:
-        """Select the displacements with the smallest relative residual."""
-        if len(guesses) == 1:
-            return guesses[0]
-        sizes = []
-        for d in guesses:
-            self.begin()
-            evaluated = self.assemble_forces(d, target, history)
-            sizes.append(self.residual()[1] if evaluated else np.inf)
-        return guesses[int(np.argmin(sizes))]
+        work = self.forces_on_all(d) * self.prescribed_increment(fraction, target)
+        return float(np.sum(work[self.discretization.layout.equations < 0]))

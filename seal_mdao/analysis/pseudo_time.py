@@ -10,12 +10,10 @@ C. T. Kelley and D. E. Keyes, Convergence analysis of pseudo-transient continuat
 Anal. 35, 1998.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
+from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.newton import NewtonOptions, converged
-from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 
 # First damping over the mean diagonal entry of the tangent.
@@ -30,30 +28,15 @@ STRONGER = 4.0
 FAR = 1.5
 
 
-def relax(
-    problem: PathProblem,
-    d,
-    target: float,
-    history,
-    options: NewtonOptions,
-    note: Callable[[int, float], None] | None = None,
-):
-    """Find equilibrium at a fixed loading by damped motion (pseudo-transient continuation).
+def relax(increment: Increment, guess: np.ndarray) -> Solution:
+    """Find equilibrium by damped motion (pseudo-transient continuation) from ``guess`` (n, 2).
 
-    Parameters
-    ----------
-    note : callable, optional
-        Called with the number of every iteration and the relative residual.
-
-    Returns
-    -------
-    status, d, residuals
-        As of ``newton``; MOVED_OFF where the body moves away without bound.
+    The status is MOVED_OFF where the body moves away without bound.
     """
     try:
-        return _follow(problem, d, target, history, options, note)
+        return _follow(increment, guess)
     except np.linalg.LinAlgError:
-        return Status.SINGULAR, d, ()
+        return Solution(Status.SINGULAR, guess, ())
 
 
 def ending(status: Status, options: NewtonOptions) -> str:
@@ -70,39 +53,31 @@ def ending(status: Status, options: NewtonOptions) -> str:
     return f"Damped motion did not help: {status.value}"
 
 
-def _follow(problem, d, target, history, options, note):
-    layout = problem.discretization.layout
-    diagonal = layout.storage.diagonal()
-    residuals, damping, before = [], None, d
-    far = FAR * np.ptp(problem.discretization.particles, axis=0).max()
-    problem.begin()
-    for number in range(options.damped_iterations):
-        evaluated = problem.assemble(d, target, history)
-        if damping is None:
-            if not evaluated:
-                return Status.INVERTED, d, ()
-            # alpha_0 = FIRST_DAMPING mean |K_ii|
-            damping = FIRST_DAMPING * np.abs(problem.values[diagonal]).mean()
-        residual, size, rounding = problem.residual()
-        if not evaluated or (residuals and not size <= max(LARGE, GROWTH * residuals[-1])):
+def _follow(increment: Increment, d) -> Solution:
+    far = FAR * np.ptp(increment.problem.discretization.particles, axis=0).max()
+    now = last = increment.evaluate(d)
+    if now is None:
+        return Solution(Status.INVERTED, d, ())
+    # alpha_0 = FIRST_DAMPING mean |K_ii|
+    residuals, damping = [], FIRST_DAMPING * now.mean_stiffness
+    for number in range(increment.options.damped_iterations):
+        if now is None or (residuals and not now.size <= max(LARGE, GROWTH * residuals[-1])):
             # rejected, or an inverted point: from the last accepted d again with larger alpha
             damping *= STRONGER
-            problem.assemble(before, target, history)
-            residual = problem.residual()[0]
         else:
             if residuals:
                 # alpha_k+1 = alpha_k |r_k+1| / |r_k|, within FALL and RISE
-                damping *= np.clip(size / residuals[-1], FALL, RISE)
-            residuals.append(size)
-            before = d
-            if np.abs(d).max() > far:
-                return Status.MOVED_OFF, d, tuple(residuals)
-            if note is not None:
-                note(number, size)
-            if converged(problem, size, rounding, options):
-                problem.factorize(check=True)
-                return Status.CONVERGED, d, tuple(residuals)
+                damping *= np.clip(now.size / residuals[-1], FALL, RISE)
+            residuals.append(now.size)
+            last = now
+            if np.abs(now.d).max() > far:
+                return Solution(Status.MOVED_OFF, now.d, tuple(residuals), now)
+            if increment.note is not None:
+                increment.note(number, now.size)
+            if converged(now, increment.options):
+                factor = now.factorize(check=True)
+                return Solution(Status.CONVERGED, now.d, tuple(residuals), now, factor)
         # implicit Euler step: d <- d - (K + alpha I)^-1 r
-        problem.values[diagonal] += damping
-        d = before - layout.gather(problem.factorize().solve(residual))
-    return Status.NOT_CONVERGED, before, tuple(residuals)
+        step = last.factorize(shift=damping).solve(last.residual)
+        now = increment.evaluate(last.d - increment.gather(step), last.iteration)
+    return Solution(Status.NOT_CONVERGED, last.d, tuple(residuals), last)

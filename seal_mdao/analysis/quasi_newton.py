@@ -16,7 +16,9 @@ of the body by 0.01. Its factor is therefore
 import numpy as np
 from scipy.linalg import block_diag
 
-from seal_mdao.analysis.newton import NewtonOptions, converged
+from seal_mdao.analysis.assembly import Assembly
+from seal_mdao.analysis.increment import Increment, Solution
+from seal_mdao.analysis.newton import converged
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import ConvergedStep, Status
 from seal_mdao.analysis.touching import unit_loads
@@ -100,27 +102,29 @@ def _gradients(problem: PathProblem, d: np.ndarray) -> np.ndarray:
     return out
 
 
-def _new_contacts(problem: PathProblem, last: ConvergedStep) -> list | None:
+def _new_contacts(now: Assembly, last: ConvergedStep) -> list | None:
     """List terms at single points with the points on another branch than in the factorised tangent.
 
-    None where a term that couples points, as self-contact, has changed its branch.
+    None where a term that couples points, as self-contact, has changed its branch, and for too many
+    points.
     """
     found = []
-    for term, now, before in zip(problem.terms, problem.responses, last.responses, strict=True):
-        points = np.flatnonzero(now.branch != before.branch)
+    for term, own, before in zip(now.problem.terms, now.responses, last.responses, strict=True):
+        points = np.flatnonzero(own.branch != before.branch)
         if points.size and term.couples_points:
             return None
         if points.size:
             # D: change of the 2 x 2 tangents of these points
-            found.append((term, points, (now.tangent - before.tangent)[points]))
-    return found
+            found.append((term, points, (own.tangent - before.tangent)[points]))
+    return found if sum(at.size for _, at, _ in found) <= MOST_NEW_CONTACTS else None
 
 
-def _inverse(problem: PathProblem, d, last: ConvergedStep, changed: list):
-    """Build the approximate inverse of the tangent at ``d``, where the forces were assembled."""
+def _inverse(increment: Increment, d, changed: list):
+    """Build the approximate inverse of the tangent at ``d``."""
     # f = F(d) F(d_n)^-1
-    since = _gradients(problem, d) @ np.linalg.inv(_gradients(problem, last.d))
-    carried = CarriedFactor(problem.factor, since, problem.discretization.layout)
+    problem = increment.problem
+    since = _gradients(problem, d) @ np.linalg.inv(_gradients(problem, increment.last.d))
+    carried = CarriedFactor(increment.factor, since, problem.discretization.layout)
     if not changed:
         return carried
     # K0 + P D P^T: P unit loads in x and y at the changed points, D their blocks
@@ -129,69 +133,51 @@ def _inverse(problem: PathProblem, d, last: ConvergedStep, changed: list):
     return CorrectedFactor(carried, np.array(columns), block_diag(*blocks))
 
 
-def quasi_newton(
-    problem: PathProblem, d, target: float, last: ConvergedStep, options: NewtonOptions
-):
-    """Iterate to equilibrium at a fixed loading with the factor of the last converged tangent.
+def quasi_newton(increment: Increment, guess: np.ndarray) -> Solution:
+    """Iterate to equilibrium from ``guess`` (n, 2) with the factor of the last converged tangent.
 
     Iterations need the forces only; the tangent is assembled and factorised once, after convergence.
-
-    Parameters
-    ----------
-    problem : PathProblem
-        Its factor is that of the tangent at ``last``.
-    d : ndarray, shape (n, 2)
-        The predictor.
-
-    Returns
-    -------
-    status, d, residuals
-        As of ``newton``, with the factor left in ``problem``; NOT_CONVERGED also where Newton's
-        method is expected to be faster.
+    The status is NOT_CONVERGED also where Newton's method is expected to be faster.
     """
-    layout = problem.discretization.layout
-    inverse = None
-    residuals, broyden, status = [], BroydenSteps(), Status.NOT_CONVERGED
-    problem.begin()
+    d, now, inverse, iteration, residuals, broyden = guess, None, None, None, [], BroydenSteps()
+
+    def ended(status):
+        return Solution(status, d, tuple(residuals), now)
+
     for _ in range(LIMIT + 1):
-        if not problem.assemble_forces(d, target, last.after):
-            status = Status.INVERTED
-            break
-        residual, size, rounding = problem.residual()
-        residuals.append(size)
-        if not np.isfinite(size):
-            status = Status.DIVERGED
-            break
-        if converged(problem, size, rounding, options):
-            inverse = None  # it holds the old factor
-            status = _factorize(problem, d, target, last)
-            break
-        if len(residuals) > PATIENCE and size > 0.5 * residuals[-1 - PATIENCE]:
+        now = increment.evaluate(d, iteration, tangent=False)
+        if now is None:
+            return ended(Status.INVERTED)
+        residuals.append(now.size)
+        if not np.isfinite(now.size):
+            return ended(Status.DIVERGED)
+        if converged(now, increment.options):
+            return _factorized(increment, now, tuple(residuals))
+        if len(residuals) > PATIENCE and now.size > 0.5 * residuals[-1 - PATIENCE]:
             break
         if inverse is None:
-            changed = _new_contacts(problem, last)
-            if changed is None or sum(at.size for _, at, _ in changed) > MOST_NEW_CONTACTS:
+            changed = _new_contacts(now, increment.last)
+            if changed is None:
                 break
             try:
-                inverse = _inverse(problem, d, last, changed)
+                inverse = _inverse(increment, d, changed)
             except np.linalg.LinAlgError:
-                status = Status.SINGULAR
-                break
-        d = d - layout.gather(broyden.next(inverse.solve(residual)))
-    return status, d, tuple(residuals)
+                return ended(Status.SINGULAR)
+        # Broyden's step with z = B_0^-1 r
+        d = d - increment.gather(broyden.next(inverse.solve(now.residual)))
+        iteration = now.iteration
+    return ended(Status.NOT_CONVERGED)
 
 
-def _factorize(problem, d, target, last) -> Status:
+def _factorized(increment: Increment, now: Assembly, residuals: tuple) -> Solution:
     """Factorise the tangent where the iterations converged; the forces keep their bits.
 
     A symmetric one is checked for stability at every step, which needs factors in double precision.
     """
-    problem.assemble(d, target, last.after)
+    now = increment.evaluate(now.d, now.iteration)
     try:
-        if problem.symmetric:
-            problem.factorize(check=True)
-        else:
-            problem.factorize_roughly()
+        symmetric = increment.problem.symmetric
+        factor = now.factorize(check=True) if symmetric else now.factorize_roughly()
     except np.linalg.LinAlgError:
-        return Status.SINGULAR
-    return Status.CONVERGED
+        return Solution(Status.SINGULAR, now.d, residuals, now)
+    return Solution(Status.CONVERGED, now.d, residuals, now, factor)

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag
 
+from seal_mdao.analysis.increment import Increment
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep
 
 MOST_ITERATIONS = 30
 # Relative residual of that small problem.
@@ -47,53 +47,48 @@ def unit_loads(problem: PathProblem, term, points: np.ndarray) -> list:
     return loads
 
 
-def _respond(problem: PathProblem, term, d, target: float, history):
+def _respond(increment: Increment, term, d, history):
     """Evaluate the response of a term at single points; its assembled force is discarded."""
-    raw, no_tangent = problem.discretization.transformation.coefficients(d), np.empty(0)
-    force = np.zeros(problem.discretization.layout.force_size)
-    return term.add(d, raw, target, history, force, no_tangent)
+    disc = increment.problem.discretization
+    raw, force = disc.transformation.coefficients(d), np.zeros(disc.layout.force_size)
+    return term.add(d, raw, increment.target, history, force, np.empty(0))
 
 
-def _new_points(problem: PathProblem, d, target: float, last: ConvergedStep) -> list[_Points]:
+def _new_points(increment: Increment, d) -> list[_Points]:
     """List points that touch at ``d`` and did not at the last step, of all terms at single points."""
-    found = []
-    for term, history, before in zip(problem.terms, last.after, last.responses, strict=True):
+    found, responses = [], increment.last.responses
+    for term, history, before in zip(
+        increment.problem.terms, increment.history, responses, strict=True
+    ):
         if not term.couples_points:
-            now = _respond(problem, term, d, target, history)
+            term.begin()
+            now = _respond(increment, term, d, history)
             points = np.flatnonzero((now.branch != 0) & (before.branch == 0))
             if points.size:
                 found.append(_Points(term, history, points))
     return found
 
 
-def at_rest_where_it_touches(
-    problem: PathProblem, guess, target: float, last: ConvergedStep
-) -> np.ndarray:
+def at_rest_where_it_touches(increment: Increment, guess: np.ndarray) -> np.ndarray:
     """Correct the predictor ``guess`` (n, 2) to equilibrium of the points that begin to touch.
-
-    Parameters
-    ----------
-    problem : PathProblem
-        Its factor is that of the tangent at ``last``.
 
     Returns
     -------
     ndarray, shape (n, 2)
         ``guess`` itself where no point begins to touch, or Newton's method does not converge.
     """
-    problem.begin()
-    new = _new_points(problem, guess, target, last)
+    problem, new = increment.problem, _new_points(increment, guess)
     if not new:
         return guess
-    layout = problem.discretization.layout
     loads = np.array([load for own in new for load in unit_loads(problem, own.term, own.points)])
     # moved = K^-1 P^T and the compliance P K^-1 P^T of the points
-    moved = problem.factor.solve(np.ascontiguousarray(loads.T))
+    moved = increment.factor.solve(np.ascontiguousarray(loads.T))
     compliance = loads @ moved
-    problem.begin()
+    for own in new:
+        own.term.begin()
     d, r = guess, np.zeros(len(loads))
     for _ in range(MOST_ITERATIONS):
-        responses = [_respond(problem, own.term, d, target, own.history) for own in new]
+        responses = [_respond(increment, own.term, d, own.history) for own in new]
         both = list(zip(new, responses, strict=True))
         force = np.concatenate([now.force[own.points].ravel() for own, now in both])
         tangent = block_diag(*(block for own, now in both for block in now.tangent[own.points]))
@@ -106,5 +101,5 @@ def at_rest_where_it_touches(
             r = r - np.linalg.solve(np.eye(r.size) + tangent @ compliance, off)
         except np.linalg.LinAlgError:
             return guess
-        d = guess - layout.gather(moved @ r)
+        d = guess - increment.gather(moved @ r)
     return guess

@@ -148,6 +148,7 @@ class ContactTerm(PointTerm):
         self._gap, self._direction = np.empty((k, 1)), np.zeros(k, np.int64)
         # both sweeps come back to the steps of the path
         self.pose, self.motion_rates = cache(self.motion.pose), cache(self.motion.rates_at)
+        self._linearized = ()
         self._speed_varies = has_cubics(self.profile)
         size = float(np.abs(discretization.particles).max())
         self.rounding = self.law.normal_penalty * size
@@ -166,8 +167,14 @@ class ContactTerm(PointTerm):
     def potential(self, d, response) -> float:
         return self.law.potential(response.gap, self.length)
 
-    def begin(self):
-        self._direction[:] = 0
+    def begin(self, iteration=None):
+        # direction of slip one iteration before; linearisation of mixed iterations
+        self._direction[:], linearized = (0, ()) if iteration is None else iteration
+        self._linearized = tuple(part.copy() for part in linearized)
+
+    @property
+    def iteration(self):
+        return self._direction.copy(), tuple(part.copy() for part in self._linearized)
 
     def no_history(self) -> ContactHistory:
         return no_history(len(self.where))

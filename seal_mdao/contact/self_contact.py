@@ -162,7 +162,7 @@ class SelfContactTerm(CoupledTerm):
         # a point opposite must be this near to be followed before it touches
         self.near = 4.0 * self.length.max()
         self.rounding = definition.law.normal_penalty * float(np.abs(self.reference).max())
-        self._direction = np.zeros(len(self.where), int)
+        self._direction, self._linearized = np.zeros(len(self.where), int), None
 
     @property
     def history_dependent(self) -> bool:
@@ -197,8 +197,13 @@ class SelfContactTerm(CoupledTerm):
         points, _, now = self._followed(x)
         return points, now.gap
 
-    def begin(self):
-        self._direction[:] = 0
+    def begin(self, iteration=None):
+        # direction of slip one iteration before; linearisation of mixed iterations
+        self._direction[:], self._linearized = (0, None) if iteration is None else iteration
+
+    @property
+    def iteration(self):
+        return self._direction.copy(), self._linearized
 
     def no_history(self) -> ContactHistory:
         k = len(self.where)

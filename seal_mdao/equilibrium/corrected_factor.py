@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from seal_mdao.equilibrium.modes import nearest_mode
+from seal_mdao.equilibrium.eigenmodes import nearest_mode
 
 
 class CorrectedFactor:
@@ -58,9 +58,12 @@ class CorrectedFactor:
         n = self.columns.shape[1]
         return nearest_mode(self, n, symmetric=True, negative=True)[0] > 0.0
 
-    def kept(self) -> "CorrectedFactor":
-        """Return a factor that stays valid after the next factorisation in the same storage."""
-        return CorrectedFactor(self.factor.kept(), self.columns, self.change, self.symmetric)
+    def exact(self) -> "CorrectedFactor":
+        """Return the factor in double precision."""
+        exact = self.factor.exact()
+        if exact is self.factor:
+            return self
+        return CorrectedFactor(exact, self.columns, self.change, self.symmetric)
 
     def solve(self, rhs: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solve the corrected system for right-hand sides of shape (n,) or (n, m)."""

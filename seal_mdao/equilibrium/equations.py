@@ -116,10 +116,7 @@ class TangentLayout:
         return values[first:end].reshape(self.n_columns, self.force_size), values[end : self.size]
 
     def factorize(self, values: np.ndarray, symmetric: bool = False):
-        """Factorise the matrix in the buffer ``values``, which may be overwritten.
-
-        The factor is valid until the buffer is filled again; ``factor.kept()`` stays valid.
-        """
+        """Factorise the matrix with the entries ``values``, which must not change afterwards."""
         return self._with_columns(self.storage.factorize(values, symmetric), values, symmetric)
 
     def factorize_roughly(self, values: np.ndarray):

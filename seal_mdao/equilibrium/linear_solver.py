@@ -35,9 +35,9 @@ class BandedFactor:
     def nbytes(self) -> int:
         return self.band.nbytes
 
-    def kept(self):
-        """Return a copy that does not share the buffer of the matrix."""
-        return BandedFactor(self.storage, self.band.copy(order="F"), self.pivots, self.definite)
+    def exact(self):
+        """Return the factor itself, in double precision."""
+        return self
 
     @property
     def positive(self) -> bool:
@@ -95,8 +95,8 @@ class BandedStorage(NamedTuple):
             lower[0] += rounding(lower[0])
             _, info = lapack.dpbtrf(lower, lower=1, overwrite_ab=True)
             definite = info == 0
-        # P K = L U, in place of the band
-        lu, pivots, info = lapack.dgbtrf(band, self.width, self.width, overwrite_ab=True)
+        # P K = L U
+        lu, pivots, info = lapack.dgbtrf(band, self.width, self.width)
         if info != 0:
             raise np.linalg.LinAlgError(f"the tangent is singular (dgbtrf {info})")
         return BandedFactor(self, lu, pivots, definite)
@@ -113,8 +113,8 @@ class SparseFactor:
         """Memory of the values (8 bytes) and row indices (4) of L and U."""
         return 12 * self.lu.nnz
 
-    def kept(self):
-        """Return the factor itself: SuperLU has its own memory."""
+    def exact(self):
+        """Return the factor itself, in double precision."""
         return self
 
     @cached_property

@@ -9,9 +9,8 @@ import ctypes
 import os
 import sys
 from collections import deque
-from collections.abc import Callable
 from contextlib import suppress
-from functools import cached_property, partial
+from functools import cached_property
 from importlib import import_module
 from threading import Lock, local
 
@@ -19,7 +18,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from seal_mdao.equilibrium.compressed_columns import CompressedColumns, rounding
-from seal_mdao.equilibrium.modes import nearest_mode
+from seal_mdao.equilibrium.eigenmodes import nearest_mode
 from seal_mdao.equilibrium.threads import one_blas_thread
 
 # Phases of a call: analysis, numerical factorisation, solution, release of one factor or of all;
@@ -65,23 +64,20 @@ def import_pypardiso():
 
 
 class PardisoFactor:
-    """One of the factors in a handle; its memory is freed with this object if it was ``kept``."""
+    """One of the factors in a handle; its memory is freed with this object."""
 
-    def __init__(self, handle, matrix, definite=None):
-        self.handle, self.matrix, self.definite = handle, matrix, definite
-        self.number, self.owned = handle.number, False
+    def __init__(self, handle, matrix):
+        self.handle, self.matrix, self.definite = handle, matrix, None
+        self.number = handle.factorize(matrix)
 
     @property
     def nbytes(self) -> int:
         # entries of L and U as PARDISO reports them, and the matrix itself (for the refinement)
         data = self.matrix.data
-        return data.itemsize * (int(self.handle.get_iparm(ENTRIES)) + data.size)
+        return data.itemsize * (self.handle.entries + data.size)
 
-    def kept(self):
-        """Keep this factor valid: copy its matrix; the next factorisation takes another number."""
-        if not self.owned:
-            self.handle.take_another_number()
-            self.matrix, self.owned = self.matrix.copy(), True
+    def exact(self):
+        """Return the factor itself, in double precision."""
         return self
 
     @cached_property
@@ -94,36 +90,28 @@ class PardisoFactor:
 
     def solve(self, rhs, transposed=False):
         """Solve for right-hand sides of shape (n,) or (n, m)."""
-        # the stored columns are the rows of the transposed matrix
-        setting = {TRANSPOSE: 0 if transposed else TRANSPOSED}
-        return self.handle.run(SOLVE, self.number, self.matrix, np.asfortranarray(rhs), setting)
+        return self.handle.solve(self.number, self.matrix, np.asfortranarray(rhs), transposed)
 
     def __del__(self, ending=sys.is_finalizing):  # ``sys`` may be gone by then
-        if self.owned and not ending():
+        if hasattr(self, "number") and not ending():
             self.handle.drop(self.number)
 
 
 class RoughFactor:
-    """Factors in single precision, replaced by exact ones where they are kept.
+    """Factors in single precision, of which ``exact`` gives those in double precision."""
 
-    Parameters
-    ----------
-    factor : PardisoFactor
-    exact : callable
-        Computes the factors in double precision.
-    """
-
-    def __init__(self, factor: PardisoFactor, exact: Callable):
-        self.factor, self.exact = factor, exact
+    def __init__(self, storage: "PardisoStorage", values: np.ndarray):
+        self.storage, self.values = storage, values
+        self.factor = storage.factor_of(values.astype(np.float32))
 
     @property
     def nbytes(self) -> int:
-        """Memory of the exact factors, which are those that ``kept`` returns."""
+        """Memory of the exact factors."""
         return 2 * self.factor.nbytes
 
-    def kept(self):
-        """Compute and return the exact factors."""
-        return self.exact().kept()
+    def exact(self):
+        """Compute the factors in double precision."""
+        return self.storage.factorize(self.values)
 
     @property
     def positive(self) -> bool:
@@ -147,35 +135,31 @@ class PardisoStorage(CompressedColumns):
         self._error = self._module.pardiso_wrapper.PyPardisoError
         one_blas_thread.find_libraries_again()
 
-    def _factorized(self, matrix, kind: int):
-        """Factorise a matrix in the handle of its kind, under a number that no kept factor has."""
+    def _handle(self, matrix, kind: int) -> "Handle":
+        """Return the handle of this thread for matrices of a kind and precision."""
         handles, name = vars(self._of_thread), f"{kind} {matrix.dtype}"
-        handle, nothing = handles.get(name), np.zeros(self.n, matrix.dtype)
         # the analysis (ordering, symbolic factorisation) depends on the pattern alone: once a handle
-        if handle is None or handle.number > MOST_FACTORS:
-            handle = handles[name] = _handle_class(self._module)(matrix, kind)
-            handle.run(ORDER, handle.number, matrix, nothing)
-        handle.run(FACTORIZE, handle.number, matrix, nothing)
-        return handle
+        if name not in handles or handles[name].full:
+            handles[name] = Handle(self._module, matrix, kind)
+        return handles[name]
 
-    def _factor(self, values) -> PardisoFactor:
+    def factor_of(self, values) -> PardisoFactor:
+        """Factorise a matrix in the precision of its entries."""
         # compressed columns of K are compressed rows of K^T; the pattern is symmetric
         matrix = csr_array((values, self.indices, self.pointers), shape=(self.n, self.n))
         try:
-            return PardisoFactor(self._factorized(matrix, STRUCTURALLY_SYMMETRIC), matrix)
+            return PardisoFactor(self._handle(matrix, STRUCTURALLY_SYMMETRIC), matrix)
         except self._error as error:
             raise np.linalg.LinAlgError(f"the tangent is singular (PARDISO: {error})") from None
 
     def factorize(self, values, symmetric=False):
-        factor = self._factor(values[: self.size])
+        factor = self.factor_of(values[: self.size])
         if symmetric:
             factor.definite = self._is_definite(values)
         return factor
 
     def factorize_roughly(self, values):
-        values = values[: self.size].copy()
-        rough = self._factor(values.astype(np.float32))
-        return RoughFactor(rough, partial(self.factorize, values))
+        return RoughFactor(self, values[: self.size])
 
     @cached_property
     def _lower(self):
@@ -195,7 +179,7 @@ class PardisoStorage(CompressedColumns):
         # columns of the lower triangle are rows of the upper one
         matrix = csr_array((entries, indices, pointers), shape=(self.n, self.n))
         try:
-            self._factorized(matrix, POSITIVE_DEFINITE)
+            PardisoFactor(self._handle(matrix, POSITIVE_DEFINITE), matrix)
         except self._error:
             return False
         return True
@@ -212,76 +196,103 @@ def _address(array: np.ndarray):
     return array.ctypes.data_as(ctypes.POINTER(kind))
 
 
-def _handle_class(module):
-    """Build the class of PARDISO handles: one pattern with its factors, freed with the handle."""
+class Handle:
+    """PARDISO's memory of one pattern: its ordering and its numbered factors, freed with the handle.
 
-    class Handle(module.PyPardisoSolver):
-        def __init__(self, matrix, kind: int):
-            super().__init__(mtype=kind)
-            self.number, self._lock, self._unused, self._dropped = 1, Lock(), [], deque()
-            self._highest, self._is_free = self.number, False
-            settings = SETTINGS if kind == STRUCTURALLY_SYMMETRIC else {}
-            # -1: report the number of entries of the factors
-            settings = settings | {ENTRIES: -1, SINGLE: int(matrix.dtype == np.float32)}
-            for index, value in settings.items():
-                self.set_iparm(index, value)
-            # Fortran indices from 1; converted once for all calls of this handle
-            self._pattern = matrix.indptr + np.int32(1), matrix.indices + np.int32(1)
-            self._fixed = [_address(array) for array in (*self._pattern, self.perm)]
-            self._iparm, self._messages = _address(self.iparm), _integer(0)
-            self._of_library = self.pt.ctypes.data_as(ctypes.POINTER(self._pt_type[0]))
+    pypardiso holds one factor for each ordering, in double precision.
 
-        def take_another_number(self) -> None:
-            """Reserve the present number; factorisations to come use a free one."""
-            with self._lock:
+    Parameters
+    ----------
+    module : module
+        pypardiso.
+    matrix : csr_array
+        With the pattern, and the precision of all factors.
+    kind : int
+        Matrix type.
+    """
+
+    def __init__(self, module, matrix, kind: int):
+        self.solver, self._error = module.PyPardisoSolver(mtype=kind), module.pardiso_wrapper
+        self._lock, self._unused, self._dropped = Lock(), [*range(MOST_FACTORS, 0, -1)], deque()
+        self._is_free = False
+        settings = SETTINGS if kind == STRUCTURALLY_SYMMETRIC else {}
+        # -1: report the number of entries of the factors
+        settings = settings | {ENTRIES: -1, SINGLE: int(matrix.dtype == np.float32)}
+        for index, value in settings.items():
+            self.solver.set_iparm(index, value)
+        # Fortran indices from 1; converted once for all calls of this handle
+        self._pattern = matrix.indptr + np.int32(1), matrix.indices + np.int32(1)
+        self._fixed = [_address(array) for array in (*self._pattern, self.solver.perm)]
+        self._iparm, self._messages = _address(self.solver.iparm), _integer(0)
+        self._memory = self.solver.pt.ctypes.data_as(ctypes.POINTER(ctypes.c_int64))
+        self._nothing = np.zeros(matrix.shape[0], matrix.dtype)
+        self._call(ORDER, 1, matrix, self._nothing)
+
+    @property
+    def full(self) -> bool:
+        """Whether all numbers of factors are in use."""
+        return not (self._unused or self._dropped)
+
+    @property
+    def entries(self) -> int:
+        """Number of entries of a factor."""
+        return int(self.solver.get_iparm(ENTRIES))
+
+    def factorize(self, matrix) -> int:
+        """Factorise a matrix under a number that no other factor has, and return that."""
+        with self._lock:
+            self._let_go()
+            # the memory of a factor that is gone is used again
+            number = (self._dropped or self._unused).pop()
+            try:
+                self._call(FACTORIZE, number, matrix, self._nothing)
+            except self._error.PyPardisoError:
+                self._dropped.append(number)
+                raise
+            return number
+
+    def solve(self, number: int, matrix, rhs, transposed: bool):
+        """Solve with the factor ``number`` of a matrix."""
+        with self._lock:
+            self._let_go()
+            # the stored columns are the rows of the transposed matrix
+            self.solver.set_iparm(TRANSPOSE, 0 if transposed else TRANSPOSED)
+            return self._call(SOLVE, number, matrix, rhs)
+
+    def drop(self, number: int) -> None:
+        """Free a factor, at once or, where the handle is in use, with the next call; the memory of one
+        stays for the next factorisation."""
+        if self._is_free:  # the collector takes a handle and its factors in any order
+            return
+        self._dropped.append(number)
+        # the collector may come in the middle of a call, so there is no waiting here
+        if self._lock.acquire(blocking=False):
+            try:
                 self._let_go()
-                self._highest += not self._unused
-                self.number = self._unused.pop() if self._unused else self._highest
+            finally:
+                self._lock.release()
 
-        def drop(self, number: int) -> None:
-            """Free the memory of factors, at once or, where the handle is in use, with the next call."""
-            if self._is_free:  # the collector takes a handle and its factors in any order
-                return
-            self._dropped.append(number)
-            # the collector may come in the middle of a call, so there is no waiting here
-            if self._lock.acquire(blocking=False):
-                try:
-                    self._let_go()
-                finally:
-                    self._lock.release()
+    def _let_go(self) -> None:
+        while len(self._dropped) > 1:
+            number = self._dropped.popleft()
+            self._call(LET_GO, number, None, np.zeros(0))
+            self._unused.append(number)
 
-        def _let_go(self) -> None:
-            while self._dropped:
-                number = self._dropped.popleft()
-                self._call(LET_GO, number, None, np.zeros(0))
-                self._unused.append(number)
+    def _call(self, phase, number, matrix, rhs):
+        """Call MKL as pypardiso does, but without converting the pattern again in every call."""
+        x, error = np.zeros_like(rhs), ctypes.c_int32(0)
+        numbers = MOST_FACTORS, number, self.solver.mtype, phase, self._nothing.size
+        data = _address(rhs if matrix is None else matrix.data)
+        columns = 1 if rhs.ndim == 1 else rhs.shape[1]
+        self.solver._mkl_pardiso(
+            self._memory, *map(_integer, numbers), data, *self._fixed, _integer(columns), self._iparm,
+            self._messages, _address(rhs), _address(x), ctypes.byref(error),
+        )  # fmt: skip
+        if error.value != 0:
+            raise self._error.PyPardisoError(error.value)
+        return np.ascontiguousarray(x)
 
-        def run(self, phase: int, number: int, matrix, rhs, settings=None):
-            """Run a phase with the factors of a number; return the solution of a SOLVE."""
-            with self._lock:
-                self._let_go()
-                for index, value in (settings or {}).items():
-                    self.set_iparm(index, value)
-                return self._call(phase, number, matrix, rhs)
-
-        def _call(self, phase, number, matrix, rhs):
-            """Call MKL as pypardiso does, but without converting the pattern again in every call."""
-            x, error = np.zeros_like(rhs), ctypes.c_int32(0)
-            n = len(self._pattern[0]) - 1
-            numbers = MOST_FACTORS, number, self.mtype, phase, n
-            data = _address(rhs if matrix is None else matrix.data)
-            columns = 1 if rhs.ndim == 1 else rhs.shape[1]
-            self._mkl_pardiso(
-                self._of_library, *map(_integer, numbers), data, *self._fixed, _integer(columns),
-                self._iparm, self._messages, _address(rhs), _address(x), ctypes.byref(error),
-            )  # fmt: skip
-            if error.value != 0:
-                raise module.pardiso_wrapper.PyPardisoError(error.value)
-            return np.ascontiguousarray(x)
-
-        def __del__(self, ending=sys.is_finalizing):
-            if not ending():
-                self._is_free = True
-                self._call(LET_ALL_GO, 1, None, np.zeros(0))
-
-    return Handle
+    def __del__(self, ending=sys.is_finalizing):
+        if not ending():
+            self._is_free = True
+            self._call(LET_ALL_GO, 1, None, np.zeros(0))

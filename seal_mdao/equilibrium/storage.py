@@ -40,8 +40,8 @@ class Factor(Protocol):
     nbytes: int
     positive: bool
 
-    def kept(self) -> "Factor":
-        """Return a factor that stays valid after the next factorisation in the same storage."""
+    def exact(self) -> "Factor":
+        """Return the factor in double precision, itself unless it was made in reduced precision."""
 
     def solve(self, rhs: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solve for right-hand sides of shape (n,) or (n, m)."""
@@ -72,7 +72,7 @@ class Storage(Protocol):
         """Return the indices of the diagonal entries, shape (n,)."""
 
     def factorize(self, values: np.ndarray, symmetric: bool = False) -> Factor:
-        """Factorise the matrix in the buffer, which may be overwritten.
+        """Factorise the matrix with the given entries, which must not change afterwards.
 
         A ``symmetric`` one is solved as any other; its factor knows whether it is definite.
 
@@ -83,7 +83,7 @@ class Storage(Protocol):
         """
 
     def factorize_roughly(self, values: np.ndarray) -> Factor:
-        """Factorise in reduced precision, for quasi-Newton iterations; ``kept`` gives full precision.
+        """Factorise in reduced precision, for quasi-Newton iterations; ``exact`` gives full precision.
 
         Called where ``reuses_factors`` holds.
         """

@@ -118,7 +118,7 @@ class StructuralTerm(Term):
     def __init__(self, definition: ElasticBody, discretization):
         self.definition, self.names = definition, tuple(definition.scalars)
         self.discretization, self.cells = discretization, discretization.cells
-        self.functions = discretization.body.pressure.functions
+        self.functions, self._before = discretization.body.pressure.functions, None
         self.bulk = self._per_column([r.material.bulk_modulus for r in definition.regions])
         self.deformation = no_deformation(1, self.cells.column_weights, len(self.functions))
         self.rounding = float(self.bulk.max() * discretization.body.support_radius.max())
@@ -271,6 +271,14 @@ class StructuralTerm(Term):
         return (weights * det) @ functions.T / (weights @ functions.T)
 
     # ---- mixed iterations ----
+
+    def begin(self, iteration=None):
+        # coefficients of the last linearisation of mixed iterations
+        self._before = iteration
+
+    @property
+    def iteration(self):
+        return self._before
 
     def begin_mixed(self, step, response, target):
         self._before = self.discretization.transformation.coefficients(step.d)

@@ -124,8 +124,14 @@ class Term:
 
     # ---- analysis ----
 
-    def begin(self) -> None:
-        """Forget what earlier iterations of the same solution left behind."""
+    def begin(self, iteration=None) -> None:
+        """Begin a solution, or continue one from the state ``iteration`` of its iterations."""
+
+    @property
+    def iteration(self):
+        """State of the iterations of a solution that the next one uses, beside the displacements; later
+        evaluations must not change it. None for a term that uses nothing."""
+        return None
 
     def no_history(self):
         """History of the undeformed state."""
@@ -161,6 +167,11 @@ class Term:
         the tangent are those that the last linearisation led to. Same as ``add`` where d has converged.
         """
         return self.add(d, raw, fraction, history, force, values)
+
+    def forces(self, d) -> np.ndarray | None:
+        """Compute the forces (n, 2) on all components, prescribed ones included; None for a term that
+        does not act on these."""
+        return None
 
     def check_start(self, response: Response) -> None:
         """Raise GeometryError where the undeformed state is not admissible."""

@@ -8,7 +8,9 @@ from bodies import dense
 from verification.differences import contact_states
 
 import seal_mdao as sm
+from seal_mdao.analysis.increment import Increment
 from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
@@ -28,9 +30,9 @@ def problem_of(result):
     return PathProblem(result.path.discretization, result.seal.terms())
 
 
-def state_of(problem):
-    """Contact states at the displacements assembled last."""
-    return problem.responses[1].state.copy()
+def state_of(assembly):
+    """Contact states of an assembly."""
+    return assembly.responses[1].state
 
 
 def interesting(result):
@@ -43,10 +45,8 @@ def interesting(result):
     return [path.steps[int(i)] for i in places]
 
 
-def residual(problem, step, d):
-    problem.begin()
-    assert problem.assemble(d, step.fraction, step.before)
-    return problem.residual()[0].copy()
+def evaluated(problem, step, d):
+    return problem.evaluate(d, step.fraction, step.before)
 
 
 def test_converged_steps_are_in_equilibrium(pressed):
@@ -54,10 +54,9 @@ def test_converged_steps_are_in_equilibrium(pressed):
     problem = problem_of(pressed)
     for place, step in enumerate(pressed.path.steps[::5]):
         problem.term("door")._direction[:] = place % 3 - 1
-        problem.assemble_at(step)
-        _, size, rounding = problem.residual()
-        assert size <= 1e-11 or rounding
-        found, kept = problem.responses[1], pressed.response("door", step)
+        assembly = problem.assemble_at(step)
+        assert assembly.size <= 1e-11 or assembly.rounding
+        found, kept = assembly.responses[1], pressed.response("door", step)
         np.testing.assert_array_equal(found.state, kept.state)
         np.testing.assert_array_equal(found.force, kept.force)
         np.testing.assert_array_equal(found.history.variables, kept.history.variables)
@@ -68,14 +67,15 @@ def test_tangent_is_the_derivative_of_the_residual(pressed, rng):
     problem = problem_of(pressed)
     layout = pressed.path.discretization.layout
     for step in interesting(pressed):
-        problem.assemble_at(step)
-        matrix, state = dense(layout, problem.values), state_of(problem)
+        assembly = problem.assemble_at(step)
+        matrix, state = dense(layout, assembly.values), state_of(assembly)
         direction = rng.standard_normal(layout.n_equations)
         spread, h = layout.gather(direction), 1e-6
         values = []
         for k in (-2, -1, 1, 2):
-            values.append(residual(problem, step, step.d + k * h * spread))
-            np.testing.assert_array_equal(state_of(problem), state)
+            beside = evaluated(problem, step, step.d + k * h * spread)
+            values.append(beside.residual)
+            np.testing.assert_array_equal(state_of(beside), state)
         slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h)
         exact = matrix @ direction
         np.testing.assert_allclose(slope, exact, rtol=0.0, atol=2e-8 * np.abs(exact).max())
@@ -90,15 +90,36 @@ def test_error_after_one_iteration_is_quadratic_in_the_error_before(pressed, rng
         direction = layout.gather(rng.standard_normal(layout.n_equations))
         size = []
         for h in (2e-6, 1e-6, 5e-7):
-            status, _, residuals = newton(
-                problem, step.d + h * direction, step.fraction, step.before, once
-            )
-            assert status is Status.NOT_CONVERGED
-            np.testing.assert_array_equal(state_of(problem), step.responses[1].state)
-            size.append(residuals)
+            increment = Increment(problem, step.fraction, step.before, once)
+            found = newton(increment, step.d + h * direction)
+            assert found.status is Status.NOT_CONVERGED
+            np.testing.assert_array_equal(state_of(found.assembly), step.responses[1].state)
+            size.append(found.residuals)
         before, after = np.log(size).T
         order = np.diff(after) / np.diff(before)
         np.testing.assert_allclose(order, 2.0, atol=0.1)
+
+
+def test_an_evaluation_depends_on_its_arguments_alone_and_changes_no_other(pressed):
+    """Evaluated again, with others in between, whose points slip in other directions."""
+    problem = problem_of(pressed)
+    for step in interesting(pressed):
+        first = problem.assemble_at(step)
+        copies = [first.values.copy(), first.forces.copy(), first.responses[1].kept()]
+        problem.evaluate(0.9 * step.d, step.fraction, step.before, first.iteration)
+        start = problem.begin_mixed(step, step.fraction)
+        mixed = problem.evaluate(step.d, step.fraction, step.before, start, mixed=True)
+        again = problem.evaluate(step.d, step.fraction, step.before)
+        for found in (first, again):
+            np.testing.assert_array_equal(found.values, copies[0])
+            np.testing.assert_array_equal(found.forces, copies[1])
+            for one, other in zip(found.responses[1][:4], copies[2][:4], strict=True):
+                np.testing.assert_array_equal(one, other)
+        others = problem.evaluate(step.d, step.fraction, step.before, start, mixed=True)
+        np.testing.assert_array_equal(others.values, mixed.values)
+        for name in ("d", "values"):
+            with pytest.raises(AttributeError):
+                setattr(first, name, None)
 
 
 def test_newton_is_quadratic_once_the_contact_set_settles(drawn):
@@ -119,17 +140,15 @@ def test_newton_is_quadratic_once_the_contact_set_settles(drawn):
 def test_predictor_is_second_order_accurate_in_the_step(drawn):
     """Its error is quadratic in the motion while the contact states stay."""
     problem, step = problem_of(drawn), drawn.path.steps[60]
-    problem.assemble_at(step)
-    factor = drawn.path.discretization.layout.factorize(problem.values).kept()
-    errors = []
+    factor, options, errors = problem.factorize_at(step), sm.NewtonOptions(1e-12), []
     for share in (0.2, 0.1, 0.05):
         target = step.fraction + share
-        problem.assemble_at(step)
-        guess = problem.predict(step, factor, target)[0]
-        status, d, _ = newton(problem, guess, target, step.after, sm.NewtonOptions(1e-12))
-        assert status is Status.CONVERGED
-        np.testing.assert_array_equal(state_of(problem), step.responses[1].state)
-        errors.append(np.abs(guess - d).max())
+        increment = Increment(problem, target, step.after, options, step, factor)
+        guess = predict(increment)[0]
+        found = newton(increment, guess)
+        assert found.status is Status.CONVERGED
+        np.testing.assert_array_equal(state_of(found.assembly), step.responses[1].state)
+        errors.append(np.abs(guess - found.d).max())
     assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 1.8)
 
 
@@ -138,9 +157,7 @@ def test_factor_of_a_step_is_that_of_its_converged_tangent(drawn, rng):
     """To the last bit, under the limit of threads under which the path made it."""
     problem, layout = problem_of(drawn), drawn.path.discretization.layout
     for step in drawn.path.steps[40::30]:
-        problem.assemble_at(step)
-        rhs = rng.standard_normal(layout.n_equations)
-        again = layout.factorize(problem.values).kept()
+        rhs, again = rng.standard_normal(layout.n_equations), problem.factorize_at(step)
         np.testing.assert_array_equal(step.factor.solve(rhs), again.solve(rhs))
 
 

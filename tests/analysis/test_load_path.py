@@ -50,9 +50,9 @@ def test_no_solution_takes_more_iterations_than_allowed(cut, monkeypatch):
 
     def counted(solve):
         def counting(*args):
-            status, d, residuals = solve(*args)
-            made[solve].append(len(residuals) - 1)
-            return status, d, residuals
+            found = solve(*args)
+            made[solve].append(len(found.residuals) - 1)
+            return found
 
         return counting
 
@@ -315,9 +315,11 @@ def test_incremental_history_starts_from_the_better_of_two_predictors(monkeypatc
     path = sm.analyze(model, offsets, {"door_radius": 3.75}).path
     assert path.converged
     assert path.step_cuts == 0
-    both = PathProblem.predict
+    both = load_path.predict
     for only in (slice(0, 1), slice(1, 2)):
-        monkeypatch.setattr(PathProblem, "predict", lambda *a, only=only: both(*a)[only])
+        monkeypatch.setattr(
+            load_path, "predict", lambda increment, only=only: both(increment)[only]
+        )
         one = sm.analyze(model, offsets, {"door_radius": 3.75}).path
         better = path.newton_iterations.sum() < one.newton_iterations.sum()
         assert better or not one.converged

@@ -7,8 +7,10 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.analysis import load_path
+from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.boundary_curve import kinematics, masters, rings
@@ -105,7 +107,8 @@ def test_the_swelling_is_linear_in_the_increment(drawn):
 
     def swelling(d):
         assert structure._assemble(table, d, problem.discretization.layout.scatter[0],
-                                   np.zeros(problem.forces.shape[1]), np.empty(0))  # fmt: skip
+                                   np.zeros(problem.discretization.layout.force_size),
+                                   np.empty(0))  # fmt: skip
         return structure.deformation.swelling[0].copy()
 
     linear = 0.5 * (swelling(after) - swelling(2.0 * before - after))
@@ -122,25 +125,25 @@ def test_at_equilibrium_they_are_newtons(drawn):
     """Where the increment is zero forces and tangent are those of Newton's method."""
     problem = problem_of(drawn)
     for step in drawn.path.steps[30::25]:
-        problem.assemble_at(step)
-        values, residual = problem.values.copy(), problem.residual()[0]
-        problem.begin_mixed(step, step.fraction)
-        problem.assemble(step.d, step.fraction, step.before, mixed=True)
-        scale = np.abs(values).max()
-        np.testing.assert_allclose(problem.values, values, rtol=0.0, atol=1e-11 * scale)
-        np.testing.assert_allclose(problem.residual()[0], residual, rtol=0.0, atol=1e-9)
+        plain, start = problem.assemble_at(step), problem.begin_mixed(step, step.fraction)
+        mixed = problem.evaluate(step.d, step.fraction, step.before, start, mixed=True)
+        scale = np.abs(plain.values).max()
+        np.testing.assert_allclose(mixed.values, plain.values, rtol=0.0, atol=1e-11 * scale)
+        np.testing.assert_allclose(mixed.residual, plain.residual, rtol=0.0, atol=1e-9)
 
 
 def test_they_find_the_equilibrium_that_newton_finds(drawn):
     problem = problem_of(drawn)
     for before, step in zip(drawn.path.steps[40::20], drawn.path.steps[41::20], strict=False):
-        guess = problem.predict(before, problem.factorize_at(before), step.fraction)[0]
-        options = drawn.seal.newton
-        one = newton(problem, guess, step.fraction, before.after, options)
-        two = mixed_newton(problem, guess, step.fraction, before, options)
-        assert one[0] is two[0] is Status.CONVERGED
-        np.testing.assert_allclose(two[1], one[1], rtol=0.0, atol=1e-9)
-        assert len(two[2]) <= len(one[2]) + 1
+        increment = Increment(
+            problem, step.fraction, before.after, drawn.seal.newton, before,
+            problem.factorize_at(before),
+        )  # fmt: skip
+        guess = predict(increment)[0]
+        one, two = newton(increment, guess), mixed_newton(increment, guess)
+        assert one.status is two.status is Status.CONVERGED
+        np.testing.assert_allclose(two.d, one.d, rtol=0.0, atol=1e-9)
+        assert len(two.residuals) <= len(one.residuals) + 1
 
 
 def test_what_newtons_method_solves_stays_as_it_is(drawn_model, monkeypatch):
@@ -165,13 +168,13 @@ def test_an_equilibrium_far_away_is_refused(monkeypatch):
     seal = stiff("lip.toml", 1e4, 1e2)
     found = []
 
-    def far(problem, guess, *_):
+    def far(_, guess):
         found.append(guess)
-        return Status.CONVERGED, guess + 10.0, ()
+        return Solution(Status.CONVERGED, guess + 10.0, ())
 
     monkeypatch.setattr(load_path, "mixed_newton", far)
     refused = sm.analyze(seal)
-    monkeypatch.setattr(load_path, "mixed_newton", lambda _, d, *rest: (Status.SINGULAR, d, ()))
+    monkeypatch.setattr(load_path, "mixed_newton", lambda _, d: Solution(Status.SINGULAR, d, ()))
     failed = sm.analyze(seal)
     assert found
     assert refused.step_cuts == failed.step_cuts > 0
@@ -226,16 +229,14 @@ def test_at_equilibrium_they_are_newtons_after_the_first_with_self_contact(folde
     problem, place = problem_of(folded), folded.path.place("self_contact")
     touching = [step for step in folded.path.steps if (step.responses[place].branch == SLIP).any()]
     for step in touching[::4]:
-        problem.assemble_at(step)
-        values, residual = problem.values.copy(), problem.residual()[0]
-        problem.begin_mixed(step, step.fraction)
-        problem.assemble(step.d, step.fraction, step.before, mixed=True)
-        assert problem.unsettled > 0
-        problem.assemble(step.d, step.fraction, step.before, mixed=True)
-        assert problem.unsettled == 0
-        scale = np.abs(values).max()
-        np.testing.assert_allclose(problem.values, values, rtol=0.0, atol=1e-11 * scale)
-        np.testing.assert_allclose(problem.residual()[0], residual, rtol=0.0, atol=1e-9)
+        plain, start = problem.assemble_at(step), problem.begin_mixed(step, step.fraction)
+        first = problem.evaluate(step.d, step.fraction, step.before, start, mixed=True)
+        assert first.unsettled > 0
+        mixed = problem.evaluate(step.d, step.fraction, step.before, first.iteration, mixed=True)
+        assert mixed.unsettled == 0
+        scale = np.abs(plain.values).max()
+        np.testing.assert_allclose(mixed.values, plain.values, rtol=0.0, atol=1e-11 * scale)
+        np.testing.assert_allclose(mixed.residual, plain.residual, rtol=0.0, atol=1e-9)
     assert len(touching) >= 4
 
 

@@ -31,7 +31,7 @@ def test_factors_solve_and_outlive_the_next_factorisation(rng):
     values = internal(disc, np.where(disc.body.fixed, 0.0, wave(disc, 0.05)))[1]
     values[: layout.storage.size] *= 1.0 + 0.1 * rng.standard_normal(layout.storage.size)
     matrix, rhs = dense(layout, values), rng.standard_normal((layout.n_equations, 3))
-    first = layout.factorize(values).kept()
+    first = layout.factorize(values)
     second = layout.factorize(2.0 * values)
     tolerance = 1e-14 * np.linalg.cond(matrix)
     for factor, share in ((first, 1.0), (second, 0.5)):
@@ -53,33 +53,32 @@ def random_tangent(rng):
     return layout, values, rng.standard_normal(layout.n_equations)
 
 
-def test_rough_factors_have_single_precision_and_what_is_kept_of_them_double(rng):
+def test_rough_factors_have_single_precision_and_exact_ones_double(rng):
     pytest.importorskip("pypardiso")
     layout, values, rhs = random_tangent(rng)
-    matrix, given = dense(layout, values), values.copy()
+    matrix = dense(layout, values)
     rough = layout.factorize_roughly(values)
-    values[:] = np.nan  # the next tangent is assembled into the buffer
     condition = np.linalg.cond(matrix)
     for transposed, system in ((False, matrix), (True, matrix.T)):
         exact = np.linalg.solve(system, rhs)
         error = np.abs(rough.solve(rhs, transposed) - exact).max() / np.abs(exact).max()
         assert 1e-9 < error < np.finfo(np.float32).eps * condition
-    found, expected = rough.kept().solve(rhs), layout.factorize(given).solve(rhs)
+    found, expected = rough.exact().solve(rhs), layout.factorize(values).solve(rhs)
     np.testing.assert_array_equal(found, expected)
-    assert rough.positive == layout.factorize(given).positive
+    assert rough.positive == layout.factorize(values).positive
 
 
 def test_kept_factors_share_a_handle_and_leave_their_place_to_others(rng):
     pytest.importorskip("pypardiso")
     layout, values, rhs = random_tangent(rng)
     exact = layout.factorize(values).solve(rhs)
-    kept = [layout.factorize(2.0**k * values).kept() for k in range(6)]
+    kept = [layout.factorize(2.0**k * values) for k in range(6)]
     handle = kept[0].handle
     assert all(factor.handle is handle for factor in kept)
     assert len({factor.number for factor in kept}) == 6
-    assert kept[2].kept() is kept[2]
+    assert kept[2].exact() is kept[2]
     left = {kept.pop(1).number, kept.pop(3).number}
-    more = [layout.factorize(8.0 * values).kept() for _ in range(2)]
+    more = [layout.factorize(8.0 * values) for _ in range(2)]
     last = layout.factorize(16.0 * values)
     assert left <= {factor.number for factor in (*more, last)}
     # powers of two scale every number of a factorisation exactly
@@ -91,7 +90,7 @@ def test_kept_factors_share_a_handle_and_leave_their_place_to_others(rng):
 def test_the_collector_may_take_the_handle_before_its_factors(rng):
     pytest.importorskip("pypardiso")
     layout, values, _ = random_tangent(rng)
-    ring = [layout.factorize(values).kept() for _ in range(3)]
+    ring = [layout.factorize(values) for _ in range(3)]
     ring[0].handle.factors = ring  # the handle holds what holds it
     handle, layout = ring[0].handle, None
     handle.__del__()
@@ -136,7 +135,7 @@ def test_factors_that_are_kept_do_not_look_for_the_library_again(rng, monkeypatc
     monkeypatch.setattr(glob, "glob", walk)
     values = np.zeros(layout.size)
     values[layout.storage.diagonal()] = 2.0
-    kept = [layout.factorize(values.copy()).kept() for _ in range(3)]
+    kept = [layout.factorize(values.copy()) for _ in range(3)]
     ones = np.ones(layout.n_equations)
     for factor in kept:
         np.testing.assert_array_equal(factor.solve(ones), 0.5 * ones)
@@ -149,7 +148,7 @@ def test_threads_share_a_factor_and_a_storage(rng):
     layout = disc.layout
     values = internal(disc, np.where(disc.body.fixed, 0.0, wave(disc, 0.05)))[1]
     values[: layout.storage.size] *= 1.0 + 0.1 * rng.standard_normal(layout.storage.size)
-    factor, rhs = layout.factorize(values.copy()).kept(), rng.standard_normal(layout.n_equations)
+    factor, rhs = layout.factorize(values.copy()), rng.standard_normal(layout.n_equations)
     expected = [factor.solve(rhs, transposed=flag) for flag in (False, True)]
 
     def solutions(scale):

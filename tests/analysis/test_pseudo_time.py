@@ -8,6 +8,7 @@ from lines import check, slopes
 from verification.differences import beside
 
 import seal_mdao as sm
+from seal_mdao.analysis.increment import Increment
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.result import Status
@@ -64,10 +65,9 @@ def test_what_it_finds_is_equilibrium(sliding, stuck, model):
     path = sliding.path
     problem = PathProblem(path.discretization, sliding.seal.terms())
     relaxed = path.steps[int(stuck.path.steps[-1].fraction)]
-    problem.assemble_at(relaxed)
-    _, size, rounding = problem.residual()
-    assert size <= model.newton.tolerance or rounding
-    state = problem.responses[path.place("door")].state
+    found = problem.assemble_at(relaxed)
+    assert found.size <= model.newton.tolerance or found.rounding
+    state = found.responses[path.place("door")].state
     np.testing.assert_array_equal(state, sliding.response("door", relaxed).state)
     assert np.sum(state != OPEN) > 2
 
@@ -138,6 +138,6 @@ def test_body_that_nothing_holds_moves_off(drawn):
     """From a place farther away than any seal goes."""
     problem = PathProblem(drawn.path.discretization, drawn.seal.terms())
     away = np.full_like(drawn.particles, 1000.0)
-    status, *_ = relax(problem, away, 1.0, problem.no_history(), drawn.seal.newton)
-    assert status is Status.MOVED_OFF
-    assert "carries the body off" in ending(status, drawn.seal.newton)
+    found = relax(Increment(problem, 1.0, problem.no_history(), drawn.seal.newton), away)
+    assert found.status is Status.MOVED_OFF
+    assert "carries the body off" in ending(found.status, drawn.seal.newton)

@@ -5,7 +5,9 @@ import pytest
 from verification.differences import contact_states
 
 import seal_mdao as sm
-from seal_mdao.analysis import load_path
+from seal_mdao.analysis import load_path, predictor
+from seal_mdao.analysis.increment import Increment, Solution
+from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.analysis.touching import TOLERANCE, at_rest_where_it_touches
@@ -18,19 +20,19 @@ def result():
 
 
 def predicted(result, nominal):
-    """Euler's predictor of a nominal step, what is made of it, and the problem at the step before."""
+    """Euler's predictor of a nominal step, what is made of it, and the increment."""
     path = result.path
     problem, last = PathProblem(path.discretization, result.seal.terms()), path.steps[nominal - 1]
-    factor = problem.factorize_at(last)
-    euler = problem.predict(last, factor, nominal + 1.0)[0]
-    return euler, at_rest_where_it_touches(problem, euler, nominal + 1.0, last), problem, last
+    increment = Increment(
+        problem, nominal + 1.0, last.after, result.seal.newton, last, problem.factorize_at(last)
+    )
+    euler = predict(increment)[0]
+    return euler, at_rest_where_it_touches(increment, euler), increment
 
 
-def answer(problem, d, target, last):
-    """What the door answers at displacements ``d``."""
-    problem.begin()
-    problem.assemble_forces(d, target, last.after)
-    return problem.responses[1].kept()
+def answer(increment, d):
+    """Response of the door at displacements ``d``."""
+    return increment.evaluate(d, tangent=False).responses[1]
 
 
 def first_touch(result):
@@ -40,8 +42,8 @@ def first_touch(result):
 def test_of_the_points_that_the_door_would_meet_those_touch_that_do(result):
     step = first_touch(result)
     assert step > 0
-    euler, found, problem, last = predicted(result, step)
-    met, touching = (answer(problem, d, step + 1.0, last).branch for d in (euler, found))
+    euler, found, increment = predicted(result, step)
+    met, touching = (answer(increment, d).branch for d in (euler, found))
     converged = contact_states(result)[step] != 0
     assert np.count_nonzero(met) > 5 * np.count_nonzero(converged)
     np.testing.assert_array_equal(touching != 0, converged)
@@ -54,13 +56,14 @@ def test_the_body_is_linear_and_the_contact_law_is_not(result):
     began = np.flatnonzero(np.diff(np.count_nonzero(contact_states(result), axis=1)) > 0) + 1
     assert began.size > 3
     for step in began:
-        euler, found, problem, last = predicted(result, step)
+        euler, found, increment = predicted(result, step)
+        problem, last = increment.problem, increment.last
         term, layout = problem.terms[1], problem.discretization.layout
-        now = answer(problem, found, step + 1.0, last)
+        now = answer(increment, found)
         new = (last.responses[1].branch == 0).astype(int)
         load = term.point_loads(now.force, new * now.branch)
         layout.condense_force(load)
-        moved = layout.gather(problem.factor.solve(load[: layout.n_equations]))
+        moved = layout.gather(increment.factor.solve(load[: layout.n_equations]))
         scale = np.abs(moved).max()
         assert scale > 0.0
         np.testing.assert_allclose(euler - found, moved, rtol=0.0, atol=100 * TOLERANCE * scale)
@@ -69,16 +72,16 @@ def test_the_body_is_linear_and_the_contact_law_is_not(result):
 def test_where_nothing_begins_to_touch_the_predictor_stays(result):
     began = np.diff(np.count_nonzero(contact_states(result), axis=1))
     step = int(np.argmin(np.abs(began))) + 1
-    euler, found, _, _ = predicted(result, step)
+    euler, found, _ = predicted(result, step)
     assert found is euler
 
 
 def test_the_path_is_the_same_with_fewer_iterations_and_cuts(monkeypatch):
     """With Newton's method alone: mixed iterations make up for much of a bad predictor."""
-    monkeypatch.setattr(load_path, "mixed_newton", lambda _, d, *rest: (Status.SINGULAR, d, ()))
+    monkeypatch.setattr(load_path, "mixed_newton", lambda _, d: Solution(Status.SINGULAR, d, ()))
     seal = sm.door_seal(rays=116, n_steps=8)
     found = sm.analyze(seal)
-    monkeypatch.setattr(load_path, "at_rest_where_it_touches", lambda problem, guess, *_: guess)
+    monkeypatch.setattr(predictor, "at_rest_where_it_touches", lambda _, guess: guess)
     plain = sm.analyze(seal)
     assert found.step_cuts < plain.step_cuts
     assert found.newton_iterations.sum() < plain.newton_iterations.sum()

@@ -22,7 +22,9 @@ import scipy.linalg
 from threadpoolctl import threadpool_limits
 
 import seal_mdao as sm
+from seal_mdao.analysis.increment import Increment
 from seal_mdao.analysis.load_path import solve_path
+from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.equilibrium.discretization import discretize
@@ -56,15 +58,12 @@ def kernel_times(seal):
     problem, structure = result.path.problem, result.term("structure")
     rhs, layout = np.ones(disc.layout.n_equations), disc.layout
     raw = disc.transformation.coefficients(step.d)
-    problem.assemble_at(before)
-    factor = layout.factorize(problem.values).kept()
-
-    def factorize():
-        problem.assemble_at(step)
-        layout.factorize(problem.values)
+    factor, at_step = problem.factorize_at(before), problem.assemble_at(step)
+    increment = Increment(problem, step.fraction, before.after, result.seal.newton, before, factor)
+    force, values = np.zeros(layout.force_size), np.zeros(layout.size)
 
     def internal():
-        structure.add(step.d, raw, step.fraction, None, problem.forces[0], problem.values)
+        structure.add(step.d, raw, step.fraction, None, force, values)
 
     assemble = best(lambda: problem.assemble_at(step), 100)
     cells = best(internal, 100)
@@ -73,9 +72,9 @@ def kernel_times(seal):
         "assembly": assemble,
         "assembly of cells": cells,
         "contact, condensation": assemble - cells,
-        "factorisation": best(factorize, 100) - assemble,
+        "factorisation": best(at_step.factorize, 100),
         "solution": best(lambda: factor.solve(rhs), 100),
-        "predictor": best(lambda: problem.predict(before, factor, step.fraction), 100),
+        "predictor": best(lambda: predict(increment), 100),
     }
 
 
@@ -151,11 +150,7 @@ def tangent_time(path):
     """Assembly, factorisation and one solution at the end of a path, s."""
     problem, rhs = path.problem, np.ones(path.discretization.layout.n_equations)
 
-    def iteration():
-        problem.assemble_at(path.steps[-1])
-        problem.factorize().solve(rhs)
-
-    return best(iteration, 3)
+    return best(lambda: problem.factorize_at(path.steps[-1]).solve(rhs), 3)
 
 
 def sparse_solvers():

@@ -107,9 +107,8 @@ def test_without_pressure_the_residual_is_what_it_was(pressed, rng):
     terms = seal.with_parameters({"fluid_pressure": 0.0}).terms()
     way = 1e-3 * rng.standard_normal(step.d.shape)
     problem = PathProblem(pressed.path.discretization, terms)
-    problem.begin()
-    problem.assemble_forces(step.d + way, step.fraction, step.before)
-    forces, alone = problem.forces, problem.forces[:-1].sum(axis=0)
+    forces = problem.evaluate(step.d + way, step.fraction, step.before).forces
+    alone = forces[:-1].sum(axis=0)
     assert problem.terms[-1].label == "fluid"
     assert not forces[-1].any()
     assert np.array_equal(forces.sum(axis=0), alone)
@@ -136,8 +135,8 @@ def test_the_tangent_is_the_derivative_of_the_residual(pressed, rng, step):
     h, spread = 1e-7, layout.gather(way)
 
     def residual(share):
-        problem.assemble_forces(here.d + share * h * spread, here.fraction, here.before)
-        return problem.residual()[0]
+        d = here.d + share * h * spread
+        return problem.evaluate(d, here.fraction, here.before, tangent=False).residual
 
     found = np.array([1, -8, 8, -1]) @ [residual(s) for s in (-2, -1, 1, 2)] / (12 * h)
     np.testing.assert_allclose(factor.solve(found), way, rtol=0.0, atol=1e-6)
@@ -157,12 +156,11 @@ def test_newton_converges_quadratically(pressed):
     layout, sizes = pressed.path.discretization.layout, []
     rng = np.random.default_rng(1)
     d = step.d + 1e-5 * layout.gather(rng.standard_normal(layout.n_equations))
-    problem.begin()
+    iteration = None
     for _ in range(5):
-        problem.assemble(d, step.fraction, step.before)
-        residual, size, _ = problem.residual()
-        sizes.append(size)
-        d = d - layout.gather(problem.factorize().solve(residual))
+        now = problem.evaluate(d, step.fraction, step.before, iteration)
+        sizes.append(now.size)
+        d, iteration = d - layout.gather(now.factorize().solve(now.residual)), now.iteration
     first = next(i for i, size in enumerate(sizes) if size < 1e-3)
     assert sizes[first + 1] < 1e3 * sizes[first] ** 2 or sizes[first + 1] < 1e-11
     assert sizes[-1] < 1e-11

@@ -33,12 +33,11 @@ def test_forces_derive_from_the_potential(squeezed, rng):
     size = 1e-4
 
     def potential(t):
-        return problem.potential(step.d + t * way, step.fraction, history)
+        return problem.evaluate(step.d + t * way, step.fraction, history).potential
 
     slope = fine @ [potential(size * k) for k in places] / size
-    problem.begin()
-    problem.assemble_forces(step.d, step.fraction, history)
-    forces = problem.forces[:, : layout.n_equations] @ layout.reduce(way)
+    assembly = problem.evaluate(step.d, step.fraction, history)
+    forces = assembly.forces[:, : layout.n_equations] @ layout.reduce(way)
     # the forces of the terms all but balance: the error is theirs
     assert np.abs(forces).min() > 1e-3
     assert slope == pytest.approx(forces.sum(), abs=1e-6 * np.abs(forces).max())
@@ -46,14 +45,11 @@ def test_forces_derive_from_the_potential(squeezed, rng):
 
 def test_the_tangent_is_symmetric_and_its_factor_knows_its_sign(squeezed):
     problem, step, history = squeezed
-    layout, n = problem.discretization.layout, problem.discretization.layout.n_equations
+    n = problem.discretization.layout.n_equations
     assert problem.symmetric
 
     def factor(shift):
-        problem.begin()
-        problem.assemble(step.d, step.fraction, history)
-        problem.values[layout.storage.diagonal()] -= shift
-        return problem.factorize(check=True)
+        return problem.evaluate(step.d, step.fraction, history).factorize(True, -shift)
 
     inverse = factor(0.0).solve(np.eye(n))
     np.testing.assert_allclose(inverse, inverse.T, atol=1e-9 * np.abs(inverse).max())

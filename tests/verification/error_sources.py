@@ -77,9 +77,8 @@ def boundary_gaps(result: SealResult, per_side: int = 8) -> np.ndarray:
     door = replace(door, where=edge_points(body.edges["outer"].sides, per_side))
     terms = structure, door
     problem = PathProblem(discretize(body, result.particles, terms), terms)
-    problem.begin()
-    problem.assemble_forces(result.end.d, result.end.fraction, problem.no_history())
-    return problem.responses[1].gap
+    end, history = result.end, problem.no_history()
+    return problem.evaluate(end.d, end.fraction, history, tangent=False).responses[1].gap
 
 
 def largest_opened_gap(result: SealResult) -> float:

@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from seal_mdao.analysis.descent import descend
+from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.jumps import extent
-from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep, Status
-from seal_mdao.equilibrium.modes import nearest_mode
+from seal_mdao.analysis.result import ConvergedStep
+from seal_mdao.equilibrium.eigenmodes import nearest_mode
 
 # Perturbation along the critical mode over the size of the body.
 PUSH = 1e-3
@@ -62,8 +62,8 @@ def critical_mode(problem: PathProblem, factor, way, negative: bool) -> np.ndarr
     makes the sum of x positive, else that of y, else the rotation counter-clockwise.
     """
     layout, x = problem.discretization.layout, problem.discretization.particles
-    # the factor of the last step may be in single precision; ``kept`` gives double precision
-    _, mode = nearest_mode(factor.kept(), layout.n_equations, problem.symmetric, negative)
+    # the factor of the last step may be in single precision; ``exact`` gives double precision
+    _, mode = nearest_mode(factor.exact(), layout.n_equations, problem.symmetric, negative)
     mode = layout.gather(mode / np.abs(mode).max())
     # infinitesimal rotation (-y, x)
     turn = np.column_stack([-x[:, 1], x[:, 0]])
@@ -76,53 +76,54 @@ def critical_mode(problem: PathProblem, factor, way, negative: bool) -> np.ndarr
     return mode
 
 
-def is_stable(problem: PathProblem, at_any_cost: bool = False) -> bool:
-    """Return whether the tangent factorised last is stable; True where an unsymmetric one costs much."""
+def is_stable(problem: PathProblem, factor, at_any_cost: bool = False) -> bool:
+    """Return whether a factorised tangent is stable; True where an unsymmetric one costs much."""
     if problem.symmetric or problem.discretization.layout.storage.tells_sign:
-        return problem.factor.positive
-    return problem.factor.kept().positive if at_any_cost else True
+        return factor.positive
+    return factor.exact().positive if at_any_cost else True
 
 
-def follows_stable(problem: PathProblem, options: NewtonOptions) -> bool:
+def follows_stable(increment: Increment) -> bool:
     """Return whether the path switches to stable equilibria."""
-    return options.branch == "stable" and problem.symmetric
+    return increment.options.branch == "stable" and increment.problem.symmetric
 
 
-def leave(problem, status: Status, d, target, last: ConvergedStep, options: NewtonOptions, note):
-    """Switch from the end of a stable branch, shortly after ``last``, to the next stable equilibrium.
+def leave(increment: Increment, guess, unstable: Solution | None = None):
+    """Switch from the end of a stable branch to the next stable equilibrium.
 
     Parameters
     ----------
-    status : Status
-        UNSTABLE for an unstable equilibrium ``d``, whose factor is in the problem; another one where
-        Newton's method found none near the prediction ``d``.
+    guess : ndarray, shape (n, 2)
+        Where the descent begins beyond a limit point.
+    unstable : Solution, optional
+        The ``unstable`` equilibrium that is left; None where Newton's method found none.
 
     Returns
     -------
-    status, d, residuals
-        As of ``newton``.
-    point : CriticalPoint
+    Solution
+    CriticalPoint
         None where no stable equilibrium was found.
     """
-    kind = "branch" if status is Status.UNSTABLE else "limit"
-    if kind == "limit":
-        problem.factorize_at(last)
+    problem, last = increment.problem, increment.last
     # branch: the mode of the negative eigenvalue at the unstable equilibrium;
     # limit: the mode that becomes singular, at the last stable step
-    mode = critical_mode(problem, problem.factor, d - last.d, negative=kind == "branch")
-    available = _available(problem, d if kind == "branch" else None, target, last)
-    # perturbed start d + PUSH L phi; beyond a limit point the prediction is no equilibrium anyway
-    push = PUSH * extent(problem) * mode if kind == "branch" else 0.0
-    status, found, residuals = descend(problem, d + push, target, last.after, options, note)
-    if status is not Status.CONVERGED:
-        return status, d, residuals, None
-    # released = Pi(left branch) - Pi(found), both at ``target``
-    released = available - problem.potential(found, target, last.after)
-    point = limit_point(last, found, mode, released)
-    if kind == "branch":
+    if unstable is None:
+        mode = critical_mode(problem, increment.factor, guess - last.d, negative=False)
+        available, begin = _available(increment), guess
+    else:
+        mode = critical_mode(problem, unstable.factor, unstable.d - last.d, negative=True)
+        # perturbed start d + PUSH L phi
+        available = unstable.assembly.potential
+        begin = unstable.d + PUSH * extent(problem) * mode
+    found = descend(increment, begin)
+    if not found.converged:
+        return found, None
+    # released = Pi(left branch) - Pi(found), both at the target
+    point = limit_point(last, found.d, mode, available - found.assembly.potential)
+    if unstable is not None:
         # stability is lost somewhere between the two steps: their mean
-        point = replace(point, kind=kind, fraction=0.5 * (last.fraction + target))
-    return status, found, residuals, point
+        point = replace(point, kind="branch", fraction=0.5 * (last.fraction + increment.target))
+    return found, point
 
 
 def limit_point(last: ConvergedStep, found, mode, released=np.nan) -> CriticalPoint:
@@ -133,34 +134,31 @@ def limit_point(last: ConvergedStep, found, mode, released=np.nan) -> CriticalPo
     )
 
 
-def _available(problem: PathProblem, unstable, target, last: ConvergedStep) -> float:
-    """Compute the potential of the branch that is left, at ``target``: of the ``unstable`` equilibrium.
-
-    Where there is none, that of ``last`` and the work of the loading on it.
-    """
-    if unstable is not None:
-        return problem.potential(unstable, target, last.after)
+def _available(increment: Increment) -> float:
+    """Compute the potential at the target of the branch that ends: that of the last step, and the work
+    of the loading on it."""
+    problem, last, target = increment.problem, increment.last, increment.target
     # Pi(d_n, lambda) ~ Pi_n + dPi/dlambda (lambda - lambda_n) + work of prescribed displacements
-    work = _driving(problem, last.d, last.fraction, last.before) * (target - last.fraction)
-    work += problem.held_work(last.d, last.fraction, target)
-    return problem.potential(last.d, last.fraction, last.before) + work
+    work = _driving(problem, last) * (target - last.fraction)
+    work += problem.prescribed_work(last.d, last.fraction, target)
+    return _potential(problem, last, last.fraction) + work
 
 
-def _driving(problem: PathProblem, d, fraction, history) -> float:
+def _potential(problem: PathProblem, step: ConvergedStep, fraction: float) -> float:
+    """Compute the potential at the displacements of ``step`` and another path parameter."""
+    return problem.evaluate(step.d, fraction, step.before, tangent=False).potential
+
+
+def _driving(problem: PathProblem, step: ConvergedStep) -> float:
     """Differentiate the potential with respect to the path parameter at fixed displacements."""
-    beyond, before = (
-        problem.potential(d, fraction + side * NEARBY, history) for side in (1.0, -1.0)
-    )
     # dPi/dlambda = [Pi(lambda + h) - Pi(lambda - h)] / 2 h
-    return (beyond - before) / (2.0 * NEARBY)
+    ends = (_potential(problem, step, step.fraction + h) for h in (NEARBY, -NEARBY))
+    return float(np.subtract(*ends)) / (2.0 * NEARBY)
 
 
-def flagged(problem: PathProblem, step: ConvergedStep, before: ConvergedStep) -> CriticalPoint:
-    """Build the critical point of the first unstable ``step`` of a branch that the path stays on.
-
-    The factor of the step is in the problem.
-    """
+def flagged(problem: PathProblem, factor, step: ConvergedStep, before: ConvergedStep):
+    """Build the critical point of the first unstable ``step`` of a branch that the path stays on."""
     symmetric = problem.symmetric
-    mode = critical_mode(problem, problem.factor, step.d - before.d, negative=symmetric)
+    mode = critical_mode(problem, factor, step.d - before.d, negative=symmetric)
     kind = "branch" if symmetric else "unsymmetric"
     return CriticalPoint(step.fraction, kind, mode, 0.0, 0.0 if symmetric else np.nan)
