@@ -5,7 +5,9 @@ import time
 from pathlib import Path
 
 import numpy as np
-from _common import (
+
+from seal_mdao import plotting
+from seal_mdao.cli.arguments import (
     add_seal_arguments,
     announce,
     checked_arguments,
@@ -20,8 +22,6 @@ from _common import (
     travel,
     write_summary,
 )
-
-from seal_mdao import plotting
 from seal_mdao.export.csv_tables import travel_table
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.measures.selection import opened_points

@@ -10,10 +10,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import openmdao.api as om
-from _common import WrongArgumentError, checked_arguments, parser, run, write_summary
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.cli.arguments import (
+    WrongArgumentError,
+    checked_arguments,
+    parser,
+    run,
+    write_summary,
+)
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.measures.reaction import Reaction
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from _common import (
+from seal_mdao.cli.arguments import (
     CASES,
     add_seal_arguments,
     checked_arguments,
@@ -13,10 +13,9 @@ from _common import (
     seal_from,
     write_summary,
 )
-from _history_figures import draw_history, end_numbers, gap_warnings, report_end
-from _optimization import report_run, run_optimization
-from _restart import recorded_run
-
+from seal_mdao.cli.history_figures import draw_history, end_numbers, gap_warnings, report_end
+from seal_mdao.cli.recorded_runs import recorded_run
+from seal_mdao.cli.running_optimization import report_run, run_optimization
 from seal_mdao.door_optimization import DoorProblem, door_task
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, RunOptions

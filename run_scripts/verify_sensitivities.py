@@ -6,7 +6,11 @@ import time
 from pathlib import Path
 
 import numpy as np
-from _common import (
+from tqdm import tqdm
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.cli.arguments import (
     add_seal_arguments,
     parser,
     positive_integer,
@@ -14,10 +18,6 @@ from _common import (
     seal_from,
     write_summary,
 )
-from tqdm import tqdm
-
-import seal_mdao as sm
-from seal_mdao import plotting
 
 # the difference quotients are those of the tests
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))

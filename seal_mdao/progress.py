@@ -1,6 +1,7 @@
 """Progress bar over the load steps of an analysis, fed by its callback."""
 
 import sys
+import time
 
 from tqdm import tqdm
 
@@ -18,11 +19,15 @@ def hidden() -> bool | None:
     return False if type(shell).__name__ == "ZMQInteractiveShell" else None
 
 
+INTERVAL = 10.0
+"""Seconds between two lines of progress where no bar is shown."""
+
+
 class LoadStepProgress:
     """Progress bar (tqdm) over load steps; pass it to ``analyze`` or ``SealGroup`` as ``callback``.
 
     The bar restarts with every analysis and counts them. It is shown on a terminal and in Jupyter;
-    elsewhere only ``begin_analysis`` prints a line for every analysis.
+    elsewhere a line is printed every ten seconds, and by ``begin_analysis``.
 
     Parameters
     ----------
@@ -44,7 +49,7 @@ class LoadStepProgress:
         self._label, self._of = label, "" if n_analyses is None else f"/{n_analyses}"
         total = None if seal is None else seal.n_steps
         self._bar = tqdm(total=total, unit="step", disable=hidden(), leave=False)
-        self._last, self._damped = None, False
+        self._last, self._damped, self._printed = None, False, time.monotonic()
 
     def __call__(self, step: ConvergedStep) -> None:
         """Advance the bar by one completed load step."""
@@ -59,6 +64,11 @@ class LoadStepProgress:
         self._last = step.nominal
         # nominal steps count from 0; the bar advances by the difference to what it shows
         self._bar.update(step.nominal + 1 - self._bar.n)
+        if self._bar.disable and sys.stderr and time.monotonic() - self._printed >= INTERVAL:
+            self._printed = time.monotonic()
+            of = f" of {self._bar.total}" if self._bar.total else ""
+            name = f"{self._label} {self.analyses}{self._of}"
+            print(f"{name}: load step {step.nominal + 1}{of}", file=sys.stderr, flush=True)
 
     def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
         """Announce analysis ``number`` of at least ``of``, with ``n_steps`` load steps."""

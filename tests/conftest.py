@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.cli.arguments import run as run_command
+from seal_mdao.cli.command import COMMANDS
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -124,9 +126,9 @@ def run_script():
     """Run a script in this process; returns its exit code and summary.json (None without)."""
 
     def run(name, out, *arguments):
-        script = importlib.import_module(name)
+        script = importlib.import_module(f"seal_mdao.cli.{name}" if name in COMMANDS else name)
         argv = ["--out", str(out), *map(str, arguments)]
-        code = script.run(script.arguments_parser(), script.main, argv)
+        code = run_command(script.arguments_parser(), script.main, argv)
         summary = Path(out) / "summary.json"
         return code, json.loads(summary.read_text()) if summary.exists() else None
 
@@ -135,10 +137,10 @@ def run_script():
 
 @pytest.fixture(scope="session")
 def refusing_script(run_script):
-    """What ``analyze_seal.py`` says of a seal file, in one line with exit status 2."""
+    """What ``seal-mdao analyze`` says of a seal file, in one line with exit status 2."""
 
     def said(path, capsys):
-        assert run_script("analyze_seal", path.parent / "out", path) == (2, None)
+        assert run_script("analyze", path.parent / "out", path) == (2, None)
         captured = capsys.readouterr()
         # the first look at a profile may have to compile
         (line,) = (line for line in captured.err.splitlines() if "compiling" not in line)

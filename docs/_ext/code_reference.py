@@ -20,6 +20,7 @@ from openmdao.core.driver import Driver
 
 import seal_mdao as sm
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.cli.command import COMMANDS
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.measures.measure import Measure
 from seal_mdao.seals.door.options import DoorOptions
@@ -192,12 +193,21 @@ def dataclass_table(cls) -> str:
 # ---- run_scripts ----
 
 
-def script_help(path: Path) -> str:
-    """What ``--help`` of a script prints."""
+def help_of(*program: str) -> str:
+    """What ``--help`` of a script or of a subcommand prints."""
     environment = {**os.environ, "COLUMNS": "88"}
-    command = [sys.executable, str(path), "--help"]
+    command = [sys.executable, *program, "--help"]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, env=environment)
     return done.stdout
+
+
+def commands() -> str:
+    """A section for every subcommand of ``seal-mdao`` with its ``--help``."""
+    parts = []
+    for name, text in COMMANDS.items():
+        parts += [f"### seal-mdao {name}\n", f"{text[0].upper()}{text[1:]}.\n"]
+        parts += ["```text", help_of("-m", "seal_mdao", name).rstrip(), "```\n"]
+    return "\n".join(parts)
 
 
 def run_scripts(folder: Path = ROOT / "run_scripts") -> str:
@@ -206,7 +216,7 @@ def run_scripts(folder: Path = ROOT / "run_scripts") -> str:
     for path in sorted(folder.glob("[!_]*.py")):
         summary = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
         parts += [f"### {path.name}\n", summary.split("\n\n")[0] + "\n"]
-        parts += ["```text", script_help(path).rstrip(), "```\n"]
+        parts += ["```text", help_of(str(path)).rstrip(), "```\n"]
     return "\n".join(parts)
 
 
@@ -220,6 +230,7 @@ def write_all(folder: Path) -> None:
         "measures": measures(),
         "measure_classes": measure_classes(),
         "run_scripts": run_scripts(),
+        "commands": commands(),
     }
     texts |= {cls.__name__: dataclass_table(cls) for cls in DATACLASSES}
     for name, text in texts.items():

@@ -16,7 +16,7 @@ COMMANDS = {
         " --out out/sensitivities"
     ),
     "optimization": "optimize_door_seal.py --out out/optimization",
-    "history": "plot_history.py out/optimization/cases.sql --out out/history",
+    "history": "history out/optimization/cases.sql --out out/history",
 }
 """Command lines in the order in which they run."""
 REDUCED = {
@@ -43,9 +43,22 @@ def write_example(name: str, command: str, out: Path, reduced: bool, less: str =
     for own in (folder, fragments):
         own.mkdir(parents=True, exist_ok=True)
     printed = run(command + (less if reduced else ""), folder, reduced)
-    shown = " \\\n    ".join(textwrap.wrap(f"$ python run_scripts/{command}", 82))
+    shown = " \\\n    ".join(textwrap.wrap(f"$ {shown_command(command)}", 82))
     text = f"```text\n{shown}\n{printed.rstrip()}\n```\n"
     (fragments / f"example_{name}.md").write_text(text, encoding="utf-8")
+
+
+def started(script: str) -> list[str]:
+    """Start of the command line of a script, or of a subcommand of ``seal-mdao``."""
+    if script.endswith(".py"):
+        return [sys.executable, str(ROOT / "run_scripts" / script)]
+    return [sys.executable, "-m", "seal_mdao", script]
+
+
+def shown_command(command: str) -> str:
+    """The command line as a user types it."""
+    script = command.split()[0].endswith(".py")
+    return f"python run_scripts/{command}" if script else f"seal-mdao {command}"
 
 
 def run(command: str, folder: Path, unfinished: bool) -> str:
@@ -61,7 +74,7 @@ def run(command: str, folder: Path, unfinished: bool) -> str:
     arguments = [str(ROOT / own) if (ROOT / own).is_file() else own for own in arguments]
     environment = {**os.environ, "OPENMDAO_REPORTS": "0", "OPENMDAO_WORKDIR": str(folder)}
     done = subprocess.run(
-        [sys.executable, str(ROOT / "run_scripts" / script), *arguments], cwd=folder, env=environment,
+        [*started(script), *arguments], cwd=folder, env=environment,
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode not in ((0, 1) if unfinished else (0,)) or not done.stdout:

@@ -11,7 +11,7 @@ from seal_mdao.calibration.treloar import OGDEN_1972, treloar_tests
 from seal_mdao.plotting import material_fit, save
 
 DATA = "seal_mdao/calibration/treloar.csv"
-FIT = f"fit_material.py {DATA} --law ogden --terms 3 --out out/material"
+FIT = f"fit {DATA} --law ogden --terms 3 --out out/material"
 CALIBRATION = "calibrate_door_seal.py --out out/calibration"
 ROWS = (
     ("neo-Hookean", "neo_hookean", 1), ("Mooney-Rivlin", "mooney_rivlin", 1), ("Gent", "gent", 1),

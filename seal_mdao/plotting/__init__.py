@@ -15,6 +15,8 @@ _FUNCTIONS = {
     "iteration_curves": "cost_history objective_history constraint_history",
     "derivative_errors": "sensitivity_errors step_study",
     "material_figures": "material_fit calibration_figure",
+    "several_seals": "load_deflection_of seals_compared",
+    "animation": "save_animation",
     "sample_statistics": "distributions correlations designs_compared",
 }
 _MODULE_OF = {name: module for module, names in _FUNCTIONS.items() for name in names.split()}

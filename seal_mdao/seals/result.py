@@ -415,6 +415,13 @@ def estimate(seal: Seal) -> Cost:
     return analysis_cost(seal.body, seal.drawn_particles, seal.n_steps)
 
 
+def unloaded(seal: Seal) -> SealResult:
+    """The nominal seal without any load step, to draw its section."""
+    terms = seal.terms()
+    problem = PathProblem(discretize(seal.body, seal.drawn_particles, terms), terms, seal.imposed())
+    return SealResult(seal, PathResult(problem, None, [], Status.CONVERGED, 0))
+
+
 def analyze_particles(
     seal: Seal, particles, boundary_offsets=None, *, factor_memory=0.0, callback=None
 ) -> SealResult:

@@ -32,7 +32,7 @@ from seal_mdao.seals.gaps import largest_gap
 # the options and the output of the run scripts
 sys.path.append(str(Path(__file__).resolve().parents[2] / "run_scripts"))
 
-from _common import parser, plain, positive_integer, run, write_summary
+from seal_mdao.cli.arguments import parser, plain, positive_integer, run, write_summary
 
 NOTHING = dict.fromkeys(
     ("success", "iterations", "analyses", "cost", "largest_gap_mm", "violation", "optimality"), None

@@ -13,8 +13,7 @@ from seal_mdao.seals.result import analyze_particles
 # the options and the output of the run scripts
 sys.path.append(str(Path(__file__).resolve().parents[2] / "run_scripts"))
 
-from _common import checked_arguments, parser, run, write_summary
-
+from seal_mdao.cli.arguments import checked_arguments, parser, run, write_summary
 from seal_mdao.seals.door.door_seal import options_of
 
 

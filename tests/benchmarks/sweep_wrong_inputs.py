@@ -17,7 +17,7 @@ import seal_mdao as sm
 # the options and the output of the run scripts
 sys.path.append(str(Path(__file__).resolve().parents[2] / "run_scripts"))
 
-from _common import parser, run, write_summary
+from seal_mdao.cli.arguments import parser, run, write_summary
 
 SECONDS, GIB = 10.0, 2.0
 """Of the processor and of memory, within which each has to end."""

@@ -1,7 +1,7 @@
 """Keep what a tolerance study and a robust optimisation have found for the page on tolerances.
 
 ``python tests/benchmarks/tolerances.py STUDY ROBUST --out docs/benchmarks`` reads the folders of
-``tolerance_study.py`` and ``optimize_robust.py``. Not collected by pytest.
+``seal-mdao study`` and ``seal-mdao robust``. Not collected by pytest.
 """
 
 import argparse

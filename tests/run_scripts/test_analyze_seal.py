@@ -1,4 +1,4 @@
-"""analyze_seal.py: its numbers are those of the analysis, its files hold them, errors take one line."""
+"""seal-mdao analyze: numbers of the analysis, files that hold them, errors in one line."""
 
 import csv
 import json
@@ -26,7 +26,7 @@ def analysed(run_script, tmp_path_factory):
     """Folder, exit code, summary, and the same analysis made here."""
     out = tmp_path_factory.mktemp("seal")
     path = written(out)
-    code, summary = run_script("analyze_seal", out, path)
+    code, summary = run_script("analyze", out, path)
     return out, code, summary, sm.analyze(sm.build_seal(sm.read_seal_file(path)), keep_factors=True)
 
 
@@ -150,11 +150,11 @@ def test_without_meshio(tmp_path, run_script, monkeypatch, capsys):
 
     monkeypatch.setattr(mesh_files, "import_module", missing)
     path = written(tmp_path, {"steps = 4": "steps = 1", "-1.2": "-0.2", "steps = 2": "steps = 1"})
-    code, _ = run_script("analyze_seal", tmp_path / "asked", path, "--vtu")
+    code, _ = run_script("analyze", tmp_path / "asked", path, "--vtu")
     assert code == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "seal_mdao[vtk]" in line
-    code, s = run_script("analyze_seal", tmp_path / "left_out", path)
+    code, s = run_script("analyze", tmp_path / "left_out", path)
     assert code == 0
     assert "seal_mdao[vtk]" in capsys.readouterr().out
     assert s["true_peak_pressure_kPa"] == 0.0  # it has not been touched
@@ -162,7 +162,7 @@ def test_without_meshio(tmp_path, run_script, monkeypatch, capsys):
 
 def test_path_that_fails_is_written_as_far_as_it_went(tmp_path, run_script, assert_drawn, capsys):
     path = written(tmp_path, {"[0.0, -1.2]": "[0.0, -14.2]"})
-    code, s = run_script("analyze_seal", tmp_path, path, "--no-vtu")
+    code, s = run_script("analyze", tmp_path, path, "--no-vtu")
     assert code == 1
     assert s["converged"] is False
     assert "could not be completed" in s["failure"]
@@ -177,7 +177,7 @@ def test_path_that_fails_is_written_as_far_as_it_went(tmp_path, run_script, asse
 
 def test_load_steps_are_chosen_where_the_file_gives_none(tmp_path, run_script, capsys):
     path = written(tmp_path, OPEN)
-    code, s = run_script("analyze_seal", tmp_path, path, "--no-vtu")
+    code, s = run_script("analyze", tmp_path, path, "--no-vtu")
     assert code == 0
     said = capsys.readouterr().out
     assert f"{s['n_steps']} load steps, chosen within 0.50%" in said
@@ -192,7 +192,7 @@ def test_load_steps_are_chosen_where_the_file_gives_none(tmp_path, run_script, c
 def test_a_rubber_at_its_limit_is_drawn(tmp_path, run_script, assert_drawn):
     """Between quadrature points, where no equation keeps it below, it has no stress."""
     changes = OPEN | LIMITED | {"[0.0, -1.2]": "[0.0, -6.0]"}
-    code, s = run_script("analyze_seal", tmp_path, written(tmp_path, changes), "--no-vtu")
+    code, s = run_script("analyze", tmp_path, written(tmp_path, changes), "--no-vtu")
     assert (code, s["converged"]) == (0, True)
     assert_drawn(tmp_path, *FIGURES)
 
@@ -202,7 +202,7 @@ def test_a_path_on_which_no_load_steps_are_found_is_written_as_far_as_it_went(
 ):
     monkeypatch.setattr("seal_mdao.seals.choice.MOST", 1)
     changes = OPEN | LIMITED | {"[0.0, -1.2]": "[0.0, -9.0]"}
-    code, s = run_script("analyze_seal", tmp_path, written(tmp_path, changes), "--no-vtu")
+    code, s = run_script("analyze", tmp_path, written(tmp_path, changes), "--no-vtu")
     assert code == 1
     assert s["converged"] is False
     assert 0 < s["n_steps"] < 10
@@ -221,7 +221,7 @@ def test_a_path_on_which_no_load_steps_are_found_is_written_as_far_as_it_went(
     ],
 )
 def test_bad_files_take_one_line(changes, words, tmp_path, run_script, capsys):
-    code, summary = run_script("analyze_seal", tmp_path, written(tmp_path, changes))
+    code, summary = run_script("analyze", tmp_path, written(tmp_path, changes))
     assert (code, summary) == (2, None)
     (line,) = capsys.readouterr().err.splitlines()
     assert str(tmp_path / "seal.toml") in line
@@ -229,7 +229,7 @@ def test_bad_files_take_one_line(changes, words, tmp_path, run_script, capsys):
 
 
 def test_file_that_is_not_there(tmp_path, run_script, capsys):
-    code, _ = run_script("analyze_seal", tmp_path, tmp_path / "nowhere.toml")
+    code, _ = run_script("analyze", tmp_path, tmp_path / "nowhere.toml")
     assert code == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "there is no such file" in line

@@ -128,5 +128,5 @@ def test_warnings_are_printed_and_in_the_summary(tmp_path, run_script, capsys):
 def test_damaged_recorder_file_is_named(tmp_path, run_script, capsys, content):
     cases = tmp_path / "damaged.sql"
     cases.write_bytes(content)
-    error = refused(run_script, capsys, "plot_history", tmp_path / "out", cases)
+    error = refused(run_script, capsys, "history", tmp_path / "out", cases)
     assert str(cases) in error

@@ -1,4 +1,4 @@
-"""fit_material.py: its files, Treloar's data, one line for bad ones."""
+"""seal-mdao fit: its files, Treloar's data, one line for bad ones."""
 
 import csv
 import tomllib
@@ -26,7 +26,7 @@ def fit_script(run_script, tmp_path):
             path = tmp_path / "tests.csv"
             path.write_text(data)
             data = path
-        code, summary = run_script("fit_material", tmp_path / "out", data, *arguments)
+        code, summary = run_script("fit", tmp_path / "out", data, *arguments)
         return code, summary, tmp_path / "out"
 
     return run

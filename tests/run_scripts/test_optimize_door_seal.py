@@ -1,4 +1,4 @@
-"""optimize_door_seal.py and plot_history.py: the optimum's numbers, from the run and its record."""
+"""optimize_door_seal.py and `seal-mdao history`: the optimum's numbers, from the run and its record."""
 
 import shutil
 
@@ -65,7 +65,7 @@ def test_nothing_is_analysed_twice(counted_optimisation):
 def test_history_is_read_back_from_the_recorder_file(optimised, tmp_path, run_script, assert_drawn):
     out, _, expected = optimised
     cases = shutil.copy(out / "cases.sql", tmp_path / "elsewhere.sql")
-    code, s = run_script("plot_history", tmp_path / "figures", cases)
+    code, s = run_script("history", tmp_path / "figures", cases)
     assert code == 0
     for key in ("history", "boundary_offsets", "door_radius", "area_mm2", "reaction_ratio"):
         assert s[key] == expected[key]
@@ -89,8 +89,8 @@ def test_run_that_stops_early_is_written_as_far_as_it_went(tmp_path, run_script,
     [
         ("optimize_door_seal", ("--optimizer", "guess")),
         ("optimize_door_seal", ("--depth", "2", "--n-steps", "5")),  # nothing opens
-        ("plot_history", ("nowhere.sql",)),
-        ("plot_history", (__file__,)),
+        ("history", ("nowhere.sql",)),
+        ("history", (__file__,)),
     ],
 )
 def test_wrong_arguments_end_with_two(script, arguments, tmp_path, run_script):

@@ -1,4 +1,4 @@
-"""optimize_seal.py: an optimum, stopped and continued, as numbers, pictures and a drawing."""
+"""seal-mdao optimize: an optimum, stopped and continued, as numbers, pictures and a drawing."""
 
 import csv
 from importlib import import_module
@@ -19,7 +19,7 @@ def stopped(run_script, tmp_path_factory):
     """Folder, exit code and summary of a run that was given too few iterations."""
     out = tmp_path_factory.mktemp("optimised")
     return out, *run_script(
-        "optimize_seal", out, written(out, {"[0.0, 14.45]": "[0.0, 14.5]"}), "--max-iterations", 3
+        "optimize", out, written(out, {"[0.0, 14.45]": "[0.0, 14.5]"}), "--max-iterations", 3
     )
 
 
@@ -27,7 +27,7 @@ def stopped(run_script, tmp_path_factory):
 def continued(stopped, run_script):
     """The same folder after the run was continued."""
     out, *_ = stopped
-    return out, *run_script("optimize_seal", out, out / "seal.toml", "--restart", out / "cases.sql")
+    return out, *run_script("optimize", out, out / "seal.toml", "--restart", out / "cases.sql")
 
 
 def test_run_that_stops_early_is_written_as_far_as_it_went(stopped):
@@ -98,7 +98,7 @@ def test_drawing_and_table_are_the_optimum(continued):
     ],
 )  # fmt: skip
 def test_files_that_ask_for_nothing_take_one_line(changes, word, tmp_path, run_script, capsys):
-    code, summary = run_script("optimize_seal", tmp_path, written(tmp_path, changes))
+    code, summary = run_script("optimize", tmp_path, written(tmp_path, changes))
     assert (code, summary) == (2, None)
     (line,) = capsys.readouterr().err.splitlines()
     assert word in line
@@ -111,14 +111,14 @@ def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
         ((other,), "another seal file"), ((out / "seal.toml", "--optimizer", "ipopt"), "UNO"),
     ):  # fmt: skip
         with pytest.raises(SystemExit) as ended:
-            run_script("optimize_seal", out, *arguments, "--restart", out / "cases.sql")
+            run_script("optimize", out, *arguments, "--restart", out / "cases.sql")
         assert ended.value.code == 2
         assert word in capsys.readouterr().err
     with pytest.raises(SystemExit):
-        run_script("optimize_seal", tmp_path, other, "--restart", tmp_path / "cases.sql")
+        run_script("optimize", tmp_path, other, "--restart", tmp_path / "cases.sql")
     assert "is not a file" in capsys.readouterr().err
     with pytest.raises(SystemExit):
-        run_script("optimize_seal", out, out / "seal.toml")
+        run_script("optimize", out, out / "seal.toml")
     assert "--overwrite" in capsys.readouterr().err
 
 
@@ -128,7 +128,7 @@ def test_run_is_continued_in_another_folder(stopped, tmp_path, run_script):
     cases = out / "cases.sql"
     content = cases.read_bytes()
     arguments = (out / "seal.toml", "--restart", cases, "--max-iterations", 4)
-    _, s = run_script("optimize_seal", tmp_path, *arguments)
+    _, s = run_script("optimize", tmp_path, *arguments)
     assert s["history"][:3] == before["history"][:3]
     assert s["iterations"] == 4
     assert (tmp_path / "cases.sql").stat().st_size > 0
@@ -137,7 +137,7 @@ def test_run_is_continued_in_another_folder(stopped, tmp_path, run_script):
 
 def test_history_is_drawn_from_the_recorder_file_alone(stopped, tmp_path, run_script, capsys):
     out, *_ = stopped
-    code, s = run_script("plot_history", tmp_path, out / "cases.sql")
+    code, s = run_script("history", tmp_path, out / "cases.sql")
     assert code == 0
     assert s["objective"]["name"] == "section_area"
     assert len(s["largest_gap_mm"]["door"]) == 2
@@ -154,7 +154,7 @@ def test_a_continued_run_has_the_load_steps_that_were_chosen(
 ):
     """And so has the best design as a file."""
     path = written(tmp_path, OPEN)
-    run_script("optimize_seal", tmp_path, path, "--max-iterations", 1)
+    run_script("optimize", tmp_path, path, "--max-iterations", 1)
     assert "load steps, chosen within" in capsys.readouterr().out
 
     def refusing(*_, **__):
@@ -162,7 +162,7 @@ def test_a_continued_run_has_the_load_steps_that_were_chosen(
 
     monkeypatch.setattr("seal_mdao.seals.file.build.choose", refusing)
     cases = tmp_path / "cases.sql"
-    _, s = run_script("optimize_seal", tmp_path, path, "--restart", cases, "--max-iterations", 2)
+    _, s = run_script("optimize", tmp_path, path, "--restart", cases, "--max-iterations", 2)
     assert s["iterations"] == 2
     best = sm.build_seal(sm.read_seal_file(tmp_path / "optimum.toml"))
     offsets = np.array(s["boundary_offsets"])
@@ -181,9 +181,9 @@ def test_optimum_is_written_where_no_new_cloud_fits_it(tmp_path, run_script, mon
     def refusing(*_, **__):
         raise sm.SealFileError("optimum.toml: the mesher divides the boundary")
 
-    import_module("optimize_seal")
-    monkeypatch.setattr("optimize_seal.on_new_cloud", refusing)
-    run_script("optimize_seal", tmp_path, written(tmp_path), "--max-iterations", 1)
+    import_module("seal_mdao.cli.optimize")
+    monkeypatch.setattr("seal_mdao.cli.optimize.on_new_cloud", refusing)
+    run_script("optimize", tmp_path, written(tmp_path), "--max-iterations", 1)
     said = capsys.readouterr().out
     assert (
         "optimum.toml, optimum.dxf, optimum.vtu (not analysed with new particles: optimum" in said

@@ -7,7 +7,6 @@ from importlib import import_module
 
 import pytest
 from coarse_seal import written
-from script_runs import SCRIPTS
 
 CODE = """
 import os, sys
@@ -53,7 +52,7 @@ def test_everything_can_be_printed(tmp_path, closed, encoding, line):
 def test_a_script_without_standard_error(tmp_path, closed):
     pytest.importorskip("netgen")
     file = written(tmp_path)
-    script = SCRIPTS / "analyze_seal.py"
+    script = "-m seal_mdao analyze"
     found = ended(f"{sys.executable} {script} {file} --out out --no-vtu {closed}", tmp_path)
     assert found.returncode == 0, found.stdout
     assert (tmp_path / "out" / "summary.json").is_file()
@@ -64,7 +63,7 @@ def test_a_script_without_standard_error(tmp_path, closed):
 
 def test_names_that_the_encoding_does_not_have(tmp_path):
     found = ended(
-        f"{sys.executable} {SCRIPTS / 'analyze_seal.py'} 'Türdichtung ≥ 3.toml' --out out", tmp_path,
+        f"{sys.executable} -m seal_mdao analyze 'Türdichtung ≥ 3.toml' --out out", tmp_path,
         PYTHONIOENCODING="ascii",
     )  # fmt: skip
     assert found.returncode == 2
@@ -81,17 +80,17 @@ def fail(*_, **__):
 
 def test_curves_are_written_before_pictures(run_script, tmp_path, monkeypatch):
     pytest.importorskip("netgen")
-    monkeypatch.setattr(import_module("analyze_seal"), "draw", fail)
+    monkeypatch.setattr(import_module("seal_mdao.cli.analyze"), "draw", fail)
     with pytest.raises(PictureError):
-        run_script("analyze_seal", tmp_path / "out", written(tmp_path), "--no-vtu")
+        run_script("analyze", tmp_path / "out", written(tmp_path), "--no-vtu")
     there = {path.name for path in (tmp_path / "out").iterdir()}
     assert there >= {"summary.json", "curve_door.csv", "contact_door.csv"}
 
 
 def test_the_optimum_is_written_before_its_drawing(run_script, tmp_path, monkeypatch):
     pytest.importorskip("netgen")
-    monkeypatch.setattr(import_module("optimize_seal"), "write_design", fail)
+    monkeypatch.setattr(import_module("seal_mdao.cli.optimize"), "write_design", fail)
     with pytest.raises(PictureError):
-        run_script("optimize_seal", tmp_path / "out", written(tmp_path), "--max-iterations", 1)
+        run_script("optimize", tmp_path / "out", written(tmp_path), "--max-iterations", 1)
     there = {path.name for path in (tmp_path / "out").iterdir()}
     assert there >= {"summary.json", "optimum.csv"}

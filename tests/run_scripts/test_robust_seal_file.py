@@ -1,4 +1,4 @@
-"""optimize_robust.py with a seal file: optimisation, comparison and report as of the door seal."""
+"""seal-mdao robust with a seal file: optimisation, comparison and report as of the door seal."""
 
 import json
 import re
@@ -31,7 +31,7 @@ def robust(run_script, tmp_path_factory):
         "--samples", 4, "--max-iterations", 2, "--workers", 1,
     )  # fmt: skip
     out = folder / "out"
-    code, s = run_script("optimize_robust", out, *arguments)
+    code, s = run_script("robust", out, *arguments)
     return out, code, s, arguments
 
 
@@ -57,7 +57,7 @@ def test_report_shows_the_robust_design_of_a_seal_file(robust):
 
 def test_robust_run_of_a_seal_file_goes_on_in_another_folder(robust, run_script, tmp_path):
     out, _, s, arguments = robust
-    _, again = run_script("optimize_robust", tmp_path, "--restart", out / "cases.sql", *arguments)
+    _, again = run_script("robust", tmp_path, "--restart", out / "cases.sql", *arguments)
     assert not (tmp_path / "nominal.sql").exists()
     assert again["reused_evaluations"] > 0
     assert again["boundary_offsets"] == s["boundary_offsets"]
@@ -66,5 +66,5 @@ def test_robust_run_of_a_seal_file_goes_on_in_another_folder(robust, run_script,
 
 def test_options_of_the_door_seal_are_refused(robust, run_script, tmp_path, capsys):
     with pytest.raises(SystemExit):
-        run_script("optimize_robust", tmp_path, *robust[3], "--depth", 3.0)
+        run_script("robust", tmp_path, *robust[3], "--depth", 3.0)
     assert "--depth is for the door seal alone" in capsys.readouterr().err

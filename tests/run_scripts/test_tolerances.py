@@ -1,4 +1,4 @@
-"""tolerance_study.py and optimize_robust.py: what they write, and going on where they were stopped."""
+"""seal-mdao study and robust: what they write, and going on where they were stopped."""
 
 import json
 import re
@@ -18,7 +18,7 @@ FRICTION = '[vary.friction]\ndistribution = "uniform"\nlow = 0.2\nhigh = 0.3\n'
 @pytest.fixture(scope="module")
 def studied(run_script, tmp_path_factory):
     out = tmp_path_factory.mktemp("studied")
-    return out, *run_script("tolerance_study", out, "--samples", 8, *QUICK)
+    return out, *run_script("study", out, "--samples", 8, *QUICK)
 
 
 def test_study_of_the_door_seal(studied, assert_drawn):
@@ -42,26 +42,26 @@ def test_study_of_the_door_seal(studied, assert_drawn):
 def test_study_goes_on_with_resume_only(studied, run_script, capsys):
     out, _, s = studied
     with pytest.raises(SystemExit):
-        run_script("tolerance_study", out, "--samples", 8, *QUICK)
+        run_script("study", out, "--samples", 8, *QUICK)
     assert "--resume goes on with it" in capsys.readouterr().err
-    code, again = run_script("tolerance_study", out, "--samples", 8, "--resume", *QUICK)
+    code, again = run_script("study", out, "--samples", 8, "--resume", *QUICK)
     assert code == 0
     assert again["measures"] == s["measures"]
     with pytest.raises(SystemExit):
-        run_script("tolerance_study", out, "--samples", 9, "--resume", *QUICK)
+        run_script("study", out, "--samples", 9, "--resume", *QUICK)
     assert "another number of samples" in capsys.readouterr().err
 
 
 def test_nothing_to_resume(run_script, tmp_path, capsys):
     with pytest.raises(SystemExit):
-        run_script("tolerance_study", tmp_path, "--resume", *QUICK)
+        run_script("study", tmp_path, "--resume", *QUICK)
     assert "there is no" in capsys.readouterr().err
 
 
 def test_study_of_a_seal_file_needs_tolerances(run_script, tmp_path, capsys):
     file = written(tmp_path)
     with pytest.raises(SystemExit):
-        run_script("tolerance_study", tmp_path / "out", file)
+        run_script("study", tmp_path / "out", file)
     assert "--tolerances FILE.toml" in capsys.readouterr().err
 
 
@@ -69,7 +69,7 @@ def test_options_of_the_door_seal_are_not_for_a_seal_file(run_script, tmp_path, 
     file = written(tmp_path)
     for option, value in (("accuracy", "engineering"), ("rays", 116)):
         with pytest.raises(SystemExit):
-            run_script("tolerance_study", tmp_path / "out", file, f"--{option}", value)
+            run_script("study", tmp_path / "out", file, f"--{option}", value)
         assert f"--{option} is for the door seal" in capsys.readouterr().err
 
 
@@ -83,7 +83,7 @@ def test_study_of_a_seal_file_with_a_profile_that_is_displaced(run_script, tmp_p
         FRICTION.replace("friction", placed[0]).replace("0.2", "-0.1").replace("0.3", "0.1")
     )
     code, s = run_script(
-        "tolerance_study", tmp_path / "out", file, "--tolerances", tolerances, "--samples", 3,
+        "study", tmp_path / "out", file, "--tolerances", tolerances, "--samples", 3,
         "--workers", 0,
     )  # fmt: skip
     assert code == 0
@@ -96,7 +96,7 @@ def test_no_sample_is_left_out_because_its_door_begins_inside(run_script, tmp_pa
     file, tolerances = written(tmp_path, {"[0.0, 14.45]": "[0.0, 14.0]"}), tmp_path / "own.toml"
     tolerances.write_text(FRICTION.replace("friction", "door_y").replace("0.2", "-0.3"))
     code, s = run_script(
-        "tolerance_study", tmp_path / "out", file, "--tolerances", tolerances, "--samples", 8,
+        "study", tmp_path / "out", file, "--tolerances", tolerances, "--samples", 8,
         "--workers", 0,
     )  # fmt: skip
     assert (code, s["failed"]) == (0, 0)
@@ -110,7 +110,7 @@ def test_failed_samples_are_reported_with_what_they_do(run_script, tmp_path, cap
     tolerances = tmp_path / "own.toml"
     tolerances.write_text(FRICTION.replace("0.2", "-0.1"))
     code, s = run_script(
-        "tolerance_study", tmp_path / "out", "--tolerances", tolerances, "--samples", 8, *QUICK
+        "study", tmp_path / "out", "--tolerances", tolerances, "--samples", 8, *QUICK
     )
     assert code == 1
     assert (s["failed"], s["share_failed"]) == (2, 0.25)
@@ -134,7 +134,7 @@ def robust(run_script, tmp_path_factory):
     nominal = out / "nominal.json"
     nominal.write_text(json.dumps({"boundary_offsets": [0.0] * 25, "door_radius": 4.0}))
     arguments = ("--nominal", nominal, "--scenarios", 3, "--samples", 6, *QUICK)
-    code, s = run_script("optimize_robust", out, "--max-iterations", 2, *arguments)
+    code, s = run_script("robust", out, "--max-iterations", 2, *arguments)
     return out, code, s, arguments
 
 
@@ -172,14 +172,14 @@ def test_robust_run_goes_on(robust, run_script, capsys):
     out, _, s, arguments = robust
     cases = out / "cases.sql"
     arguments = ("--restart", cases, *arguments)
-    code, again = run_script("optimize_robust", out, "--max-iterations", 2, *arguments)
+    code, again = run_script("robust", out, "--max-iterations", 2, *arguments)
     assert code == 1
     assert again["reused_evaluations"] > 0
     assert again["compared"] == s["compared"]
     assert again["boundary_offsets"] == s["boundary_offsets"]
     with pytest.raises(SystemExit):
-        run_script("optimize_robust", out, "--band", 0.2, *arguments)
+        run_script("robust", out, "--band", 0.2, *arguments)
     assert "recorded with another problem" in capsys.readouterr().err
     with pytest.raises(SystemExit):
-        run_script("optimize_robust", out, *arguments[2:])
+        run_script("robust", out, *arguments[2:])
     assert "--overwrite" in capsys.readouterr().err

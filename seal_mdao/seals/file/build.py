@@ -90,6 +90,16 @@ def built(
         raise SealFileError(f"{file.path}: {error}") from error
 
 
+def unchosen_seal(file: SealFile) -> OutlineSeal:
+    """The seal of a file before load steps and penalties are chosen: one load step for every stage.
+
+    Raises
+    ------
+    SealFileError
+    """
+    return _begun(file)
+
+
 def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> OutlineSeal:
     """Set penalties that were chosen before, as part of the definitions of the terms."""
     if set(penalties) != set(file.open_penalties):

@@ -2,13 +2,14 @@
 
 import argparse
 import gc
+import io
 import json
 import math
 import sqlite3
 import sys
 import tempfile
 from collections.abc import Callable
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import numpy as np
@@ -56,13 +57,19 @@ class _HelpFormatter(argparse.ArgumentDefaultsHelpFormatter):
         return action.help if silent else super()._get_help_string(action)
 
 
-def parser(description: str, out: str, positional: str = "") -> argparse.ArgumentParser:
-    """An argument parser with ``--out`` and its default folder; usage errors take one line."""
+def parser(
+    description: str, out: str, positional: str = "", example: str = ""
+) -> argparse.ArgumentParser:
+    """An argument parser with ``--out`` and its default folder, ``--quiet`` and ``--json``; usage errors
+    take one line, an example of use ends the help."""
     usage = " ".join(["%(prog)s", *positional.split(), "[options]"])
     made = argparse.ArgumentParser(
-        description=description, formatter_class=_HelpFormatter, usage=usage
-    )
+        description=description, formatter_class=_HelpFormatter, usage=usage,
+        epilog=f"example: {example}" if example else None,
+    )  # fmt: skip
     made.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help="folder to write")
+    made.add_argument("--quiet", action="store_true", help="print errors only, no progress")
+    made.add_argument("--json", action="store_true", help="print summary.json in place of lines")
     return made
 
 
@@ -154,7 +161,7 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         arguments.out = arguments.restart.parent
     _require_folder(made, arguments.out)
     try:
-        return main(arguments)
+        return _printed_as_asked(main, arguments)
     except sm.SealFileError as error:
         return _ended(made, str(error), 2)
     except (WrongArgumentError, sm.GeometryError) as error:
@@ -165,6 +172,19 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         return _ended(made, f"{_cause(error, arguments.out)}; {_saved(arguments.out)}", 1)
     except KeyboardInterrupt:
         return _ended(made, f"interrupted; {_saved(arguments.out)}", 130)
+
+
+def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
+    """Run with its lines, with nothing (``--quiet``), or with ``summary.json`` (``--json``)."""
+    with ExitStack() as stack:
+        if arguments.quiet or arguments.json:
+            stack.enter_context(redirect_stdout(io.StringIO()))
+        if arguments.quiet:
+            stack.enter_context(redirect_stderr(io.StringIO()))
+        code = main(arguments)
+    if arguments.json and (arguments.out / "summary.json").is_file():
+        print((arguments.out / "summary.json").read_text(encoding="utf-8"), end="")
+    return code
 
 
 def _require_folder(made: argparse.ArgumentParser, out: Path) -> None:

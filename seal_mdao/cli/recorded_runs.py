@@ -3,9 +3,14 @@
 import argparse
 from pathlib import Path
 
-from _common import CASES, OF_ACCURACY, SEAL_OPTIONS, WrongArgumentError, checked_arguments
-
 import seal_mdao as sm
+from seal_mdao.cli.arguments import (
+    CASES,
+    OF_ACCURACY,
+    SEAL_OPTIONS,
+    WrongArgumentError,
+    checked_arguments,
+)
 from seal_mdao.optimization import OPTIMIZERS
 from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import require_free
@@ -33,7 +38,7 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
     if problem is None or FILE in problem.settings:
         raise WrongArgumentError(
             f"{path} does not hold the settings of a door seal; the run of a seal file is continued by "
-            "optimize_seal.py FILE --restart"
+            "seal-mdao optimize FILE --restart"
         )
     options = options_of(problem.seal)
     recorded = {name: getattr(options, name) for name in SEAL_OPTIONS} | problem.settings

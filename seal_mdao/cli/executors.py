@@ -3,8 +3,7 @@
 import argparse
 from contextlib import contextmanager
 
-from _common import WrongArgumentError
-
+from seal_mdao.cli.arguments import WrongArgumentError
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import usual_workers
 

@@ -1,12 +1,14 @@
 """Analyse the seal of a seal file: figures, CSV of every curve, VTU series, summary.json."""
 
 import argparse
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
-from _common import (
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.cli.arguments import (
     announce,
     critical_table,
     parser,
@@ -14,13 +16,9 @@ from _common import (
     print_critical_points,
     print_penalty_errors,
     print_warnings,
-    run,
     write_summary,
 )
-from _seal_file import file_errors, file_of, seal_of
-
-import seal_mdao as sm
-from seal_mdao import plotting
+from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export import vtu
 from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_curves
 from seal_mdao.mesh_files import library
@@ -209,14 +207,12 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/seal", "FILE")
+    made = parser(
+        __doc__, "out/seal", "FILE", "seal-mdao analyze examples/d_bulb.toml --out out/d_bulb"
+    )
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
         "--vtu", action=argparse.BooleanOptionalAction, default=None,
         help="VTU series for ParaView; written when left out if meshio is there",
     )  # fmt: skip
     return made
-
-
-if __name__ == "__main__":
-    sys.exit(run(arguments_parser(), main))

@@ -1,19 +1,17 @@
 """Draw the history of an optimisation and its designs from an OpenMDAO recorder file."""
 
-import sys
 from pathlib import Path
 
-from _common import (
+from seal_mdao.cli.arguments import (
     add_seal_arguments,
     checked_arguments,
     parser,
     penalty_table,
     print_warnings,
-    run,
     seal_from,
     write_summary,
 )
-from _history_figures import (
+from seal_mdao.cli.history_figures import (
     draw_designs,
     draw_history,
     end_numbers,
@@ -23,7 +21,6 @@ from _history_figures import (
     report_end,
     report_limits,
 )
-
 from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.seals.file.described import FILE
@@ -49,7 +46,7 @@ def main(arguments) -> int:
 
 
 def show_seal_file(history, results, out: Path) -> int:
-    """What optimize_seal.py says and draws of the run of a seal file."""
+    """What seal-mdao optimize says and draws of the run of a seal file."""
     ends, design = limit_numbers(history), history.design_at(-1)
     first, last = map(largest_gaps, results)
     gaps = {label: (first[label], last[label]) for label in first}
@@ -65,12 +62,8 @@ def show_seal_file(history, results, out: Path) -> int:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/history", "CASES.sql")
+    made = parser(__doc__, "out/history", "CASES.sql", "seal-mdao history out/best/cases.sql")
     made.add_argument("cases", type=Path, metavar="CASES.sql", help="file of a SqliteRecorder")
     add_seal_arguments(made)
-    made.epilog = "Options of the seal are used only when the file does not hold its settings."
+    made.epilog += ". Options of the seal are used only when the file does not hold its settings."
     return made
-
-
-if __name__ == "__main__":
-    sys.exit(run(arguments_parser(), main))

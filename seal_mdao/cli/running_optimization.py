@@ -5,10 +5,10 @@ import time
 from collections.abc import Callable
 
 import openmdao.api as om
-from _common import WrongArgumentError, announce, checked_arguments
-from _restart import continued_file, recorder_file
 
 import seal_mdao as sm
+from seal_mdao.cli.arguments import WrongArgumentError, announce, checked_arguments
+from seal_mdao.cli.recorded_runs import continued_file, recorder_file
 from seal_mdao.drivers.optimality import Optimality, measure_optimality
 from seal_mdao.optimization import (
     OPTIMIZERS,

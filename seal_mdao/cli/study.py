@@ -1,11 +1,14 @@
 """What tolerances do to a seal: samples analysed and recorded, distributions, correlations, estimate."""
 
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
-from _common import (
+from tqdm import tqdm
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.cli.arguments import (
     SAMPLES,
     SEAL_OPTIONS,
     WrongArgumentError,
@@ -16,16 +19,11 @@ from _common import (
     existing_file,
     parser,
     positive_integer,
-    run,
     seal_from,
     write_summary,
 )
-from _executors import add_executor_arguments, executor
-from _seal_file import file_errors, file_of, seal_of
-from tqdm import tqdm
-
-import seal_mdao as sm
-from seal_mdao import plotting
+from seal_mdao.cli.executors import add_executor_arguments, executor
+from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.progress import hidden
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_room
@@ -209,7 +207,7 @@ def report_failures(summary: dict) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/tolerances", "[FILE]")
+    made = parser(__doc__, "out/tolerances", "[FILE]", "seal-mdao study bulb.toml --samples 1000")
     made.add_argument(
         "file", type=Path, nargs="?", metavar="FILE", help="seal file (TOML); the door seal without"
     )
@@ -230,7 +228,3 @@ def arguments_parser():
     add_executor_arguments(made)
     add_seal_arguments(made)
     return made
-
-
-if __name__ == "__main__":
-    sys.exit(run(arguments_parser(), main))

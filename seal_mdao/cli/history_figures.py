@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-from _common import penalty_table
 
 from seal_mdao import plotting
+from seal_mdao.cli.arguments import penalty_table
 from seal_mdao.plotting.style import scientific
 from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
 from seal_mdao.seals.door.door_seal import DOOR

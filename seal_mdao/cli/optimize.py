@@ -1,9 +1,9 @@
 """Optimise the seal of a seal file: figures, report, summary.json, the best seal as a seal file."""
 
-import sys
 from pathlib import Path
 
-from _common import (
+import seal_mdao as sm
+from seal_mdao.cli.arguments import (
     CASES,
     WrongArgumentError,
     checked_arguments,
@@ -11,15 +11,12 @@ from _common import (
     parser,
     penalty_table,
     print_warnings,
-    run,
     write_summary,
 )
-from _history_figures import draw_designs, history_rows, limit_numbers, report_limits
-from _optimization import report_run, run_optimization
-from _restart import recorded_optimizer
-from _seal_file import file_errors, file_of, seal_of
-
-import seal_mdao as sm
+from seal_mdao.cli.history_figures import draw_designs, history_rows, limit_numbers, report_limits
+from seal_mdao.cli.recorded_runs import recorded_optimizer
+from seal_mdao.cli.running_optimization import report_run, run_optimization
+from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
     CHOSEN,
@@ -187,7 +184,7 @@ def report_anew(ends: dict, anew: dict | None) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/seal_optimization", "FILE")
+    made = parser(__doc__, "out/seal_optimization", "FILE", "seal-mdao optimize bulb.toml")
     add = made.add_argument
     add("file", type=Path, metavar="FILE", help="seal file (TOML) with [[design]] and [optimize]")
     names = list(OPTIMIZERS)
@@ -206,7 +203,3 @@ def arguments_parser():
     )  # fmt: skip
     add("--overwrite", action="store_true", help="replace the recorder file of an earlier run")
     return made
-
-
-if __name__ == "__main__":
-    sys.exit(run(arguments_parser(), main))

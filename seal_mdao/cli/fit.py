@@ -5,7 +5,6 @@ import time
 from dataclasses import asdict
 from pathlib import Path
 
-from _common import WrongArgumentError, checked_arguments, parser, run, write_summary
 from tqdm import tqdm
 
 from seal_mdao import plotting
@@ -16,6 +15,12 @@ from seal_mdao.calibration.fit_errors import residual_table, write_residuals
 from seal_mdao.calibration.material_stability import MARGIN, UnstableMaterialError
 from seal_mdao.calibration.residuals import WEIGHTINGS
 from seal_mdao.calibration.seal_file import material_table
+from seal_mdao.cli.arguments import (
+    WrongArgumentError,
+    checked_arguments,
+    parser,
+    write_summary,
+)
 from seal_mdao.materials.by_name import LAWS
 
 MOST_TOLD = 10
@@ -29,7 +34,7 @@ def main(arguments) -> int:
         with checked_arguments():
             table = material_table(found.law, found.name, arguments.name, notes(found, arguments))
     except (MaterialDataError, UnstableMaterialError) as error:
-        print(f"fit_material.py: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"seal-mdao fit: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
     rows = residual_table(found)
     outliers = [row for row in rows if row.outlier]
@@ -138,7 +143,7 @@ def report_outliers(outliers) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/material", "CSV --law LAW")
+    made = parser(__doc__, "out/material", "CSV --law LAW", "seal-mdao fit tests.csv --law yeoh")
     made.add_argument(
         "csv", type=Path, metavar="CSV",
         help="columns mode (uniaxial, planar, equibiaxial), stretch, stress_kPa (nominal), and "
@@ -168,7 +173,3 @@ def arguments_parser():
     add("--name", default="rubber", metavar="NAME", help="of the material in the seal file")
     add("--seed", type=int, default=0, metavar="N", help="of the starts")
     return made
-
-
-if __name__ == "__main__":
-    sys.exit(run(arguments_parser(), main))

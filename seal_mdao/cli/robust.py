@@ -1,12 +1,15 @@
 """Optimise a seal for all cars, and compare it with the nominal optimum on fresh samples."""
 
-import sys
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
-from _common import (
+from tqdm import tqdm
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.cli.arguments import (
     SEAL_OPTIONS,
     WrongArgumentError,
     add_seal_arguments,
@@ -16,19 +19,14 @@ from _common import (
     existing_file,
     parser,
     positive_integer,
-    run,
     seal_from,
     write_summary,
 )
-from _executors import add_executor_arguments, executor
-from _history_figures import history_rows
-from _optimization import judged, optimize, report_run
-from _restart import continued_file, recorder_file
-from _seal_file import file_errors, file_of, seal_of
-from tqdm import tqdm
-
-import seal_mdao as sm
-from seal_mdao import plotting
+from seal_mdao.cli.executors import add_executor_arguments, executor
+from seal_mdao.cli.history_figures import history_rows
+from seal_mdao.cli.recorded_runs import continued_file, recorder_file
+from seal_mdao.cli.running_optimization import judged, optimize, report_run
+from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.door_optimization import FORCE_BAND, DoorProblem, door_task, robust_door_task
 from seal_mdao.file_optimization import file_task, require_problem
 from seal_mdao.kept_analyses import KeptAnalyses
@@ -323,7 +321,9 @@ def settings_of(arguments) -> dict:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/robust", "[FILE]")
+    made = parser(
+        __doc__, "out/robust", "[FILE]", "seal-mdao robust bulb.toml --tolerances own.toml"
+    )
     goal = RobustGoal()
     add = made.add_argument
     add(
@@ -369,7 +369,3 @@ def arguments_parser():
     add_executor_arguments(made)
     add_seal_arguments(made)
     return made
-
-
-if __name__ == "__main__":
-    sys.exit(run(arguments_parser(), main))

@@ -1,0 +1,8 @@
+"""``python -m seal_mdao``: the command ``seal-mdao``."""
+
+import sys
+
+from seal_mdao.cli.command import main
+
+if __name__ == "__main__":
+    sys.exit(main())

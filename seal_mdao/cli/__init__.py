@@ -1,0 +1,1 @@
+"""The command ``seal-mdao``: one module for every subcommand."""

@@ -1,0 +1,75 @@
+"""Read a seal file, fill its section with particles, draw it, and estimate the time of an analysis.
+
+Nothing is analysed: load steps and penalties that the file leaves open are not chosen yet.
+"""
+
+from pathlib import Path
+
+from seal_mdao import plotting
+from seal_mdao.cli.arguments import checked_arguments, parser, write_summary
+from seal_mdao.cli.seal_files import file_errors, file_of
+from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.result import estimate, unloaded
+
+USUAL_STEPS = 40
+"""Load steps for the estimate where the file leaves them open."""
+
+
+def main(arguments) -> int:
+    file = file_of(arguments.file)
+    with file_errors(file.path):
+        seal = unchosen_seal(file)
+    picture = plotting.save(plotting.section_cloud(unloaded(seal)), arguments.out / "section.png")
+    open_choices = [
+        *(["load steps"] if file.step_tolerance is not None else []),
+        *file.open_penalties,
+    ]
+    with checked_arguments():
+        cost = estimate(seal)
+    # the estimate is of the steps of the seal: one for every stage where they are to be chosen
+    per_step = cost.seconds / seal.n_steps
+    steps = USUAL_STEPS if file.step_tolerance is not None else seal.n_steps
+    summary = {
+        "n_particles": len(seal.drawn_particles),
+        "n_cells": len(seal.body.cells),
+        "area_mm2": seal.area(seal.check_offsets(None))[0],
+        "edges": {name: len(edge.particles) for name, edge in seal.body.edges.items()},
+        "profiles": [contact.label for contact in contacts(seal)],
+        "measures": [measure.name for measure in seal.standard],
+        "design_parameters": seal.n_offsets,
+        "to_be_chosen": open_choices,
+        "estimated_seconds": per_step * steps,
+        "estimated_memory_GiB": cost.memory,
+        "warnings": list(seal.cautions),
+    }
+    write_summary(arguments.out, summary)
+    report(summary, steps, picture)
+    return 0
+
+
+def report(summary: dict, steps: int, picture: Path) -> None:
+    """Print what the file describes."""
+    edges = ", ".join(f"{name} ({count} particles)" for name, count in summary["edges"].items())
+    print(
+        f"{summary['n_particles']} particles, {summary['n_cells']} cells, area "
+        f"{summary['area_mm2']:.4g} mm²\nedges: {edges}"
+    )
+    for key in ("profiles", "measures", "to_be_chosen"):
+        if summary[key]:
+            print(f"{key.replace('_', ' ')}: {', '.join(map(str, summary[key]))}")
+    if summary["design_parameters"]:
+        print(f"{summary['design_parameters']} design parameters")
+    print(
+        f"an analysis with {steps} load steps takes about {summary['estimated_seconds']:.2g} s and "
+        f"{summary['estimated_memory_GiB']:.2g} GiB"
+    )
+    for text in summary["warnings"]:
+        print(f"WARNING: {text}")
+    print(picture)
+
+
+def arguments_parser():
+    made = parser(__doc__, "out/check", "FILE", "seal-mdao check bulb.toml")
+    made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
+    return made

@@ -1,0 +1,71 @@
+"""Dispatch of the command ``seal-mdao``: subcommands, general help, version."""
+
+import argparse
+import sys
+from importlib import import_module
+
+from seal_mdao._version import __version__
+
+COMMANDS = {
+    "new": "write a seal file to start from, with comments, or from a drawing",
+    "check": "read a seal file, fill its section, draw it, estimate the time of an analysis",
+    "analyze": "analyse a seal: forces, contact, stresses, figures, CSV files",
+    "optimize": "optimise the shape of a seal",
+    "study": "sample the tolerances of a seal: distributions and correlations",
+    "robust": "optimise a seal over its tolerances, compare with the nominal optimum",
+    "sweep": "vary one parameter: load-deflection curves in one figure",
+    "compare": "compare seals: load-deflection, contact pressure and sections in one figure",
+    "animate": "make an animation of a seal that closes",
+    "fit": "fit the constants of a rubber to tests",
+    "report": "write the HTML report of a recorder file",
+    "history": "draw the figures of a recorder file",
+    "examples": "list the examples, copy one",
+}
+"""Subcommands, in the order of use; each is a module of this folder with ``main`` and
+``arguments_parser``."""
+
+
+def main(argv=None) -> int:
+    """Run one subcommand.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments; those of the process when left out.
+
+    Returns
+    -------
+    int
+        Exit status: 0, 1 for an analysis that did not converge or a file that cannot be written, 2 for
+        wrong use, 130 after Ctrl-C.
+    """
+    argv = sys.argv[1:] if argv is None else list(argv)
+    if argv and argv[0] in COMMANDS:
+        # the numerics are imported only after the subcommand is known
+        from seal_mdao.cli.arguments import run
+
+        command = import_module(f"seal_mdao.cli.{argv[0]}")
+        made = command.arguments_parser()
+        made.prog = f"seal-mdao {argv[0]}"
+        return run(made, command.main, argv[1:])
+    made = _general_parser()
+    if not argv:
+        made.print_help()
+        return 2
+    made.parse_args(argv)
+    return 0
+
+
+def _general_parser() -> argparse.ArgumentParser:
+    width = max(map(len, COMMANDS))
+    listed = "\n".join(f"  {name:{width}}  {text}" for name, text in COMMANDS.items())
+    made = argparse.ArgumentParser(
+        prog="seal-mdao", formatter_class=argparse.RawDescriptionHelpFormatter,
+        usage="%(prog)s COMMAND [options]",
+        description="Design rubber seals: analysis, sensitivities and optimisation of seal files.",
+        epilog=f"commands:\n{listed}\n\nOptions of a command: seal-mdao COMMAND --help.\n"
+        "Begin with: seal-mdao new bulb && seal-mdao check bulb.toml && seal-mdao analyze bulb.toml",
+    )  # fmt: skip
+    made.add_argument("--version", action="version", version=f"seal_mdao {__version__}")
+    made.add_argument("command", choices=COMMANDS, metavar="COMMAND", help=argparse.SUPPRESS)
+    return made

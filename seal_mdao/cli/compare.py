@@ -1,0 +1,70 @@
+"""Analyse several seals and compare them: load-deflection, contact pressure and sections in a figure."""
+
+from pathlib import Path
+
+from seal_mdao import plotting
+from seal_mdao.cli.analyze import analyzed, summarize
+from seal_mdao.cli.arguments import WrongArgumentError, parser, write_summary
+from seal_mdao.cli.seal_files import file_of
+from seal_mdao.export.csv_tables import write_curves
+from seal_mdao.seals.profiles import contacts
+
+KEYS = (
+    "area_mm2", "true_peak_pressure_kPa", "deformed_contact_width_mm", "largest_gap_mm",
+    "largest_von_mises_kPa",
+)  # fmt: skip
+"""Numbers of ``seal-mdao analyze`` that are printed, at the end of the path."""
+
+
+def main(arguments) -> int:
+    names = names_of(arguments.files)
+    files = {name: file_of(path) for name, path in zip(names, arguments.files, strict=True)}
+    results, summary = {}, {}
+    for name, file in files.items():
+        print(f"{name}: {file.path}")
+        results[name], _ = analyzed(file)
+        if not contacts(results[name].seal):
+            raise WrongArgumentError(f"{file.path} has no profile, so it has no curve to compare")
+        summary[name] = summarize(results[name])
+        write_summary(arguments.out, summary)
+        folder = arguments.out / name
+        folder.mkdir(exist_ok=True)
+        write_curves(results[name], folder)
+    drawn = {name: result for name, result in results.items() if len(result.path.nominal_steps)}
+    if drawn:
+        plotting.save(plotting.seals_compared(drawn), arguments.out / "comparison.png")
+    print_table(summary)
+    print(f"comparison.png, curves of every seal and summary.json in {arguments.out}")
+    return 0 if all(result.converged for result in results.values()) else 1
+
+
+def names_of(paths) -> list[str]:
+    """Short names of files: their stems, with the folder where stems are the same."""
+    stems = [path.stem for path in paths]
+    names = [
+        path.stem if stems.count(path.stem) == 1 else f"{path.parent.name}_{path.stem}"
+        for path in paths
+    ]
+    if len(set(names)) < len(names):
+        raise WrongArgumentError("two of the files have the same name; compare different files")
+    return names
+
+
+def print_table(summary: dict) -> None:
+    """Print the numbers of all seals, a line each."""
+    width = max(map(len, summary))
+    for name, own in summary.items():
+        force = [end["force_N_per_m"] for end in own["profiles"].values() if end]
+        parts = [f"force {force[0][0]:.2f}, {force[0][1]:.2f} N/m"] if force else []
+        parts += [f"{key} {own[key]:.4g}" for key in KEYS if own[key] is not None]
+        if not own["converged"]:
+            parts.append(f"NOT CONVERGED: {own['failure']}")
+        print(f"{name:{width}}  {', '.join(parts)}")
+
+
+def arguments_parser():
+    made = parser(
+        __doc__, "out/comparison", "FILE FILE ...", "seal-mdao compare bulb.toml best/optimum.toml"
+    )
+    made.add_argument("files", type=Path, nargs="+", metavar="FILE", help="seal files (TOML)")
+    return made

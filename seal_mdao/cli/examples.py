@@ -1,0 +1,61 @@
+"""List the examples, or copy one with the files that it names."""
+
+import shutil
+import sys
+from pathlib import Path
+
+from seal_mdao.cli.arguments import WrongArgumentError, parser
+
+INSTALLED = Path(sys.prefix) / "share" / "seal_mdao" / "examples"
+"""Where the wheel puts the examples; an editable installation has them beside the package."""
+
+
+def main(arguments) -> int:
+    folder = examples_folder()
+    if arguments.name is None:
+        for path in sorted(folder.glob("*.toml")):
+            print(f"{path.stem:24} {summary_of(path)}")
+        return 0
+    name = arguments.name.removesuffix(".toml")
+    source = folder / f"{name}.toml"
+    if not source.is_file():
+        known = ", ".join(path.stem for path in sorted(folder.glob("*.toml")))
+        raise WrongArgumentError(f"there is no example {name!r}; there are {known}")
+    text = source.read_text(encoding="utf-8")
+    # the drawings and data that the file names
+    beside = [path for path in folder.iterdir() if path != source and f'"{path.name}"' in text]
+    paths = [source, *sorted(beside)]
+    for path in paths:
+        if (arguments.out / path.name).exists():
+            raise WrongArgumentError(f"{arguments.out / path.name} exists; remove it first")
+    for path in paths:
+        print(shutil.copy(path, arguments.out / path.name))
+    return 0
+
+
+def examples_folder() -> Path:
+    """Folder of the example files.
+
+    Raises
+    ------
+    WrongArgumentError
+        When the installation has none.
+    """
+    for folder in (Path(__file__).parents[2] / "examples", INSTALLED):
+        if (folder / "d_bulb.toml").is_file():
+            return folder
+    raise WrongArgumentError(f"no examples in {INSTALLED}; install seal_mdao again")
+
+
+def summary_of(path: Path) -> str:
+    """First comment line of a seal file."""
+    first = path.read_text(encoding="utf-8").splitlines()[0]
+    return first.lstrip("# ") if first.startswith("#") else ""
+
+
+def arguments_parser():
+    made = parser(__doc__, ".", "[NAME]", "seal-mdao examples d_bulb --out my_seal")
+    made.add_argument(
+        "name", nargs="?", metavar="NAME", help="example to copy; all are listed without"
+    )
+    return made

@@ -1,0 +1,99 @@
+"""Animation of a seal that closes: deformed section with stress and load-deflection curve."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter, writers
+
+from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.field import fine_grid
+from seal_mdao.plotting.several_seals import draw_forces
+from seal_mdao.plotting.style import BLUE, VERMILION, styled, subplots
+from seal_mdao.seals.result import SealResult
+
+MOST_FRAMES = 80
+"""Load steps that are drawn at most; of more, evenly spread ones."""
+HOLD = 12
+"""Times that the last frame is repeated."""
+FORMATS = (".gif", ".mp4", ".html")
+
+
+def check_format(path: Path) -> None:
+    """Check that an animation can be written to a path.
+
+    Raises
+    ------
+    ValueError
+        For another format, or mp4 without ffmpeg.
+    """
+    if path.suffix not in FORMATS:
+        raise ValueError(f"{path}: animations are written as {', '.join(FORMATS)}")
+    if path.suffix == ".mp4" and not writers.is_available("ffmpeg"):
+        raise ValueError(f"{path}: mp4 needs the program ffmpeg; take .gif or .html")
+
+
+@styled
+def save_animation(
+    result: SealResult, path: Path, frames_per_second: int = 12, callback=None
+) -> Path:
+    """Write an animation of a path: von Mises stress on the section, force against travel beside it.
+
+    Parameters
+    ----------
+    result : SealResult
+        With at least one converged step.
+    path : Path
+        Ending in .gif, .mp4 or .html.
+    frames_per_second : int
+    callback : callable, optional
+        Called with the number of the frame, from 0, and the number of frames.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ValueError
+        As ``check_format``; for a result without converged steps or without profiles.
+    """
+    check_format(path)
+    count = len(result.path.nominal_steps)
+    if count == 0:
+        raise ValueError("the result has no converged load step to draw")
+    steps = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
+    fine = fine_grid(result)
+    scale = section.stress_scale(map(fine.von_mises, steps))
+    low, high = section.window([fine.undeformed(), *map(fine.deformed, steps)])
+    width, height = section.panel_size(low, high)
+    figure, (left, right) = subplots(1, 2, width=1.1 * width + 6.0, height=max(1.1 * height, 3.6))
+    draw_forces(right, {"": result})
+    (curve,) = right.lines[:1]
+    curve.set_color(BLUE)
+    (marker,) = right.plot([], [], "o", color=VERMILION)
+
+    def draw(step: int):
+        left.clear()
+        section.draw_stress(left, fine, step, scale)
+        section.frame(left, low, high)
+        left.set_title(result.caption(step))
+        # point of the curve after this step; its first one is the start of the path
+        marker.set_data(
+            curve.get_xdata()[step + 1 : step + 2], curve.get_ydata()[step + 1 : step + 2]
+        )
+        return (left,)
+
+    contours = section.draw_stress(left, fine, count - 1, scale)
+    figure.colorbar(contours, ax=left, shrink=0.8, pad=0.02).set_label("von Mises stress (kPa)")
+    frames = [*steps.tolist(), *[count - 1] * HOLD]
+    moving = FuncAnimation(figure, draw, frames=frames, interval=1000 / frames_per_second)
+    if path.suffix == ".html":
+        path.write_text(moving.to_jshtml(fps=frames_per_second), encoding="utf-8")
+    elif path.suffix == ".gif":
+        writer = PillowWriter(fps=frames_per_second)
+        moving.save(path, writer=writer, dpi=90, progress_callback=callback)
+    else:
+        moving.save(
+            path, writer="ffmpeg", fps=frames_per_second, dpi=130, progress_callback=callback
+        )
+    return path

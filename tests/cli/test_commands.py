@@ -1,0 +1,236 @@
+"""``seal-mdao``: every subcommand runs, says what is wrong in one line, and leaves its files."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import seal_mdao as sm
+from seal_mdao.cli import examples
+from seal_mdao.cli.arguments import WrongArgumentError
+from seal_mdao.cli.command import COMMANDS, main
+from seal_mdao.cli.compare import names_of
+from seal_mdao.plotting.animation import check_format
+
+BULB = Path(__file__).parents[1] / "seal_file" / "bulb.toml"
+SMALL = {
+    "spacing = 0.9": "spacing = 1.8", "[0.0, -6.0]": "[0.0, -1.2]", "steps = 60": "steps = 4",
+    "[2.0, 0.0]": "[0.0, 0.4]", "steps = 20": "steps = 2",
+    'name = "door"': 'name = "door"\nnormal_penalty = 1e4\ntangent_penalty = 1e2',
+}  # fmt: skip
+
+
+@pytest.fixture
+def bulb(tmp_path):
+    """A seal file that is analysed quickly."""
+    pytest.importorskip("netgen")
+    text = BULB.read_text(encoding="utf-8")
+    for old, new in SMALL.items():
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "bulb.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_has_an_example_and_exits_with_zero(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([name, "--help"])
+    said = capsys.readouterr().out
+    assert ended.value.code == 0
+    assert f"usage: seal-mdao {name}" in said
+    assert f"example: seal-mdao {name} " in said
+
+
+def test_general_help_lists_every_command(capsys):
+    assert main([]) == 2
+    said = capsys.readouterr().out
+    assert all(f"  {name} " in said for name in COMMANDS)
+
+
+def test_the_module_is_the_command():
+    done = subprocess.run(
+        [sys.executable, "-m", "seal_mdao", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == f"seal_mdao {sm.__version__}"
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["analyse"], ["check"], ["check", "nowhere.toml"], ["sweep", "x.toml"], ["examples", "none"],
+        ["sweep", "x.toml", "--vary", "friction", "0.1:0.5"],
+        ["sweep", "x.toml", "--vary", "friction", "0.1:inf:3"],
+        ["sweep", "x.toml", "--vary", "friction", "0.1:0.5:0"],
+        ["animate", "x.toml", "-o", "close.avi"], ["report", "none.sql"],
+        ["new", "a", "--from", "none.dxf"], ["optimize", "x.toml", "--optimizer", "guess"],
+    ],
+)  # fmt: skip
+def test_wrong_use_is_one_line_with_status_two(wrong, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    try:
+        code = main(wrong)
+    except SystemExit as ended:
+        code = ended.code
+    assert code == 2
+    said = [line for line in capsys.readouterr().err.splitlines() if "usage:" not in line]
+    assert len([line for line in said if "error:" in line or "seal-mdao" in line]) == 1
+
+
+def test_new_check_and_analyze(tmp_path, monkeypatch, capsys):
+    """What `new` writes can be checked as it is; a second file of the name is refused."""
+    pytest.importorskip("netgen")
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "mine"]) == 0
+    assert main(["check", "mine.toml", "--out", "look"]) == 0
+    summary = json.loads((tmp_path / "look" / "summary.json").read_text())
+    seal = sm.read_seal_file("mine.toml")
+    assert summary["profiles"] == ["plate"]
+    assert summary["to_be_chosen"][0] == "load steps"
+    assert summary["design_parameters"] == 6 == seal.designs[0].parameters
+    assert summary["estimated_seconds"] > 0.0
+    assert (tmp_path / "look" / "section.png").stat().st_size > 20_000
+    with pytest.raises(SystemExit):
+        main(["new", "mine"])
+    assert "mine.toml exists" in capsys.readouterr().err
+
+
+def test_new_from_a_drawing(tmp_path, monkeypatch):
+    """The lowest edge is fixed, the plate is above the others; the drawing lies beside the file."""
+    pytest.importorskip("netgen")
+    pytest.importorskip("ezdxf")
+    monkeypatch.chdir(tmp_path)
+    drawing = examples.examples_folder() / "weatherstrip.dxf"
+    assert main(["new", "strip", "--from", str(drawing)]) == 0
+    assert (tmp_path / "weatherstrip.dxf").read_bytes() == drawing.read_bytes()
+    seal = sm.read_seal_file("strip.toml")
+    assert seal.profiles[0].contact == ("bulb",)
+    assert main(["check", "strip.toml"]) == 0
+
+
+def test_examples_are_copied_with_their_files(tmp_path, capsys):
+    assert main(["examples"]) == 0
+    listed = {line.split()[0] for line in capsys.readouterr().out.splitlines()}
+    assert listed == {path.stem for path in examples.examples_folder().glob("*.toml")}
+    assert main(["examples", "weatherstrip", "--out", str(tmp_path)]) == 0
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"weatherstrip.toml", "weatherstrip.dxf", "rubber_tests.csv"}
+    with pytest.raises(SystemExit):
+        main(["examples", "weatherstrip", "--out", str(tmp_path)])
+
+
+def test_examples_of_an_incomplete_installation(tmp_path, monkeypatch):
+    monkeypatch.setattr(examples, "INSTALLED", tmp_path)
+    monkeypatch.setattr(examples, "__file__", str(tmp_path / "a" / "b" / "c.py"))
+    with pytest.raises(WrongArgumentError, match="install seal_mdao again"):
+        examples.examples_folder()
+
+
+def test_sweep_is_the_analyses_one_by_one(bulb, tmp_path):
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(bulb), "--vary", "friction", "0.1:0.3:3", "--out", str(out)]) == 0
+    with (out / "sweep.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    seal = sm.build_seal(sm.read_seal_file(bulb))
+    assert [float(row["door_friction"]) for row in rows] == pytest.approx([0.1, 0.2, 0.3])
+    for row in rows[::2]:
+        result = sm.analyze(seal, parameters={"door_friction": float(row["door_friction"])})
+        assert float(row["door_Fy_N_per_m"]) == pytest.approx(
+            result.path.reaction("door")[-1, 1], rel=1e-9
+        )
+        assert float(row["contact_width"]) == pytest.approx(result.contact_width, rel=1e-9)
+    assert (out / "sweep.png").is_file()
+
+
+def test_a_parameter_that_may_be_two_is_refused(bulb, tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        main(["sweep", str(bulb), "--vary", "penalty", "1:2:2", "--out", str(tmp_path / "out")])
+    said = capsys.readouterr().err
+    assert "door_normal_penalty" in said
+    assert "door_tangent_penalty" in said
+
+
+def test_compare_draws_both_and_writes_their_curves(bulb, tmp_path, capsys):
+    other = bulb.with_name("stiffer.toml")
+    other.write_text(bulb.read_text().replace("steps = 4", "steps = 5"), encoding="utf-8")
+    out = tmp_path / "out"
+    assert main(["compare", str(bulb), str(other), "--out", str(out)]) == 0
+    summary = json.loads((out / "summary.json").read_text())
+    assert list(summary) == ["bulb", "stiffer"]
+    assert [own["n_steps"] for own in summary.values()] == [6, 7]
+    for name in summary:
+        assert (out / name / "curve_door.csv").is_file()
+    with Image.open(out / "comparison.png") as picture:
+        assert min(picture.size) > 600
+    assert "stiffer  force" in capsys.readouterr().out
+
+
+def test_names_of_files_of_one_stem():
+    paths = [Path("a/seal.toml"), Path("b/seal.toml"), Path("c/other.toml")]
+    assert names_of(paths) == ["a_seal", "b_seal", "other"]
+    with pytest.raises(WrongArgumentError):
+        names_of([Path("a/seal.toml"), Path("a/seal.toml")])
+
+
+@pytest.mark.parametrize("name", ["close.gif", "close.html"])
+def test_animation_has_a_frame_for_every_step(bulb, tmp_path, name):
+    assert main(["animate", str(bulb), "-o", name, "--out", str(tmp_path)]) == 0
+    path = tmp_path / name
+    if path.suffix == ".gif":
+        shown = []
+        with Image.open(path) as frames:
+            for number in range(frames.n_frames):
+                frames.seek(number)
+                shown.append(np.asarray(frames.convert("L")).tobytes())
+        assert len(set(shown)) >= 6  # six load steps; equal frames at the end are merged
+    else:
+        assert path.read_text(encoding="utf-8").count("data:image/png;base64") >= 6
+
+
+def test_formats_of_animations(tmp_path, monkeypatch):
+    with pytest.raises(ValueError, match="written as"):
+        check_format(tmp_path / "close.avi")
+    monkeypatch.setattr("seal_mdao.plotting.animation.writers.is_available", lambda name: False)
+    with pytest.raises(ValueError, match="needs the program ffmpeg"):
+        check_format(tmp_path / "close.mp4")
+
+
+def test_json_and_quiet(bulb, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["check", str(bulb), "--out", str(out), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == json.loads((out / "summary.json").read_text())
+    assert main(["check", str(bulb), "--out", str(out), "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_ctrl_c_ends_with_130_and_leaves_what_was_done(bulb, tmp_path, monkeypatch, capsys):
+    """The second of three analyses is interrupted; the table has the first."""
+    analyses, real = [], sm.analyze
+
+    def analyze(*given, **more):
+        if analyses:
+            raise KeyboardInterrupt
+        analyses.append(1)
+        return real(*given, **more)
+
+    monkeypatch.setattr("seal_mdao.cli.sweep.sm.analyze", analyze)
+    out = tmp_path / "out"
+    code = main(["sweep", str(bulb), "--vary", "friction", "0.1:0.3:3", "--out", str(out)])
+    assert code == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert len((out / "sweep.csv").read_text().splitlines()) == 2
+
+
+def test_progress_is_printed_where_there_is_no_terminal(bulb, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("seal_mdao.progress.INTERVAL", 0.0)
+    assert main(["analyze", str(bulb), "--out", str(tmp_path / "out"), "--no-vtu"]) == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert [line for line in lines if "load step" in line] == [
+        f"analysis 1: load step {number} of 6" for number in range(1, 7)
+    ]
