@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao import plotting
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     add_seal_arguments,
     announce,
@@ -23,8 +24,7 @@ from seal_mdao.cli.arguments import (
     write_summary,
 )
 from seal_mdao.export.csv_tables import travel_table
-from seal_mdao.kept_analyses import KeptAnalyses
-from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.selection import open_points
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.door.door_seal import DOOR
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
@@ -45,7 +45,7 @@ def main(arguments) -> int:
     announce(seal)
     begun = time.perf_counter()
     with LoadStepProgress(seal) as progress:
-        result = KeptAnalyses().analyze(seal, offsets, parameters, callback=progress)
+        result = AnalysisCache().analyze(seal, offsets, parameters, callback=progress)
     wall = time.perf_counter() - begun
     summary = summarize(result, wall)
     write_summary(arguments.out, summary)
@@ -77,7 +77,7 @@ def summarize(result: SealResult, wall: float) -> dict:
     )  # fmt: skip
     summary |= dict.fromkeys(end_keys)
     if result.converged:
-        opened, counts = opened_points(result.contact.state), contact_counts(result.contact)
+        opened, counts = open_points(result.contact.state), contact_counts(result.contact)
         summary |= {
             "unmeasured_gaps": gaps_unmeasured_by(result, "gap_square_sum"),
             "gap_square_sum_mm2": result.gap_square_sum,

@@ -28,7 +28,7 @@ TRUE = {"c10": 92.0, "friction": 0.32}
 START = {"c10": 70.0, "friction": 0.15}
 LOWER, UPPER = {"c10": 40.0, "friction": 0.0}, {"c10": 200.0, "friction": 0.8}
 TOUCH = 9.5
-"""Height of the door at which it touches the drawn seal, mm."""
+"""Height of the door at which it touches the nominal seal, mm."""
 
 
 @dataclass(frozen=True)
@@ -48,12 +48,16 @@ class Bench:
 
     def seal(self, constants) -> sm.Seal:
         """The door seal in the press."""
-        drawn = sm.door_seal().with_parameters(constants)
-        body, door = drawn.terms()
+        nominal = sm.door_seal().with_parameters(constants)
+        body, door = nominal.terms()
         ways = [Stage(self.steps, (0.0, -self.depth)), Stage(self.steps, (0.0, self.depth))]
         door = replace(door, motion=staged_motion(ways, start=(0.0, TOUCH)))
         return sm.Seal(
-            drawn.drawn_particles, drawn.design_velocity, drawn.body, (body, door), 2 * self.steps
+            nominal.nominal_particles,
+            nominal.design_velocity,
+            nominal.body,
+            (body, door),
+            2 * self.steps,
         )
 
     @property

@@ -2,6 +2,7 @@
 
 import sys
 
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     CASES,
     add_seal_arguments,
@@ -17,14 +18,13 @@ from seal_mdao.cli.history_figures import draw_history, end_numbers, gap_warning
 from seal_mdao.cli.recorded_runs import recorded_run
 from seal_mdao.cli.running_optimization import report_run, run_optimization
 from seal_mdao.door_optimization import DoorProblem, door_task
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, RunOptions
 from seal_mdao.report.write import write_report
 
 PROBLEM_FLAGS = {
     "keep_force": "keep the vertical reaction at the end of the path within 10 % of its start",
     "clamp_load": "keep the whole load curve: the reaction at 2, 4, 6, 8 and 10 mm within 10 %",
-    "pressure_floor": "keep half of the drawn seal's contact pressure in each patch",
+    "pressure_floor": "keep half of the nominal seal's contact pressure in each patch",
     "stress_norm": "limit the p-norm of the stress of the whole section, not seven stresses",
     "gap_integral": "minimise the integral of g^2 over the opened stretch, not a sum over points",
 }
@@ -43,7 +43,7 @@ def main(arguments) -> int:
         with checked_arguments():
             return door_task(run.analyze(seal), DoorProblem(**settings))
 
-    kept = KeptAnalyses()
+    kept = AnalysisCache()
     history, run_numbers = run_optimization(arguments, seal, task_of, optimizer, kept)
     cases = (arguments.out / CASES).absolute()
     initial, final = kept.analyze(seal), kept.analyze(seal, *history.design_at(-1))

@@ -64,13 +64,13 @@ def main(arguments) -> int:
 
 
 def chosen_design(seal, arguments) -> Design:
-    """The drawn seal, or a random design when a seed or an amplitude is given."""
-    drawn = np.append(np.zeros(seal.n_offsets), seal.scalars["door_radius"].value)
+    """The nominal seal, or a random design when a seed or an amplitude is given."""
+    nominal = np.append(np.zeros(seal.n_offsets), seal.scalars["door_radius"].value)
     if arguments.seed is None and arguments.amplitude is None:
-        return Design(seal, drawn)
+        return Design(seal, nominal)
     amplitude = AMPLITUDE if arguments.amplitude is None else arguments.amplitude
     generator = np.random.default_rng(arguments.seed or 0)
-    return Design(seal, drawn + generator.uniform(-amplitude, amplitude, drawn.size))
+    return Design(seal, nominal + generator.uniform(-amplitude, amplitude, nominal.size))
 
 
 def run_differences(design, base, columns, steps) -> list[Differences]:

@@ -13,7 +13,7 @@ _LAZY = {
     "SealResult": "seal_mdao.seals.result",
     "analyze": "seal_mdao.seals.result",
     "estimate": "seal_mdao.seals.result",
-    "KeptAnalyses": "seal_mdao.kept_analyses",
+    "AnalysisCache": "seal_mdao.analysis_cache",
     "Sensitivities": "seal_mdao.dsa.sensitivity",
     "differentiate": "seal_mdao.dsa.sensitivity",
     "NeoHookean": "seal_mdao.materials.neo_hookean",

@@ -16,9 +16,9 @@ STRESS_SHARE, STRESS_FLOOR = 0.8, 100.0
 FORCE_BAND = 0.1
 """Relative change of the vertical reaction that ``keep_force`` and ``clamp_load`` allow."""
 PRESSURE_SHARE = 0.5
-"""Fraction of the drawn seal's contact pressure that ``pressure_floor`` asks of each patch."""
+"""Fraction of the nominal seal's contact pressure that ``pressure_floor`` asks of each patch."""
 NEGLIGIBLE_GAP = 1e-3
-"""Gaps of the drawn seal, mm, below which there is nothing to optimise: a penalty leaves as much."""
+"""Gaps of the nominal seal, mm, below which there is nothing to optimise: a penalty leaves as much."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class DoorProblem:
     clamp_load : bool
         Keep the complete load curve: the same at 2, 4, 6, 8 and 10 mm, as far as the door goes.
     pressure_floor : bool
-        Keep half of the drawn seal's contact pressure in each patch.
+        Keep half of the nominal seal's contact pressure in each patch.
     stress_norm : bool
         Limit the p-norm of the stress of all particles instead of seven stresses.
     gap_integral : bool
@@ -46,22 +46,22 @@ class DoorProblem:
     gap_integral: bool = False
 
 
-def door_task(drawn: SealResult, problem: DoorProblem | None = None) -> Task:
+def door_task(nominal: SealResult, problem: DoorProblem | None = None) -> Task:
     """Set up problem (71) with limits from the nominal seal.
 
     Parameters
     ----------
-    drawn : SealResult
+    nominal : SealResult
         The nominal door seal, analysed (``RunOptions.analyze``).
     problem : DoorProblem, optional
 
     Raises
     ------
     ValueError
-        When no gap opens under the drawn seal: there is nothing to minimise.
+        When no gap opens under the nominal seal: there is nothing to minimise.
     """
     problem = DoorProblem() if problem is None else problem
-    _require_gap(drawn)
+    _require_gap(nominal)
     cost = "gap_square_integral" if problem.gap_integral else "gap_square_sum"
     wanted = {
         "reaction_curve": problem.clamp_load, "patch_pressure": problem.pressure_floor,
@@ -71,27 +71,27 @@ def door_task(drawn: SealResult, problem: DoorProblem | None = None) -> Task:
     # A <= 110 mm^2;  s <= max(0.8 s_0, 100 kPa) of seven particles, or of the p-norm
     limits = [_area_limit()]
     if problem.stress_norm:
-        upper = _stress_limit(_value(drawn, "stress_norm"))[0]
+        upper = _stress_limit(_value(nominal, "stress_norm"))[0]
         limits.append(Limit("stress_norm", upper=float(upper)))
     else:
-        upper = _stress_limit(drawn.von_mises)
+        upper = _stress_limit(nominal.von_mises)
         limits.append(Limit("von_mises", upper=upper, ref=upper))
     # 0.9 F_0(t) <= F(t) <= 1.1 F_0(t)
     if problem.clamp_load:
-        limits.append(_band("reaction_curve", _value(drawn, "reaction_curve")))
+        limits.append(_band("reaction_curve", _value(nominal, "reaction_curve")))
     if problem.pressure_floor:
         # p >= 0.5 p_0 of each patch
-        floor = PRESSURE_SHARE * _value(drawn, "patch_pressure")
+        floor = PRESSURE_SHARE * _value(nominal, "patch_pressure")
         limits.append(Limit("patch_pressure", lower=floor, ref=floor))
     if problem.keep_force:
-        limits.append(_band("reaction", drawn.reaction[-1, 1:], entry=1))
+        limits.append(_band("reaction", nominal.reaction[-1, 1:], entry=1))
     return Task(
-        drawn.seal, cost, float(_value(drawn, cost)[0]), measures, _variables(drawn), tuple(limits),
-        asdict(problem),
+        nominal.seal, cost, float(_value(nominal, cost)[0]), measures, _variables(nominal),
+        tuple(limits), asdict(problem),
     )  # fmt: skip
 
 
-def robust_door_task(drawn: SealResult, goal: RobustGoal) -> Task:
+def robust_door_task(nominal: SealResult, goal: RobustGoal) -> Task:
     """Set up problem (71) with its pressure floor for ``Robust``: limits of area and stress norm of the
     drawing, of the mean contact pressure of each patch, and a band of the reaction.
 
@@ -100,10 +100,10 @@ def robust_door_task(drawn: SealResult, goal: RobustGoal) -> Task:
     ValueError
         When no gap opens under the nominal seal.
     """
-    _require_gap(drawn)
-    cost, force = "gap_square_integral", float(drawn.reaction[-1, 1])
-    floor = PRESSURE_SHARE * _value(drawn, "patch_pressure")
-    stress = float(_stress_limit(_value(drawn, "stress_norm"))[0])
+    _require_gap(nominal)
+    cost, force = "gap_square_integral", float(nominal.reaction[-1, 1])
+    floor = PRESSURE_SHARE * _value(nominal, "patch_pressure")
+    stress = float(_stress_limit(_value(nominal, "stress_norm"))[0])
     # (1 - b) F_0 <= F <= (1 + b) F_0 in a fraction of all samples
     band = (1.0 - goal.band) * force, (1.0 + goal.band) * force
     limits = (
@@ -113,29 +113,29 @@ def robust_door_task(drawn: SealResult, goal: RobustGoal) -> Task:
         Limit("reaction", *band, entry=1),
     )
     measures = (cost, "reaction", "patch_pressure", "stress_norm")
-    start = float(_value(drawn, cost)[0])
-    return Task(drawn.seal, cost, start, measures, _variables(drawn), limits)
+    start = float(_value(nominal, cost)[0])
+    return Task(nominal.seal, cost, start, measures, _variables(nominal), limits)
 
 
-def _require_gap(drawn: SealResult) -> None:
-    largest = float(np.abs(drawn.gap).max(initial=0.0))
+def _require_gap(nominal: SealResult) -> None:
+    largest = float(np.abs(nominal.gap).max(initial=0.0))
     if not largest > NEGLIGIBLE_GAP:
         raise ValueError(
-            "no contact point of the drawn seal stands open between others in contact by more than "
+            "no contact point of the nominal seal stands open between others in contact by more than "
             f"{NEGLIGIBLE_GAP} mm (largest gap {largest:.1g} mm), so no gap to minimise; choose a "
             "larger depth or another door"
         )
 
 
-def _value(drawn: SealResult, name: str) -> np.ndarray:
+def _value(nominal: SealResult, name: str) -> np.ndarray:
     """Values of a measure of the nominal seal."""
-    return drawn.value(drawn.measure(name))
+    return nominal.value(nominal.measure(name))
 
 
-def _variables(drawn: SealResult) -> dict[str, dict]:
+def _variables(nominal: SealResult) -> dict[str, dict]:
     """Boundary offsets and door radius, within ``OFFSET_BOUND``."""
     # scaled radius = R - R_0, of the order of the offsets
-    radius = drawn.seal.as_drawn().scalars["door_radius"].value
+    radius = nominal.seal.nominal().scalars["door_radius"].value
     low, high = radius - OFFSET_BOUND, radius + OFFSET_BOUND
     middle = 0.5 * (low + high)
     return {

@@ -20,13 +20,13 @@ CHOSEN = "chosen"
 """What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
 
 
-def file_task(file: SealFile, drawn: SealResult) -> Task:
+def file_task(file: SealFile, nominal: SealResult) -> Task:
     """Set up the optimisation that a seal file asks for.
 
     Parameters
     ----------
     file : SealFile
-    drawn : SealResult
+    nominal : SealResult
         Its nominal seal, analysed (``RunOptions.analyze``).
 
     Raises
@@ -36,9 +36,9 @@ def file_task(file: SealFile, drawn: SealResult) -> Task:
     LoadPathError
         When the path of the nominal seal was not completed.
     """
-    seal = drawn.seal
+    seal = nominal.seal
     require_problem(file, seal)
-    measures, start = optimized_measures(file, seal, drawn)
+    measures, start = optimized_measures(file, seal, nominal)
     aim, bounds = file.optimize.minimize, design_bounds(file)
     # -b <= offset <= b, scaled to [-1/2, 1/2]
     variables = {"boundary_offsets": {"lower": -bounds, "upper": bounds, "ref": 2.0 * bounds}}
@@ -79,7 +79,7 @@ def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
     return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
 
 
-def optimized_measures(file: SealFile, seal: Seal, drawn: SealResult) -> tuple[tuple, dict]:
+def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple[tuple, dict]:
     """Measures of ``[optimize]`` with their places, and their values in the nominal seal by name.
 
     Raises
@@ -89,15 +89,15 @@ def optimized_measures(file: SealFile, seal: Seal, drawn: SealResult) -> tuple[t
     LoadPathError
         When the path of the nominal seal was not completed.
     """
-    drawn.require_converged()
-    measures = frozen_measures(seal, measure_names(file), lambda seal: drawn)
+    nominal.require_converged()
+    measures = frozen_measures(seal, measure_names(file), lambda seal: nominal)
     empty = [measure.name for measure in measures if is_empty(measure, seal)]
     if empty:
         raise SealFileError(
             f"{file.path}: [optimize]: the measure {empty[0]!r} has no value: at the end of the drawn "
             "seal's path nothing stands open between points in contact"
         )
-    start = {measure.name: drawn.value(measure) for measure in measures}
+    start = {measure.name: nominal.value(measure) for measure in measures}
     _require_gap(file, measures, start)
     return measures, start
 

@@ -9,12 +9,12 @@ import numpy as np
 import openmdao.api as om
 from openmdao.core.driver import Driver
 
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.drivers.ipopt_driver import IpoptDriver
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver
 from seal_mdao.drivers.slsqp_driver import SlsqpDriver
 from seal_mdao.drivers.uno_driver import UnoDriver
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.recording.recorded_seals import PROBLEM_OPTION, recorded_settings
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.recording.recorder_file import open_model
@@ -154,7 +154,7 @@ class RunOptions:
         Where every model evaluation is recorded, with all that figures and restarts need.
     callback : callable, optional
         Called with every converged load step.
-    kept : KeptAnalyses
+    kept : AnalysisCache
         Keeps the analyses for whoever looks at the designs afterwards.
     work_dir : str or Path, optional
         Folder of OpenMDAO's own output; the current one when left out.
@@ -165,7 +165,7 @@ class RunOptions:
     driver: Driver | None = None
     recorder: object = None
     callback: Callable | None = None
-    kept: KeptAnalyses = field(default_factory=KeptAnalyses)
+    kept: AnalysisCache = field(default_factory=AnalysisCache)
     work_dir: str | Path | None = None
     reports: object = None
 
@@ -177,9 +177,9 @@ class RunOptions:
         LoadPathError
             When its path cannot be completed.
         """
-        drawn = self.kept.analyze(seal, keep_factors=True, callback=self.callback)
-        drawn.require_converged()
-        return drawn
+        nominal = self.kept.analyze(seal, keep_factors=True, callback=self.callback)
+        nominal.require_converged()
+        return nominal
 
 
 class Nominal:

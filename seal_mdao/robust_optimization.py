@@ -31,7 +31,7 @@ class RobustGoal:
         largest value over the scenarios.
     deviations : float
     band : float
-        Relative change of the vertical reaction of the drawn door seal that is allowed.
+        Relative change of the vertical reaction of the nominal door seal that is allowed.
     share : float
         Share of all cars in which a limit is kept (``RobustLimit``).
     widen : float
@@ -77,12 +77,12 @@ class RobustGoal:
         # m + widen (x - m) around the means m
         numbers = middle + self.widen * (made.numbers - middle)
         # the nominal seal is the first scenario
-        drawing = drawn_numbers(tolerances.variations, seal)
+        drawing = nominal_numbers(tolerances.variations, seal)
         offsets = np.vstack([np.zeros(seal.n_offsets), self.widen * made.offsets])
         return Scenarios(tolerances.variations, np.vstack([drawing, numbers]), offsets)
 
 
-def drawn_numbers(variations: tuple, seal: Seal) -> np.ndarray:
+def nominal_numbers(variations: tuple, seal: Seal) -> np.ndarray:
     """Numbers of variations that change nothing, shape (len(variations),).
 
     Raises
@@ -93,13 +93,13 @@ def drawn_numbers(variations: tuple, seal: Seal) -> np.ndarray:
     neutral = {SHIFT: 0.0, FACTOR: 1.0}
     found = []
     for variation in variations:
-        drawn = {float(seal.scalars[name].value) for name in variation.parameters}
-        if variation.kind not in neutral and len(drawn) > 1:
+        nominal = {float(seal.scalars[name].value) for name in variation.parameters}
+        if variation.kind not in neutral and len(nominal) > 1:
             raise ValueError(
                 f"{variation.name} gives {', '.join(variation.parameters)} one value, and they are "
                 "drawn with different ones; make it a factor or a shift"
             )
-        found.append(neutral.get(variation.kind, min(drawn)))
+        found.append(neutral.get(variation.kind, min(nominal)))
     return np.array(found)
 
 

@@ -71,14 +71,14 @@ def drawn_model():
 
 
 @pytest.fixture(scope="session")
-def drawn(drawn_model):
-    """The drawn seal under the corner door, factors kept."""
+def nominal(drawn_model):
+    """The nominal seal under the corner door, factors kept."""
     return sm.analyze(drawn_model, keep_factors=True)
 
 
 @pytest.fixture(scope="session")
 def flat():
-    """The drawn seal under the wholly flat door, factors kept."""
+    """The nominal seal under the wholly flat door, factors kept."""
     return sm.analyze(sm.door_seal(door="flat", newton=TIGHT), keep_factors=True)
 
 
@@ -91,14 +91,14 @@ def cut():
 
 @pytest.fixture(scope="session")
 def frictionless():
-    """Drawn seal without friction, pressed 3 mm."""
+    """Nominal seal without friction, pressed 3 mm."""
     model = sm.door_seal(friction=0.0, depth=3.0, n_steps=35, newton=TIGHT)
     return sm.analyze(model, keep_factors=True)
 
 
 @pytest.fixture(scope="session")
 def buckled():
-    """Drawn seal without friction pressed 10 mm: it buckles sideways, and too little damped motion is
+    """Nominal seal without friction pressed 10 mm: it buckles sideways, and too little damped motion is
     allowed for the path to be completed."""
     return sm.analyze(sm.door_seal(friction=0.0, newton=sm.NewtonOptions(damped_iterations=80)))
 

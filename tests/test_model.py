@@ -19,11 +19,11 @@ def last_height(model):
 
 def test_defaults_are_the_example():
     model = sm.door_seal()
-    assert model.drawn_particles.shape == (174, 2)
+    assert model.nominal_particles.shape == (174, 2)
     assert model.n_offsets == 25
     options = options_of(model)
     assert options == DoorOptions()
-    assert (options.friction, options.corner_x, options.drawn_door_radius) == (0.25, 2.0, 4.0)
+    assert (options.friction, options.corner_x, options.nominal_door_radius) == (0.25, 2.0, 4.0)
     assert (options.material.c10, options.material.c01) == (80.0, 20.0)
     assert len(model.body.constrained) == 7
     assert len(model.body.edge("outer").particles) == 51
@@ -77,8 +77,8 @@ def test_nominal_seal_has_the_nominal_door_and_the_other_parameters():
         assert seal.scalars["door_radius"].value == 4.0
         other = seal.with_parameters({"door_radius": 4.25, "friction": 0.125})
         assert other.scalars["door_radius"].value == 4.25
-        assert other.as_drawn().key == seal.with_parameters({"friction": 0.125}).key != other.key
-        assert seal.as_drawn() is seal
+        assert other.nominal().key == seal.with_parameters({"friction": 0.125}).key != other.key
+        assert seal.nominal() is seal
 
 
 def test_parameters_of_the_motion_are_those_of_the_options():
@@ -110,8 +110,8 @@ WRONG = [
     ("support", "wide"), ("solver", "cholesky"), ("door", "round"), ("door", None),
     ("friction", -0.1), ("friction", np.nan), ("friction", "dry"), ("friction", None),
     ("friction_history", "none"), ("normal_penalty", 0.0), ("normal_penalty", np.inf),
-    ("tangent_penalty", -1.0), ("tangent_penalty", "soft"), ("drawn_door_radius", 0.0),
-    ("drawn_door_radius", np.nan), ("corner_x", np.nan), ("corner_x", None), ("segments", 3),
+    ("tangent_penalty", -1.0), ("tangent_penalty", "soft"), ("nominal_door_radius", 0.0),
+    ("nominal_door_radius", np.nan), ("corner_x", np.nan), ("corner_x", None), ("segments", 3),
     ("segments", 32.0), ("segments", "32"), ("start", 9.5), ("start", np.nan), ("start", "high"),
     ("depth", 0.0), ("depth", -1.0), ("depth", 19.5), ("depth", np.nan), ("depth", None),
     ("outer_parameters", 1), ("inner_parameters", 3), ("inner_parameters", 4.5),
@@ -178,7 +178,7 @@ def test_door_radius_beyond_the_drawn_flat_is_refused(radius):
 def test_particles_of_a_wrong_shape_are_refused():
     model = sm.door_seal(depth=0.5, n_steps=6)
     with pytest.raises(ValueError, match=r"\(174, 2\)"):
-        analyze_particles(model, model.drawn_particles[:-1])
+        analyze_particles(model, model.nominal_particles[:-1])
 
 
 def test_door_forms():
@@ -198,14 +198,17 @@ def test_design_at_its_bounds_has_room_below_the_door():
     seal = sm.door_seal(depth=0.5, n_steps=10)
     assert sm.analyze(seal, bulged(0.5 + 1e-3)).converged
     with pytest.raises(sm.GeometryError, match=r"starts 0\.001 inside"):
-        sm.analyze(with_options(seal, room=0.0), bulged(0.5 + 1e-3))
+        sm.analyze(with_options(seal, clearance=0.0), bulged(0.5 + 1e-3))
 
 
 @pytest.mark.parametrize("size", [0.0, 0.35])
 def test_room_above_the_seal_changes_no_bit(size):
     """Of a seal that is touched after the first load step."""
     seal, depth = sm.door_seal(depth=1.0, n_steps=15), ("depth",)
-    found = [sm.analyze(with_options(seal, room=room), bulged(size)) for room in (0.0, 0.1, 3.0)]
+    found = [
+        sm.analyze(with_options(seal, clearance=clearance), bulged(size))
+        for clearance in (0.0, 0.1, 3.0)
+    ]
     for other in found[1:]:
         for name in ("newton_iterations", "reaction", "travel", "von_mises"):
             assert np.array_equal(getattr(other, name), getattr(found[0], name)), name
@@ -218,7 +221,9 @@ def test_room_above_the_seal_changes_no_bit(size):
     "options", [{}, {"accuracy": "engineering"}, {"n_steps": 3, "step_ends": (0.2, 0.7, 1.0)}]
 )
 def test_room_lengthens_the_first_load_step_only(options):
-    near, far = (leading_motion(sm.door_seal(**options, room=room)) for room in (0.0, 0.1))
+    near, far = (
+        leading_motion(sm.door_seal(**options, clearance=clearance)) for clearance in (0.0, 0.1)
+    )
     for step in range(near.n_steps + 1):
         rise = np.array([0.0, 0.1, 0.0]) if step == 0 else 0.0
         assert np.array_equal(far.coordinates(step), near.coordinates(step) + rise)
@@ -229,14 +234,14 @@ def test_room_lengthens_the_first_load_step_only(options):
 def test_room_does_not_change_the_steps_that_are_chosen():
     """Also where the seal is touched in the first one."""
     options = {"depth": 1.0, "door": "flat", "steps": "auto", "step_tolerance": 0.05}
-    near, far = (sm.door_seal(**options, room=room) for room in (0.0, 0.1))
+    near, far = (sm.door_seal(**options, clearance=clearance) for clearance in (0.0, 0.1))
     assert options_of(near).step_ends == options_of(far).step_ends
 
 
-@pytest.mark.parametrize("room", [-0.1, 1e3, np.nan, "some", None])
-def test_room_that_is_none_is_named(room):
-    with pytest.raises(ValueError, match="room"):
-        sm.door_seal(room=room)
+@pytest.mark.parametrize("clearance", [-0.1, 1e3, np.nan, "some", None])
+def test_room_that_is_none_is_named(clearance):
+    with pytest.raises(ValueError, match="clearance"):
+        sm.door_seal(clearance=clearance)
 
 
 def test_design_that_begins_inside_the_door_is_told_to_start_farther_away():

@@ -9,7 +9,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.scenarios.running import usual_workers
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
-from seal_mdao.tolerances.placement import with_room
+from seal_mdao.tolerances.placement import with_clearance
 from seal_mdao.tolerances.study import ToleranceStudy
 
 FOUND = Path(__file__).parents[1] / "docs" / "benchmarks" / "tolerances.json"
@@ -22,7 +22,7 @@ def page():
 
 
 def gaps_and_forces(design, file):
-    seal, tolerances = with_room(sm.door_seal(n_steps=53)), read_tolerances(OF_THE_DOOR)
+    seal, tolerances = with_clearance(sm.door_seal(n_steps=53)), read_tolerances(OF_THE_DOOR)
     shape = np.array(design["boundary_offsets"]), {"door_radius": design["door_radius"]}
     study = ToleranceStudy(seal, tolerances, ("gap_square_integral", "reaction"), *shape)
     sampled = study.run(file, SAMPLES, seed=SEED, workers=usual_workers())

@@ -14,11 +14,11 @@ from seal_mdao.optimization import (
     Task,
     optimization_problem,
 )
-from seal_mdao.robust_optimization import GOALS, Robust, RobustGoal, drawn_numbers
+from seal_mdao.robust_optimization import GOALS, Robust, RobustGoal, nominal_numbers
 from seal_mdao.scenarios.variation import Variation
 from seal_mdao.seals.profiles import leading_motion
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
-from seal_mdao.tolerances.placement import with_room
+from seal_mdao.tolerances.placement import with_clearance
 
 COST = "gap_square_integral"
 DRAWN = {"friction": 0.25, "hardness": 1.0, "depth": 0.0}
@@ -61,13 +61,15 @@ def test_limits_are_those_of_the_drawn_seal_and_gradients_exist(
     seal, tolerances, minimize, tmp_path
 ):
     goal = RobustGoal(minimize)
-    drawn = sm.analyze(seal)
+    nominal = sm.analyze(seal)
     robust = Robust(goal, goal.scenarios(tolerances, seal, 2, 0), workers=0)
     problem = optimization_problem(
-        robust_door_task(drawn, goal), RunOptions(work_dir=tmp_path), robust
+        robust_door_task(nominal, goal), RunOptions(work_dir=tmp_path), robust
     )
     problem.run_model()
-    norm, pressures = (drawn.value(m) for m in drawn.measures(["stress_norm", "patch_pressure"]))
+    norm, pressures = (
+        nominal.value(m) for m in nominal.measures(["stress_norm", "patch_pressure"])
+    )
     constraints = problem.model.get_constraints()
     by_name = {meta["name"].split(".")[-1]: meta for meta in constraints.values()}
     stress = by_name["stress_norm_scenarios"]
@@ -87,9 +89,9 @@ def test_limits_are_those_of_the_drawn_seal_and_gradients_exist(
 
 def test_numbers_that_change_nothing(seal):
     of = (Variation("friction"), Variation("c10", "factor"), Variation("depth", "shift"))
-    np.testing.assert_array_equal(drawn_numbers(of, seal), [0.25, 1.0, 0.0])
+    np.testing.assert_array_equal(nominal_numbers(of, seal), [0.25, 1.0, 0.0])
     with pytest.raises(ValueError, match="make it a factor or a shift"):
-        drawn_numbers((Variation("both", "value", ("c10", "c01")),), seal)
+        nominal_numbers((Variation("both", "value", ("c10", "c01")),), seal)
 
 
 @pytest.mark.parametrize(
@@ -105,7 +107,7 @@ def test_room_is_enough_for_a_boundary_that_is_off(seal):
     offsets = np.concatenate([np.full(14, 0.9), np.zeros(11)])
     with pytest.raises(sm.GeometryError, match="inside"):
         sm.analyze(seal, offsets)
-    roomy = with_room(seal)
+    roomy = with_clearance(seal)
     assert sm.analyze(roomy, offsets).path.steps
     ends = [leading_motion(own).coordinates(own.n_steps) for own in (seal, roomy)]
     np.testing.assert_array_equal(*ends)

@@ -23,7 +23,7 @@ SEAL = [
     ("rays", 58 * 41), ("segments", 10**8), ("outer_parameters", 10**7), ("inner_parameters", 10**7),
     ("corner_x", 1e300), ("corner_x", 51.0), ("normal_penalty", 1e-300), ("normal_penalty", 10.0),
     ("normal_penalty", 1e30), ("tangent_penalty", 1e-300), ("depth", 1e-12), ("depth", 1e-9),
-    ("start", 1e300), ("drawn_door_radius", 1e-300), ("door_radius", "wide"),
+    ("start", 1e300), ("nominal_door_radius", 1e-300), ("door_radius", "wide"),
     ("door_radius", 10**400), ("support", 1e300), ("n_steps", True), ("n_steps", 10**400),
 ]  # fmt: skip
 
@@ -153,7 +153,7 @@ def test_every_keyword_is_described(kind, keyword):
 def test_wrong_memory_is_named(memory):
     """A list used to be repeated 2**30 times."""
     with pytest.raises(ValueError, match="memory"):
-        sm.KeptAnalyses(memory)
+        sm.AnalysisCache(memory)
     with pytest.raises(ValueError, match="factor_memory"):
         sm.SealGroup(seal=sm.door_seal(), factor_memory=memory)
 

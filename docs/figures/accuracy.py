@@ -9,10 +9,10 @@ import numpy as np
 from verification.error_sources import (
     FUNCTIONS,
     at_travels,
-    drawn,
     flat_errors,
     from_the_limit,
     largest_opened_gap,
+    nominal,
     worst_error,
 )
 from verification.file_errors import (
@@ -303,7 +303,7 @@ def _preset(out, reduced) -> dict:
     }
     clouds = ((58, 4, 1), (58, 4, 2), (116, 4, 1), (116, 4, 2), (116, 5, 2), (174, 5, 2))
     refined = [
-        drawn(**WIDE, layers=layers, rays=rays, refinement=parts, n_steps=105)
+        nominal(**WIDE, layers=layers, rays=rays, refinement=parts, n_steps=105)
         for rays, layers, parts in (clouds[:1] if reduced else clouds)
     ]
     gaps = [largest_opened_gap(result) for result in refined]
@@ -316,7 +316,7 @@ def _preset(out, reduced) -> dict:
     for name, seal in seals.items():
         share = np.median(times[name][-4:]) / np.median(times["paper"][-4:])
         error = np.abs(flat_errors(accuracy=name, n_steps=seal.n_steps)).max()
-        corner = drawn(accuracy=name)
+        corner = nominal(accuracy=name)
         away = np.abs(at_travels(corner) / CORNER - 1.0).max()
         size = f"{options_of(seal).grid.rays} × {options_of(seal).layers}, {seal.n_steps} steps"
         gap = largest_opened_gap(corner)
@@ -349,7 +349,7 @@ def _outline(out, reduced) -> dict:
         ]
         schemes.append(flat_door_seal(spacing, QUADRATIC, "edges"))
         found = [percent(reaction_error(scheme)) for scheme in schemes]
-        rows.append([f"{spacing:g}", len(schemes[0].drawn_particles), *found])
+        rows.append([f"{spacing:g}", len(schemes[0].nominal_particles), *found])
     head = [
         "spacing (mm)", "particles", "support 1.8", "2.2, as in files", "3", "2.6, quadratic",
         "the same, at edges",
@@ -365,7 +365,7 @@ def _rays(out, reduced) -> dict:
         seals = [ray_bulb(rays, 4, "engineering", points) for points in CONTACT_POINTS]
         rows.append([rays, *(percent(force_error(forces(seal), exact)) for seal in seals)])
     gaps = {
-        points: largest_opened_gap(drawn(accuracy="engineering", contact_points=points))
+        points: largest_opened_gap(nominal(accuracy="engineering", contact_points=points))
         for points in CONTACT_POINTS
     }
     return {
@@ -393,6 +393,6 @@ def _files(out, reduced) -> dict:
         if not file.fluids + file.cavities:
             schemes.append(build_seal(at_edges(file)))
         found = [percent(force_error(forces(scheme), exact)) for scheme in schemes]
-        rows.append([name, len(seal.drawn_particles), *found, *["–"] * (3 - len(found))])
+        rows.append([name, len(seal.nominal_particles), *found, *["–"] * (3 - len(found))])
     head = ["file", "particles", "linear, 2.2, as in files", "quadratic, 2.6", "linear, at edges"]
     return {"files_table": table(head, rows)}

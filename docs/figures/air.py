@@ -22,9 +22,9 @@ def make(out: Path, reduced: bool) -> dict:
     _picture(out / "trapped_air.png", sealed, vented)
     pressure, area = sealed.response("air").outputs[0]
     forces = [abs(result.path.reaction("door")[-1, 1]) for result in (sealed, vented)]
-    drawn = sealed.term("air").drawn_area
+    nominal = sealed.term("air").nominal_area
     return {
-        "pressure": f"{pressure:.1f}", "area": f"{100 * (1 - area / drawn):.0f}",
+        "pressure": f"{pressure:.1f}", "area": f"{100 * (1 - area / nominal):.0f}",
         "sealed": f"{forces[0]:.0f}", "vented": f"{forces[1]:.0f}",
     }  # fmt: skip
 

@@ -54,16 +54,16 @@ def _case(model: sm.Seal, values: np.ndarray) -> Case:
 
 @cache
 def away(seed: int) -> Case:
-    """A random design 0.3 mm away from the drawn seal."""
+    """A random design 0.3 mm away from the nominal seal."""
     model = sm.door_seal(newton=TIGHT)
     return _case(model, design_away(model, seed))
 
 
 @cache
 def case(radius: float | None = None, **changes) -> Case:
-    """The drawn seal, or another door radius or model; computed once."""
+    """The nominal seal, or another door radius or model; computed once."""
     model = sm.door_seal(newton=TIGHT, **changes)
-    radius = options_of(model).drawn_door_radius if radius is None else radius
+    radius = options_of(model).nominal_door_radius if radius is None else radius
     return _case(model, np.append(np.zeros(model.n_offsets), radius))
 
 
@@ -110,7 +110,7 @@ class Estimated(NamedTuple):
 
 @cache
 def noise() -> np.ndarray:
-    """Rounding of the drawn seal's measures."""
+    """Rounding of the nominal seal's measures."""
     return evaluation_noise(case().design)
 
 

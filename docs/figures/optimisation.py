@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.door_optimization import door_task
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, RunOptions, optimization_problem
 from seal_mdao.plotting import constraint_history, cost_history, design_comparison, save
 from seal_mdao.recording.recorded_optimization import read_optimization
@@ -17,7 +17,7 @@ OPTIMIZER = next(iter(OPTIMIZERS))
 
 def make(out: Path, reduced: bool) -> dict:
     """Pictures of the optimisation; two iterations in the reduced mode."""
-    kept, driver = KeptAnalyses(), OPTIMIZERS[OPTIMIZER](2 if reduced else 50)
+    kept, driver = AnalysisCache(), OPTIMIZERS[OPTIMIZER](2 if reduced else 50)
     with tempfile.TemporaryDirectory() as folder:
         recorder = Path(folder) / "cases.sql"
         run = RunOptions(driver, recorder=recorder, kept=kept, work_dir=folder)

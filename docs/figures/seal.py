@@ -31,7 +31,7 @@ def make(out: Path, reduced: bool) -> dict:
 def _geometry(path: Path, result: SealResult) -> None:
     """The cloud, and the design parameters at the control points of the splines."""
     door, angle = options_of(result.seal), np.linspace(0, 2 * np.pi, 721)
-    particles, cells = result.seal.drawn_particles, door.grid.cells
+    particles, cells = result.seal.nominal_particles, door.grid.cells
     with picture(path, 1, 2, width=10.0, height=4.9, sharey=True) as (left, right):
         section.draw_cells(left, particles, cells, color=CELL_GREY, linewidth=0.5, zorder=2)
         left.plot(*particles.T, "o", color=BLUE, markersize=2.6, zorder=4)

@@ -30,20 +30,22 @@ SCALARS = {
 
 def make(out: Path, reduced: bool) -> dict:
     """Pictures, tables and numbers of the page."""
-    drawn = case()
+    nominal = case()
     parameters = range(25, 26) if reduced else range(26)
-    estimates = {p: estimate(drawn, p) for p in parameters}
+    estimates = {p: estimate(nominal, p) for p in parameters}
     steps = STUDY_STEPS[2::4] if reduced else STUDY_STEPS
-    study = _study(drawn, STUDIED[:1] if reduced else STUDIED, steps)
+    study = _study(nominal, STUDIED[:1] if reduced else STUDIED, steps)
     save(step_study(steps, study), out / "step_study.png")
-    save(error_map(drawn, estimates), out / "sensitivity_errors.png")
+    save(error_map(nominal, estimates), out / "sensitivity_errors.png")
     fragments = out / "fragments"
     fragments.mkdir(parents=True, exist_ok=True)
-    (fragments / "table_1.md").write_text(table_1(drawn, estimates), encoding="utf-8")
-    numbers = _accuracy(drawn, estimates) | _cost(drawn, 1 if reduced else 5) | _agreement(drawn)
+    (fragments / "table_1.md").write_text(table_1(nominal, estimates), encoding="utf-8")
+    numbers = (
+        _accuracy(nominal, estimates) | _cost(nominal, 1 if reduced else 5) | _agreement(nominal)
+    )
     numbers |= _away(reduced) | _two_methods(reduced)
     numbers["knot"] = knot_table(reduced)
-    numbers["scalars"] = scalar_table(drawn, ("friction",) if reduced else SCALARS)
+    numbers["scalars"] = scalar_table(nominal, ("friction",) if reduced else SCALARS)
     return numbers | straddling.make(out, reduced)
 
 
@@ -65,13 +67,13 @@ def symbol(name: str) -> str:
     }[name]  # fmt: skip
 
 
-def table_1(drawn: Case, estimates: dict) -> str:
+def table_1(nominal: Case, estimates: dict) -> str:
     """The paper's Table 1 for every parameter."""
-    names, rows = measure_names(drawn.result), []
+    names, rows = measure_names(nominal.result), []
     for p, found in estimates.items():
         rows.append([f"**$u_{{{p + 1}}}$**", "", "", ""])
         for i in _rows(names):
-            exact, value = drawn.analytic[i, p], found.value[i]
+            exact, value = nominal.analytic[i, p], found.value[i]
             ratio = "–" if exact == 0.0 else f"{100 * value / exact:.2f}"
             rows.append([symbol(names[i]), f"{TAU * value:.6e}", f"{TAU * exact:.6e}", ratio])
     head = ["$\\Psi$", "$\\Delta\\Psi$", "$\\Psi'$", "$(\\Delta\\Psi/\\Psi') \\times 100$"]
@@ -94,9 +96,9 @@ def _worst(errors: np.ndarray) -> str:
     return power(np.max(errors[np.isfinite(errors)], initial=0.0))
 
 
-def _accuracy(drawn: Case, estimates: dict) -> dict:
-    error, uncertainty = _errors(drawn, estimates)
-    gap = measure_names(drawn.result).index("gap_square_sum")
+def _accuracy(nominal: Case, estimates: dict) -> dict:
+    error, uncertainty = _errors(nominal, estimates)
+    gap = measure_names(nominal.result).index("gap_square_sum")
     central = np.array([found.scheme == "central" for found in estimates.values()])
     return {
         "worst": _worst(error),
@@ -110,18 +112,18 @@ def _accuracy(drawn: Case, estimates: dict) -> dict:
     }
 
 
-def error_map(drawn: Case, estimates: dict):
+def error_map(nominal: Case, estimates: dict):
     """Relative errors of all derivatives as a picture."""
     one_sided = np.array([found.scheme != "central" for found in estimates.values()])
     names = [f"$u_{{{p + 1}}}$" for p in estimates]
     return sensitivity_errors(
-        _errors(drawn, estimates)[0], measure_names(drawn.result), names, np.ones(len(names), bool),
+        _errors(nominal, estimates)[0], measure_names(nominal.result), names, np.ones(len(names), bool),
         one_sided,
     )  # fmt: skip
 
 
 def _away(reduced: bool) -> dict:
-    """The largest errors at designs away from the drawn seal."""
+    """The largest errors at designs away from the nominal seal."""
     seeds, parameters = (AWAY_SEEDS, AWAY_PARAMETERS) if not reduced else (AWAY_SEEDS[:1], (0,))
     rows = []
     for seed in seeds:
@@ -170,14 +172,14 @@ def group_of(name: str) -> str:
     return name
 
 
-def _study(drawn: Case, parameters, steps) -> dict:
+def _study(nominal: Case, parameters, steps) -> dict:
     """Relative errors of plain central quotients, (derivatives, steps), by group of measures."""
-    scale, groups = error_scale(drawn.analytic), {}
+    scale, groups = error_scale(nominal.analytic), {}
     for p in parameters:
-        found = [at_step(drawn, p, "central", step) for step in steps]
+        found = [at_step(nominal, p, "central", step) for step in steps]
         value = np.array([np.where(f.changed, np.nan, f.value) for f in found])
-        error = np.abs(value - drawn.analytic[:, p]) / scale[:, p]
-        for name, column in zip(measure_names(drawn.result), error.T, strict=True):
+        error = np.abs(value - nominal.analytic[:, p]) / scale[:, p]
+        for name, column in zip(measure_names(nominal.result), error.T, strict=True):
             if name != "area":
                 groups.setdefault(group_of(name), []).append(column)
     return {name: np.array(rows) for name, rows in groups.items()}
@@ -186,12 +188,12 @@ def _study(drawn: Case, parameters, steps) -> dict:
 # ---- cost and agreement ----
 
 
-def _cost(drawn: Case, repeats: int) -> dict:
+def _cost(nominal: Case, repeats: int) -> dict:
     """Median times of both methods for 26 parameters over that of the analysis."""
     times = []
     for _ in range(repeats):
         stamps = [time.perf_counter()]
-        result = drawn.design.analyze(keep_factors=True)
+        result = nominal.design.analyze(keep_factors=True)
         stamps.append(time.perf_counter())
         for method in ("direct", "adjoint"):
             sm.differentiate(result, method=method)
@@ -205,9 +207,9 @@ def _cost(drawn: Case, repeats: int) -> dict:
     }
 
 
-def _agreement(drawn: Case) -> dict:
-    adjoint = measure_rates(drawn.result, sm.differentiate(drawn.result, method="adjoint"))
-    difference = np.abs(adjoint - drawn.analytic) / error_scale(drawn.analytic)
+def _agreement(nominal: Case) -> dict:
+    adjoint = measure_rates(nominal.result, sm.differentiate(nominal.result, method="adjoint"))
+    difference = np.abs(adjoint - nominal.analytic) / error_scale(nominal.analytic)
     return {"direct_adjoint": power(difference.max())}
 
 
@@ -230,12 +232,12 @@ def _two_methods(reduced: bool) -> dict:
 # ---- parameters beyond shape ----
 
 
-def scalar_table(drawn: Case, names) -> str:
+def scalar_table(nominal: Case, names) -> str:
     """Differences beside analytic derivatives with respect to the scalar parameters."""
-    rates = sm.differentiate(drawn.result, tuple(names), method="direct")
+    rates = sm.differentiate(nominal.result, tuple(names), method="direct")
     rows = []
     for name in names:
-        scheme, value = _scalar_quotient(drawn, name)
+        scheme, value = _scalar_quotient(nominal, name)
         column = rates.parameters.index(name)
         exact = np.array([
             rates.gap_square_sum[column], rates.reaction[1, column], rates.von_mises[0, column],
@@ -250,14 +252,14 @@ def scalar_table(drawn: Case, names) -> str:
     return table(head, rows, "sensitivity")
 
 
-def _scalar_quotient(drawn: Case, name: str):
+def _scalar_quotient(nominal: Case, name: str):
     """The first scheme that keeps the contact sequence, and its quotients of three measures.
 
     Without a number where none does.
     """
     for scheme, places in SCHEMES.items():
-        results = [perturbed(drawn.result, name, place * SCALARS[name]) for place, _ in places]
-        if all(drawn.differences_in_state(result) == 0 for result in results):
+        results = [perturbed(nominal.result, name, place * SCALARS[name]) for place, _ in places]
+        if all(nominal.differences_in_state(result) == 0 for result in results):
             weights = [weight / SCALARS[name] for _, weight in places]
             return scheme, np.array(weights) @ [_three_measures(result) for result in results]
     return "contact sequence changes", np.full(3, np.nan)

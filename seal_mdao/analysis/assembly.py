@@ -46,9 +46,9 @@ class Assembly:
     rounding: bool
 
     @property
-    def unsettled(self) -> int:
+    def unconverged(self) -> int:
         """Number of points not converged in contact state."""
-        return sum(response.unsettled for response in self.responses)
+        return sum(response.unconverged for response in self.responses)
 
     @property
     def potential(self) -> float:

@@ -54,7 +54,7 @@ class NewtonOptions:
 
 def converged(assembly: Assembly, options: NewtonOptions) -> bool:
     """Whether a residual is small, or mere rounding, under the laws of the terms as they are."""
-    return (assembly.size <= options.tolerance or assembly.rounding) and not assembly.unsettled
+    return (assembly.size <= options.tolerance or assembly.rounding) and not assembly.unconverged
 
 
 def newton(increment: Increment, guess: np.ndarray) -> Solution:

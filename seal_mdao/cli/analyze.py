@@ -126,7 +126,7 @@ def measured(result: SealResult) -> dict:
     seal = result.seal
     if not result.converged or not seal.standard:
         return {"measures": dict.fromkeys(measure.name for measure in seal.standard)}
-    chosen = frozen_measures(seal, None, lambda drawn: result)
+    chosen = frozen_measures(seal, None, lambda nominal: result)
     chosen = tuple(measure for measure in chosen if not is_empty(measure, seal))
     names = tuple(seal.scalars)
     gradients = sm.differentiate(result, names, chosen, "adjoint")

@@ -76,11 +76,11 @@ def parser(
 def add_seal_arguments(made: argparse.ArgumentParser) -> None:
     """Options that change the door seal; what is left out keeps the example's value, or that of the
     accuracy."""
-    drawn = DoorOptions()
+    nominal = DoorOptions()
     group = made.add_argument_group("model")
 
     def add(name: str, kind, text: str, **more):
-        flag, default = f"--{name.replace('_', '-')}", getattr(drawn, name)
+        flag, default = f"--{name.replace('_', '-')}", getattr(nominal, name)
         if name in OF_ACCURACY:
             default, text = None, f"{text}; that of the accuracy when left out"
         group.add_argument(flag, type=kind, default=default, help=text, **more)
@@ -104,7 +104,7 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
     add("refinement", int, "parts of an interval between rays where the door presses", metavar="N")
     add("support", float, "kernel support over the longest cell edge", metavar="S")
     add("n_steps", int, "load steps", metavar="N")
-    add("depth", float, "final depth of the door below the top of the drawn seal", metavar="MM")
+    add("depth", float, "final depth of the door below the top of the nominal seal", metavar="MM")
     add("normal_penalty", float, "normal contact stiffness, kPa/mm", metavar="W_N")
     add("tangent_penalty", float, "tangential contact stiffness, kPa/mm", metavar="W_T")
 

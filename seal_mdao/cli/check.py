@@ -31,7 +31,7 @@ def main(arguments) -> int:
     per_step = cost.seconds / seal.n_steps
     steps = USUAL_STEPS if file.step_tolerance is not None else seal.n_steps
     summary = {
-        "n_particles": len(seal.drawn_particles),
+        "n_particles": len(seal.nominal_particles),
         "n_cells": len(seal.body.cells),
         "area_mm2": seal.area(seal.check_offsets(None))[0],
         "edges": {name: len(edge.particles) for name, edge in seal.body.edges.items()},
@@ -41,7 +41,7 @@ def main(arguments) -> int:
         "to_be_chosen": open_choices,
         "estimated_seconds": per_step * steps,
         "estimated_memory_GiB": cost.memory,
-        "warnings": list(seal.cautions),
+        "warnings": list(seal.warnings),
     }
     write_summary(arguments.out, summary)
     report(summary, steps, picture)

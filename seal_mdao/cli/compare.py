@@ -30,9 +30,9 @@ def main(arguments) -> int:
         folder = arguments.out / name
         folder.mkdir(exist_ok=True)
         write_curves(results[name], folder)
-    drawn = {name: result for name, result in results.items() if len(result.path.nominal_steps)}
-    if drawn:
-        plotting.save(plotting.seals_compared(drawn), arguments.out / "comparison.png")
+    nominal = {name: result for name, result in results.items() if len(result.path.nominal_steps)}
+    if nominal:
+        plotting.save(plotting.seals_compared(nominal), arguments.out / "comparison.png")
     print_table(summary)
     print(f"comparison.png, curves of every seal and summary.json in {arguments.out}")
     return 0 if all(result.converged for result in results.values()) else 1

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     add_seal_arguments,
     checked_arguments,
@@ -21,7 +22,6 @@ from seal_mdao.cli.history_figures import (
     report_end,
     report_limits,
 )
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.seals.file.described import FILE
 from seal_mdao.seals.gaps import largest_gaps
@@ -31,7 +31,7 @@ def main(arguments) -> int:
     with checked_arguments():
         history = read_optimization(arguments.cases)
         ends = history.design_at(0), history.design_at(-1)
-    seal, kept = history.seal or seal_from(arguments), KeptAnalyses()
+    seal, kept = history.seal or seal_from(arguments), AnalysisCache()
     initial, final = (kept.analyze(seal, *end) for end in ends)
     if FILE in history.settings:
         return show_seal_file(history, (initial, final), arguments.out)

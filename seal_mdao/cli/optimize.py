@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import seal_mdao as sm
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     CASES,
     WrongArgumentError,
@@ -26,7 +27,6 @@ from seal_mdao.file_optimization import (
     problem_settings,
     require_problem,
 )
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import OPTIMIZERS, RunOptions
 from seal_mdao.recording.recorded_optimization import (
     label,
@@ -45,7 +45,7 @@ def main(arguments) -> int:
     optimizer, chosen = arguments.optimizer, None
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
-    seal, kept = seal_of(file, chosen), KeptAnalyses()
+    seal, kept = seal_of(file, chosen), AnalysisCache()
 
     def task_of(run: RunOptions):
         with file_errors(arguments.file):
@@ -111,7 +111,7 @@ def status(numbers: dict) -> str:
     return "converged" if numbers["success"] else "not converged"
 
 
-def gap_numbers(seal, file, results, kept: KeptAnalyses) -> dict:
+def gap_numbers(seal, file, results, kept: AnalysisCache) -> dict:
     """Part of summary.json: the largest gap of every profile before and after, wherever it opens, and
     whether the measures of the optimisation look there."""
     first, last = map(largest_gaps, results)
@@ -145,7 +145,7 @@ def penalty_figures(result) -> list[tuple[str, str, str]]:
     return [("error by penalties", f"{max(found):.2%}", text)]
 
 
-def write_best(file, seal, offsets, kept: KeptAnalyses, out: Path) -> tuple[str, dict | None]:
+def write_best(file, seal, offsets, kept: AnalysisCache, out: Path) -> tuple[str, dict | None]:
     """Write a design as a seal file with drawing and cloud, and analyse it with a new cloud.
 
     Returns

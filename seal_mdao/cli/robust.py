@@ -9,6 +9,7 @@ from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     SEAL_OPTIONS,
     WrongArgumentError,
@@ -29,7 +30,6 @@ from seal_mdao.cli.running_optimization import judged, optimize, report_run
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.door_optimization import FORCE_BAND, DoorProblem, door_task, robust_door_task
 from seal_mdao.file_optimization import file_task, require_problem
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import (
     OPTIMIZERS,
     Limit,
@@ -45,7 +45,7 @@ from seal_mdao.report.write import write_report
 from seal_mdao.robust_optimization import GOALS, Robust, RobustGoal
 from seal_mdao.seals.result import frozen_measures
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
-from seal_mdao.tolerances.placement import with_room
+from seal_mdao.tolerances.placement import with_clearance
 from seal_mdao.tolerances.sampled_designs import SampledDesign, SampledLimit
 from seal_mdao.tolerances.study import ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import Tolerances
@@ -55,7 +55,7 @@ NOMINAL = "nominal.sql"
 
 
 def main(arguments) -> int:
-    kept = KeptAnalyses()
+    kept = AnalysisCache()
     subject = subject_of(arguments, kept)
     seal, tolerances, task, goal = subject.seal, subject.tolerances, subject.task, subject.goal
     with checked_arguments():
@@ -118,7 +118,7 @@ class Subject:
     file: sm.SealFile | None = None
 
 
-def subject_of(arguments, kept: KeptAnalyses) -> Subject:
+def subject_of(arguments, kept: AnalysisCache) -> Subject:
     """The door seal, or that of a seal file, with its tolerances and its nominal analysis."""
     with checked_arguments():
         goal = RobustGoal(
@@ -128,9 +128,9 @@ def subject_of(arguments, kept: KeptAnalyses) -> Subject:
     return of(arguments, goal, kept)
 
 
-def door_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
+def door_of(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
     """The door seal under problem (71)."""
-    seal = with_room(seal_from(arguments))
+    seal = with_clearance(seal_from(arguments))
     tolerances = tolerances_for(seal, arguments.tolerances or OF_THE_DOOR)
     with checked_arguments():
         task = robust_door_task(nominal_result(seal, kept), goal)
@@ -151,7 +151,7 @@ def door_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
     return Subject(seal, tolerances, goal, task, limits, said)
 
 
-def file_seal_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
+def file_seal_of(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
     """The seal of a file under its ``[optimize]``."""
     wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "accuracy", "band", "nominal")))
     if wrong:
@@ -160,7 +160,7 @@ def file_seal_of(arguments, goal: RobustGoal, kept: KeptAnalyses) -> Subject:
         raise WrongArgumentError("a seal file needs tolerances of its own: --tolerances FILE.toml")
     file = file_of(arguments.file)
     with file_errors(arguments.file):
-        seal = with_room(seal_of(file).with_placements())
+        seal = with_clearance(seal_of(file).with_placements())
         require_problem(file, seal)
         task = file_task(file, nominal_result(seal, kept))
     tolerances = tolerances_for(seal, arguments.tolerances)
@@ -181,9 +181,9 @@ def _said(limit: Limit) -> str:
 def nominal_result(seal, kept) -> sm.SealResult:
     """The nominal seal, analysed behind a progress bar."""
     with LoadStepProgress(seal) as progress:
-        drawn = kept.analyze(seal, callback=progress)
-    drawn.require_converged()
-    return drawn
+        nominal = kept.analyze(seal, callback=progress)
+    nominal.require_converged()
+    return nominal
 
 
 def tolerances_for(seal, path) -> Tolerances:
@@ -215,7 +215,7 @@ def max_iterations(arguments) -> tuple:
     return () if arguments.max_iterations is None else (arguments.max_iterations,)
 
 
-def nominal_design(subject: Subject, arguments, kept: KeptAnalyses) -> tuple[np.ndarray, dict]:
+def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np.ndarray, dict]:
     """Boundary offsets and parameters of the optimum without tolerances: given, or found now."""
     if arguments.nominal is not None:
         return design_from(arguments.nominal, subject.seal)
@@ -346,7 +346,7 @@ def arguments_parser():
     add("--deviations", type=float, default=goal.deviations, metavar="K", help="of mean + K std")
     add(
         "--band", type=float, default=goal.band, metavar="SHARE",
-        help="relative change of the drawn seal's reaction that is allowed",
+        help="relative change of the nominal seal's reaction that is allowed",
     )  # fmt: skip
     add(
         "--widen", type=float, default=goal.widen, metavar="FACTOR",

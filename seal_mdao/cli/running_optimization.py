@@ -37,7 +37,7 @@ def run_optimization(
         ``task_of(run)`` gives the ``Task``, with analyses by the ``RunOptions``.
     optimizer : str
         One of ``OPTIMIZERS``.
-    kept : KeptAnalyses
+    kept : AnalysisCache
 
     Returns
     -------

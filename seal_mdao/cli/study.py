@@ -26,7 +26,7 @@ from seal_mdao.cli.executors import add_executor_arguments, executor
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.progress import hidden
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
-from seal_mdao.tolerances.placement import with_room
+from seal_mdao.tolerances.placement import with_clearance
 from seal_mdao.tolerances.statistics import described, rank_correlations
 from seal_mdao.tolerances.study import Sampled, ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import METHODS
@@ -66,7 +66,7 @@ def main(arguments) -> int:
 def study_of(arguments) -> ToleranceStudy:
     """The seal, its tolerances and the measures that are sampled."""
     if arguments.file is None:
-        seal = with_room(seal_from(arguments))
+        seal = with_clearance(seal_from(arguments))
         tolerances = read_tolerances(arguments.tolerances or OF_THE_DOOR)
         design = (None, None)
         if arguments.design is not None:

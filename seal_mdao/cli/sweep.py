@@ -48,10 +48,10 @@ def main(arguments) -> int:
             rows = [row(value, result, measures) for value, result in results.items()]
             write_table(arguments.out / "sweep.csv", name, rows)
     write_summary(arguments.out, {"parameter": name, "unit": unit_of(seal, name), "values": rows})
-    drawn = {f"{v:.6g}": r for v, r in results.items() if len(r.path.nominal_steps)}
-    if drawn and contacts(seal):
+    nominal = {f"{v:.6g}": r for v, r in results.items() if len(r.path.nominal_steps)}
+    if nominal and contacts(seal):
         figure = plotting.load_deflection_of(
-            drawn, f"{name} ({unit_of(seal, name)})".replace(" ()", "")
+            nominal, f"{name} ({unit_of(seal, name)})".replace(" ()", "")
         )
         plotting.save(figure, arguments.out / "sweep.png")
     for own in rows:

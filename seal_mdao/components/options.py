@@ -4,9 +4,9 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao import values
+from seal_mdao.analysis_cache import MOST_MEMORY, AnalysisCache
 from seal_mdao.components.failures import admissible_design
 from seal_mdao.dsa.sensitivity import METHODS
-from seal_mdao.kept_analyses import MOST_MEMORY, KeptAnalyses
 from seal_mdao.measures.measure import Measure
 from seal_mdao.seals.result import FACTOR_MEMORY
 from seal_mdao.seals.seal import Seal
@@ -38,7 +38,7 @@ def declare_seal_options(options) -> None:
         desc="GiB for factors of converged tangents; those beyond are computed again for the partials.",
     )
     text = "Cache of analyses; by default the last one only."
-    options.declare("kept", types=KeptAnalyses, desc=text, **OPTIONAL)
+    options.declare("kept", types=AnalysisCache, desc=text, **OPTIONAL)
     text = "Called with every converged load step."
     options.declare("callback", check_valid=_check_callable, desc=text, **OPTIONAL)
 

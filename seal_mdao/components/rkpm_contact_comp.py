@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import openmdao.api as om
 
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.components.failures import admissible_design, analysis_errors
 from seal_mdao.components.options import (
     add_parameters,
@@ -15,7 +16,6 @@ from seal_mdao.components.options import (
 from seal_mdao.components.random_directions import RandomDirectionsComp
 from seal_mdao.dsa.kinks import contact_states
 from seal_mdao.dsa.sensitivity import particle_gradient
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.seals.result import analyze, frozen_measures
 
 PARTICLE_STEP = 2e-6
@@ -50,7 +50,7 @@ class RkpmContactComp(RandomDirectionsComp):
         kept = self.options["kept"]
         self._failed = self._result = None
         # a cache without memory still holds the newest analysis, with its factors
-        self._kept = KeptAnalyses(memory=0.0) if kept is None else kept
+        self._kept = AnalysisCache(memory=0.0) if kept is None else kept
         analysis = analyze if kept is None else kept.analyze
         measures = frozen_measures(seal, self.options["measures"], analysis)
         # inputs that the seal always has, then those of the option, each once
@@ -59,7 +59,7 @@ class RkpmContactComp(RandomDirectionsComp):
         # OpenMDAO has no outputs of size zero: a nominal seal without gap region has no gap
         self._measures = tuple(measure for measure in measures if measure.size(seal))
         self.add_input(
-            "particles", val=seal.drawn_particles, units="mm", desc="Undeformed particles X_I."
+            "particles", val=seal.nominal_particles, units="mm", desc="Undeformed particles X_I."
         )
         add_parameters(self, seal, self._parameters)
         for measure in self._measures:

@@ -16,7 +16,7 @@ class SplineGeometryComp(OffsetsComp):
         super().setup()
         self.add_output(
             "particles",
-            val=self.options["seal"].drawn_particles,
+            val=self.options["seal"].nominal_particles,
             units="mm",
             desc="Undeformed particles X_I.",
         )

@@ -17,7 +17,7 @@ from seal_mdao.contact.friction import (
     uses_history,
 )
 from seal_mdao.contact.friction_law import FrictionLaw
-from seal_mdao.contact.kinematics import linearized_places, normal_gaps, way_along
+from seal_mdao.contact.kinematics import linearized_indices, normal_gaps, way_along
 from seal_mdao.contact.kinks import (
     LIMIT,
     SLIGHT,
@@ -207,7 +207,7 @@ class ContactTerm(PointTerm):
         """The points of the step, with their gaps there, relative to the profile at ``target``."""
         x, pose = response.x, self.pose(step.fraction)
         place, normal, gap = x.copy(), np.zeros_like(x), np.zeros(len(x))
-        linearized_places(self.curve, pose, x, place, normal, gap)
+        linearized_indices(self.curve, pose, x, place, normal, gap)
         # places move with the profile to its pose at ``target``
         moved = self.motion.coordinates(target) - self.motion.coordinates(step.fraction)
         self._linearized = place + rigid_velocity(pose, x) @ moved, normal, gap
@@ -217,7 +217,7 @@ class ContactTerm(PointTerm):
         along the normal, f = f(z) + T(z) (x - z). Points are open, stick and slip as they do at z, so
         one that touches there is pulled back where x has a small positive gap."""
         x, place = self.deformed(raw), self._linearized[0]
-        linearized_places(self.curve, self.pose(fraction), x, *self._linearized)
+        linearized_indices(self.curve, self.pose(fraction), x, *self._linearized)
         # f(z) + T(z) (x - z)
         response = self.respond(place, fraction, history)
         response.force[:] += np.einsum("kij,kj->ki", response.tangent, x - place)

@@ -55,11 +55,11 @@ class SelfContact(TermDefinition):
         Particles of closed boundaries, each walked with the body on the left.
     touching : ndarray of bool, shape (k,)
         Which of the particles of all loops, one after the other, may touch.
-    drawn : ndarray, shape (n, 2)
-        Particles of the drawn body, which decide what is near along the boundary.
+    nominal : ndarray, shape (n, 2)
+        Particles of the nominal body, which decide what is near along the boundary.
     law : ContactLaw
     apart : float
-        Along a drawn boundary, two points nearer than that do not touch each other, mm.
+        Along a nominal boundary, two points nearer than that do not touch each other, mm.
 
     Raises
     ------
@@ -70,7 +70,7 @@ class SelfContact(TermDefinition):
     label: str
     loops: tuple
     touching: np.ndarray
-    drawn: np.ndarray
+    nominal: np.ndarray
     law: ContactLaw
     apart: float
 
@@ -107,7 +107,7 @@ class SelfContact(TermDefinition):
         found = np.outer(self.touching, self.touching)
         first = 0
         for loop in self.loops:
-            side = np.linalg.norm(self.drawn[loop] - self.drawn[np.roll(loop, 1)], axis=1)
+            side = np.linalg.norm(self.nominal[loop] - self.nominal[np.roll(loop, 1)], axis=1)
             along, whole = np.cumsum(side), side.sum()
             way = np.abs(along[:, None] - along)
             own = slice(first, first + len(loop))
@@ -117,7 +117,10 @@ class SelfContact(TermDefinition):
 
     def reach(self) -> float:
         """Penetration that is still one, mm: half of the thinnest drawn wall that touches both ways."""
-        x, ring = self.drawn[np.concatenate(self.loops)], rings([len(loop) for loop in self.loops])
+        x, ring = (
+            self.nominal[np.concatenate(self.loops)],
+            rings([len(loop) for loop in self.loops]),
+        )
         normal = outward(x, ring)
         behind = np.einsum("ijc,jc->ij", x[:, None] - x, normal) < 0.0
         through = self.may_touch() & behind & behind.T & (normal @ normal.T < 0.0)
@@ -252,11 +255,11 @@ class SelfContactTerm(CoupledTerm):
         points, nodes, now = self._followed(x)
         return self._answer(x, history, points, nodes, now, np.zeros(len(points)))
 
-    def _answer(self, x, history, points, nodes, now, missed, held=False) -> CoupledResponse:
+    def _answer(self, x, history, points, nodes, now, missed, prescribed=False) -> CoupledResponse:
         """The law linearised at the gaps g - ``missed`` (m,): q = q(g - missed) + dq/dx missed e_n."""
         normal, now = now.gap_1[:, :2], now._replace(gap=now.gap - missed)
         before, law = self._before(points, now, history), self._law_at(now.gap)
-        found, made_to_stick = self._without_reversal(points, touch(law, now, before), held)
+        found, made_to_stick = self._without_reversal(points, touch(law, now, before), prescribed)
         closed = found.state != OPEN
         local = linearized(law, now, before, found, self.length[points])
         force = np.zeros_like(x)
@@ -281,18 +284,18 @@ class SelfContactTerm(CoupledTerm):
         points in contact stick: the friction of the last step tells little of where they will slip."""
         x, last = self.deformed(raw), self._linearized
         points, nodes, now = self._followed(x)
-        missed, held = last.missed(x, points, now, self.ring), last.direction is None
-        if not held:  # the forces at x were asked for since
+        missed, prescribed = last.missed(x, points, now, self.ring), last.direction is None
+        if not prescribed:  # the forces at x were asked for since
             self._direction[:] = last.direction
-        response = self._answer(x, history, points, nodes, now, missed, held)
+        response = self._answer(x, history, points, nodes, now, missed, prescribed)
         self._linearized = Linearization(x, points, nodes, now, self._direction.copy())
         return self.assembled(response, force, values)
 
-    def _without_reversal(self, points, found: Touch, held):
+    def _without_reversal(self, points, found: Touch, prescribed):
         """Let points stick that would slip the other way round than one Newton iteration before, or all
-        of them where they are ``held``."""
+        of them where they are ``prescribed``."""
         way = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
-        turned = (way != 0) if held else way * self._direction[points] < 0
+        turned = (way != 0) if prescribed else way * self._direction[points] < 0
         self._direction[:] = 0
         self._direction[points] = np.where(turned, 0, way)
         state = np.where(turned, STICK, found.state)

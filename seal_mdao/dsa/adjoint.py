@@ -71,7 +71,7 @@ class AdjointSweep:
         self.designs = [term.basis.no_seeds(n_measures, wanted) for term in self.problem.terms]
         self.probe = Probe(path.discretization, probe, n_measures)
         imposed = self.problem.imposed
-        self.held = np.zeros((0 if imposed is None else len(imposed.names), n_measures))
+        self.prescribed = np.zeros((0 if imposed is None else len(imposed.names), n_measures))
         self.swept, self.size = [], 0
 
     def step(self, step, following, seeds: Seeds | None, history_bar):
@@ -109,11 +109,11 @@ class AdjointSweep:
         adjoints = solve_transposed(self.problem, step, loads)
         if len(mix):
             self._collect(step, adjoints, mix)
-        held_bar = self._no_held()
+        prescribed_bar = self._no_prescribed()
         # (x_bar, h_bar, w_bar, theta_bar, X_bar) = L^T (-B lambda, h+_bar, o_bar)
-        history = self._pull_back(terms, bars, adjoints, mix, held_bar)
-        if held_bar is not None:
-            self._collect_held(step, seeds, which, held_bar)
+        history = self._pull_back(terms, bars, adjoints, mix, prescribed_bar)
+        if prescribed_bar is not None:
+            self._collect_prescribed(step, seeds, which, prescribed_bar)
         return history
 
     def _columns(self, step, following, seeds, which, terms, bars):
@@ -137,10 +137,10 @@ class AdjointSweep:
             self.probe.add_measured(step, seeds, which, measured)
         return loads, mix
 
-    def _pull_back(self, terms, bars, adjoints, mix, held_bar) -> tuple:
+    def _pull_back(self, terms, bars, adjoints, mix, prescribed_bar) -> tuple:
         """Add what the parameters do at the step; returns the seeds on the histories before it."""
         return tuple(
-            term.pull_back(bar, adjoints, mix, design, held_bar)
+            term.pull_back(bar, adjoints, mix, design, prescribed_bar)
             for term, bar, design in zip(terms, bars, self.designs, strict=True)
         )
 
@@ -165,22 +165,24 @@ class AdjointSweep:
 
     # ---- imposed displacements ----
 
-    def _no_held(self) -> np.ndarray | None:
+    def _no_prescribed(self) -> np.ndarray | None:
         """Room for seeds on imposed displacements; None where no parameter moves them."""
         imposed = self.problem.imposed
         if imposed is None or not imposed.names:
             return None
         return np.zeros((self.path.discretization.particles.size + 1, self.m))
 
-    def _collect_held(self, step, seeds, which, held_bar) -> None:
+    def _collect_prescribed(self, step, seeds, which, prescribed_bar) -> None:
         """Add what imposed displacements do, directly and through equilibrium, to the parameters."""
         layout, imposed = self.path.discretization.layout, self.problem.imposed
         if which.size:
             every = layout.every_component.equations
-            held_bar[:, which] += self.probe.nodal_seeds(step, seeds, which, every, len(held_bar))
+            prescribed_bar[:, which] += self.probe.nodal_seeds(
+                step, seeds, which, every, len(prescribed_bar)
+            )
         # (dd/dp)^T d_bar of the imposed components
-        nodal = held_bar[:-1] * (layout.equations < 0).reshape(-1, 1)
-        self.held += imposed.linearization(step.fraction).T @ nodal
+        nodal = prescribed_bar[:-1] * (layout.equations < 0).reshape(-1, 1)
+        self.prescribed += imposed.linearization(step.fraction).T @ nodal
 
     # ---- the path ----
 
@@ -223,8 +225,8 @@ class AdjointSweep:
         for term, design in zip(self.problem.terms, self.designs, strict=True):
             # B_bar, w_bar, X_bar to the particles, T_bar collected
             matrix_bar = matrix_bar + term.basis.pull_back(design, particles_bar)
-        if len(self.held):
-            owners.append((self.problem.imposed.names, self.held))
+        if len(self.prescribed):
+            owners.append((self.problem.imposed.names, self.prescribed))
         # theta_bar by the names of the parameters
         for own_names, rows in owners:
             for name, row in zip(own_names, rows, strict=True):

@@ -62,7 +62,7 @@ class DirectSweep:
         terms = [term.linearization(self.path.start) for term in self.problem.terms]
         return self._carried(terms, self._at_fixed_displacements(terms, none, None, unused))
 
-    def held(self, step) -> np.ndarray | None:
+    def prescribed(self, step) -> np.ndarray | None:
         """d' of the imposed displacements, (2 n, P); None where no parameter moves them."""
         imposed = self.problem.imposed
         if imposed is None or not imposed.names:
@@ -80,10 +80,10 @@ class DirectSweep:
                 block.add_rates(design, loads)
         return loads
 
-    def _at_fixed_displacements(self, terms, history, held, load) -> list:
+    def _at_fixed_displacements(self, terms, history, prescribed, load) -> list:
         """Rates (s', h+', o') of every term at fixed d; f' is added to ``load``."""
         return [
-            term.rates(design, own, held, load)
+            term.rates(design, own, prescribed, load)
             for term, design, own in zip(terms, self.designs, history, strict=True)
         ]
 
@@ -103,14 +103,14 @@ class DirectSweep:
         # L of every term at the step
         terms = [term.linearization(step) for term in self.problem.terms]
         # f' and (s', h+', o') at fixed d
-        found = self._at_fixed_displacements(terms, history, self.held(step), load)
+        found = self._at_fixed_displacements(terms, history, self.prescribed(step), load)
         solution, found = self._solved(step, terms, found, load)
         return StepRates(solution, tuple(found), self._carried(terms, found))
 
     def pass_by(self, step, following, history, load) -> tuple:
         """Rates of the histories that one step passes on; right where ``following`` uses them."""
         terms = [term.linearization(step, following, False) for term in self.problem.terms]
-        found = self._at_fixed_displacements(terms, history, self.held(step), load)
+        found = self._at_fixed_displacements(terms, history, self.prescribed(step), load)
         passed = [term.passed_on(following) for term in terms]
         # more functions than parameters: all of d' costs less
         if sum(own.count for own in passed if own is not None) > self.rates.count:

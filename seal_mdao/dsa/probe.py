@@ -40,7 +40,7 @@ class Probe:
 
     # ---- direct ----
 
-    def rates(self, shape: TableRates, step, solution, held=None):
+    def rates(self, shape: TableRates, step, solution, prescribed=None):
         """Rates of the displacements (s, 2, P) and of F (s, 4, P).
 
         Parameters
@@ -50,7 +50,7 @@ class Probe:
         step : ConvergedStep
         solution : ndarray, shape (n_equations, P)
             d'.
-        held : ndarray, shape (2 n, P), or None
+        prescribed : ndarray, shape (2 n, P), or None
             d' of the imposed displacements.
         """
         table, count = self.table, solution.shape[1]
@@ -60,8 +60,8 @@ class Probe:
         add_gradient_rates(table, shape, step.d, f_rate)
         # + Phi d' and grad Phi d'
         fields = [(self.layout.equations, solution)]
-        if held is not None:
-            fields.append((self.layout.every_component.equations, held))
+        if prescribed is not None:
+            fields.append((self.layout.every_component.equations, prescribed))
         for equations, field in fields:
             add_field(table, self.every, equations, field, moved)
             add_field_gradient(table, equations, field, f_rate)

@@ -52,7 +52,7 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
         Scalar parameters, out of ``result.seal.scalars``; the seal's ``inputs`` when left out.
     measures : sequence of Measure or str, optional
         The seal's standard ones when left out; names are those that the seal knows. Where a measure
-        takes its places from the drawn seal, that is analysed, unless the result knows them.
+        takes its places from the nominal seal, that is analysed, unless the result knows them.
     method : {"auto", "direct", "adjoint"}
         "auto" takes the method with fewer right-hand sides.
 
@@ -213,7 +213,7 @@ def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
     """Rates of all wanted measures, (M, P), by the direct method."""
     stack, terms = wanted.stack, result.path.problem.terms
     sweep = DirectSweep(result.path, rates)
-    by_place = sweep.run(stack.seeds)
+    by_index = sweep.run(stack.seeds)
     # what measures take of X and of parameters directly
     out = np.einsum("mni,pni->mp", stack.particles, rates.velocity, optimize=True)
     for name, own in stack.parameters.items():
@@ -222,14 +222,14 @@ def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
         probe = Probe(result.path.discretization, wanted.probe)
         shape = wanted.probe.rates(rates.velocity, sweep.shape.matrix)
     for place, seeds in stack.seeds.items():
-        here, step = by_place[place], result.path.steps[place]
+        here, step = by_index[place], result.path.steps[place]
         for term, found in zip(terms, here.terms, strict=True):
             if term.label in seeds.terms:
                 # of forces and outputs of terms
                 out += seeds.terms[term.label].times(found)
         if stack.at.size:
             # of displacements and F at points
-            moved, f_rate = probe.rates(shape, step, here.solution, sweep.held(step))
+            moved, f_rate = probe.rates(shape, step, here.solution, sweep.prescribed(step))
             out += np.tensordot(seeds.displacement, moved, 2)
             out += np.tensordot(seeds.gradient, f_rate, 2)
     return out

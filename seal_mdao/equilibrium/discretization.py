@@ -66,7 +66,7 @@ class Body:
         Prescribed displacement components.
     edges : dict of str to Edge
         Named boundaries.
-    drawn : ndarray, shape (n, 2), or None
+    nominal : ndarray, shape (n, 2), or None
         Particles of the nominal body, for which the equations are numbered once. Without them the
         equations are numbered for every design.
     basis_order : int
@@ -76,7 +76,7 @@ class Body:
         has as many points as a quadrilateral.
     solver : str
         "auto", "banded", "superlu" or "pardiso".
-    hidden : ndarray of int, shape (m, 2)
+    hidden_pairs : ndarray of int, shape (m, 2)
         Pairs of particles whose supports must not reach each other across a void
         (``rkpm.visibility.hidden_pairs`` of the nominal body).
     support_axes : ndarray, shape (n, 2, 2), or None
@@ -91,11 +91,11 @@ class Body:
     support_radius: np.ndarray
     fixed: np.ndarray
     edges: dict = field(default_factory=dict)
-    drawn: np.ndarray | None = None
+    nominal: np.ndarray | None = None
     basis_order: int = 1
     n_gauss: int | tuple[int, int] = 2
     solver: str = "auto"
-    hidden: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
+    hidden_pairs: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
     support_axes: np.ndarray | None = None
     column: int = 1
 
@@ -155,9 +155,9 @@ class Body:
     @cached_property
     def equations(self) -> np.ndarray | None:
         """Equation numbers (n, 2) of the nominal body, used for all designs; None without it."""
-        if self.drawn is None:
+        if self.nominal is None:
             return None
-        cloud, transformation, _ = _essential(self, self.drawn)
+        cloud, transformation, _ = _essential(self, self.nominal)
         cells = self.cell_table(cloud, transformation)
         return equation_numbers(self.fixed, [cells.raw], transformation)
 
@@ -179,7 +179,7 @@ class Body:
             self.support_radius,
             float(self.support_radius.max()),
             BASIS_SIZE[self.basis_order],
-            self.hidden,
+            self.hidden_pairs,
             self.support_axes,
         )
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.seals.profiles import (
-    contact_places,
+    contact_positions,
     contacts,
     nominal_pressure,
     profile_histories,
@@ -51,7 +51,7 @@ def write_contact(result, folder, steps=None) -> list[Path]:
     contact point, at nominal ``steps`` from 0 (``result.key_steps()``)."""
     steps, written = result.key_steps() if steps is None else steps, []
     for contact in contacts(result.seal):
-        points, rows = contact_places(result, contact.label), []
+        points, rows = contact_positions(result, contact.label), []
         # undeformed arc length from the first contact point
         arc = np.concatenate([[0.0], np.cumsum(side_lengths(result, contact.label))])
         for step in steps:
@@ -82,9 +82,9 @@ def write_boundary(seal, offsets, path) -> Path:
     particles, rows = seal.particles(offsets), []
     for name, edge in seal.body.edges.items():
         ring = np.append(edge.particles, edge.particles[:1]) if edge.closed else edge.particles
-        # nominal and present coordinates; the columns of the file keep the name ``drawn``
+        # nominal and present coordinates; the columns of the file keep the name ``nominal``
         rows += [(name, *nominal, *now) for nominal, now in
-                 zip(seal.drawn_particles[ring], particles[ring], strict=True)]  # fmt: skip
+                 zip(seal.nominal_particles[ring], particles[ring], strict=True)]  # fmt: skip
     return _write(Path(path), ("edge", "drawn_x_mm", "drawn_y_mm", "x_mm", "y_mm"), rows)
 
 

@@ -35,7 +35,7 @@ class Motion:
     rates : ndarray, shape (n_parameters, n_stages + 1, 3)
         Derivatives of the waypoints (x, y, angle) with respect to the parameters ``names``.
     names : tuple of str
-    room : ndarray, shape (2,)
+    clearance : ndarray, shape (2,)
         Clearance, from the first waypoint to where the first load step begins: it lengthens that step
         and does not count as travel.
     shares : ndarray, shape (n_steps,), or None
@@ -54,7 +54,7 @@ class Motion:
     pivot: np.ndarray = (0.0, 0.0)
     rates: np.ndarray | None = None
     names: tuple[str, ...] = ()
-    room: np.ndarray = (0.0, 0.0)
+    clearance: np.ndarray = (0.0, 0.0)
     shares: np.ndarray | None = None
 
     def __post_init__(self):
@@ -72,15 +72,15 @@ class Motion:
             "positions": (self.positions, (count + 1, 2)),
             "angles": (self.angles, (count + 1,)),
             "pivot": (self.pivot, (2,)),
-            "room": (self.room, (2,)),
+            "clearance": (self.clearance, (2,)),
             "rates": (rates, (len(names), count + 1, 3)),
         }
         of = f"of a motion with {count} stage(s) and {len(names)} parameter(s)"
         for name, (given, shape) in shapes.items():
             object.__setattr__(self, name, array(f"{name} {of}", given, shape))
         require(
-            self.room @ (self.positions[1] - self.positions[0]) <= 0.0,
-            f"room of a motion must lie behind its first waypoint, got {self.room}",
+            self.clearance @ (self.positions[1] - self.positions[0]) <= 0.0,
+            f"clearance of a motion must lie behind its first waypoint, got {self.clearance}",
         )
         require(len(set(names)) == len(names), f"names of a motion's parameters repeat: {names}")
         object.__setattr__(self, "steps", steps.astype(np.int64))
@@ -193,7 +193,7 @@ class Motion:
             parts.append(self._within(stage, *ends))
         nominal = np.concatenate(parts)
         # only the start of the first step is moved back by the clearance
-        nominal[0, :2] += self.room
+        nominal[0, :2] += self.clearance
         return nominal
 
     def _within(self, stage: int, first: np.ndarray, last: np.ndarray) -> np.ndarray:
@@ -212,7 +212,7 @@ class Motion:
         """Collect the completed fractions of a stage at its start and after each of its steps."""
         n, end = self.steps[stage], self._stage_ends[stage]
         if self.shares is None:
-            return np.concatenate([[0.0], step_shares(n)])
+            return np.concatenate([[0.0], step_fractions(n)])
         return np.concatenate([[0.0], self.shares[end - n : end]])
 
     def _fraction_of_stage(self, stage: int, fraction: float) -> float:
@@ -285,11 +285,11 @@ class Motion:
         # travel = sum_(k < s) L_k + phi L_s is fixed:  phi' = -(sum_(k < s) L_k' + phi L_s') / L_s
         slopes = -(growth[:, :stage].sum(axis=1) + phi * growth[:, stage]) / length
         fraction, per_phi = self._after(stage, phi)
-        if fraction < 1.0 and self.room.any():
-            # u_0' . room = (chord_0' . room - L_0' u_0 . room) / L_0;  the clearance is -u_0 . room
-            across = rates[:, 0] @ self.room - growth[:, 0] * (units[0] @ self.room)
+        if fraction < 1.0 and self.clearance.any():
+            # u_0' . c = (chord_0' . c - L_0' u_0 . c) / L_0;  the distance added is -u_0 . c
+            across = rates[:, 0] @ self.clearance - growth[:, 0] * (units[0] @ self.clearance)
             return self._in_first_step(
-                travel, -units[0] @ self.room, growth[:, 0], -across / length
+                travel, -units[0] @ self.clearance, growth[:, 0], -across / length
             )
         return fraction, per_phi * slopes
 
@@ -349,10 +349,10 @@ class Stage:
     @property
     def n_steps(self) -> int:
         """Number of load steps."""
-        return len(step_shares(self.steps))
+        return len(step_fractions(self.steps))
 
 
-def step_shares(steps: int | tuple[float, ...]) -> np.ndarray:
+def step_fractions(steps: int | tuple[float, ...]) -> np.ndarray:
     """Compute the completed fraction at the end of every step, of equal steps or as given."""
     return np.array(steps) if isinstance(steps, tuple) else np.arange(1, steps + 1) / steps
 
@@ -389,7 +389,7 @@ def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0
     equal = not any(isinstance(stage.steps, tuple) for stage in stages)
     return Motion(
         waypoints[:, :2], waypoints[:, 2], [stage.n_steps for stage in stages], pivot, rates, names,
-        shares=None if equal else np.concatenate([step_shares(stage.steps) for stage in stages]),
+        shares=None if equal else np.concatenate([step_fractions(stage.steps) for stage in stages]),
     )  # fmt: skip
 
 

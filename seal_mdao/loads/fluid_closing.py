@@ -22,13 +22,13 @@ class ClosingRates(NamedTuple):
 
     Attributes
     ----------
-    by_place : ndarray, shape (k, 2)
+    by_index : ndarray, shape (k, 2)
         With the place of the point itself.
     by_parameter : ndarray, shape (k, n)
         With the parameters.
     """
 
-    by_place: np.ndarray
+    by_index: np.ndarray
     by_parameter: np.ndarray
 
 
@@ -88,7 +88,7 @@ class Closing:
         out = ClosingRates(np.zeros((k, 2)), np.zeros((k, self.n_names)))
         by_gap = -self.law.normal_penalty * local[:, GAP]
         by_gap[:, NORMAL_PENALTY] = -gap[gap < 0.0]
-        out.by_place[points] = by_gap[:, :2]
+        out.by_index[points] = by_gap[:, :2]
         own = [NORMAL_PENALTY, *range(FRICTION + 1, columns)]
         for column, name in zip(own, self.columns, strict=True):
             out.by_parameter[points, name] += by_gap[:, column]

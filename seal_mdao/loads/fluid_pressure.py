@@ -170,12 +170,12 @@ class FluidPressureTerm(CoupledTerm):
             definition.label, definition.scalars, definition.where, discretization, place
         )
         self.pressure, self.ramp = definition.pressure, np.asarray(definition.ramp, float)
-        self.share, self.output_places = definition.share, len(definition.edge)
+        self.share, self.output_indices = definition.share, len(definition.edge)
         self.rounding = self.pressure * float(self.ramp.max()) * float(np.abs(self.reference).max())
         self.closings = [
             Closing(contact, definition.particles, self.names) for contact in definition.contacts
         ]
-        k = self.output_places
+        k = self.output_indices
         self._sides = 2 * np.arange(k - 1)[:, None] + np.arange(3)
         # Q: quarter turn of the tangent, directed away from the wet end, into the body
         sense = 1.0 if definition.end == "start" else -1.0
@@ -198,7 +198,7 @@ class FluidPressureTerm(CoupledTerm):
         return sum(parts, np.zeros(len(own)))
 
     def _closing_rates(self, x, fraction) -> ClosingRates:
-        own, k = np.ascontiguousarray(x[::2]), self.output_places
+        own, k = np.ascontiguousarray(x[::2]), self.output_indices
         found = ClosingRates(np.zeros((k, 2)), np.zeros((k, len(self.names))))
         for closing in self.closings:
             found = ClosingRates(*map(np.add, found, closing.rates(own, fraction)))
@@ -208,7 +208,7 @@ class FluidPressureTerm(CoupledTerm):
         """Compute the force on the points per unit pressure and unit weight, shape (k, m, 2)."""
         # f_im = int N_m M_i n ds = sum_n [int N_m M_i dN_n/ds ds] Q x_n,  Q: quarter turn inward
         inward = x[self._sides] @ self._inward.T
-        out = np.zeros((self.output_places, *x.shape))
+        out = np.zeros((self.output_indices, *x.shape))
         side = np.arange(len(self._sides))[:, None]
         for end, integrals in enumerate(_INTEGRALS):
             # each point occurs once per side
@@ -236,10 +236,10 @@ class FluidPressureTerm(CoupledTerm):
         if front.size:
             # dw_i/dx_j = dw_i/dc_j dc_j/dx_j: a particle of the front acts on all points behind it
             on_closing, _ = accumulated(*slopes)
-            by_place = self._closing_rates(x, fraction).by_place[front]
+            by_index = self._closing_rates(x, fraction).by_index[front]
             moved = np.tensordot(on_closing[:, front], -pressure * per_weight, (0, 0))
             j, point = np.nonzero(moved.any(axis=2))
-            own = moved[j, point, :, None] * by_place[j, None]
+            own = moved[j, point, :, None] * by_index[j, None]
             pairs = np.concatenate([pairs, np.column_stack([point, 2 * front[j]])])
             tangent = np.concatenate([tangent, own])
         # points of sides with any pressure
@@ -254,7 +254,7 @@ class FluidPressureTerm(CoupledTerm):
 
     def linearize(self, response, fraction, history):
         x, k, (at_x, _, _, at_parameters, at_reference) = (
-            response.x, self.output_places, self.inputs
+            response.x, self.output_indices, self.inputs
         )  # fmt: skip
         pressure, ramp, weight = (
             self.pressure_at(fraction), self._ramp_at(fraction), response.outputs[:, 0]
@@ -262,7 +262,7 @@ class FluidPressureTerm(CoupledTerm):
         by_closing, by_pressure = accumulated(*self._slopes(response, pressure))
         rates, every = self._closing_rates(x, fraction), np.arange(k)[:, None]
         of_closing = np.zeros((k, at_reference.stop))
-        of_closing[every, at_x.start + 4 * every + np.arange(2)] = rates.by_place
+        of_closing[every, at_x.start + 4 * every + np.arange(2)] = rates.by_index
         of_closing[:, at_parameters] = rates.by_parameter
         of_weight = by_closing @ of_closing
         of_weight[:, at_parameters.start] += ramp * by_pressure

@@ -104,9 +104,9 @@ class TrappedAirTerm(CoupledTerm):
             definition.label, definition.scalars, definition.where, discretization, place
         )
         self.outside, self.gamma = definition.pressure, definition.gamma
-        area, by_place = polygon_area(self.reference)
+        area, by_index = polygon_area(self.reference)
         self.way = 1.0 if area > 0.0 else -1.0
-        self.drawn_area, self.by_reference = self.way * area, self.way * by_place
+        self.nominal_area, self.by_reference = self.way * area, self.way * by_index
         self.rounding = self.outside * float(np.abs(self.reference).max())
         self._pairs, self._turn = self._sides()
 
@@ -124,48 +124,48 @@ class TrappedAirTerm(CoupledTerm):
 
     def _state(self, x):
         """Compute area, its gradient and excess pressure; None where the area is not positive."""
-        area, by_place = polygon_area(x)
+        area, by_index = polygon_area(x)
         area *= self.way
         if area <= 0.0:
             return None
         # p = p_a ((A0 / A)^gamma - 1)
-        pressure = self.outside * np.expm1(self.gamma * np.log(self.drawn_area / area))
-        return area, self.way * by_place, pressure
+        pressure = self.outside * np.expm1(self.gamma * np.log(self.nominal_area / area))
+        return area, self.way * by_index, pressure
 
     def respond(self, x, fraction, history):
         state = self._state(x)
         if state is None:
             return None
-        area, by_place, pressure = state
+        area, by_index, pressure = state
         every = np.ones(len(x), np.int64)
         # R = -p g,   K = -p d^2 A/dx dx + gamma (p_a + p) / A g g^T,   dp/dA = -gamma (p_a + p) / A
         stiffness = self.gamma * (self.outside + pressure) / area
         return CoupledResponse(
-            x, -pressure * by_place, every, self._pairs, -pressure * self._turn, by_place[None],
+            x, -pressure * by_index, every, self._pairs, -pressure * self._turn, by_index[None],
             np.array([stiffness]), _NO_BRANCH, None, np.array([[pressure, area]]),
         )  # fmt: skip
 
     def potential(self, d, response) -> float:
-        left, power = response.outputs[0, 1] / self.drawn_area, 1.0 - self.gamma
+        left, power = response.outputs[0, 1] / self.nominal_area, 1.0 - self.gamma
         # Pi = int_A^A0 p dA = p_a A0 [ (1 - a^(1 - gamma)) / (1 - gamma) - (1 - a) ],  a = A / A0;
         # the first term tends to -ln a for gamma = 1
         squeezed = -np.log(left) if power == 0.0 else np.expm1(power * np.log(left)) / -power
-        return float(self.outside * self.drawn_area * (squeezed - (1.0 - left)))
+        return float(self.outside * self.nominal_area * (squeezed - (1.0 - left)))
 
     def linearize(self, response, fraction, history):
-        area, by_place, pressure = self._state(response.x)
+        area, by_index, pressure = self._state(response.x)
         k, (at_x, _, _, at_parameters, at_reference) = len(self.where), self.inputs
-        absolute, shrunk = self.outside + pressure, np.log(self.drawn_area / area)
+        absolute, shrunk = self.outside + pressure, np.log(self.nominal_area / area)
         # the two outputs by what they depend on; the force turns with the places beside
         by_inputs = np.zeros((2, at_reference.stop))
-        by_inputs[0, at_x] = -self.gamma * absolute / area * by_place.ravel()
+        by_inputs[0, at_x] = -self.gamma * absolute / area * by_index.ravel()
         by_inputs[0, at_reference] = (
-            self.gamma * absolute / self.drawn_area * self.by_reference.ravel()
+            self.gamma * absolute / self.nominal_area * self.by_reference.ravel()
         )
         by_inputs[0, at_parameters] = pressure / self.outside, absolute * shrunk
-        by_inputs[1, at_x] = by_place.ravel()
+        by_inputs[1, at_x] = by_index.ravel()
         left = np.zeros((2 * k + 2, 2))
-        left[: 2 * k, 0], left[2 * k :] = -by_place.ravel(), np.eye(2)
+        left[: 2 * k, 0], left[2 * k :] = -by_index.ravel(), np.eye(2)
         shape = (2 * k + 2, at_reference.stop)
         return LocalMap(self._scattered(-pressure * self._turn, shape), left, by_inputs)
 

@@ -52,13 +52,13 @@ def is_closed(where) -> bool:
     return bool(joined and len(where) > 2)
 
 
-def way_round(where) -> np.ndarray:
+def ordered_points(where) -> np.ndarray:
     """List the contact points of a boundary in order, the first again at the end if it is closed."""
     every = np.arange(len(where))
     return np.append(every, 0) if is_closed(where) else every
 
 
-def touching_shares(gap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def contact_fractions(gap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Compute the fraction in contact of every segment between contact points, with linear gaps.
 
     Parameters

@@ -15,8 +15,8 @@ import numpy as np
 from seal_mdao.measures.boundary_line import (
     BoundaryLine,
     add_deformed_seeds,
-    touching_shares,
-    way_round,
+    contact_fractions,
+    ordered_points,
 )
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import contact_patches
@@ -48,9 +48,9 @@ class ContactWidth(Measure):
 
     def evaluate(self, result, partials):
         where = result.term(self.profile).where
-        order = way_round(where)
+        order = ordered_points(where)
         line = BoundaryLine(where, order, result.particles if self.nominal else result.deformed())
-        fraction, by_a, by_b = touching_shares(result.response(self.profile).gap[order])
+        fraction, by_a, by_b = contact_fractions(result.response(self.profile).gap[order])
         on_gap = partials.output(self.profile, "gap")[0]
         # width = sum_k L_k phi_k(g_k, g_(k+1)) with the fractions in contact phi_k
         on_gap[order[:-1]] += line.length * by_a
@@ -94,11 +94,11 @@ class ContactPressure(Measure):
             object.__setattr__(self, "text", self.text.replace("True", "Nominal"))
 
     @property
-    def takes_places(self):
+    def selects_points(self):
         return self.patches is None
 
-    def frozen(self, drawn):
-        found = contact_patches(drawn.response(self.profile).state)
+    def frozen(self, nominal):
+        found = contact_patches(nominal.response(self.profile).state)
         return replace(self, patches=tuple(tuple(int(p) for p in patch) for patch in found))
 
     def size(self, seal):
@@ -163,7 +163,7 @@ class PeakPressure(ContactPressure):
     text = "True contact pressure, a mean of high order below the peak."
 
     @property
-    def takes_places(self):
+    def selects_points(self):
         return False
 
     def size(self, seal):

@@ -7,7 +7,7 @@ import numpy as np
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.boundary_line import BoundaryLine, is_closed, opened_square_integral
 from seal_mdao.measures.measure import Derived, Measure
-from seal_mdao.measures.selection import opened_points, touching_stretch
+from seal_mdao.measures.selection import contact_range, open_points
 from seal_mdao.measures.smooth_peaks import NORM_ORDER, p_norm
 
 
@@ -15,7 +15,7 @@ def open_between(result, profile: str) -> np.ndarray:
     """Find the contact points of a profile that are open between the first and the last contact at the
     end of the path."""
     closed = is_closed(result.term(profile).where)
-    return opened_points(result.response(profile).state, closed)
+    return open_points(result.response(profile).state, closed)
 
 
 @dataclass(frozen=True)
@@ -38,11 +38,11 @@ class Gap(Measure):
     text = "Normal gaps at contact points, negative in penetration."
 
     @property
-    def takes_places(self):
+    def selects_points(self):
         return self.points is None
 
-    def frozen(self, drawn):
-        opened = open_between(drawn, self.profile)
+    def frozen(self, nominal):
+        opened = open_between(nominal, self.profile)
         return replace(self, points=tuple(int(point) for point in opened))
 
     def size(self, seal):
@@ -93,12 +93,12 @@ class BetweenContacts(Measure):
     nominal: tuple | None = None
 
     @property
-    def takes_places(self):
+    def selects_points(self):
         return self.nominal is None
 
-    def frozen(self, drawn):
-        closed = is_closed(drawn.term(self.profile).where)
-        points = touching_stretch(drawn.response(self.profile).state != OPEN, closed)
+    def frozen(self, nominal):
+        closed = is_closed(nominal.term(self.profile).where)
+        points = contact_range(nominal.response(self.profile).state != OPEN, closed)
         return replace(self, nominal=tuple(points.tolist()))
 
     def stretch(self, result) -> np.ndarray:
@@ -106,7 +106,7 @@ class BetweenContacts(Measure):
         # in contact now or in the nominal seal
         touching = result.response(self.profile).state != OPEN
         touching[list(self.nominal)] = True
-        return touching_stretch(touching, is_closed(result.term(self.profile).where))
+        return contact_range(touching, is_closed(result.term(self.profile).where))
 
     def open_gaps(self, result) -> tuple[np.ndarray, np.ndarray]:
         """Find the open ones of these points, and their gaps, mm."""

@@ -145,13 +145,13 @@ class Measure:
     wants_end = True
 
     @property
-    def takes_places(self) -> bool:
+    def selects_points(self) -> bool:
         """Whether its points are selected on the nominal seal, which costs an analysis."""
         return False
 
-    def frozen(self, drawn) -> "Measure":
+    def frozen(self, nominal) -> "Measure":
         """Select the points of the measure on the path of the nominal seal; called only if
-        ``takes_places``."""
+        ``selects_points``."""
         return self
 
     def size(self, seal) -> int:
@@ -188,11 +188,11 @@ class Derived(Measure):
         raise NotImplementedError
 
     @property
-    def takes_places(self):
-        return self.base.takes_places
+    def selects_points(self):
+        return self.base.selects_points
 
-    def frozen(self, drawn):
-        return replace(self, base=self.base.frozen(drawn))
+    def frozen(self, nominal):
+        return replace(self, base=self.base.frozen(nominal))
 
 
 @dataclass(frozen=True, eq=False)

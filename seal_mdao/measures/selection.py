@@ -38,7 +38,7 @@ def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate(ranked)[:count]
 
 
-def touching_stretch(in_contact: np.ndarray, closed: bool = False) -> np.ndarray:
+def contact_range(in_contact: np.ndarray, closed: bool = False) -> np.ndarray:
     """List the contact points from the first to the last one in contact, in order.
 
     On a closed boundary they are all points except those of its longest open part.
@@ -55,15 +55,15 @@ def touching_stretch(in_contact: np.ndarray, closed: bool = False) -> np.ndarray
     return np.arange(touching[0], touching[-1] + 1)
 
 
-def opened_points(state: np.ndarray, closed: bool = False) -> np.ndarray:
+def open_points(state: np.ndarray, closed: bool = False) -> np.ndarray:
     """Find the contact points that are open between the first and the last one in contact."""
-    between = touching_stretch(state != OPEN, closed)
+    between = contact_range(state != OPEN, closed)
     return between[state[between] == OPEN]
 
 
 def contact_patches(state: np.ndarray) -> tuple:
     """Divide the contact points at the middle of the open region; one patch without an open region."""
-    everywhere, opened = np.arange(state.size), opened_points(state)
+    everywhere, opened = np.arange(state.size), open_points(state)
     if opened.size == 0:
         return (everywhere,)
     # the open point in the middle divides the boundary into two patches

@@ -34,17 +34,17 @@ class VonMises(Measure):
     text = "Von Mises stress at particles, at the end of the path."
 
     @property
-    def takes_places(self):
+    def selects_points(self):
         return self.points is None
 
-    def frozen(self, drawn):
+    def frozen(self, nominal):
         rows = [
-            (edge.particles[~drawn.seal.body.fixed[edge.particles].all(axis=1)], edge.closed)
-            for edge in drawn.seal.body.edges.values()
+            (edge.particles[~nominal.seal.body.fixed[edge.particles].all(axis=1)], edge.closed)
+            for edge in nominal.seal.body.edges.values()
         ]
         # rows without fully fixed particles
         rows = [(row, closed) for row, closed in rows if row.size]
-        peaks = boundary_peaks(rows, drawn.stress_field(), self.count)
+        peaks = boundary_peaks(rows, nominal.stress_field(), self.count)
         return replace(self, points=tuple(int(p) for p in peaks))
 
     def size(self, seal):

@@ -7,7 +7,7 @@ from matplotlib.ticker import MultipleLocator
 
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.selection import open_points
 from seal_mdao.plotting.style import (
     BESIDE,
     BLUE,
@@ -141,7 +141,7 @@ def gap_profile(result: SealResult, earlier=(), profile: str | None = None) -> F
     gap, state = responses[-1].gap, responses[-1].state
     shown = _shown(state != OPEN, GAP_BEYOND)
     # points of gap regions, open between contacts
-    opened = opened_points(state, is_closed(result.term(label).where))
+    opened = open_points(state, is_closed(result.term(label).where))
     _shade_gaps(axes, s, opened)
     for number, travel in enumerate(earlier):
         step = int(np.argmin(np.abs(result.travel - travel)))

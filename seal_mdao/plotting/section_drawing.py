@@ -13,7 +13,7 @@ from seal_mdao.contact.friction import OPEN
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.curve import LINE, curve_point
 from seal_mdao.geometry.profile import RigidProfile, trace
-from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.selection import open_points
 from seal_mdao.plotting.field import FineGrid, cell_loops
 from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP
 from seal_mdao.seals.profiles import contacts, self_contacts
@@ -57,7 +57,7 @@ def stress_scale(stresses) -> dict:
 
 def size_of(result: SealResult) -> float:
     """Compute the larger side of the bounding box of the nominal section, mm."""
-    return float(np.ptp(result.seal.drawn_particles, axis=0).max())
+    return float(np.ptp(result.seal.nominal_particles, axis=0).max())
 
 
 def profile_face(result: SealResult, contact, fraction: float) -> np.ndarray:
@@ -135,7 +135,7 @@ def fixed_lines(result: SealResult) -> list[np.ndarray]:
         # start at a free particle, so that no fixed line crosses the end of the list
         ring = np.append(loop, loop[0]) if free.size == 0 else np.roll(loop, -free[0])
         runs = np.split(ring, np.flatnonzero(np.diff(fixed[ring])) + 1)
-        found += [result.seal.drawn_particles[r] for r in runs if fixed[r[0]] and r.size > 1]
+        found += [result.seal.nominal_particles[r] for r in runs if fixed[r[0]] and r.size > 1]
     return found
 
 
@@ -218,7 +218,7 @@ def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
         touching.append(own.x[own.branch != OPEN])
         # with itself a wall has no order of points, hence no region between contacts
         if isinstance(term, RigidContact):
-            opened.append(own.x[opened_points(own.branch)])
+            opened.append(own.x[open_points(own.branch)])
     for fill, label, points in (
         (ORANGE, "in contact", touching), ("white", "open between contacts", opened),
     ):  # fmt: skip

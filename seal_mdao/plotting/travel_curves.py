@@ -131,7 +131,7 @@ def _segment_panels(result: SealResult, text: str):
     if not histories or not len(histories[0].stage):
         raise ValueError("the result has no profile, or no converged load step to draw")
     # one grid for all profiles: as many columns as the longest row needs
-    columns, rows = max(len(history.courses) for history in histories), len(histories)
+    columns, rows = max(len(history.load_segments) for history in histories), len(histories)
     # wider for more segments
     width = WIDTHS[min(columns, len(WIDTHS)) - 1]
     figure, grid = subplots(
@@ -140,11 +140,11 @@ def _segment_panels(result: SealResult, text: str):
     panels = []
     for history, row in zip(histories, grid, strict=True):
         row[0].set_ylabel(text.format(history.label))
-        for axes in row[len(history.courses) :]:
+        for axes in row[len(history.load_segments) :]:
             axes.set_visible(False)
-        for segment, axes in zip(history.courses, row, strict=False):
+        for segment, axes in zip(history.load_segments, row, strict=False):
             _label(axes, history, segment)
-            panels.append((history, segment, axes, segment is history.courses[-1]))
+            panels.append((history, segment, axes, segment is history.load_segments[-1]))
     if not result.converged:
         figure.suptitle("path not completed: up to the last converged step", fontsize=10.5)
     return figure, panels
@@ -154,7 +154,7 @@ def _label(axes, history, segment) -> None:
     """Label the axis of travel, with 20 % of it free at its end and, after unloading, its beginning."""
     axes.set_xlabel("turn (°)" if segment.turns else "travel (mm)")
     several = len(segment.stages) > 1
-    if len(history.courses) > 1 or several:
+    if len(history.load_segments) > 1 or several:
         numbers = ", ".join(map(str, segment.stages))
         axes.set_title(f"stage{'s' if several else ''} {numbers}", fontsize=9.5)
     margin = 0.2 * (np.ptp(segment.along) or 1.0)

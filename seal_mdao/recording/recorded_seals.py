@@ -75,7 +75,7 @@ class RecordedSeal:
         values = self.values[index]
         # recorded, or moved with the offsets
         if "particles" in values:
-            return np.reshape(values["particles"], self.seal.drawn_particles.shape)
+            return np.reshape(values["particles"], self.seal.nominal_particles.shape)
         return self.seal.particles(values["boundary_offsets"])
 
 

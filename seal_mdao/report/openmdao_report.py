@@ -38,7 +38,10 @@ def run(problem) -> None:
                 recorder.note_end()
             out = problem.get_reports_dir() / FILE
             write_report(
-                recorder_file(recorder), out, constant_inputs(problem), kept_analyses(problem.model)
+                recorder_file(recorder),
+                out,
+                constant_inputs(problem),
+                analysis_cache(problem.model),
             )
             return
     issue_warning(
@@ -48,7 +51,7 @@ def run(problem) -> None:
     )
 
 
-def kept_analyses(model):
+def analysis_cache(model):
     """Where a ``SealGroup`` of a model keeps its analyses; None when none does."""
     from seal_mdao.components.seal_group import SealGroup
 

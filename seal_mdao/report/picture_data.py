@@ -12,7 +12,7 @@ from matplotlib.colors import to_hex
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.selection import open_points
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
@@ -180,9 +180,9 @@ def _curves(result, contact, history, steps) -> dict:
     label, responses = contact.label, result.path.at_nominal(contact.label)
     words, along = "load step", np.arange(1.0, 1.0 + len(history.force))
     # travel where all of the path is one load-unload segment
-    if len(history.courses) == 1:
-        (course,) = history.courses
-        words, along = "turn (°)" if course.turns else "travel (mm)", course.along
+    if len(history.load_segments) == 1:
+        (load_segment,) = history.load_segments
+        words, along = "turn (°)" if load_segment.turns else "travel (mm)", load_segment.along
     return {
         "name": label,
         "arc": _rounded(arc_length(result, label)),
@@ -221,7 +221,7 @@ def _marks(result, label: str, response) -> np.ndarray:
     state = np.array(response.branch)
     where = getattr(result.term(label), "where", None)
     if where is not None:
-        state[opened_points(response.branch, is_closed(where))] = BETWEEN
+        state[open_points(response.branch, is_closed(where))] = BETWEEN
     return state
 
 

@@ -43,9 +43,9 @@ def samples_section(designs: list[SampledDesign], limits, cost: str, figure: Fig
     heads = ["", *(design.label for design in designs)]
     caption = f"On {designs[0].samples} fresh samples of all tolerances"
     # the figure as a data address, so that the page needs no other file
-    drawn = io.BytesIO()
-    figure.savefig(drawn, dpi=160)
-    image = b64encode(drawn.getvalue()).decode("ascii")
+    nominal = io.BytesIO()
+    figure.savefig(nominal, dpi=160)
+    image = b64encode(nominal.getvalue()).decode("ascii")
     return (
         '<section aria-labelledby="samples-title"><h2 id="samples-title">Scatter by tolerances</h2>'
         f'<div class="tables">{table(heads, rows, caption)}</div>'

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from seal_mdao.kept_analyses import KeptAnalyses
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.progress import hidden
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.recorded_seals import RecordedSeal
@@ -20,7 +20,7 @@ def write_report(
     cases,
     outfile=None,
     given: dict | None = None,
-    kept: KeptAnalyses | None = None,
+    kept: AnalysisCache | None = None,
     further: str = "",
     figures=(),
     notes=(),
@@ -39,7 +39,7 @@ def write_report(
         ``report.html`` beside the recorder file when left out.
     given : dict of str to ndarray, optional
         Inputs of seals that are the same at all points and may not be in the file, by absolute names.
-    kept : KeptAnalyses, optional
+    kept : AnalysisCache, optional
         Analyses of the run that wrote the file.
     further : str
         HTML of further sections, such as ``report.sample_section.samples_section``.
@@ -57,7 +57,7 @@ def write_report(
     """
     cases = Path(cases)
     # histories from the recorder file, shapes from new analyses
-    history, kept = read_optimization(cases, given), KeptAnalyses() if kept is None else kept
+    history, kept = read_optimization(cases, given), AnalysisCache() if kept is None else kept
     seals = [seal for seal in history.seals if seal.drawable]
     numbers = evenly_spread(len(history.objective), DESIGNS).tolist() if seals else []
     shown = [ShownSeal(seal, analyze_points(seal, numbers, kept)) for seal in seals]
@@ -70,7 +70,7 @@ def write_report(
 
 
 def analyze_points(
-    recorded: RecordedSeal, numbers: list[int], kept: KeptAnalyses
+    recorded: RecordedSeal, numbers: list[int], kept: AnalysisCache
 ) -> list[SealResult]:
     """Analyse designs of a seal; all are measured where the recorded run did."""
     # points of the measures on the nominal seal, once for all designs

@@ -41,7 +41,7 @@ class Cloud(NamedTuple):
         Length that makes the monomials dimensionless.
     n_basis : int
         3 for the linear, 6 for the quadratic basis.
-    hidden : ndarray of int, shape (m, 2)
+    hidden_pairs : ndarray of int, shape (m, 2)
         Pairs of particles that are not visible from each other, see ``visibility``.
     axes : ndarray, shape (n_particles, 2, 2), or None for round kernels
         Rows: inverse half-widths of every particle's product kernel along its two directions.
@@ -51,7 +51,7 @@ class Cloud(NamedTuple):
     radius: np.ndarray
     scale: float
     n_basis: int
-    hidden: np.ndarray = NOTHING_HIDDEN
+    hidden_pairs: np.ndarray = NOTHING_HIDDEN
     axes: np.ndarray | None = None
 
 

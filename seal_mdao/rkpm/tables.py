@@ -175,9 +175,9 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
     n = len(cloud.particles)
     # pairs (group, particle) as one integer, sorted by group, then particle
     key = np.unique(group_of[point] * n + particle)
-    if cloud.hidden.size:
+    if cloud.hidden_pairs.size:
         for own in sets:
-            key = np.setdiff1d(key, _unseen(cloud.hidden, own, n), assume_unique=True)
+            key = np.setdiff1d(key, _unseen(cloud.hidden_pairs, own, n), assume_unique=True)
     group, neighbours = np.divmod(key, n)
     start = np.searchsorted(group, np.arange(len(sets[0].anchors) // sets[0].group_size + 1))
     return start, neighbours

@@ -250,7 +250,7 @@ def most_penalty(seal: Seal) -> float:
     A gap is a difference of coordinates, known to eps L, so the pressure is to w eps L.
     """
     shear = max(region.material.shear_modulus for region in seal.terms()[0].regions)
-    size = float(np.abs(seal.drawn_particles).max())
+    size = float(np.abs(seal.nominal_particles).max())
     return RELATIVE_ROUNDING * shear / (np.finfo(float).eps * size)
 
 

@@ -19,7 +19,7 @@ PRESSING = 0.1
 def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
     """Let profiles that would begin inside of a body begin farther back along their motion.
 
-    The first load step becomes longer and ends where it did (``Motion.room``), as do all others. A
+    The first load step becomes longer and ends where it did (``Motion.clearance``), as do all others. A
     profile whose first stage does not press (it stands still, turns or slides) backs off along its
     normal and is brought to its place by the first step. One that is clear is left as it is, and so is
     one whose first stage leads away from the body.
@@ -35,16 +35,16 @@ def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
     Seal
         The same object where all profiles are clear.
     """
-    rooms = {}
+    clearances = {}
     for definition in seal.terms():
         if isinstance(definition, RigidContact):
-            room = _room(definition, particles)
-            if room is not None:
-                rooms[definition.label] = room
-    return seal.with_rooms(rooms) if rooms else seal
+            clearance = _clearance(definition, particles)
+            if clearance is not None:
+                clearances[definition.label] = clearance
+    return seal.with_clearances(clearances) if clearances else seal
 
 
-def _room(contact: RigidContact, particles) -> np.ndarray | None:
+def _clearance(contact: RigidContact, particles) -> np.ndarray | None:
     """Where the first load step of a contact has to begin, from its first waypoint, (2,) mm; None where
     it is clear as it is, or cannot be."""
     points, motion = contact.where.points, contact.motion
@@ -62,7 +62,7 @@ def _room(contact: RigidContact, particles) -> np.ndarray | None:
     way = _way_back(motion.positions[1] - motion.positions[0], gaps, part)
     for count in range(1, MOST + 1):
         if gaps(count * part * way).min() > 0.0:
-            return motion.room + count * part * way
+            return motion.clearance + count * part * way
     return None
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from seal_mdao.measures.boundary_line import is_closed
 from seal_mdao.measures.gap import Gap
 from seal_mdao.measures.measure import Derived, Measure
-from seal_mdao.measures.selection import opened_points
-from seal_mdao.seals.profiles import contact_places, contacts
+from seal_mdao.measures.selection import open_points
+from seal_mdao.seals.profiles import contact_positions, contacts
 
 NEGLIGIBLE = 1e-3
 """Gap that is as good as closed, mm: a penalty leaves as much."""
@@ -38,11 +38,11 @@ class OpenGap(NamedTuple):
 def largest_gap(result, profile: str) -> OpenGap:
     """The largest gap at all contact points of a profile after the last step that converged."""
     response = result.path.at_nominal(profile)[-1]
-    points = opened_points(response.state, is_closed(result.term(profile).where))
+    points = open_points(response.state, is_closed(result.term(profile).where))
     if not points.size:
         return OpenGap(profile, 0.0, -1, ())
     point = int(points[response.gap[points].argmax()])
-    place = contact_places(result, profile)[point]
+    place = contact_positions(result, profile)[point]
     return OpenGap(profile, float(response.gap[point]), point, tuple(place.tolist()))
 
 

@@ -143,7 +143,7 @@ def standard_measures(result) -> tuple[Measure, ...]:
     """The standard measures of a seal that have values, and the force on every profile."""
     seal, found = result.seal, {}
     for measure in seal.measures():
-        measure = measure.frozen(result) if measure.takes_places else measure
+        measure = measure.frozen(result) if measure.selects_points else measure
         base = measure.base if isinstance(measure, Derived) else measure
         if base.size(seal):
             found[measure.name] = measure

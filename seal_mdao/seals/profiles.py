@@ -9,8 +9,8 @@ import numpy as np
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact
-from seal_mdao.geometry.motion import Motion, step_shares
-from seal_mdao.measures.boundary_line import BoundaryLine, touching_shares, way_round
+from seal_mdao.geometry.motion import Motion, step_fractions
+from seal_mdao.measures.boundary_line import BoundaryLine, contact_fractions, ordered_points
 
 PARALLEL = 1e-9
 """Sine of the angle between stages that still go along one line."""
@@ -74,7 +74,7 @@ class ProfileHistory:
         Deformed and undeformed length in contact, mm.
     peak, nominal_peak : ndarray, shape (n,)
         Highest true and nominal contact pressure of all points, kPa.
-    courses : tuple of Course
+    load_segments : tuple of Course
     """
 
     label: str
@@ -87,7 +87,7 @@ class ProfileHistory:
     nominal_width: np.ndarray
     peak: np.ndarray
     nominal_peak: np.ndarray
-    courses: tuple
+    load_segments: tuple
 
 
 def leading_contact(seal) -> RigidContact:
@@ -130,7 +130,7 @@ def _history(result, contact) -> ProfileHistory:
     return ProfileHistory(
         contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
-        *at_steps.reshape(-1, 4).T, courses(motion, len(number), result.seal.before_touch),
+        *at_steps.reshape(-1, 4).T, load_segments(motion, len(number), result.seal.before_touch),
     )  # fmt: skip
 
 
@@ -138,8 +138,8 @@ def _contact_at(result, contact, step: int) -> tuple:
     """Compute deformed and undeformed width in contact, highest true and nominal pressure of a step."""
     response, where = result.path.at_nominal(contact.label)[step], result.term(contact.label).where
     # widths of the sides in contact, deformed and undeformed
-    ring = way_round(where)
-    shares = touching_shares(response.gap[ring])[0]
+    ring = ordered_points(where)
+    shares = contact_fractions(response.gap[ring])[0]
     # width = sum over the sides of the length that touches
     widths = [
         BoundaryLine(where, ring, particles).length @ shares
@@ -170,14 +170,14 @@ def contact_counts(response) -> dict[str, int]:
     return {name: int(np.sum(points)) for name, points in counts.items()}
 
 
-def contact_places(result, label: str) -> np.ndarray:
+def contact_positions(result, label: str) -> np.ndarray:
     """Return the undeformed contact points, shape (k, 2), mm."""
     return result.term(label).where.points.at(result.particles)
 
 
 def side_lengths(result, label: str) -> np.ndarray:
     """Compute undeformed lengths between neighbouring contact points, shape (k - 1,), mm."""
-    return np.hypot(*np.diff(contact_places(result, label), axis=0).T)
+    return np.hypot(*np.diff(contact_positions(result, label), axis=0).T)
 
 
 def stage_of(motion: Motion, number: np.ndarray) -> np.ndarray:
@@ -185,7 +185,7 @@ def stage_of(motion: Motion, number: np.ndarray) -> np.ndarray:
     return 1 + np.searchsorted(np.cumsum(motion.steps), number, side="right")
 
 
-def stage_place(seal, fraction: float) -> np.ndarray | None:
+def stage_index(seal, fraction: float) -> np.ndarray | None:
     """Return x, y (mm), angle (degrees) of the leading profile since its stage began.
 
     After any ``fraction`` of the load steps; None without profiles.
@@ -204,7 +204,7 @@ def stage_travel(seal, fraction: float) -> float:
 
     After any ``fraction`` of the load steps; in the first stage counted from ``before_touch``.
     """
-    place = stage_place(seal, fraction)
+    place = stage_index(seal, fraction)
     if place is None:
         return float("nan")
     # |x - x_stage|, in the first stage less the travel before the first touch
@@ -223,7 +223,7 @@ def _coordinates(motion, number) -> np.ndarray:
     return rows * (1.0, 1.0, np.degrees(1.0))
 
 
-def courses(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, ...]:
+def load_segments(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, ...]:
     """Divide the first ``n_steps`` nominal steps of a motion where its direction changes.
 
     Loading and unloading along one line are one course, so that they share an axis. The first travel is
@@ -273,7 +273,7 @@ def key_steps(result) -> list[int]:
     if not done:
         return []
     n = result.seal.n_steps
-    stages, ends = (1, step_shares(n)) if motion is None else (motion.steps.size, motion.ends)
+    stages, ends = (1, step_fractions(n)) if motion is None else (motion.steps.size, motion.ends)
     # quarters of one stage, halves of up to three, else ends of stages alone
     parts = 4 if stages == 1 else 2 if stages <= MIDDLES else 1
     # fractions of the stages, and the steps that end nearest to them

@@ -93,14 +93,14 @@ class SealResult:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What is not right with the end of a completed path, a line each (``seals.checks``), and the
-        cautions of the seal.
+        warnings of the seal.
 
         Nothing of it for a path that was not completed.
         """
         if not self.converged:
             return ()
         found = (finding.text for finding in findings(self.path))
-        return (*found, *penalty_error.warnings_of(self), *self.seal.cautions)
+        return (*found, *penalty_error.warnings_of(self), *self.seal.warnings)
 
     @cached_property
     def penalty_error(self) -> dict:
@@ -126,8 +126,8 @@ class SealResult:
     @property
     def is_nominal(self) -> bool:
         """Whether this is the nominal seal, in which measures have their places."""
-        same = self.seal.key == self.seal.as_drawn().key
-        return same and np.array_equal(self.particles, self.seal.drawn_particles)
+        same = self.seal.key == self.seal.nominal().key
+        return same and np.array_equal(self.particles, self.seal.nominal_particles)
 
     @property
     def reaction(self) -> np.ndarray:
@@ -200,7 +200,7 @@ class SealResult:
 
     advice = (
         "Use more load steps (n_steps), a shorter motion, a smaller normal penalty, or a design nearer "
-        "to the drawn seal"
+        "to the nominal seal"
     )
 
     @property
@@ -309,12 +309,12 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
         When the path of the nominal seal cannot be completed, and a measure takes places from it.
     """
     chosen = _chosen(seal, measures)
-    if not any(measure.takes_places for measure in chosen):
+    if not any(measure.selects_points for measure in chosen):
         return chosen
-    drawn = seal.as_drawn()
-    wanted = {measure: (drawn.key, measure) for measure in chosen if measure.takes_places}
+    nominal_seal = seal.nominal()
+    wanted = {measure: (nominal_seal.key, measure) for measure in chosen if measure.selects_points}
     if any(key not in _places for key in wanted.values()):
-        nominal = (analyze if analysis is None else analysis)(drawn)
+        nominal = (analyze if analysis is None else analysis)(nominal_seal)
         if not nominal.converged:
             names = ", ".join(repr(measure.name) for measure in wanted)
             raise LoadPathError(
@@ -323,11 +323,11 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
                 nominal,
             )
         for measure in (*wanted, *seal.measures()):  # those of always are asked for next
-            if measure.takes_places:
-                _places[drawn.key, measure] = measure.frozen(nominal)
+            if measure.selects_points:
+                _places[nominal_seal.key, measure] = measure.frozen(nominal)
     for key in wanted.values():
         _places.move_to_end(key)
-    found = tuple(_places[wanted[m]] if m.takes_places else m for m in chosen)
+    found = tuple(_places[wanted[m]] if m.selects_points else m for m in chosen)
     while len(_places) > KNOWN_PLACES:
         _places.popitem(last=False)
     return found
@@ -367,7 +367,7 @@ def analyze(
     ----------
     seal : Seal
     boundary_offsets : ndarray, shape (seal.n_offsets,), optional
-        mm; zeros, the drawn seal, when left out.
+        mm; zeros, the nominal seal, when left out.
     parameters : dict of str to float, optional
         Scalar parameters to change, by their names in ``seal.scalars``.
     keep_factors : bool
@@ -412,13 +412,15 @@ def analyzed_with(
 def estimate(seal: Seal) -> Cost:
     """Time and memory that one analysis of a seal takes, roughly (``analysis.cost``)."""
     values.instance("seal", seal, Seal)
-    return analysis_cost(seal.body, seal.drawn_particles, seal.n_steps)
+    return analysis_cost(seal.body, seal.nominal_particles, seal.n_steps)
 
 
 def unloaded(seal: Seal) -> SealResult:
     """The nominal seal without any load step, to draw its section."""
     terms = seal.terms()
-    problem = PathProblem(discretize(seal.body, seal.drawn_particles, terms), terms, seal.imposed())
+    problem = PathProblem(
+        discretize(seal.body, seal.nominal_particles, terms), terms, seal.imposed()
+    )
     return SealResult(seal, PathResult(problem, None, [], Status.CONVERGED, 0))
 
 

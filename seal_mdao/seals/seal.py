@@ -48,7 +48,7 @@ class Seal:
 
     Attributes
     ----------
-    drawn_particles : ndarray, shape (n, 2)
+    nominal_particles : ndarray, shape (n, 2)
         X0, mm.
     design_velocity : ndarray, shape (P, n, 2)
         V: how the design parameters (``boundary_offsets``) move the particles.
@@ -86,7 +86,7 @@ class Seal:
         For arrays that do not fit each other, labels that repeat, inputs that no term knows.
     """
 
-    drawn_particles: np.ndarray
+    nominal_particles: np.ndarray
     design_velocity: np.ndarray
     body: Body
     definitions: tuple
@@ -109,14 +109,14 @@ class Seal:
                 raise ValueError(
                     f"{name} must be of class {kind.__name__}, got {type(getattr(self, name)).__name__}"
                 )
-        for name in ("drawn_particles", "design_velocity"):
+        for name in ("nominal_particles", "design_velocity"):
             if not np.isfinite(values.numbers(name, getattr(self, name))).all():
                 raise ValueError(f"{name} must be finite numbers")
         # X_0 (n, 2) and V (P, n, 2) for the n particles of the body
         shape = (self.body.n_particles, 2)
-        if np.shape(self.drawn_particles) != shape:
+        if np.shape(self.nominal_particles) != shape:
             raise ValueError(
-                f"drawn_particles must have shape {shape}, got {np.shape(self.drawn_particles)}"
+                f"nominal_particles must have shape {shape}, got {np.shape(self.nominal_particles)}"
             )
         if np.ndim(self.design_velocity) != 3 or np.shape(self.design_velocity)[1:] != shape:
             raise ValueError(
@@ -137,7 +137,7 @@ class Seal:
     def _complete(self) -> None:
         """Give contacts with open penalties those that follow from the body."""
         elastic, *rest = self.definitions
-        rest = (completed(own, elastic, self.body, self.drawn_particles) for own in rest)
+        rest = (completed(own, elastic, self.body, self.nominal_particles) for own in rest)
         object.__setattr__(self, "definitions", (elastic, *rest))
 
     # ---- scalar parameters ----
@@ -201,7 +201,7 @@ class Seal:
         other.__dict__["description"] = self.description
         return other
 
-    def as_drawn(self) -> "Seal":
+    def nominal(self) -> "Seal":
         """The nominal seal, where places of measures are chosen: its ``inputs`` not changed."""
         rest = {name: own for name, own in self.changed.items() if name not in self.inputs}
         return self if len(rest) == len(self.changed) else self._with_changed(rest)
@@ -245,23 +245,25 @@ class Seal:
             imposed_displacements=None if imposed is None else imposed.with_ends(ends),
         )  # fmt: skip
 
-    def with_rooms(self, rooms: dict) -> "Seal":
-        """The same seal with profiles whose first load step begins farther back (``Motion.room``).
+    def with_clearances(self, clearances: dict) -> "Seal":
+        """The same seal with profiles whose first load step begins farther back (``Motion.clearance``).
 
         Parameters
         ----------
-        rooms : dict of str to ndarray, shape (2,)
+        clearances : dict of str to ndarray, shape (2,)
             Where it begins, from the first waypoint, by the label of the profile, mm.
         """
         other = replace(self, definitions=tuple(
-            replace(own, motion=replace(own.motion, room=rooms[own.label]))
-            if own.label in rooms else own
+            replace(own, motion=replace(own.motion, clearance=clearances[own.label]))
+            if own.label in clearances else own
             for own in self.definitions
         ))  # fmt: skip
         # what was moved back before stays so
-        rooms = {label: np.asarray(room, float).tolist() for label, room in rooms.items()}
-        known = self.description.get("rooms", {})
-        return other._made_as(self, rooms=known | rooms)
+        clearances = {
+            label: np.asarray(clearance, float).tolist() for label, clearance in clearances.items()
+        }
+        known = self.description.get("clearances", {})
+        return other._made_as(self, clearances=known | clearances)
 
     def with_placements(self) -> "Seal":
         """The seal with parameters that place every profile: ``<label>_x``, ``<label>_y`` (mm) and
@@ -329,7 +331,7 @@ class Seal:
         return tuple(known[name] for name in names)
 
     @property
-    def cautions(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
         """What is known to make the results of this seal inaccurate, a line each."""
         return ()
 
@@ -364,7 +366,7 @@ class Seal:
     def moved(self, offsets: np.ndarray) -> np.ndarray:
         """Particles of offsets that have been checked, real or complex, shape (n, 2), mm."""
         # X = X_0 + sum_p b_p V_p
-        return self.drawn_particles + np.tensordot(offsets, self.design_velocity, 1)
+        return self.nominal_particles + np.tensordot(offsets, self.design_velocity, 1)
 
     def check_offsets(self, offsets) -> np.ndarray:
         """Offsets as an array of the right shape; zeros for None."""

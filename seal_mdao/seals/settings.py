@@ -35,8 +35,8 @@ def seal_of(text: str) -> Seal:
     try:
         if settings.get("placements"):
             seal = seal.with_placements()
-        if "rooms" in settings:
-            seal = seal.with_rooms(settings["rooms"])
+        if "clearances" in settings:
+            seal = seal.with_clearances(settings["clearances"])
         return seal.with_parameters(settings.get("parameters", {}))
     except (TypeError, AttributeError) as error:
         raise ValueError(f"the settings are not those of a seal: {error}") from error

@@ -102,7 +102,7 @@ class StructuralResponse(NamedTuple):
 
     history: None = None
     branch: np.ndarray = _NO_BRANCH
-    unsettled: int = 0
+    unconverged: int = 0
 
     def kept(self):
         """Itself."""

@@ -137,7 +137,7 @@ class BodyRates:
 
     body: "LinearizedBody"
     design: BodyDesign
-    held: np.ndarray | None
+    prescribed: np.ndarray | None
     solution: np.ndarray | None = None
 
     def energy(self) -> np.ndarray:
@@ -154,8 +154,8 @@ class BodyRates:
         # E_d d', of free and of imposed components
         free = equations >= 0
         out += gradient.nodal[free] @ self.solution[equations[free]]
-        if self.held is not None:
-            out += gradient.nodal.ravel() @ self.held
+        if self.prescribed is not None:
+            out += gradient.nodal.ravel() @ self.prescribed
         return out
 
 
@@ -177,11 +177,11 @@ class LinearizedBody(LinearizedTerm):
 
     # ---- direct ----
 
-    def rates(self, design, history, held, load) -> BodyRates:
-        if held is not None:
-            nodal = held.reshape(*self.layout.equations.shape, -1)
+    def rates(self, design, history, prescribed, load) -> BodyRates:
+        if prescribed is not None:
+            nodal = prescribed.reshape(*self.layout.equations.shape, -1)
             self._add_change(nodal, self.layout.equations, load)
-        return BodyRates(self, design, held)
+        return BodyRates(self, design, prescribed)
 
     def solved(self, found: BodyRates, solution) -> BodyRates:
         return replace(found, solution=solution)
@@ -200,7 +200,7 @@ class LinearizedBody(LinearizedTerm):
         loads[self.layout.equations[free]] = np.outer(self.energy.nodal[free], taken.energy[which])
         return loads
 
-    def pull_back(self, energy_bar, adjoints, mix, design: BodyDesign, held_bar):
+    def pull_back(self, energy_bar, adjoints, mix, design: BodyDesign, prescribed_bar):
         if energy_bar is not None:
             # E_B, E_w, E_c; E_d of the free components is among the loads
             gradient, used = self.energy, np.flatnonzero(energy_bar)
@@ -208,12 +208,12 @@ class LinearizedBody(LinearizedTerm):
             design.grad[:, used] += np.outer(gradient.grad, energy_bar[used])
             design.weights[..., used] += weights * energy_bar[used]
             design.parameters[:, used] += np.outer(gradient.constants, energy_bar[used])
-            if held_bar is not None:
-                held_bar[:-1] += np.outer(gradient.nodal, energy_bar)
-        if held_bar is not None and len(mix):
+            if prescribed_bar is not None:
+                prescribed_bar[:-1] += np.outer(gradient.nodal, energy_bar)
+        if prescribed_bar is not None and len(mix):
             # K is symmetric
-            change = np.zeros((len(held_bar), len(mix)))
+            change = np.zeros((len(prescribed_bar), len(mix)))
             self._add_change(
                 self.layout.gather(adjoints[:-1]), self.layout.every_component.equations, change
             )
-            held_bar -= change @ mix
+            prescribed_bar -= change @ mix

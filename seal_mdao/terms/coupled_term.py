@@ -47,7 +47,7 @@ class CoupledResponse(NamedTuple):
         Handed on to the next step.
     outputs : ndarray, shape (places, o)
         What measures may take besides the force.
-    unsettled : int
+    unconverged : int
         Points that have not answered with the term's own law yet.
     """
 
@@ -61,7 +61,7 @@ class CoupledResponse(NamedTuple):
     branch: np.ndarray
     history: object
     outputs: np.ndarray
-    unsettled: int = 0
+    unconverged: int = 0
 
     def kept(self):
         """Itself: every answer has arrays of its own."""
@@ -79,11 +79,11 @@ class CoupledTerm(TermAtPoints):
 
     Attributes
     ----------
-    output_places : int
+    output_indices : int
         Rows of ``CoupledResponse.outputs``.
     """
 
-    output_places = 1
+    output_indices = 1
 
     def __init__(self, label, names, where: MaterialPoints, discretization, place: int):
         super().__init__(label, names, where, discretization, place)
@@ -157,14 +157,14 @@ class CoupledTerm(TermAtPoints):
 
     @property
     def output_count(self) -> int:
-        return self.output_places
+        return self.output_indices
 
     @cached_property
     def spaces(self) -> tuple:
         """How the rows and columns of a ``LocalMap`` are laid out."""
         k, h, o = len(self.where), self.history_size, len(self.output_names)
         return (
-            AllPoints(Outputs, ((k, 2), (k, h), (self.output_places, o))),
+            AllPoints(Outputs, ((k, 2), (k, h), (self.output_indices, o))),
             AllPoints(Inputs, ((k, 2), (k, h), (k, 1), (1, len(self.names)), (k, 2))),
         )
 

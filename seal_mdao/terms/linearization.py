@@ -191,13 +191,13 @@ class PassedOn(NamedTuple):
         Their derivatives with the places x of the step's points, G.
     history : ndarray, shape (s, h, c)
         Derivatives of the history passed on with these functions, H.
-    are_places : bool
+    are_indices : bool
         Whether the functions are themselves displacements of single points along unit vectors.
     """
 
     places: np.ndarray
     history: np.ndarray
-    are_places: bool = False
+    are_indices: bool = False
 
     @property
     def count(self) -> int:

@@ -165,12 +165,12 @@ class LinearizedPoints(LinearizedTerm):
 
     # ---- products with rates ----
 
-    def rates(self, design: PointDesign, history, held, load) -> Outputs:
+    def rates(self, design: PointDesign, history, prescribed, load) -> Outputs:
         points, x = self.points, design.x[self.points]
         # x' = X' + B' d, and B d' of imposed displacements
         add_displacement_rates(self.table, points, design.phi, self.step.d, x)
-        if held is not None:
-            add_field(self.table, points, self.layout.every_component.equations, held, x)
+        if prescribed is not None:
+            add_field(self.table, points, self.layout.every_component.equations, prescribed, x)
         # (x', h', w', theta', X') of the law
         self.given = Inputs(
             x, history[points], design.measure[points], design.parameters, design.x[points]
@@ -191,7 +191,7 @@ class LinearizedPoints(LinearizedTerm):
         return self.law @ self.given
 
     def passed(self, found: Outputs, passed: PassedOn, values: np.ndarray) -> Outputs:
-        if passed.are_places:
+        if passed.are_indices:
             # as in ``solved``: h+' = L_h (x' + G z, ...)
             self.given.x[:] += passed.places @ values
             return self.law @ self.given
@@ -236,7 +236,7 @@ class LinearizedPoints(LinearizedTerm):
         # d_bar = B^T x_bar of what is measured
         return self._spread((self.law.T @ seeds).x)
 
-    def pull_back(self, seeds: Outputs, adjoints, mix, design: PointDesignSeeds, held_bar):
+    def pull_back(self, seeds: Outputs, adjoints, mix, design: PointDesignSeeds, prescribed_bar):
         points, table = self.points, self.table
         history_bar = np.zeros((len(self.term.where), *seeds.history.shape[1:]))
         if not points.size:
@@ -254,8 +254,10 @@ class LinearizedPoints(LinearizedTerm):
             table, points, x_bar, self.response.force, self.step.d, adjoints, mix, self.equations,
             design.phi,
         )  # fmt: skip
-        if held_bar is not None:
-            add_transposed(table, points, self.layout.every_component.equations, x_bar, held_bar)
+        if prescribed_bar is not None:
+            add_transposed(
+                table, points, self.layout.every_component.equations, x_bar, prescribed_bar
+            )
         history_bar[points] = taken.history
         return history_bar
 

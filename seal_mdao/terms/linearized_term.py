@@ -32,7 +32,7 @@ class LinearizedTerm:
 
     # ---- direct ----
 
-    def rates(self, design, history, held, load):
+    def rates(self, design, history, prescribed, load):
         """Rates at fixed d of what the term gives, (s', h+', o').
 
         Parameters
@@ -41,7 +41,7 @@ class LinearizedTerm:
             ``Basis.rates``.
         history
             h' of what the step before passed on.
-        held : ndarray, shape (2 n, P), or None
+        prescribed : ndarray, shape (2 n, P), or None
             d' of the imposed displacements.
         load : ndarray, shape (n_equations + 1, P)
             f' is added.
@@ -85,13 +85,13 @@ class LinearizedTerm:
         """What ``taken`` of the measures ``which`` comes to on d, (n_equations + 1, len(which))."""
         raise NotImplementedError
 
-    def pull_back(self, seeds, adjoints, mix, design, held_bar):
+    def pull_back(self, seeds, adjoints, mix, design, prescribed_bar):
         """Add what the step does for the adjoints lambda = adjoints mix to the seeds ``design``.
 
         Parameters
         ----------
         adjoints, mix : ndarray, shapes (n_equations + 1, c), (c, M)
-        held_bar : ndarray, shape (2 n + 1, M), or None
+        prescribed_bar : ndarray, shape (2 n + 1, M), or None
             Added to: seeds on the displacements of all particles.
 
         Returns

@@ -39,7 +39,7 @@ class PointResponse(NamedTuple):
         Handed on to the next step.
     outputs : ndarray, shape (k, o)
         What measures may take besides the force.
-    unsettled : int
+    unconverged : int
         Points that have not answered with the term's own law yet.
     """
 
@@ -49,7 +49,7 @@ class PointResponse(NamedTuple):
     branch: np.ndarray
     history: object
     outputs: np.ndarray
-    unsettled: int = 0
+    unconverged: int = 0
 
     def kept(self):
         """A copy that later assemblies do not overwrite."""
@@ -185,4 +185,4 @@ class PointTerm(TermAtPoints):
         places[np.searchsorted(law.points, points), :, np.arange(points.size)] = directions
         # dh+/dx;  H = (dh+/dx) G
         of_history = law.rows.split(law.matrix[:, :, :2]).history
-        return PassedOn(places, of_history @ places, are_places=True)
+        return PassedOn(places, of_history @ places, are_indices=True)

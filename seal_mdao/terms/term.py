@@ -41,7 +41,7 @@ class Response(Protocol):
         What it hands on to the next step; None for a term without memory.
     branch : ndarray of int
         Which branch of its law every point is on (stick, slip, open); empty where there is one.
-    unsettled : int
+    unconverged : int
         Places at which it has not answered with its own law yet; equilibrium wants none.
     """
 

@@ -81,7 +81,7 @@ def boundary_loops(seal: Seal) -> list[np.ndarray]:
 
 def _correlation(seal, loop, own, length) -> np.ndarray:
     """Compute the correlation of the offsets ``own`` from the distances of their centres on a loop."""
-    x = seal.drawn_particles[loop]
+    x = seal.nominal_particles[loop]
     pieces = np.linalg.norm(np.roll(x, -1, axis=0) - x, axis=1)
     around = pieces.sum()
     # angle of every particle, 2 pi s / l, and weighted circular mean of those that an offset moves

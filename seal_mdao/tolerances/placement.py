@@ -9,15 +9,15 @@ ROOM = 0.5
 """Clearance, mm, with which hardly any sample begins inside a seal."""
 
 
-def with_room(seal: Seal) -> Seal:
+def with_clearance(seal: Seal) -> Seal:
     """Return the seal with profiles that start 0.5 mm farther back along their travel: a clearance for
     boundary errors and turned profiles, the same for all designs of an optimisation."""
-    rooms = {}
+    clearances = {}
     for contact in contacts(seal):
         # backwards along the first increment of the motion
         back = contact.motion.positions[0] - contact.motion.positions[1]
         length = np.hypot(*back)
         # a fixed or turning profile has no direction of travel
         if length:
-            rooms[contact.label] = contact.motion.room + ROOM * back / length
-    return seal.with_rooms(rooms) if rooms else seal
+            clearances[contact.label] = contact.motion.clearance + ROOM * back / length
+    return seal.with_clearances(clearances) if clearances else seal

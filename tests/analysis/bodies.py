@@ -35,13 +35,13 @@ def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1, n_gauss=2):
     i, j = (a.ravel() for a in np.meshgrid(np.arange(n - 1), np.arange(n - 1), indexing="ij"))
     # the first direction is upwards
     cells = np.column_stack([(i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1, i * n + j])
-    held = np.zeros((n * n, 2), bool)
-    held[rim] = fixed == "rim"
+    prescribed = np.zeros((n * n, 2), bool)
+    prescribed[rim] = fixed == "rim"
     radius = np.full(n * n, (2.3 if order == 1 else 3.1) / (n - 1))
     body = Body(
         cells=cells,
         support_radius=radius,
-        fixed=held,
+        fixed=prescribed,
         basis_order=order,
         solver=solver,
         column=column,
@@ -75,12 +75,12 @@ def pieces(rng, kind, void, n=9):
     ends = ends[ends[:, 0] != ends[:, 1]]
     known = set(map(tuple, ends.tolist()))
     outer = np.array([end for end in ends.tolist() if (end[1], end[0]) not in known])
-    held = whole.body.fixed[used]
+    prescribed = whole.body.fixed[used]
     on_square = np.isin(particles, (0.0, 1.0))[outer]
     sides = outer[~(on_square[:, 0] & on_square[:, 1]).any(axis=1)]
     radius = np.full(len(used), 2.3 / (n - 1))
     hidden = hidden_pairs(cells, particles, radius)
-    body = Body(cells=cells, support_radius=radius, fixed=held, hidden=hidden)
+    body = Body(cells=cells, support_radius=radius, fixed=prescribed, hidden_pairs=hidden)
     return discretize(body, particles), sides
 
 

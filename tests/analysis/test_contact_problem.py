@@ -19,10 +19,10 @@ from seal_mdao.seals.door.door_seal import with_options
 
 
 @pytest.fixture(scope="module", params=["accumulated", "incremental"])
-def pressed(request, drawn, drawn_model):
-    """The drawn seal under the corner door, with either friction history."""
+def pressed(request, nominal, drawn_model):
+    """The nominal seal under the corner door, with either friction history."""
     if request.param == "accumulated":
-        return drawn
+        return nominal
     return sm.analyze(with_options(drawn_model, friction_history=request.param))
 
 
@@ -122,10 +122,10 @@ def test_an_evaluation_depends_on_its_arguments_alone_and_changes_no_other(press
                 setattr(first, name, None)
 
 
-def test_newton_is_quadratic_once_the_contact_set_settles(drawn):
+def test_newton_is_quadratic_once_the_contact_set_settles(nominal):
     """Last pair of residuals above rounding in every step: r_{k+1} <= C r_k^2."""
     constants = []
-    for step in drawn.path.steps:
+    for step in nominal.path.steps:
         r = np.array(step.residuals)
         above = np.flatnonzero((r[1:] > 1e-10) & (r[:-1] < 1e-2))
         if above.size:
@@ -137,9 +137,9 @@ def test_newton_is_quadratic_once_the_contact_set_settles(drawn):
     assert np.max(constants) < 200.0
 
 
-def test_predictor_is_second_order_accurate_in_the_step(drawn):
+def test_predictor_is_second_order_accurate_in_the_step(nominal):
     """Its error is quadratic in the motion while the contact states stay."""
-    problem, step = problem_of(drawn), drawn.path.steps[60]
+    problem, step = problem_of(nominal), nominal.path.steps[60]
     factor, options, errors = problem.factorize_at(step), sm.NewtonOptions(1e-12), []
     for share in (0.2, 0.1, 0.05):
         target = step.fraction + share
@@ -153,10 +153,10 @@ def test_predictor_is_second_order_accurate_in_the_step(drawn):
 
 
 @one_blas_thread
-def test_factor_of_a_step_is_that_of_its_converged_tangent(drawn, rng):
+def test_factor_of_a_step_is_that_of_its_converged_tangent(nominal, rng):
     """To the last bit, under the limit of threads under which the path made it."""
-    problem, layout = problem_of(drawn), drawn.path.discretization.layout
-    for step in drawn.path.steps[40::30]:
+    problem, layout = problem_of(nominal), nominal.path.discretization.layout
+    for step in nominal.path.steps[40::30]:
         rhs, again = rng.standard_normal(layout.n_equations), problem.factorize_at(step)
         np.testing.assert_array_equal(step.factor.solve(rhs), again.solve(rhs))
 
@@ -173,7 +173,7 @@ def test_solution_does_not_depend_on_the_linear_solver(tight):
     np.testing.assert_allclose(other.deformed(), band.deformed(), rtol=0.0, atol=1e-9)
 
 
-def test_step_cannot_be_changed(drawn):
+def test_step_cannot_be_changed(nominal):
     with pytest.raises(AttributeError):
-        drawn.path.steps[0].d = None
-    assert replace(drawn.path.steps[0], iterations=3).iterations == 3
+        nominal.path.steps[0].d = None
+    assert replace(nominal.path.steps[0], iterations=3).iterations == 3

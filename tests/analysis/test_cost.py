@@ -9,7 +9,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.analysis import cost
-from seal_mdao.kept_analyses import held_bytes
+from seal_mdao.analysis_cache import held_bytes
 
 
 @pytest.mark.parametrize("changes", [{"n_steps": 10**8}, {"n_steps": 10**9, "rays": 116}])
@@ -98,17 +98,17 @@ def test_estimate_of_the_time(changes):
     assert 0.1 * taken < sm.estimate(seal).seconds < 10.0 * taken
 
 
-def test_estimate_of_what_is_held(drawn):
+def test_estimate_of_what_is_held(nominal):
     """The arrays that stay, between a fifth and all of the estimate, which has the factors too."""
-    memory = sm.estimate(drawn.seal).memory * 2**30
-    assert 0.2 * memory < held_bytes(drawn.path) < 3.0 * memory
+    memory = sm.estimate(nominal.seal).memory * 2**30
+    assert 0.2 * memory < held_bytes(nominal.path) < 3.0 * memory
 
 
 @pytest.mark.parametrize("changes", [{"layers": 6}, {"rays": 116}, {"support": 6.0}])
 def test_finer_clouds_cost_more(changes):
-    fine, drawn = sm.estimate(sm.door_seal(**changes)), sm.estimate(sm.door_seal())
-    assert fine.seconds > 1.3 * drawn.seconds
-    assert fine.memory > 1.3 * drawn.memory
+    fine, nominal = sm.estimate(sm.door_seal(**changes)), sm.estimate(sm.door_seal())
+    assert fine.seconds > 1.3 * nominal.seconds
+    assert fine.memory > 1.3 * nominal.memory
 
 
 def test_estimate_takes_moments():

@@ -88,13 +88,13 @@ def test_the_limit_point_tells_what_is_released(folder):
     assert "releases at least 19 mJ/m" in jump.text
 
 
-def test_a_path_of_equilibria_releases_nothing(drawn, frictionless):
+def test_a_path_of_equilibria_releases_nothing(nominal, frictionless):
     """And costs no step: the bound is never positive, in slip and in stick."""
-    for result in (drawn, frictionless):
+    for result in (nominal, frictionless):
         released, work = energy_bounds(result.path).T
         assert released.max() <= 1e-9 * work.max()
         assert (released < 0.0).sum() > 20
-    assert drawn.step_cuts == 0
+    assert nominal.step_cuts == 0
 
 
 def test_steps_that_the_predictor_meets_cost_nothing(monkeypatch):

@@ -93,11 +93,11 @@ def test_cuts_do_not_change_the_path(rule):
     np.testing.assert_array_equal(contact_states(cut), contact_states(whole))
 
 
-def test_parts_of_a_step_hardly_change_the_path(cut, drawn):
+def test_parts_of_a_step_hardly_change_the_path(cut, nominal):
     """Where they stay: the accumulated rule needs no particular length."""
     parted = sm.analyze(with_options(cut.seal, n_steps=105))
-    np.testing.assert_allclose(parted.reaction, drawn.reaction, rtol=0.0, atol=0.02)
-    np.testing.assert_allclose(parted.deformed(), drawn.deformed(), rtol=0.0, atol=1e-3)
+    np.testing.assert_allclose(parted.reaction, nominal.reaction, rtol=0.0, atol=0.02)
+    np.testing.assert_allclose(parted.deformed(), nominal.deformed(), rtol=0.0, atol=1e-3)
 
 
 def test_callback_sees_every_nominal_step_once_and_in_order():
@@ -108,7 +108,7 @@ def test_callback_sees_every_nominal_step_once_and_in_order():
 
 
 def test_path_that_fails_says_where(buckled):
-    """Frictionless drawn seal: plain Newton ends where it buckles sideways."""
+    """Frictionless nominal seal: plain Newton ends where it buckles sideways."""
     path = buckled.path
     done = len(path.nominal_steps)
     assert not buckled.converged
@@ -160,41 +160,41 @@ def test_without_cuts_the_path_ends_at_the_first_difficult_step(cut):
     assert cut.path.newton_iterations[done] > cut.seal.newton.max_iterations
 
 
-def test_steps_before_touching_move_nothing(drawn):
-    for step in drawn.path.steps[:4]:
+def test_steps_before_touching_move_nothing(nominal):
+    for step in nominal.path.steps[:4]:
         assert not step.d.any()
-        door = drawn.response("door", step)
-        height = options_of(drawn.seal).motion.pose(step.fraction).position
+        door = nominal.response("door", step)
+        height = options_of(nominal.seal).motion.pose(step.fraction).position
         assert not door.total.any()
         assert door.gap.min() == pytest.approx(height[1] - 9.5, abs=1e-12)
 
 
-def test_base_does_not_move_and_contact_points_are_particles(drawn):
+def test_base_does_not_move_and_contact_points_are_particles(nominal):
     """Physical displacements: those that the contact sees, zero where imposed."""
-    model = drawn.seal
+    model = nominal.seal
     for step in (30, 104):
-        displacement = drawn.path.displacement(step)
+        displacement = nominal.path.displacement(step)
         np.testing.assert_allclose(displacement[options_of(model).grid.base], 0.0, atol=1e-14)
         np.testing.assert_allclose(
-            drawn.deformed(step)[options_of(model).grid.free_outer],
-            drawn.path.at_nominal("door")[step].x,
+            nominal.deformed(step)[options_of(model).grid.free_outer],
+            nominal.path.at_nominal("door")[step].x,
             rtol=0.0,
             atol=1e-13,
         )
 
 
-def test_coefficients_are_not_displacements(drawn):
+def test_coefficients_are_not_displacements(nominal):
     """The reproducing kernel does not interpolate; results must go through the shape functions."""
-    assert np.abs(drawn.path.displacement() - drawn.path.steps[-1].d).max() > 1e-2
+    assert np.abs(nominal.path.displacement() - nominal.path.steps[-1].d).max() > 1e-2
 
 
-def test_base_carries_the_door(drawn):
+def test_base_carries_the_door(nominal):
     """Equilibrium of forces and moments between door and base at several depths."""
-    model, structure = drawn.seal, drawn.term("structure")
+    model, structure = nominal.seal, nominal.term("structure")
     for place in (30, 60, 104):
-        step, door = drawn.path.nominal_steps[place], drawn.path.at_nominal("door")[place]
+        step, door = nominal.path.nominal_steps[place], nominal.path.at_nominal("door")[place]
         base = structure.forces(step.d)[options_of(model).grid.base]
-        x = drawn.particles[options_of(model).grid.base]
+        x = nominal.particles[options_of(model).grid.base]
         np.testing.assert_allclose(base.sum(axis=0), door.total, rtol=0.0, atol=1e-8)
         moment = np.sum(x[:, 0] * base[:, 1] - x[:, 1] * base[:, 0])
         y, force = door.x, door.force
@@ -202,7 +202,7 @@ def test_base_carries_the_door(drawn):
         assert moment == pytest.approx(from_door, abs=1e-7)
 
 
-def test_coulomb_limit_holds_at_every_point_of_the_path(drawn, flat):
+def test_coulomb_limit_holds_at_every_point_of_the_path(nominal, flat):
     """|T_t| <= mu |T_n| up to the curvature factor, and equality where the point slips."""
     for step in flat.path.responses("door"):
         normal, tangential = step.force[:, 1], step.force[:, 0]
@@ -210,7 +210,7 @@ def test_coulomb_limit_holds_at_every_point_of_the_path(drawn, flat):
         assert np.all(np.abs(tangential) <= limit + 1e-12)
         slip = step.state == SLIP
         np.testing.assert_allclose(np.abs(tangential[slip]), limit[slip], rtol=1e-10)
-    assert np.all(drawn.contact.force[:, 1] >= 0.0)
+    assert np.all(nominal.contact.force[:, 1] >= 0.0)
 
 
 def test_forces_are_penalty_times_penetration(flat):
@@ -264,8 +264,8 @@ def test_edge_points_integrate_along_the_boundary():
     outer = options_of(model).grid.particle(np.arange(58), 2)
     edges = np.column_stack([outer, np.roll(outer, -1)])
     where = edge_points(edges)
-    lengths, x = where.lengths(model.drawn_particles), where.points.at(model.drawn_particles)
-    ends = model.drawn_particles[edges]
+    lengths, x = where.lengths(model.nominal_particles), where.points.at(model.nominal_particles)
+    ends = model.nominal_particles[edges]
     size = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     assert lengths.sum() == pytest.approx(size.sum(), rel=1e-14)
     cubic = np.sum(lengths * x[:, 0] ** 3)
@@ -284,10 +284,12 @@ def test_dead_load_is_balanced_by_the_base():
         load = DeadLoad("pull", at_top, np.array([0.3 * size, -size]), np.array([0.0, 1.0]))
         terms = elastic_body(options_of(model).material), load
         path = solve_path(
-            PathProblem(discretize(model.body, model.drawn_particles, terms), terms), 1
+            PathProblem(discretize(model.body, model.nominal_particles, terms), terms), 1
         )
-        held = path.problem.term("structure").forces(path.steps[-1].d)[options_of(model).grid.base]
-        np.testing.assert_allclose(held.sum(axis=0), [-0.3 * size, size], rtol=0.0, atol=1e-9)
+        prescribed = path.problem.term("structure").forces(path.steps[-1].d)[
+            options_of(model).grid.base
+        ]
+        np.testing.assert_allclose(prescribed.sum(axis=0), [-0.3 * size, size], rtol=0.0, atol=1e-9)
         tops.append(path.displacement()[top])
     np.testing.assert_allclose(tops[1], 2 * tops[0], rtol=1e-3)
 

@@ -15,7 +15,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.boundary_curve import kinematics, masters, rings
 from seal_mdao.contact.friction import SLIP
-from seal_mdao.contact.kinematics import linearized_places, normal_gaps
+from seal_mdao.contact.kinematics import linearized_indices, normal_gaps
 from seal_mdao.contact.self_mixed import Linearization
 from seal_mdao.geometry.pose import Pose
 from seal_mdao.geometry.profile import circle_profile, flat_profile
@@ -39,9 +39,9 @@ def problem_of(result):
 
 
 def expected(profile, pose, x, *linearized):
-    """What ``linearized_places`` makes of arrays that stay as they are."""
+    """What ``linearized_indices`` makes of arrays that stay as they are."""
     copies = tuple(part.copy() for part in linearized)
-    linearized_places(profile, pose, x, *copies)
+    linearized_indices(profile, pose, x, *copies)
     return copies
 
 
@@ -98,12 +98,12 @@ def test_a_point_far_from_where_it_was_linearised_stays_where_it_is():
 # ---- the linearised swelling ----
 
 
-def test_the_swelling_is_linear_in_the_increment(drawn):
+def test_the_swelling_is_linear_in_the_increment(nominal):
     """(s(u + du) - s(u - du)) / 2 is the linear part: in two dimensions det F has no third."""
-    problem, step = problem_of(drawn), drawn.path.steps[60]
+    problem, step = problem_of(nominal), nominal.path.steps[60]
     structure = problem.term("structure")
     table, raw = structure.cells.raw, problem.discretization.transformation.coefficients
-    before, after = raw(step.d), raw(drawn.path.steps[61].d)
+    before, after = raw(step.d), raw(nominal.path.steps[61].d)
 
     def swelling(d):
         assert structure._assemble(table, d, problem.discretization.layout.scatter[0],
@@ -121,10 +121,10 @@ def test_the_swelling_is_linear_in_the_increment(drawn):
 # ---- the iterations ----
 
 
-def test_at_equilibrium_they_are_newtons(drawn):
+def test_at_equilibrium_they_are_newtons(nominal):
     """Where the increment is zero forces and tangent are those of Newton's method."""
-    problem = problem_of(drawn)
-    for step in drawn.path.steps[30::25]:
+    problem = problem_of(nominal)
+    for step in nominal.path.steps[30::25]:
         plain, start = problem.assemble_at(step), problem.begin_mixed(step, step.fraction)
         mixed = problem.evaluate(step.d, step.fraction, step.before, start, mixed=True)
         scale = np.abs(plain.values).max()
@@ -132,11 +132,11 @@ def test_at_equilibrium_they_are_newtons(drawn):
         np.testing.assert_allclose(mixed.residual, plain.residual, rtol=0.0, atol=1e-9)
 
 
-def test_they_find_the_equilibrium_that_newton_finds(drawn):
-    problem = problem_of(drawn)
-    for before, step in zip(drawn.path.steps[40::20], drawn.path.steps[41::20], strict=False):
+def test_they_find_the_equilibrium_that_newton_finds(nominal):
+    problem = problem_of(nominal)
+    for before, step in zip(nominal.path.steps[40::20], nominal.path.steps[41::20], strict=False):
         increment = Increment(
-            problem, step.fraction, before.after, drawn.seal.newton, before,
+            problem, step.fraction, before.after, nominal.seal.newton, before,
             problem.factorize_at(before),
         )  # fmt: skip
         guess = predict(increment)[0]
@@ -231,9 +231,9 @@ def test_at_equilibrium_they_are_newtons_after_the_first_with_self_contact(folde
     for step in touching[::4]:
         plain, start = problem.assemble_at(step), problem.begin_mixed(step, step.fraction)
         first = problem.evaluate(step.d, step.fraction, step.before, start, mixed=True)
-        assert first.unsettled > 0
+        assert first.unconverged > 0
         mixed = problem.evaluate(step.d, step.fraction, step.before, first.iteration, mixed=True)
-        assert mixed.unsettled == 0
+        assert mixed.unconverged == 0
         scale = np.abs(plain.values).max()
         np.testing.assert_allclose(mixed.values, plain.values, rtol=0.0, atol=1e-11 * scale)
         np.testing.assert_allclose(mixed.residual, plain.residual, rtol=0.0, atol=1e-9)

@@ -70,7 +70,7 @@ def test_triangles_and_voids_pass_the_patch_test(rng, kind, void):
     problem = PathProblem(disc, (elastic_body(RUBBER), load), ImposedDisplacements(ramp * field))
     path = solve_path(problem, 1, sm.NewtonOptions(1e-13))
     assert path.converged
-    assert (void != "none") == (body.hidden.size > 0)
+    assert (void != "none") == (body.hidden_pairs.size > 0)
     assert (void == "none") == (sides.size == 0)
     np.testing.assert_allclose(path.displacement(), field, rtol=0.0, atol=1e-10)
 

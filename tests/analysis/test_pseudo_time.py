@@ -134,10 +134,10 @@ def test_damped_motion_tells_how_far_it_is(model):
     assert watch.seen[-1][1] < 1e-8
 
 
-def test_body_that_nothing_holds_moves_off(drawn):
+def test_body_that_nothing_holds_moves_off(nominal):
     """From a place farther away than any seal goes."""
-    problem = PathProblem(drawn.path.discretization, drawn.seal.terms())
-    away = np.full_like(drawn.particles, 1000.0)
-    found = relax(Increment(problem, 1.0, problem.no_history(), drawn.seal.newton), away)
+    problem = PathProblem(nominal.path.discretization, nominal.seal.terms())
+    away = np.full_like(nominal.particles, 1000.0)
+    found = relax(Increment(problem, 1.0, problem.no_history(), nominal.seal.newton), away)
     assert found.status is Status.MOVED_OFF
-    assert "carries the body off" in ending(found.status, drawn.seal.newton)
+    assert "carries the body off" in ending(found.status, nominal.seal.newton)

@@ -25,7 +25,7 @@ class Case:
     parameters : int
         One of ``CONTROL_VALUES``.
     start : int
-        0 for the drawn seal, else the seed of a random start.
+        0 for the nominal seal, else the seed of a random start.
     start_size : float
         Largest offset and change of the radius of a random start, mm.
     flags : tuple of str
@@ -66,10 +66,10 @@ class Case:
     def design(self, seal: sm.Seal) -> tuple[np.ndarray, float]:
         """Offsets and door radius of the start."""
         if self.start == 0:
-            return np.zeros(seal.n_offsets), options_of(seal).drawn_door_radius
+            return np.zeros(seal.n_offsets), options_of(seal).nominal_door_radius
         size = self.start_size
         change = np.random.default_rng(self.start).uniform(-size, size, seal.n_offsets + 1)
-        return change[:-1], options_of(seal).drawn_door_radius + change[-1]
+        return change[:-1], options_of(seal).nominal_door_radius + change[-1]
 
 
 FACTORS = {
@@ -110,7 +110,7 @@ def drawn_cases(count: int = DRAWN, seed: int = DRAWN_SEED) -> list[Case]:
 
     Friction evenly from 0.1 to 0.5 and ``corner_x`` from 0 to 4 mm, both to two decimals; one of the
     ``CONTROL_VALUES``; either history; the exact door or, as likely, 8 to 64 segments; a random start
-    within 0.3 mm with a seed from 1 to 9999 in three cases of four, else the drawn seal; each of the
+    within 0.3 mm with a seed from 1 to 9999 in three cases of four, else the nominal seal; each of the
     ``FLAGS`` in one case of five.
     """
     rng = np.random.default_rng(seed)

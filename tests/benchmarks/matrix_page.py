@@ -21,7 +21,7 @@ A run has converged when the optimiser reports success, the optimality condition
 (largest entry of the scaled Lagrangian's gradient, KKT in the tables, measured in the same way for
 all by {{py:class}}`~seal_mdao.drivers.optimality.Optimality`) and the limits to {violation:g}.
 These tolerances, the seed of the drawn cases and their rule were set down before the first run, and
-each case is run once. Costs are shares of that of the drawn seal. They cannot fall below zero, so a
+each case is run once. Costs are shares of that of the nominal seal. They cannot fall below zero, so a
 run leaves at most its cost to be gained. The gap is the largest one between the first and the last
 contact, wherever it opens.
 
@@ -29,7 +29,7 @@ contact, wherever it opens.
 FACTORS_TEXT = """## The paper's case, single changes, combinations
 
 `corner_x` 0, 2, 4 mm; friction 0.15, 0.25, 0.4; 26 parameters, or 10 of a symmetric section; both
-friction histories; exact door and 32 segments; the drawn seal and three random starts within 0.2
+friction histories; exact door and 32 segments; the nominal seal and three random starts within 0.2
 mm.
 
 """
@@ -45,25 +45,27 @@ def converged(row: dict) -> bool:
     return bool(row["success"]) and row["optimality"] <= KKT and row["violation"] <= VIOLATION
 
 
-def page(table: list[dict], drawn: set[str]) -> str:
+def page(table: list[dict], nominal: set[str]) -> str:
     """The page as markdown.
 
     Parameters
     ----------
     table : list of dict
         The runs, as ``optimization_matrix.py`` records them.
-    drawn : set of str
+    nominal : set of str
         Names of the drawn cases.
     """
     kinds = (
-        (FACTORS_TEXT, [row for row in table if row["case"] not in drawn]),
+        (FACTORS_TEXT, [row for row in table if row["case"] not in nominal]),
         (
             DRAWN_TEXT.format(seed=DRAWN_SEED, rule=_rule()),
-            [row for row in table if row["case"] in drawn],
+            [row for row in table if row["case"] in nominal],
         ),
     )
-    run = len({row["case"] for row in table} & drawn)
-    text = HEAD.format(run=run, drawn=len(drawn), kkt=KKT, violation=VIOLATION) + _summary(table)
+    run = len({row["case"] for row in table} & nominal)
+    text = HEAD.format(run=run, nominal=len(nominal), kkt=KKT, violation=VIOLATION) + _summary(
+        table
+    )
     text += "".join(head + markdown(rows) + "\n" for head, rows in kinds if rows)
     return text + _failures(table) + _versions(table)
 

@@ -15,9 +15,9 @@ from matrix_page import KKT, VIOLATION, converged, page
 from tqdm import tqdm
 
 import seal_mdao as sm
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.door_optimization import DoorProblem, door_task
 from seal_mdao.drivers.optimality import measure_optimality
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import (
     OBJECTIVE_REF,
     OPTIMIZERS,
@@ -110,8 +110,8 @@ def solve_case(entry: tuple[Case, str], n_steps: int) -> dict:
 
 
 def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
-    """Run a driver on a case, and measure its last point; ``cost`` is over that of the drawn seal."""
-    seal, kept = case.seal(n_steps=n_steps), KeptAnalyses()
+    """Run a driver on a case, and measure its last point; ``cost`` is over that of the nominal seal."""
+    seal, kept = case.seal(n_steps=n_steps), AnalysisCache()
     run = RunOptions(driver, kept=kept, work_dir=folder)
     task = door_task(run.analyze(seal), DoorProblem(**case.settings()))
     problem = optimization_problem(task, run)
@@ -137,8 +137,8 @@ def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
 
 def write_page(path: Path, table: list[dict]) -> None:
     """The page about the runs that there are."""
-    drawn = {case.name for case in drawn_cases()}
-    path.write_text(page(table, drawn), encoding="utf-8")
+    nominal = {case.name for case in drawn_cases()}
+    path.write_text(page(table, nominal), encoding="utf-8")
     print(f"wrote {path}")
 
 

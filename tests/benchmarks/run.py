@@ -79,7 +79,7 @@ def kernel_times(seal):
 
 
 def analysis_figures(seal):
-    """Analysis and sensitivities of the drawn seal: absolute times (ms) and ratios."""
+    """Analysis and sensitivities of the nominal seal: absolute times (ms) and ratios."""
     parts = kernel_times(seal)
     dense = dense_reference(parts["n_equations"])
     analysis = best(lambda: sm.analyze(seal), 7)
@@ -125,9 +125,9 @@ def openmdao_figures(seal):
 
 
 def problem_of(seal):
-    """The drawn seal with its terms."""
+    """The nominal seal with its terms."""
     terms = seal.terms()
-    return PathProblem(discretize(seal.body, seal.drawn_particles, terms), terms)
+    return PathProblem(discretize(seal.body, seal.nominal_particles, terms), terms)
 
 
 def pressed_steps(seal):
@@ -204,7 +204,7 @@ def shares(largest):
         repeats = 3 if rays * layers < 5000 else 1
         analysis = best(lambda seal=seal: sm.analyze(seal), repeats)
         result = sm.analyze(seal, keep_factors=True)
-        _ = result.measures()  # their places once for a seal, with an analysis of the drawn seal
+        _ = result.measures()  # their places once for a seal, with an analysis of the nominal seal
         for method in ("direct", "adjoint"):
             time_of = best(lambda r=result, m=method: sm.differentiate(r, method=m), repeats)
             rows[f"{method} / analysis, {rays} x {layers} particles"] = time_of / analysis
@@ -271,7 +271,7 @@ def main(argv=None):
     seal = sm.door_seal()
     with threadpool_limits(1):
         figures = {
-            "drawn seal, 174 particles": analysis_figures(seal),
+            "nominal seal, 174 particles": analysis_figures(seal),
             "through OpenMDAO": openmdao_figures(seal),
             **{f"growth, {s}": growth(arguments.largest, s) for s in sparse_solvers()},
             "sensitivities of 8 steps": shares(arguments.largest),

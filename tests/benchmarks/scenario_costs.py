@@ -19,7 +19,7 @@ from seal_mdao.scenarios.running import Point, run_scenarios
 from seal_mdao.scenarios.task import Outcome, SealTask
 from seal_mdao.seals.result import frozen_measures
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
-from seal_mdao.tolerances.placement import with_room
+from seal_mdao.tolerances.placement import with_clearance
 
 COUNTS, WORKERS, EMPTY = (4, 8, 16, 32), (0, 1, 2), 1000
 MEASURES = ("gap_square_integral", "reaction", "patch_pressure", "stress_norm")
@@ -56,7 +56,7 @@ class Measured:
 
 
 def main(out: Path, n_steps: int) -> None:
-    seal, tolerances = with_room(sm.door_seal(n_steps=n_steps)), read_tolerances(OF_THE_DOOR)
+    seal, tolerances = with_clearance(sm.door_seal(n_steps=n_steps)), read_tolerances(OF_THE_DOOR)
     varied = [name for own in tolerances.variations for name in own.parameters]
     names = tuple(dict.fromkeys((*seal.inputs, *varied)))
     task = SealTask(seal, frozen_measures(seal, MEASURES), names, derivatives=True)

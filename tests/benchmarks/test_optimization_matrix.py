@@ -83,7 +83,7 @@ def test_matrix_goes_on_where_it_stopped(tmp_path, run_script):
 
 @pytest.mark.long
 def test_runs_come_from_the_workers_and_one_that_fails_is_named(monkeypatch):
-    """Without friction the drawn seal sways and has no gap to close: the row says so."""
+    """Without friction the nominal seal sways and has no gap to close: the row says so."""
     monkeypatch.setattr(optimization_matrix, "compile_kernels", lambda: None)
     slippery = [cases.Case(friction=0.0, segments=segments) for segments in (None, 32)]
     entries = [(case, next(iter(OPTIMIZERS))) for case in slippery]
@@ -93,7 +93,7 @@ def test_runs_come_from_the_workers_and_one_that_fails_is_named(monkeypatch):
     for row in rows:
         assert row["success"] is None
         assert row["message"].startswith(
-            "ValueError: no contact point of the drawn seal stands open"
+            "ValueError: no contact point of the nominal seal stands open"
         )
 
 
@@ -115,22 +115,22 @@ def test_convergence_is_measured_not_believed(changes):
 
 
 def test_page_lists_all_cases_and_every_failure():
-    drawn = cases.drawn_cases()[0].name
+    nominal = cases.drawn_cases()[0].name
     nothing = dict.fromkeys(("success", "iterations", "analyses", "cost"))
     table = [
         made_row("paper", "A"), made_row("paper", "B", iterations=None, analyses=30),
-        made_row(drawn, "A", optimality=5e-3, message="no\nprogress"),
-        made_row(drawn, "B", **nothing, message="LoadPathError: cut"),
+        made_row(nominal, "A", optimality=5e-3, message="no\nprogress"),
+        made_row(nominal, "B", **nothing, message="LoadPathError: cut"),
     ]  # fmt: skip
-    text = matrix_page.page(table, {drawn})
+    text = matrix_page.page(table, {nominal})
     first, second = text.split("## Drawn cases")
     good = "8 iterations, 10 analyses, 0.0020 %, KKT 4e-04"
     assert f"| paper | {good} | 30 analyses, 0.0020 %, KKT 4e-04 |" in first
     assert "A converged in 1 of 2 cases, with 10 analyses in the median and 10 at most" in first
-    assert f"| {drawn} | **failed**: 8 iterations" in second
+    assert f"| {nominal} | **failed**: 8 iterations" in second
     assert str(cases.DRAWN_SEED) in second
-    assert f"- A, {drawn}: KKT 5.0e-03, violation 0.0e+00; no progress" in second
-    assert f"- B, {drawn}: LoadPathError: cut" in second
+    assert f"- A, {nominal}: KKT 5.0e-03, violation 0.0e+00; no progress" in second
+    assert f"- B, {nominal}: LoadPathError: cut" in second
     assert second.endswith("Made with scipy 1.17.\n")
 
 

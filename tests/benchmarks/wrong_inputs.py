@@ -24,9 +24,9 @@ SEAL = {
     "inner_parameters": (3, 10**7, 4.5), "support": (0.0, 0.5, 1e300, np.nan, TEXT),
     "friction": (*NUMBERS, Fraction(1, 4), 11.0), "corner_x": (np.nan, 1e300, -51.0, -20.0, HUGE, TEXT),
     "normal_penalty": (*NUMBERS, 0.0, 20.0, 100.0, 1e12), "tangent_penalty": (0.0, 1e-300, 1e30, TEXT),
-    "drawn_door_radius": (0.0, 1e-300, 0.1, 0.5, 1.0, 120.0, TEXT), "door_radius": (0.0, np.nan, TEXT),
+    "nominal_door_radius": (0.0, 1e-300, 0.1, 0.5, 1.0, 120.0, TEXT), "door_radius": (0.0, np.nan, TEXT),
     "door_shift": (np.nan, 51.0, TEXT), "door_angle": (np.inf, 31.0, None),
-    "room": (np.nan, -0.1, 1e300, TEXT, None), "step_ends": (0.5, (0.5, 1.0), TEXT),
+    "clearance": (np.nan, -0.1, 1e300, TEXT, None), "step_ends": (0.5, (0.5, 1.0), TEXT),
     "start": (9.5, -1.0, 1e300, np.nan, TEXT),
     "depth": (*NUMBERS, 0.0, 1e-12, 1e-9, 14.6, 16.0, 18.0, 19.0),
     "symmetric": ("no", 1, LIST, None), "door": ("round", np.array("corner"), None, 1),
@@ -146,7 +146,9 @@ def _of_openmdao() -> list[tuple]:
         for name, values in table.items()
         for value in values
     ]
-    found += [(f"KeptAnalyses({_shown(m)})", partial(_made, sm.KeptAnalyses, m)) for m in MEMORIES]
+    found += [
+        (f"AnalysisCache({_shown(m)})", partial(_made, sm.AnalysisCache, m)) for m in MEMORIES
+    ]
     return found + [
         (f"Reaction(travels={_shown(travels)})", partial(_group, "measures", travels))
         for travels in TRAVELS

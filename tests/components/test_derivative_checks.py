@@ -20,7 +20,7 @@ def made(system, complex_step=True, mode="auto"):
 
 def test_check_partials_with_its_defaults_is_quick_and_right(short):
     """Along random directions: four analyses for two inputs, none marked."""
-    kept = sm.KeptAnalyses()
+    kept = sm.AnalysisCache()
     problem = made(sm.SealGroup(seal=short, kept=kept))
     problem.set_val("boundary_offsets", OFFSETS)
     problem.run_model()

@@ -65,7 +65,7 @@ def test_outputs_of_a_failed_design_are_nan(short, problem):
         made.run_model()
     for name in ("von_mises", "gap", "gap_square_sum", "reaction"):
         assert np.isnan(made.get_val(name)).all()
-    made.set_val("particles", short.drawn_particles)
+    made.set_val("particles", short.nominal_particles)
     made.run_model()
     assert np.isfinite(made.get_val("von_mises")).all()
     assert np.isfinite(
@@ -87,7 +87,7 @@ def test_partials_of_a_failed_design_that_was_not_run_are_an_error(short, proble
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_particles_from_upstream_that_are_no_numbers_are_a_failed_analysis(short, problem, value):
     made = problem(RkpmContactComp(seal=short))
-    particles = short.drawn_particles.copy()
+    particles = short.nominal_particles.copy()
     particles[3, 1] = value
     made.set_val("particles", particles)
     with pytest.raises(om.AnalysisError, match=r"not admissible: particles\[3\]"):

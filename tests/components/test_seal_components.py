@@ -65,9 +65,9 @@ def test_units_are_converted(problem, short):
 def test_nothing_set_is_the_drawn_seal(problem, short):
     made = problem(sm.SealGroup(seal=short))
     made.run_model()
-    drawn = sm.analyze(short)
+    nominal = sm.analyze(short)
     np.testing.assert_array_equal(made.get_val("boundary_offsets"), 0.0)
-    np.testing.assert_array_equal(made.get_val("von_mises"), drawn.von_mises)
+    np.testing.assert_array_equal(made.get_val("von_mises"), nominal.von_mises)
     assert made.get_val("door_radius")[0] == short.scalars["door_radius"].value
 
 
@@ -269,11 +269,11 @@ def test_two_problems_do_not_disturb_each_other(problem, short):
 
 
 def test_path_that_cannot_be_completed_is_an_analysis_error(problem, short):
-    """The drawn seal passes with five iterations a step and no cut; a distorted design does not."""
+    """The nominal seal passes with five iterations a step and no cut; a distorted design does not."""
     newton = sm.NewtonOptions(max_iterations=5, max_cuts=0, damped_iterations=0)
     made = problem(sm.SealGroup(seal=with_options(short, newton=newton)))
     made.run_model()
-    drawn = outputs(made)
+    nominal = outputs(made)
     made.set_val("boundary_offsets", 3.0 * OFFSETS)
     with pytest.raises(om.AnalysisError) as error:
         made.run_model()
@@ -282,7 +282,7 @@ def test_path_that_cannot_be_completed_is_an_analysis_error(problem, short):
     # and the problem is usable afterwards
     made.set_val("boundary_offsets", np.zeros(25))
     made.run_model()
-    same_bits(drawn, outputs(made))
+    same_bits(nominal, outputs(made))
 
 
 def test_folded_section_is_an_analysis_error(problem, short):

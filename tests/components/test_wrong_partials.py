@@ -77,7 +77,7 @@ def check_finds_errors(problem, name, monkeypatch, rng):
 def seal_problem(short):
     """With its analyses kept: a check along the same directions repeats none."""
     offsets = np.random.default_rng(1).uniform(-0.15, 0.15, 25)
-    group = sm.SealGroup(seal=short, kept=sm.KeptAnalyses(), parameters=("c10", "friction"))
+    group = sm.SealGroup(seal=short, kept=sm.AnalysisCache(), parameters=("c10", "friction"))
     return set_up(group, boundary_offsets=offsets)
 
 
@@ -91,7 +91,7 @@ def test_errors_that_cancel_along_a_translation(first, second, short, seal_probl
     """+50 and -50 in two columns of d reaction / d particles, in one direction and in two."""
     partials = CountedPartials(seal_problem.model.seal.contact)
     monkeypatch.setattr(seal_problem.model.seal.contact, "compute_partials", partials)
-    error = np.zeros((2, 2 * len(short.drawn_particles)))
+    error = np.zeros((2, 2 * len(short.nominal_particles)))
     error[1, [first, second]] = 50.0, -50.0
     partials.error = ("reaction", "particles"), error
     with pytest.raises(ValueError, match="reaction wrt particles"):

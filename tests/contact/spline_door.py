@@ -36,7 +36,7 @@ class SplineDoor:
 
 
 def under_spline(count):
-    """The drawn seal under the spline door, 40 steps."""
+    """The nominal seal under the spline door, 40 steps."""
     door_seal = sm.door_seal(n_steps=40)
     rubber, door = door_seal.terms()
     radius = door.shape.door_radius
@@ -52,6 +52,6 @@ def under_corner():
 
 def assembled(door_seal, terms):
     return sm.Seal(
-        door_seal.drawn_particles, door_seal.design_velocity, door_seal.body, terms,
+        door_seal.nominal_particles, door_seal.design_velocity, door_seal.body, terms,
         door_seal.n_steps, (Reaction(terms[1].label),), newton=sm.NewtonOptions(tolerance=1e-11),
     )  # fmt: skip

@@ -47,7 +47,7 @@ def ring_body(rays, half=False, solver="auto"):
         }
     cells = np.column_stack([c.ravel() for c in corners])
     radius = np.full(at.size, 2.2 * max(2.0 * np.pi * OUTER / rays, (OUTER - INNER) / (LAYERS - 1)))
-    return Body(cells, radius, fixed, edges, drawn=places, solver=solver)
+    return Body(cells, radius, fixed, edges, nominal=places, solver=solver)
 
 
 def _flat(label, body, edge, places, up, penalty=PENALTY):
@@ -67,7 +67,7 @@ def ring(
     """``kind``: "half", "lines" or "itself". Design: wall from the inside, its top and bottom alone."""
     half = kind == "half"
     body = ring_body(rays, half, solver)
-    places = body.drawn
+    places = body.nominal
     radius = np.hypot(*places.T)[:, None]
     share, y = (OUTER - radius) / (OUTER - INNER), places[:, 1] / OUTER
     velocity = np.stack([-share * places / radius, -share * places / radius * (y**4)[:, None]])
@@ -93,4 +93,4 @@ def itself(body, friction, turned=False):
     hole = np.roll(hole, len(hole) // 2 + 3) if turned else hole
     touching = np.isin(hole, np.concatenate([body.edge(n).particles for n in ("upper", "lower")]))
     law = ContactLaw(0.5 * PENALTY, 0.05 * PENALTY, friction, True)
-    return SelfContact("hole", (hole,), touching, body.drawn, law, apart=6.0)
+    return SelfContact("hole", (hole,), touching, body.nominal, law, apart=6.0)

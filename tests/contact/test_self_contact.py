@@ -243,7 +243,7 @@ def test_a_section_that_overlaps_itself_is_refused():
     body = ring_body(32)
     contact = itself(body, 0.0)
     seal = ring("itself", rays=32)
-    particles = seal.drawn_particles.copy()
+    particles = seal.nominal_particles.copy()
     particles[contact.loops[0], 1] *= -0.02
     term = sm.analyze(ring("itself", rays=32, depth=0.05, steps=1)).term("hole")
     response = term.respond(particles[contact.loops[0]], 0.0, term.no_history())
@@ -263,7 +263,7 @@ def test_a_section_that_overlaps_itself_is_refused():
 def test_a_bad_contact_is_refused(changed, words):
     good = {
         "label": "hole", "loops": (np.arange(20),), "touching": np.ones(20, bool),
-        "drawn": np.zeros((20, 2)), "law": ContactLaw(1.0, 1.0, 0.0, True), "apart": 1.0,
+        "nominal": np.zeros((20, 2)), "law": ContactLaw(1.0, 1.0, 0.0, True), "apart": 1.0,
     }  # fmt: skip
     with pytest.raises(ValueError, match=words):
         SelfContact(**{**good, **changed})

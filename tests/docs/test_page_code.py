@@ -58,7 +58,7 @@ def test_quick_start(run_page, capsys):
     printed = re.search(r"squared gaps: (\S+) % of its start", capsys.readouterr().out)
     assert float(printed[1]) == pytest.approx(100 * ratio, rel=0.06)
     assert options_of(others["flat"]).door == "flat"
-    assert others["fine"].drawn_particles.shape == (116 * 5, 2)
+    assert others["fine"].nominal_particles.shape == (116 * 5, 2)
     assert options_of(others["paper"]).segments == 32
 
 
@@ -150,6 +150,6 @@ def test_own_openmdao_model(run_page):
     assert [case.name[-1] for case in names["good"]] == ["0", "2"]
     assert names["fit"].get_val("c10")[0] == pytest.approx(90.0, rel=1e-5)
     assert names["fit"].get_val("friction")[0] == pytest.approx(0.3, rel=1e-5)
-    drawn = sm.differentiate(sm.analyze(seal), ("door_radius",)).gap_square_sum[-1]
+    nominal = sm.differentiate(sm.analyze(seal), ("door_radius",)).gap_square_sum[-1]
     through = names["through"]["gap_square_sum", "door_radius"][0, 0]
-    assert through == pytest.approx(drawn, rel=1e-9)
+    assert through == pytest.approx(nominal, rel=1e-9)

@@ -7,7 +7,7 @@ import pytest
 import seal_mdao as sm
 
 RADIUS, AIM = 4.0, 0.6
-"""Of the drawn door, mm, and the part of the way to radius zero at which the optimum lies."""
+"""Of the nominal door, mm, and the part of the way to radius zero at which the optimum lies."""
 
 DRIVERS = {
     "uno": lambda: sm.UnoDriver(trust_radius=10.0),

@@ -48,8 +48,8 @@ def body(numbers):
     return Body(cells, np.full(numbers.size, 1.3), fixed, edges)
 
 
-def terms(drawn, block):
-    right = drawn[block.cells].mean(axis=1)[:, 0] > 0.0
+def terms(nominal, block):
+    right = nominal[block.cells].mean(axis=1)[:, 0] > 0.0
     rubber = Region(MooneyRivlin(), np.flatnonzero(~right), "hard_")
     softer = Region(Ogden((60.0, -10.0), (2.5, -2.0)), np.flatnonzero(right), "soft_")
     stages = [
@@ -64,22 +64,22 @@ def terms(drawn, block):
     return ElasticBody((rubber, softer)), roll, pull
 
 
-def moving_base(drawn, base):
+def moving_base(nominal, base):
     """The base sheared and tilted along the path; both are parameters."""
-    ramp, rates = np.linspace(0.0, 1.0, STEPS + 1), np.zeros((2, STEPS + 1, len(drawn), 2))
+    ramp, rates = np.linspace(0.0, 1.0, STEPS + 1), np.zeros((2, STEPS + 1, len(nominal), 2))
     rates[0][:, base, 0] = 0.03 * ramp[:, None]
-    rates[1][:, base, 1] = 0.02 * ramp[:, None] * drawn[base, 0]
+    rates[1][:, base, 1] = 0.02 * ramp[:, None] * nominal[base, 0]
     return ImposedDisplacements(0.5 * rates[0] + rates[1], ("shear", "tilt"), rates)
 
 
 def block_seal():
     """The block with three design parameters."""
-    drawn, numbers = particles(), np.arange(COLUMNS * ROWS).reshape(ROWS, COLUMNS)
-    block, (x, y) = body(numbers), drawn.T
-    velocity = np.zeros((3, len(drawn), 2))
+    nominal, numbers = particles(), np.arange(COLUMNS * ROWS).reshape(ROWS, COLUMNS)
+    block, (x, y) = body(numbers), nominal.T
+    velocity = np.zeros((3, len(nominal), 2))
     velocity[0, :, 1], velocity[2, :, 1] = y / 2 * np.exp(-(x**2)), y / 2 * np.sin(x)
     velocity[1, :, 0] = x * y / 6
     return Seal(
-        drawn, velocity, block, terms(drawn, block), STEPS,
-        imposed_displacements=moving_base(drawn, numbers[0]),
+        nominal, velocity, block, terms(nominal, block), STEPS,
+        imposed_displacements=moving_base(nominal, numbers[0]),
     )  # fmt: skip

@@ -63,15 +63,15 @@ def analyzed(seal, design):
     "parameter",
     [0, *(pytest.param(p, marks=pytest.mark.long) for p in (10, 25))],
 )
-def test_drawn_seal(drawn, parameter):
+def test_drawn_seal(nominal, parameter):
     """An outer and an inner offset and the door's radius, each for itself; full length."""
-    check_along(drawn, np.eye(26)[parameter])
+    check_along(nominal, np.eye(26)[parameter])
 
 
 @pytest.mark.long
-def test_drawn_seal_where_the_touch_step_changes(drawn):
+def test_drawn_seal_where_the_touch_step_changes(nominal):
     """The top touches exactly at the end of step 5: one-sided, where the sequence is kept."""
-    check_along(drawn, np.eye(26)[6], stencil=BACKWARD)
+    check_along(nominal, np.eye(26)[6], stencil=BACKWARD)
 
 
 def test_seal_far_from_the_drawn_one(drawn_model):

@@ -30,8 +30,8 @@ def compare(result, tolerance=1e-9):
     return direct
 
 
-def test_drawn_seal(drawn):
-    compare(drawn)
+def test_drawn_seal(nominal):
+    compare(nominal)
 
 
 def test_random_design(random_design):
@@ -77,9 +77,9 @@ def test_variants_of_the_model(variant, tight, random_offsets):
     compare(result)
 
 
-def test_automatic_choice_takes_fewer_right_hand_sides(drawn):
+def test_automatic_choice_takes_fewer_right_hand_sides(nominal):
     """26 parameters against 7 stresses, 7 gaps and 2 reactions: adjoint, bit for bit."""
-    automatic = sm.differentiate(drawn)
-    adjoint = sm.differentiate(drawn, method="adjoint")
+    automatic = sm.differentiate(nominal)
+    adjoint = sm.differentiate(nominal, method="adjoint")
     np.testing.assert_array_equal(automatic.von_mises, adjoint.von_mises)
     np.testing.assert_array_equal(automatic.gap, adjoint.gap)

@@ -38,20 +38,20 @@ def test_the_measures_of_always_do_not_change_with_the_further_ones(random_desig
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-11 * np.abs(expected).max())
 
 
-def test_values_of_the_drawn_seal(drawn):
+def test_values_of_the_drawn_seal(nominal):
     """The norm bounds the stress, the patches press, the curve ends at the reaction."""
-    stress = drawn.stress_field().max()
-    assert stress <= measured(drawn, "stress_norm")[0] <= 1.1 * stress
-    left, right = measured(drawn, "patch_pressure")
-    deepest = 1e4 * drawn.max_penetration
+    stress = nominal.stress_field().max()
+    assert stress <= measured(nominal, "stress_norm")[0] <= 1.1 * stress
+    left, right = measured(nominal, "patch_pressure")
+    deepest = 1e4 * nominal.max_penetration
     assert 0.5 * deepest < max(left, right) <= deepest
     assert min(left, right) > 5.0
-    curve = measured(drawn, "reaction_curve")
-    assert drawn.measure("reaction_curve").travels == (2.0, 4.0, 6.0, 8.0, 10.0)
-    assert curve[-1] == drawn.reaction[-1, 1]
+    curve = measured(nominal, "reaction_curve")
+    assert nominal.measure("reaction_curve").travels == (2.0, 4.0, 6.0, 8.0, 10.0)
+    assert curve[-1] == nominal.reaction[-1, 1]
     # seven points 0.99 mm apart: their sum is the trapezoidal rule
-    assert measured(drawn, "gap_square_integral")[0] == pytest.approx(
-        drawn.gap_square_sum, rel=0.05
+    assert measured(nominal, "gap_square_integral")[0] == pytest.approx(
+        nominal.gap_square_sum, rel=0.05
     )
 
 
@@ -74,9 +74,9 @@ def test_totals_of_the_group(mode, tmp_path):
         )
 
 
-def test_unknown_repeated_and_empty_measures_are_refused(drawn):
+def test_unknown_repeated_and_empty_measures_are_refused(nominal):
     with pytest.raises(ValueError, match="stress_nrom"):
-        sm.differentiate(drawn, measures=("stress_nrom",))
+        sm.differentiate(nominal, measures=("stress_nrom",))
     with pytest.raises(ValueError, match="two measures named"):
         sm.SealGroup(measures=("stress_norm", "stress_norm"))
     with pytest.raises(ValueError, match="must be a sequence of measures"):

@@ -76,13 +76,13 @@ def test_without_friction_only_measured_steps_count(tmp_path):
         warn_of_kinks(result.path, [4])
 
 
-def test_a_symmetric_touch_that_passes_nothing_on_is_not_reported(drawn):
+def test_a_symmetric_touch_that_passes_nothing_on_is_not_reported(nominal):
     """The door seal's top has zero gap after five steps, at which nothing is measured."""
-    gap = drawn.path.steps[4].responses[drawn.path.place("door")].gap
+    gap = nominal.path.steps[4].responses[nominal.path.place("door")].gap
     assert np.abs(gap).min() < 1e-14
-    sm.differentiate(drawn)
+    sm.differentiate(nominal)
     with pytest.warns(KinkWarning, match=r"'door' at load step 5: zero gap at point 25 \(x = 0"):
-        warn_of_kinks(drawn.path, [4])
+        warn_of_kinks(nominal.path, [4])
 
 
 def test_steps_after_the_last_measured_one_do_not_count(kinked):

@@ -32,11 +32,11 @@ def test_blocks_cover_all_steps_in_order(monkeypatch):
     assert [list(block) for block in blocks([5, 2], 10**6, 3)] == [[5], [2]]
 
 
-def test_short_blocks_give_the_same_sensitivities(drawn, monkeypatch):
-    whole = [sm.differentiate(drawn, method=method) for method in ("direct", "adjoint")]
+def test_short_blocks_give_the_same_sensitivities(nominal, monkeypatch):
+    whole = [sm.differentiate(nominal, method=method) for method in ("direct", "adjoint")]
     monkeypatch.setattr("seal_mdao.dsa.factors.BLOCK_BYTES", 8 * 334 * 26 * 10)
     for method, expected in zip(("direct", "adjoint"), whole, strict=True):
-        found = sm.differentiate(drawn, method=method)
+        found = sm.differentiate(nominal, method=method)
         for name in ("von_mises", "gap", "reaction"):
             a, b = found[name], expected[name]
             np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-11 * np.abs(b).max())
@@ -191,7 +191,7 @@ def test_factors_beyond_the_memory_are_made_again(drawn_model):
     """The first that fit are kept; the sensitivities are the same to the last bit."""
     one = sm.analyze(drawn_model, keep_factors=True)
     size = one.path.steps[0].factor.nbytes / 2**30
-    few = analyze_particles(drawn_model, drawn_model.drawn_particles, factor_memory=10.5 * size)
+    few = analyze_particles(drawn_model, drawn_model.nominal_particles, factor_memory=10.5 * size)
     assert [step.factor is not None for step in few.path.steps] == [True] * 10 + [False] * 95
     for method in ("direct", "adjoint"):
         expected, found = (sm.differentiate(r, method=method) for r in (one, few))
@@ -250,11 +250,11 @@ def test_scaling_of_stiffnesses_scales_stresses_and_forces(random_design):
     )
 
 
-def test_unknown_names_are_refused(drawn):
+def test_unknown_names_are_refused(nominal):
     with pytest.raises(ValueError, match="stiffness"):
-        sm.differentiate(drawn, ("stiffness",))
+        sm.differentiate(nominal, ("stiffness",))
     with pytest.raises(ValueError, match="complex"):
-        sm.differentiate(drawn, method="complex")
+        sm.differentiate(nominal, method="complex")
 
 
 def test_failed_path_has_no_sensitivities(buckled):

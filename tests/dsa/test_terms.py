@@ -35,18 +35,18 @@ def step(request, pressed):
 
 
 @pytest.fixture(scope="module", params=["roll", "door"])
-def where(request, pressed, drawn):
+def where(request, pressed, nominal):
     """Contact points with their lengths, and the particles of their body."""
-    result = pressed if request.param == "roll" else drawn
+    result = pressed if request.param == "roll" else nominal
     return result.term(request.param).where, result.particles
 
 
-def test_lengths_add_up_to_the_free_boundary(drawn):
+def test_lengths_add_up_to_the_free_boundary(nominal):
     """Half edges: the two edges at the base corners count half."""
-    outer = drawn.particles[options_of(drawn.seal).grid.particle(np.arange(3, 56), 2)]
+    outer = nominal.particles[options_of(nominal.seal).grid.particle(np.arange(3, 56), 2)]
     edges = np.linalg.norm(np.diff(outer, axis=0), axis=1)
     total = edges.sum() - 0.5 * (edges[0] + edges[-1])
-    assert drawn.term("door").length.sum() == pytest.approx(total, rel=1e-13)
+    assert nominal.term("door").length.sum() == pytest.approx(total, rel=1e-13)
 
 
 def test_length_rates_against_central_differences(where, rng):
@@ -73,7 +73,7 @@ def random_rates(seal, rng, count):
     share = np.array(list(scalars.values()))[:, None] * rng.uniform(
         -0.1, 0.1, (len(scalars), count)
     )
-    velocity = rng.uniform(-0.1, 0.1, (count, *seal.drawn_particles.shape))
+    velocity = rng.uniform(-0.1, 0.1, (count, *seal.nominal_particles.shape))
     return ParameterRates(velocity, tuple(scalars), share)
 
 
@@ -83,7 +83,7 @@ def history_rates(term, rng, count):
     return None if none is None else 0.1 * rng.standard_normal(none.shape)
 
 
-def rates_at(term, step, rates, carried, held):
+def rates_at(term, step, rates, carried, prescribed):
     """A step linearised, the rates of what the term gives at fixed d, and those of its force."""
     disc = term.discretization
     design = term.basis.rates(discretization_rates(disc, rates.velocity), rates)
@@ -91,8 +91,8 @@ def rates_at(term, step, rates, carried, held):
     block, linearized = term.linearization_of_block([step]), term.linearization(step)
     if block is not None:
         block.add_rates(design, load[None])
-    held = np.ascontiguousarray(held.reshape(-1, rates.count))
-    return linearized, linearized.rates(design, carried, held, load), load
+    prescribed = np.ascontiguousarray(prescribed.reshape(-1, rates.count))
+    return linearized, linearized.rates(design, carried, prescribed, load), load
 
 
 @pytest.mark.parametrize("label", LABELS)
@@ -104,9 +104,9 @@ def test_rates_of_a_term_against_central_differences(pressed, step, rng, label):
     seal, term, place = pressed.seal, pressed.term(label), pressed.path.place(label)
     layout, rates = term.discretization.layout, random_rates(seal, rng, 1)
     carried = history_rates(term, rng, 1)
-    held = 0.1 * rng.standard_normal((*step.d.shape, 1)) * (layout.equations < 0)[..., None]
+    prescribed = 0.1 * rng.standard_normal((*step.d.shape, 1)) * (layout.equations < 0)[..., None]
     solution = 0.1 * rng.standard_normal((layout.n_equations, 1))
-    linearized, found, load = rates_at(term, step, rates, carried, held)
+    linearized, found, load = rates_at(term, step, rates, carried, prescribed)
     found = linearized.solved(found, solution)
 
     def moved(h, spread):
@@ -120,7 +120,7 @@ def test_rates_of_a_term_against_central_differences(pressed, step, rng, label):
         own, history = terms[place].on(disc, place), step.before[place]
         if carried is not None and carried.size:
             history = history._replace(variables=history.variables + h * carried[..., 0])
-        d, force = step.d + h * (held[..., 0] + spread), np.zeros(disc.layout.force_size)
+        d, force = step.d + h * (prescribed[..., 0] + spread), np.zeros(disc.layout.force_size)
         raw = disc.transformation.coefficients(d)
         answer = own.add(d, raw, step.fraction, history, force, np.empty(0)).kept()
         np.testing.assert_array_equal(answer.branch, step.responses[place].branch)
@@ -156,13 +156,13 @@ def test_products_with_seeds_are_the_transpose_of_those_with_rates(pressed, step
     term, count, m = pressed.term(label), 4, 2
     disc, layout = term.discretization, term.discretization.layout
     rates, carried = random_rates(pressed.seal, rng, count), history_rates(term, rng, count)
-    held = rng.standard_normal((*step.d.shape, count))
+    prescribed = rng.standard_normal((*step.d.shape, count))
     adjoints, mix = rng.standard_normal((layout.n_equations + 1, 3)), rng.standard_normal((3, m))
     adjoints[-1] = 0.0
     after, which = history_rates(term, rng, m), np.arange(m)
     taken = EnergySeeds(rng.standard_normal(m)) if carried is None else random_seeds(term, rng, m)
 
-    linearized, found, load = rates_at(term, step, rates, carried, held)
+    linearized, found, load = rates_at(term, step, rates, carried, prescribed)
     solution = rng.standard_normal((layout.n_equations, count))
     at_rest = linearized.solved(found, 0.0 * solution)
     ahead = -(adjoints[:-1] @ mix).T @ load[:-1] + taken.times(at_rest)
@@ -172,8 +172,8 @@ def test_products_with_seeds_are_the_transpose_of_those_with_rates(pressed, step
 
     design = term.basis.no_seeds(m, set(term.names))
     bars = linearized.seeds(after, taken)
-    held_bar, x_bar = np.zeros((held[..., 0].size + 1, m)), np.zeros((*step.d.shape, m))
-    on_history = linearized.pull_back(bars, adjoints, mix, design, held_bar)
+    prescribed_bar, x_bar = np.zeros((prescribed[..., 0].size + 1, m)), np.zeros((*step.d.shape, m))
+    on_history = linearized.pull_back(bars, adjoints, mix, design, prescribed_bar)
     block = term.linearization_of_block([step])
     if block is not None:
         block.pull_back([adjoints], [mix], design)
@@ -181,7 +181,7 @@ def test_products_with_seeds_are_the_transpose_of_those_with_rates(pressed, step
     add_matrix_seeds(disc, on_matrix + np.zeros((*disc.transformation.matrix.shape, m)), x_bar)
     back = np.einsum("nim,pni->mp", x_bar, rates.velocity)
     back += design.parameters.T @ rates.of(term.names)
-    back += held_bar[:-1].T @ held.reshape(-1, count)
+    back += prescribed_bar[:-1].T @ prescribed.reshape(-1, count)
     if carried is not None:
         back += np.einsum("khm,khp->mp", on_history, carried)
     scale = size.max() + np.abs(ahead).max()
@@ -247,7 +247,7 @@ def test_reverse_of_the_probe_is_the_transpose_of_its_rates(pressed, step, rng):
     sweep, probe = DirectSweep(path, rates), disc.table_at(np.array([3, 20, 26]))
     solution = rng.standard_normal((disc.layout.n_equations, rates.count))
     shape = probe.rates(rates.velocity, sweep.shape.matrix)
-    moved, f_rate = Probe(disc, probe).rates(shape, step, solution, sweep.held(step))
+    moved, f_rate = Probe(disc, probe).rates(shape, step, solution, sweep.prescribed(step))
     seeds = Seeds(rng.standard_normal((m, 3, 2)), rng.standard_normal((m, 3, 4)), {})
     ahead = np.tensordot(seeds.displacement, moved, 2) + np.tensordot(seeds.gradient, f_rate, 2)
     reverse, which = Probe(disc, probe, m), np.arange(m)

@@ -109,7 +109,7 @@ def test_contact_between_the_particles_is_refused_where_one_is_needed(tmp_path, 
 def test_a_wall_on_rays_needs_no_design(tmp_path):
     designs = PAPER[PAPER.index("[[design]]") : PAPER.index("[[measure]]")]
     seal = sm.build_seal(file_with(tmp_path, ENGINEERING, (designs, "")))
-    assert (seal.n_offsets, len(seal.drawn_particles)) == (0, 232)
+    assert (seal.n_offsets, len(seal.nominal_particles)) == (0, 232)
 
 
 def test_derivatives_with_contact_between_the_particles(tmp_path):

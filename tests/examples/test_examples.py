@@ -139,7 +139,7 @@ def test_the_lip_that_slips_off_releases_what_it_stored():
 @pytest.mark.long
 @pytest.mark.parametrize("path", OPTIMISED, ids=lambda path: path.stem)
 def test_gradients_of_the_examples(path, tmp_path):
-    """Beside the drawn sections: where one is symmetric, a point may stand between stick and slip."""
+    """Beside the nominal sections: where one is symmetric, a point may stand between stick and slip."""
     (tmp_path / path.name).write_text(beside(path.read_text(encoding="utf-8")), encoding="utf-8")
     seal = sm.build_seal(sm.read_seal_file(tmp_path / path.name))
     gradients_agree(seal, np.random.default_rng(2).uniform(-0.02, 0.02, seal.n_offsets))
@@ -160,13 +160,13 @@ def test_optima_of_the_examples(path, tmp_path):
     assert found.satisfied(OPTIMALITY, TOLERANCE), found
     offsets = problem.get_val("boundary_offsets").copy()
     problem.cleanup()
-    drawn, best = sm.analyze(seal), sm.analyze(seal, offsets)
+    nominal, best = sm.analyze(seal), sm.analyze(seal, offsets)
     measures = {measure.name: measure for measure in frozen_measures(seal)}
     aim = measures[file.optimize.minimize]
-    assert best.value(aim)[0] < drawn.value(aim)[0]
+    assert best.value(aim)[0] < nominal.value(aim)[0]
     # examples whose walls are coarse say so, and optima with a contact about to part what penalties do
     warned = tuple(text for text in best.warnings if "penalties" not in text)
-    assert warned == seal.cautions
+    assert warned == seal.warnings
     written = write_design(file, seal, offsets, measures.values(), tmp_path, "optimum")[0]
     again = sm.analyze(sm.build_seal(sm.read_seal_file(written)))
     for measure in again.measures():

@@ -24,11 +24,11 @@ def both():
 
 def test_the_cloud_is_that_of_the_door_seal(both):
     seal, door = (result.seal for result in both)
-    assert np.abs(seal.drawn_particles - door.drawn_particles).max() < 1e-14
+    assert np.abs(seal.nominal_particles - door.nominal_particles).max() < 1e-14
     assert np.array_equal(seal.body.cells, door.body.cells)
     assert np.array_equal(seal.body.fixed, door.body.fixed)
     assert np.abs(seal.body.support_radius - door.body.support_radius).max() < 1e-14
-    assert not seal.body.hidden.size
+    assert not seal.body.hidden_pairs.size
 
 
 def test_offsets_are_those_of_the_door_seal(both):

@@ -115,9 +115,9 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
         ),
         ({"shares": (0.5, 1.0, 0.5, 0.9, 0.99)}, "must increase to 1"),
         ({"shares": (0.5, 1.0, 0.5, 0.5, 1.0)}, "must increase to 1"),
-        ({"room": (1.0,)}, r"room .* must have shape \(2,\)"),
+        ({"clearance": (1.0,)}, r"clearance .* must have shape \(2,\)"),
         (
-            {"room": (0.1, -0.1), "positions": [[0.0, 0.0], [0.0, -2.0], [0.0, 0.0]]},
+            {"clearance": (0.1, -0.1), "positions": [[0.0, 0.0], [0.0, -2.0], [0.0, 0.0]]},
             "must lie behind its first waypoint",
         ),
         ({"names": ("a",)}, r"rates .* 1 parameter\(s\) must have shape \(1, 3, 3\)"),
@@ -196,9 +196,9 @@ def test_ends_that_do_not_fit_the_stages_are_refused(ends):
 
 def test_room_is_before_the_first_step_whatever_the_steps():
     """And goes along when a parameter moves the first waypoint."""
-    motion = replace(closing(), room=(0.1, 0.5))
+    motion = replace(closing(), clearance=(0.1, 0.5))
     for other in (motion, motion.with_ends([0.5, 3.9, 4.0, 9.0, 11.0]), motion.moved({"depth": 1})):
-        begin = np.append(other.positions[0] + motion.room, 0.0)
+        begin = np.append(other.positions[0] + motion.clearance, 0.0)
         np.testing.assert_array_equal(other.coordinates(0.0), begin)
         middle = 0.5 * (begin + other.coordinates(1.0))
         np.testing.assert_allclose(other.coordinates(0.5), middle, atol=1e-15)

@@ -33,8 +33,8 @@ def ring_body(solver="auto"):
     fixed[at[-1, [-2, -1, 0, 1, 2]]] = True
     edges = {"outer": Edge(at[-1, 3:-2], False), "cavity": Edge(at[0, ::-1], True)}
     cells = np.column_stack([c.ravel() for c in corners])
-    drawn = ring_particles()
-    return Body(cells, np.full(at.size, 2.4), fixed, edges, drawn=drawn, solver=solver)
+    nominal = ring_particles()
+    return Body(cells, np.full(at.size, 2.4), fixed, edges, nominal=nominal, solver=solver)
 
 
 def air_ring(

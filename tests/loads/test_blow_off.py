@@ -28,7 +28,7 @@ def table(result, method="adjoint", names=NAMES):
     return sm.differentiate(result, names, [BLOW_OFF], method).blow_off_pressure[0]
 
 
-def held(result):
+def prescribed(result):
     """Load steps with a dry end; no step was cut."""
     assert len(result.path.steps) == len(result.path.nominal_steps)
     return [s for s in result.path.steps if result.response("fluid", s).outputs[-1, 0] == 0.0]
@@ -36,7 +36,7 @@ def held(result):
 
 def test_it_is_where_the_fluid_comes_through(blown):
     """Between the last load step with a dry end and the first one without."""
-    last = blown.term("fluid").pressure_at(held(blown)[-1].fraction)
+    last = blown.term("fluid").pressure_at(prescribed(blown)[-1].fraction)
     assert 0.0 < last < PRESSURE
     assert last < blown.value(BLOW_OFF)[0] < last + PRESSURE / 20
 
@@ -80,7 +80,7 @@ def test_derivatives_against_central_differences(blown, rng, name):
         way *= np.arange(way.size) == seal.n_offsets + names.index(name)
     exact = table(blown) @ way
     assert exact != 0.0
-    until = states(blown)[: len(held(blown))]
+    until = states(blown)[: len(prescribed(blown))]
     for step in (1e-4, 2e-5):
         found = quotient(seal, names, step * way, [BLOW_OFF], until)[0] / step
         assert abs(found - exact) <= 1e-4 * abs(exact)
@@ -117,9 +117,11 @@ def test_where_nothing_closes_there_is_nothing_to_blow_off():
 
 def test_a_path_that_ends_where_the_seal_gives_way(blown):
     """The line through the last two steps that held goes on, no farther than a tenth of the pressure."""
-    shorter = replace(blown.path, steps=held(blown), status=Status.NOT_CONVERGED, failure="so")
+    shorter = replace(
+        blown.path, steps=prescribed(blown), status=Status.NOT_CONVERGED, failure="so"
+    )
     result = replace(blown, path=shorter)
-    last = blown.term("fluid").pressure_at(held(blown)[-1].fraction)
+    last = blown.term("fluid").pressure_at(prescribed(blown)[-1].fraction)
     assert last < result.value(BLOW_OFF)[0] <= last + 0.1 * PRESSURE
     direct, adjoint = (table(result, method) for method in ("direct", "adjoint"))
     assert direct[NAMES.index("squeeze") + 4] > 0.0

@@ -20,7 +20,7 @@ def squeezed(request):
         "load", seal.body.edge_points("outer"), np.array([0.5, -0.8]), np.linspace(0.0, 1.0, n + 1)
     )
     terms = *seal.terms(), load
-    problem = PathProblem(discretize(seal.body, seal.drawn_particles, terms), terms)
+    problem = PathProblem(discretize(seal.body, seal.nominal_particles, terms), terms)
     step = sm.analyze(seal).path.nominal_steps[1]
     return problem, step, (*step.before, None)
 

@@ -33,8 +33,8 @@ def area(result, step):
 
 def test_the_law_holds_at_every_step(squeezed):
     """Pressure as the term gives it, area as the particles have it."""
-    drawn = polygon_area(squeezed.particles[squeezed.seal.body.edge("cavity").particles])[0]
-    constant = PRESSURE * abs(drawn) ** GAMMA
+    nominal = polygon_area(squeezed.particles[squeezed.seal.body.edge("cavity").particles])[0]
+    constant = PRESSURE * abs(nominal) ** GAMMA
     pressures = [response.outputs[0, 0] for response in squeezed.path.at_nominal("air")]
     assert pressures[-1] > 3.0
     for step, pressure in enumerate(pressures):
@@ -122,10 +122,10 @@ def test_the_way_round_does_not_matter():
     seal = air_ring()
     other = (*seal.definitions[:-1], TrappedAir("air", ring[::-1]))
     turned = sm.Seal(
-        seal.drawn_particles, seal.design_velocity, seal.body, other, 3, seal.standard
+        seal.nominal_particles, seal.design_velocity, seal.body, other, 3, seal.standard
     )  # fmt: skip
     one = sm.Seal(
-        seal.drawn_particles, seal.design_velocity, seal.body, seal.definitions, 3, seal.standard
+        seal.nominal_particles, seal.design_velocity, seal.body, seal.definitions, 3, seal.standard
     )  # fmt: skip
     pressures = [sm.analyze(s).response("air").outputs[0] for s in (one, turned)]
     np.testing.assert_allclose(*pressures, rtol=1e-11)

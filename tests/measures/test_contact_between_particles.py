@@ -7,7 +7,7 @@ from quotients import quotients
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.export.vtu import point_data
-from seal_mdao.measures.boundary_line import way_round
+from seal_mdao.measures.boundary_line import ordered_points
 from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.measures.work import ProfileWork
 from seal_mdao.report.picture_data import contact_points
@@ -32,7 +32,7 @@ def result(seal):
 
 def test_points_lie_half_way_between_the_free_particles(seal):
     term = seal.terms()[1]
-    particles, outer = seal.drawn_particles, options_of(seal).grid.free_outer
+    particles, outer = seal.nominal_particles, options_of(seal).grid.free_outer
     np.testing.assert_array_equal(
         term.where.points.anchors, np.column_stack([outer[:-1], outer[1:]])
     )
@@ -68,9 +68,9 @@ def test_derivatives_are_those_of_the_path(seal, result, name):
 
 def test_order_round_a_closed_boundary_is_known():
     ring = edge_points(np.column_stack([np.arange(5), np.roll(np.arange(5), -1)]), 1)
-    np.testing.assert_array_equal(way_round(ring), [0, 1, 2, 3, 4, 0])
+    np.testing.assert_array_equal(ordered_points(ring), [0, 1, 2, 3, 4, 0])
     row = edge_points(np.column_stack([np.arange(4), np.arange(1, 5)]), 1)
-    np.testing.assert_array_equal(way_round(row), [0, 1, 2, 3])
+    np.testing.assert_array_equal(ordered_points(row), [0, 1, 2, 3])
 
 
 def test_width_is_that_of_the_touching_stretches(result):

@@ -29,12 +29,14 @@ def seal():
     )
     pull, tilt = np.zeros((9, 36, 2)), np.zeros((9, 36, 2))
     grows = np.linspace(0.0, 1.0, 9)[:, None]
-    pull[:, :9, 0], tilt[:, :9, 1] = grows, grows * block.drawn_particles[:9, 0]
-    held = ImposedDisplacements(0.05 * pull + 0.02 * tilt, ("pull", "tilt"), np.array([pull, tilt]))
+    pull[:, :9, 0], tilt[:, :9, 1] = grows, grows * block.nominal_particles[:9, 0]
+    prescribed = ImposedDisplacements(
+        0.05 * pull + 0.02 * tilt, ("pull", "tilt"), np.array([pull, tilt])
+    )
     return replace(
         block,
         definitions=(body, *block.definitions[1:]),
-        imposed_displacements=held,
+        imposed_displacements=prescribed,
         standard=(StrainEnergy(), Reaction("roll")),
     )
 

@@ -23,9 +23,9 @@ def coarse():
     return sm.analyze(COARSE, keep_factors=True)
 
 
-def test_values_lie_at_the_travels_whatever_the_load_steps(coarse, drawn):
+def test_values_lie_at_the_travels_whatever_the_load_steps(coarse, nominal):
     """20 load steps end at 2.125, 4.225, ... mm; 105 at 2, 4, ... mm."""
-    for result in (coarse, drawn):
+    for result in (coarse, nominal):
         (curve,) = result.measures(("reaction_curve",))
         assert curve.travels == CURVE_TRAVELS
         travel = np.concatenate([[-0.5], result.travel])
@@ -123,10 +123,10 @@ def test_steps_at_a_travel_and_their_rates():
             assert rates[i] == pytest.approx((up - down) / 2e-5, abs=1e-9)
 
 
-def test_travels_within_a_first_step_with_room():
+def test_travels_within_a_first_step_with_clearance():
     """The place after as many steps is the one at that travel, also when the way turns."""
     rates = {"depth": (0.0, -1.0), "aside": (1.0, 0.0)}
-    motion = replace(straight_motion((0.0, 10.0), (1.0, 4.0), 4, rates), room=(0.05, 0.3))
+    motion = replace(straight_motion((0.0, 10.0), (1.0, 4.0), 4, rates), clearance=(0.05, 0.3))
     unit = np.array([1.0, -6.0]) / np.hypot(1.0, 6.0)
     for travel in (0.0, 0.4, 1.5):
         fraction, slopes = motion.at_travel(travel)

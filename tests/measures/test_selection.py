@@ -5,7 +5,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
-from seal_mdao.measures.selection import boundary_peaks, local_maxima, opened_points
+from seal_mdao.measures.selection import boundary_peaks, local_maxima, open_points
 from seal_mdao.seals.door.door_seal import STANDARD, options_of
 from seal_mdao.seals.profiles import contact_counts
 from seal_mdao.seals.result import analyze_particles
@@ -51,7 +51,7 @@ def test_stress_points_fall_back_on_other_boundary_values():
     ],
 )
 def test_opened_points_lie_between_the_first_and_the_last_in_contact(state, expected):
-    np.testing.assert_array_equal(opened_points(np.array(state)), expected)
+    np.testing.assert_array_equal(open_points(np.array(state)), expected)
 
 
 @pytest.mark.parametrize(
@@ -66,16 +66,16 @@ def test_opened_points_lie_between_the_first_and_the_last_in_contact(state, expe
     ],
 )
 def test_on_a_closed_boundary_the_longest_open_part_is_outside(state, expected):
-    np.testing.assert_array_equal(opened_points(np.array(state), closed=True), expected)
+    np.testing.assert_array_equal(open_points(np.array(state), closed=True), expected)
 
 
-def test_points_of_the_drawn_seal(drawn, drawn_model):
+def test_points_of_the_drawn_seal(nominal, drawn_model):
     """Seven stresses at boundary particles that are local maxima, gaps where the middle opens."""
-    (stresses,), (gaps,) = drawn.measures(("von_mises",)), drawn.measures(("gap",))
+    (stresses,), (gaps,) = nominal.measures(("von_mises",)), nominal.measures(("gap",))
     grid, gaps = options_of(drawn_model).grid, np.array(gaps.points)
     assert len(stresses.points) == 7
     outer, inner = grid.free_outer, grid.particle(np.arange(58), 0)
-    stress = drawn.stress_field()
+    stress = nominal.stress_field()
     for particle in stresses.points:
         row = inner if particle in inner else outer
         place = int(np.flatnonzero(row == particle)[0])
@@ -83,49 +83,49 @@ def test_points_of_the_drawn_seal(drawn, drawn_model):
         assert stress[particle] > stress[row[(place + 1) % len(row)]]
     assert np.all(np.diff(stress[list(stresses.points)]) < 0.0)
     assert np.all(np.diff(gaps) == 1)
-    assert np.all(drawn.contact.gap[gaps] > 0.0)
-    assert drawn.contact.gap[gaps[0] - 1] < 0.0
-    assert drawn.contact.gap[gaps[-1] + 1] < 0.0
+    assert np.all(nominal.contact.gap[gaps] > 0.0)
+    assert nominal.contact.gap[gaps[0] - 1] < 0.0
+    assert nominal.contact.gap[gaps[-1] + 1] < 0.0
 
 
-def test_points_are_frozen_for_all_designs_of_a_model(drawn, random_design):
-    assert random_design.measures() == drawn.measures()
-    gaps = list(drawn.measure("gap").points)
+def test_points_are_frozen_for_all_designs_of_a_model(nominal, random_design):
+    assert random_design.measures() == nominal.measures()
+    gaps = list(nominal.measure("gap").points)
     np.testing.assert_array_equal(random_design.gap, random_design.contact.gap[gaps])
-    stresses = list(drawn.measure("von_mises").points)
+    stresses = list(nominal.measure("von_mises").points)
     np.testing.assert_array_equal(random_design.von_mises, random_design.stress_field()[stresses])
 
 
-def test_gap_square_sum_is_the_sum_of_the_squares(drawn, random_design):
-    for result in (drawn, random_design):
+def test_gap_square_sum_is_the_sum_of_the_squares(nominal, random_design):
+    for result in (nominal, random_design):
         assert result.gap_square_sum == pytest.approx(np.sum(result.gap**2), rel=1e-15)
 
 
-def test_drawn_seal_measures_are_of_the_expected_size(drawn):
+def test_drawn_seal_measures_are_of_the_expected_size(nominal):
     """Peak stress about 170 kPa, gap sum about 0.05 mm^2, 62 N/m would be 6.2 N per 100 mm."""
-    assert drawn.von_mises[0] == pytest.approx(170.0, rel=0.03)
-    assert drawn.gap_square_sum == pytest.approx(0.05, rel=0.1)
-    assert drawn.gap.max() == pytest.approx(0.12, rel=0.05)
-    assert len(drawn.gap) == 7
-    assert drawn.max_penetration == pytest.approx(2.6e-3, rel=0.1)
-    assert drawn.area == pytest.approx(108.971, abs=5e-4)
+    assert nominal.von_mises[0] == pytest.approx(170.0, rel=0.03)
+    assert nominal.gap_square_sum == pytest.approx(0.05, rel=0.1)
+    assert nominal.gap.max() == pytest.approx(0.12, rel=0.05)
+    assert len(nominal.gap) == 7
+    assert nominal.max_penetration == pytest.approx(2.6e-3, rel=0.1)
+    assert nominal.area == pytest.approx(108.971, abs=5e-4)
 
 
-def test_contact_grows_then_opens_in_the_middle(drawn):
+def test_contact_grows_then_opens_in_the_middle(nominal):
     """One patch until about half way; at the end two with open points between."""
-    states = np.array([response.state for response in drawn.path.at_nominal("door")])
+    states = np.array([response.state for response in nominal.path.at_nominal("door")])
     patches = [np.sum(np.diff((state != OPEN).astype(int)) == 1) for state in states]
-    travel = drawn.travel
+    travel = nominal.travel
     splits = travel[np.flatnonzero(np.array(patches) >= 2)[0]]
     assert 4.0 < splits < 7.0
     assert patches[-1] == 2
     assert set(patches[5:40]) == {1}
 
 
-def test_contact_counts_add_up(drawn):
-    counts = contact_counts(drawn.contact)
+def test_contact_counts_add_up(nominal):
+    counts = contact_counts(nominal.contact)
     assert counts["contact"] == counts["stick"] + counts["slip"]
-    assert counts["contact"] == np.sum(drawn.contact.gap < 0.0)
+    assert counts["contact"] == np.sum(nominal.contact.gap < 0.0)
 
 
 def test_places_of_a_nominal_seal_that_fails_are_refused():
@@ -135,14 +135,14 @@ def test_places_of_a_nominal_seal_that_fails_are_refused():
         result.measures()
 
 
-def test_area_is_that_between_the_splines_alone(drawn):
+def test_area_is_that_between_the_splines_alone(nominal):
     model = sm.door_seal(depth=0.5, n_steps=10)
-    bare = analyze_particles(model, model.drawn_particles)
+    bare = analyze_particles(model, model.nominal_particles)
     with pytest.raises(ValueError, match="weights"):
         _ = bare.area
     cells = bare.path.discretization.weights.sum()
     # of polygons in arcs of 2 pi / 58, which lack the square of that over six
-    assert cells == pytest.approx(drawn.area, rel=(2 * np.pi / 58) ** 2 / 6)
+    assert cells == pytest.approx(nominal.area, rel=(2 * np.pi / 58) ** 2 / 6)
 
 
 def paths_followed(monkeypatch):
@@ -166,24 +166,24 @@ def test_one_design_is_analysed_and_the_nominal_seal_once_when_places_are_asked_
 
 
 def test_the_nominal_seal_chooses_the_places_itself(monkeypatch):
-    drawn = sm.analyze(sm.door_seal(depth=0.5, n_steps=10, friction=0.22))
+    nominal = sm.analyze(sm.door_seal(depth=0.5, n_steps=10, friction=0.22))
     followed = paths_followed(monkeypatch)
-    assert len(drawn.measure("von_mises").points) == 7
+    assert len(nominal.measure("von_mises").points) == 7
     assert not followed
 
 
-def test_places_of_another_seal_are_taken_as_given(monkeypatch, drawn):
+def test_places_of_another_seal_are_taken_as_given(monkeypatch, nominal):
     offsets = np.full(25, 0.01)
     result = sm.analyze(sm.door_seal(depth=0.5, n_steps=10, friction=0.23), offsets)
     followed = paths_followed(monkeypatch)
-    moved = result.at(drawn.measures())
-    assert moved.measures() == drawn.measures()
-    assert moved.measures((STANDARD[0],)) == drawn.measures(("von_mises",))
-    stresses = list(drawn.measure("von_mises").points)
+    moved = result.at(nominal.measures())
+    assert moved.measures() == nominal.measures()
+    assert moved.measures((STANDARD[0],)) == nominal.measures(("von_mises",))
+    stresses = list(nominal.measure("von_mises").points)
     np.testing.assert_array_equal(moved.von_mises, result.stress_field()[stresses])
     assert not followed
 
 
-def test_what_is_no_measure_is_no_attribute(drawn):
+def test_what_is_no_measure_is_no_attribute(nominal):
     with pytest.raises(AttributeError, match=r"no 'gap_sum'.*von_mises"):
-        _ = drawn.gap_sum
+        _ = nominal.gap_sum

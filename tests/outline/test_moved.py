@@ -6,7 +6,7 @@ from sample_sections import bulb, circle, lines, mixed
 
 from seal_mdao.seals.outline.contours import Circle, Contour, Line, Outline, Spline, sampled
 from seal_mdao.seals.outline.dxf import read_dxf, write_dxf
-from seal_mdao.seals.outline.moved import moved_outline
+from seal_mdao.seals.outline.moved import shifted_outline
 
 
 def grown(outline, spacing, edges, offset):
@@ -23,9 +23,9 @@ def grown(outline, spacing, edges, offset):
 def test_what_has_not_moved_stays_what_it_is():
     outline = mixed()
     boundaries = sampled(outline, 0.5)
-    assert moved_outline(outline, boundaries, [b.points for b in boundaries]) == outline
+    assert shifted_outline(outline, boundaries, [b.points for b in boundaries]) == outline
     _, points = grown(outline, 0.5, ["top"], 0.1)
-    other = moved_outline(outline, boundaries, points)
+    other = shifted_outline(outline, boundaries, points)
     kinds = [type(segment) for segment in other.outer.segments]
     assert kinds == [type(segment) for segment in outline.outer.segments]
     assert other.outer.segments[:2] == outline.outer.segments[:2]
@@ -38,7 +38,7 @@ def test_a_circle_that_grows_tends_to_the_larger_circle():
     for spacing in (0.8, 0.4):
         outline = bulb(circle((0.0, 7.0), 3.0))
         boundaries, points = grown(outline, spacing, ["cavity"], -0.2)
-        (hole,) = moved_outline(outline, boundaries, points).holes
+        (hole,) = shifted_outline(outline, boundaries, points).holes
         (spline,) = hole.segments
         assert isinstance(spline, Spline)
         assert np.abs(spline.tangents([0.0]) - spline.tangents([1.0])).max() < 1e-13
@@ -50,7 +50,7 @@ def test_a_circle_that_grows_tends_to_the_larger_circle():
 def test_the_new_boundary_passes_through_the_moved_points():
     outline = bulb()
     boundaries, points = grown(outline, 0.9, ["seal"], 0.3)
-    found = moved_outline(outline, boundaries, points)
+    found = shifted_outline(outline, boundaries, points)
     (seal,) = found.edge("seal")
     own = boundaries[0].edge == "seal"
     at = seal.curve(boundaries[0].arc_length[own])
@@ -69,7 +69,7 @@ def test_corners_stay_corners(names):
     outline = Outline(square)
     boundaries = sampled(outline, 2.5)
     points = [1.1 * boundaries[0].points]
-    found = moved_outline(outline, boundaries, points)
+    found = shifted_outline(outline, boundaries, points)
     assert len(found.outer.segments) == 4
     assert found.area == pytest.approx(121.0, rel=1e-13)
 
@@ -78,7 +78,7 @@ def test_a_drop_keeps_its_corner():
     drop = [(0.0, 0.0), (4.0, 3.0), (3.0, 7.0), (0.0, 8.0), (-3.0, 7.0), (-4.0, 3.0), (0.0, 0.0)]
     outline = Outline(Contour([Spline(drop, "a", slopes=((1.0, 0.2), (1.0, -0.2)))]))
     boundaries = sampled(outline, 0.25)
-    found = moved_outline(outline, boundaries, [1.2 * boundaries[0].points])
+    found = shifted_outline(outline, boundaries, [1.2 * boundaries[0].points])
     (seal,) = found.outer.segments
     for s in (0.0, 1.0):
         there = outline.outer.segments[0].tangents([s])
@@ -90,7 +90,7 @@ def test_a_drop_keeps_its_corner():
 def test_a_moved_section_goes_into_a_drawing_and_back(tmp_path):
     outline = mixed()
     boundaries, points = grown(outline, 0.5, ["top", "oval", "cavity"], 0.1)
-    found = moved_outline(outline, boundaries, points)
+    found = shifted_outline(outline, boundaries, points)
     again = read_dxf(write_dxf(found, tmp_path / "moved.dxf"))
     s = np.linspace(0.0, 1.0, 101)
     for name in outline.edge_names:

@@ -34,13 +34,13 @@ def farthest(one, other):
 
 @pytest.mark.parametrize("off", [(OPEN, 0.0), (0.0, -OPEN), (1.5e-4, 2e-4)])
 def test_every_joint_is_one_point(off):
-    drawn = chain(*off)
-    made = Contour(drawn).segments
+    nominal = chain(*off)
+    made = Contour(nominal).segments
     for one, other in pairwise([*made, made[0]]):
         assert np.abs(one.end - other.start).max() < 1e-14
-    assert [segment.edge for segment in made] == [segment.edge for segment in drawn]
-    assert [type(segment) for segment in made] == [type(segment) for segment in drawn]
-    assert 1e-5 < farthest(made, drawn) < 3.0 * OPEN
+    assert [segment.edge for segment in made] == [segment.edge for segment in nominal]
+    assert [type(segment) for segment in made] == [type(segment) for segment in nominal]
+    assert 1e-5 < farthest(made, nominal) < 3.0 * OPEN
 
 
 def test_lines_keep_their_planes():
@@ -63,8 +63,8 @@ def test_lines_that_go_straight_on_meet_where_the_second_begins():
 
 
 def test_closed_joints_keep_their_bits():
-    drawn = chain()
-    assert all(a is b for a, b in zip(Contour(drawn).segments, drawn, strict=True))
+    nominal = chain()
+    assert all(a is b for a, b in zip(Contour(nominal).segments, nominal, strict=True))
 
 
 @pytest.mark.parametrize("sweep", [0.3, 3.0, 3.3, 5.9, 6.2])

@@ -74,8 +74,8 @@ def test_every_figure(pressed, tmp_path):
     titles = [axes.get_title() for axes in shapes.axes if axes.get_title()]
     assert titles == [pressed.caption(step) for step in steps]
     assert titles[-1] == "stage 2, travel 0.4 mm, turn 10°"
-    drawn = [c for axes in shapes.axes for c in axes.get_children() if isinstance(c, ContourSet)]
-    assert len(drawn) == 4
+    nominal = [c for axes in shapes.axes for c in axes.get_children() if isinstance(c, ContourSet)]
+    assert len(nominal) == 4
     curve = plotting.load_deflection(pressed)
     first, second = (axes for axes in curve.axes if axes.get_title())
     force = pressed.path.reaction("roll")

@@ -26,15 +26,17 @@ def drawn_somewhere(axes, points):
     return any(line.shape == points.shape and np.allclose(line, points) for line in lines(axes))
 
 
-def test_no_window_system_is_touched(drawn, tmp_path):
-    path = plotting.save(plotting.load_deflection(drawn), tmp_path / "new" / "reaction.png", dpi=50)
+def test_no_window_system_is_touched(nominal, tmp_path):
+    path = plotting.save(
+        plotting.load_deflection(nominal), tmp_path / "new" / "reaction.png", dpi=50
+    )
     assert matplotlib.image.imread(path).std() > 0.01
     pyplot = sys.modules.get("matplotlib.pyplot")
     assert pyplot is None or pyplot.get_fignums() == []
 
 
-def test_deformed_shapes_share_one_scale_and_equal_aspect(drawn):
-    figure = plotting.deformed_shapes(drawn, drawn.steps_at([5.0, 10.0]))
+def test_deformed_shapes_share_one_scale_and_equal_aspect(nominal):
+    figure = plotting.deformed_shapes(nominal, nominal.steps_at([5.0, 10.0]))
     panels = [axes for axes in figure.axes if axes.get_title()]
     assert [axes.get_title() for axes in panels] == ["travel 5 mm", "travel 10 mm"]
     contours = [
@@ -42,49 +44,49 @@ def test_deformed_shapes_share_one_scale_and_equal_aspect(drawn):
     ]
     assert len(contours) == 2
     assert contours[0].get_clim() == contours[1].get_clim()
-    assert contours[0].get_clim()[1] >= drawn.stress_field().max()
+    assert contours[0].get_clim()[1] >= nominal.stress_field().max()
     for axes in panels:
         assert axes.get_aspect() == 1.0
         low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
-        assert np.all(drawn.deformed() >= low)
-        assert np.all(drawn.deformed() <= high)
+        assert np.all(nominal.deformed() >= low)
+        assert np.all(nominal.deformed() <= high)
 
 
-def test_depths_are_taken_from_the_nearest_step(drawn):
-    assert drawn.steps_at([9.96, 10.0, 10.04]) == [104]
+def test_depths_are_taken_from_the_nearest_step(nominal):
+    assert nominal.steps_at([9.96, 10.0, 10.04]) == [104]
 
 
-def test_result_without_steps_cannot_be_drawn(drawn):
+def test_result_without_steps_cannot_be_drawn(nominal):
     from dataclasses import replace
 
-    empty = replace(drawn, path=replace(drawn.path, steps=[]))
+    empty = replace(nominal, path=replace(nominal.path, steps=[]))
     with pytest.raises(ValueError, match="no converged load step"):
         plotting.deformed_shapes(empty)
 
 
-def test_door_is_a_body_outside_the_seal(drawn):
-    (door,) = contacts(drawn.seal)
-    body = section.profile_body(drawn, door, drawn.seal.n_steps)
-    inside = shapely.contains_xy(body.buffer(-5e-3), drawn.deformed())  # beyond the penetration
+def test_door_is_a_body_outside_the_seal(nominal):
+    (door,) = contacts(nominal.seal)
+    body = section.profile_body(nominal, door, nominal.seal.n_steps)
+    inside = shapely.contains_xy(body.buffer(-5e-3), nominal.deformed())  # beyond the penetration
     assert not inside.any()
-    assert shapely.contains_xy(body, 0.0, 9.5 - drawn.travel[-1] + 1.0)
+    assert shapely.contains_xy(body, 0.0, 9.5 - nominal.travel[-1] + 1.0)
 
 
-def test_reaction_is_drawn_against_travel(drawn):
-    axes = plotting.load_deflection(drawn).axes[0]
+def test_reaction_is_drawn_against_travel(nominal):
+    axes = plotting.load_deflection(nominal).axes[0]
     for component in (0, 1):
-        force = np.append(0.0, drawn.reaction[:, component])
-        assert drawn_somewhere(axes, np.column_stack([np.append(-0.5, drawn.travel), force]))
+        force = np.append(0.0, nominal.reaction[:, component])
+        assert drawn_somewhere(axes, np.column_stack([np.append(-0.5, nominal.travel), force]))
 
 
-def test_gap_profile_shows_the_open_points(drawn):
-    axes = plotting.gap_profile(drawn, (5.0,)).axes[0]
-    s = arc_length(drawn, "door")
-    opened = np.column_stack([s, drawn.contact.gap])[list(drawn.measure("gap").points)]
+def test_gap_profile_shows_the_open_points(nominal):
+    axes = plotting.gap_profile(nominal, (5.0,)).axes[0]
+    s = arc_length(nominal, "door")
+    opened = np.column_stack([s, nominal.contact.gap])[list(nominal.measure("gap").points)]
     markers = [line for line in axes.get_lines() if line.get_label() == "open"]
     shown = np.column_stack(markers[0].get_data())
     assert all(np.any(np.all(np.isclose(shown, point), axis=1)) for point in opened)
-    assert axes.get_ylim()[1] > drawn.gap.max()
+    assert axes.get_ylim()[1] > nominal.gap.max()
 
 
 def history():
@@ -135,8 +137,8 @@ def test_constraints_are_drawn_over_their_limits():
         assert np.array_equal(curves[text], constraint.use())
 
 
-def test_comparison_of_two_designs(drawn, random_design, tmp_path):
-    figure = plotting.design_comparison(drawn, random_design)
+def test_comparison_of_two_designs(nominal, random_design, tmp_path):
+    figure = plotting.design_comparison(nominal, random_design)
     panels = [axes for axes in figure.axes if axes.get_title()]
     assert len(panels) == 3
     picture = matplotlib.image.imread(plotting.save(figure, tmp_path / "designs.png", dpi=60))

@@ -8,35 +8,35 @@ from seal_mdao.plotting import field
 
 
 @pytest.fixture(scope="module")
-def fine(drawn):
-    return field.fine_grid(drawn, 3)
+def fine(nominal):
+    return field.fine_grid(nominal, 3)
 
 
-def at_particles(drawn, fine):
+def at_particles(nominal, fine):
     """Which points of the fine grid are particles, and which ones."""
     alone = np.flatnonzero(fine.points.weights.max(axis=1) == 1.0)
     heaviest = fine.points.weights[alone].argmax(axis=1)
     return alone, fine.points.anchors[alone, heaviest]
 
 
-def test_field_holds_the_particles(drawn, fine):
-    points, particles = at_particles(drawn, fine)
-    assert np.array_equal(np.sort(particles), np.arange(len(drawn.particles)))
+def test_field_holds_the_particles(nominal, fine):
+    points, particles = at_particles(nominal, fine)
+    assert np.array_equal(np.sort(particles), np.arange(len(nominal.particles)))
     for step in (40, -1):
         coordinates = fine.deformed(step)[points]
-        assert np.allclose(coordinates, drawn.deformed(step)[particles], atol=1e-12)
+        assert np.allclose(coordinates, nominal.deformed(step)[particles], atol=1e-12)
         stress = fine.von_mises(step)[points]
-        assert np.allclose(stress, drawn.stress_field(step)[particles], rtol=1e-10, atol=1e-10)
+        assert np.allclose(stress, nominal.stress_field(step)[particles], rtol=1e-10, atol=1e-10)
 
 
-def test_loops_go_round_the_section_once(drawn, fine):
+def test_loops_go_round_the_section_once(nominal, fine):
     areas = [polygon_area(fine.undeformed()[loop])[0] for loop in fine.loops]
     assert len(areas) == 2
     assert max(areas) > 0.0 > min(areas)  # the hole clockwise
-    assert sum(areas) == pytest.approx(drawn.path.discretization.weights.sum(), rel=1e-12)
+    assert sum(areas) == pytest.approx(nominal.path.discretization.weights.sum(), rel=1e-12)
 
 
-def test_triangles_tile_the_section(drawn, fine):
+def test_triangles_tile_the_section(nominal, fine):
     def signed_areas(coordinates):
         a, b, c = (coordinates.reshape(-1, 2)[corner] for corner in fine.triangles.T)
         u, v = b - a, c - a
@@ -44,15 +44,15 @@ def test_triangles_tile_the_section(drawn, fine):
 
     undeformed = signed_areas(fine.undeformed())
     assert undeformed.min() > 0.0
-    weights = drawn.path.discretization.weights
+    weights = nominal.path.discretization.weights
     assert undeformed.sum() == pytest.approx(weights.sum(), rel=1e-12)
     deformed = signed_areas(fine.deformed())
     assert deformed.min() > 0.0
     assert deformed.sum() == pytest.approx(undeformed.sum(), rel=1e-2)  # nearly incompressible
 
 
-def test_smooth_between_particles(drawn):
-    fine = field.fine_grid(drawn, 8)
+def test_smooth_between_particles(nominal):
+    fine = field.fine_grid(nominal, 8)
     places = fine.deformed()
     outer = max((places[loop] for loop in fine.loops), key=len)
     steps = np.hypot(*np.diff(outer, axis=0).T)

@@ -107,7 +107,7 @@ def test_slider_moves_the_iteration(opened, seal_page):
         seen.append(tuple(picture(opened, name)[0] for name in ("design-drawn", "design-shape")))
         assert text_of(opened, "iteration-value").startswith(f"{iteration} of {count - 1}")
         assert f"iteration {iteration}:" in picture(opened, "design-shape")[2]
-    assert len({drawn for drawn, _ in seen}) == len({shape for _, shape in seen}) == count
+    assert len({nominal for nominal, _ in seen}) == len({shape for _, shape in seen}) == count
     cursors = opened.find_elements("css selector", "#objective .cursor, #constraints .cursor")
     assert len(cursors) == 2
 

@@ -12,7 +12,7 @@ import pytest
 from penalty_warnings import further_warnings
 
 import seal_mdao as sm
-from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.selection import open_points
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.report import html_tables as tables
 from seal_mdao.report.page import status
@@ -88,7 +88,7 @@ def test_frames_are_the_deformed_sections(seal_page, ends):
 
 def check_contact(shapes, frame, answer):
     """The dots are the points that touch, and those that are open between them."""
-    opened = opened_points(answer.state)
+    opened = open_points(answer.state)
     shown = np.union1d(np.flatnonzero(answer.state), opened)
     dots = unpacked(frame["touching"], -1, 2) * shapes["length"]
     assert dots == pytest.approx(answer.x[shown], abs=1e-3)

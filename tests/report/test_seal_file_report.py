@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.file_optimization import file_task
-from seal_mdao.kept_analyses import KeptAnalyses
 from seal_mdao.optimization import RunOptions, optimization_problem, uno_driver
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.report.write import write_report
@@ -59,7 +59,7 @@ def run(tmp_path_factory):
         text = text.replace(old, new)
     path = folder / "bulb.toml"
     path.write_text(text + STOP, encoding="utf-8")
-    file, kept = sm.read_seal_file(path), KeptAnalyses()
+    file, kept = sm.read_seal_file(path), AnalysisCache()
     seal = sm.build_seal(file)
     run = RunOptions(uno_driver(2), folder / "cases.sql", kept=kept, work_dir=folder)
     problem = optimization_problem(file_task(file, run.analyze(seal)), run)
@@ -74,7 +74,7 @@ def test_seal_is_made_again_from_the_recorder_file_alone(run):
     (recorded,) = read_optimization(cases).seals
     assert recorded.drawable
     assert recorded.seal.key == seal.key
-    np.testing.assert_array_equal(recorded.seal.drawn_particles, seal.drawn_particles)
+    np.testing.assert_array_equal(recorded.seal.nominal_particles, seal.nominal_particles)
     assert recorded.seal.settings() == seal.settings()
     other = seal.with_parameters({"door_friction": 0.1})
     again = seal_of(other.settings())

@@ -43,7 +43,7 @@ def test_every_setting_of_the_problem_is_recorded(tmp_path):
     for name, limit in first.driver._cons.items():
         other = again.driver._cons[name]
         for side in ("lower", "upper"):
-            assert np.array_equal(limit[side], other[side])  # those of the drawn seal
+            assert np.array_equal(limit[side], other[side])  # those of the nominal seal
 
 
 def test_another_problem_is_not_continued(tmp_path):

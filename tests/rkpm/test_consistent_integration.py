@@ -36,11 +36,11 @@ def seal(request, rng):
 def test_edge_normals_of_every_cell_close():
     model = sm.door_seal()
     rule = model.body.edge_rule
-    normals = edge_normals(rule, model.drawn_particles)
+    normals = edge_normals(rule, model.nominal_particles)
     np.testing.assert_allclose(normals.sum(axis=1), 0.0, atol=1e-14)
     # div x = 2: the boundary integral of x . n is twice the area
-    points = np.einsum("cek,ceki->cei", rule.weights, model.drawn_particles[rule.ends])
-    weights = discretize(model.body, model.drawn_particles).weights
+    points = np.einsum("cek,ceki->cei", rule.weights, model.nominal_particles[rule.ends])
+    weights = discretize(model.body, model.nominal_particles).weights
     np.testing.assert_allclose(
         np.einsum("cei,cei->c", points, normals), 2 * weights.sum(axis=1), rtol=1e-13
     )
@@ -183,7 +183,7 @@ def test_net_gradients_are_fluxes_through_the_free_boundary(seal):
 
 def test_normal_seeds_are_the_transpose_of_edge_normals(rng):
     model = sm.door_seal()
-    rule, n = model.body.edge_rule, len(model.drawn_particles)
+    rule, n = model.body.edge_rule, len(model.nominal_particles)
     velocity = rng.standard_normal((2, n, 2))
     seed = rng.standard_normal((*rule.ends.shape[:2], 2, 3))
     x_bar = np.zeros((n, 2, 3))

@@ -58,7 +58,7 @@ def test_neighbours_on_a_curve_that_the_basis_contains_are_singular(order, curve
 def test_seal_with_too_small_a_support_says_where(support, order):
     model = sm.door_seal(support=support, basis_order=order)
     with pytest.raises(SingularMomentMatrixError) as error:
-        discretize(model.body, model.drawn_particles)
+        discretize(model.body, model.nominal_particles)
     assert isinstance(error.value, GeometryError)
-    distance = np.linalg.norm(model.drawn_particles - place(error), axis=1)
+    distance = np.linalg.norm(model.nominal_particles - place(error), axis=1)
     assert np.sum(distance < model.body.support_radius) < {1: 4, 2: 9}[order]

@@ -34,7 +34,7 @@ def bars(*bottoms):
         fixed[BAR.left + k * n] = True
     radius = np.full(len(particles), 1.0)
     hidden = hidden_pairs(cells, particles, radius)
-    return Body(cells, radius, fixed, solver="superlu", hidden=hidden), particles
+    return Body(cells, radius, fixed, solver="superlu", hidden_pairs=hidden), particles
 
 
 def bent(body, particles, *densities):
@@ -108,7 +108,7 @@ def test_the_two_lips_of_a_slit_are_apart_and_its_tip_is_not():
 
 def test_nothing_is_hidden_where_there_is_no_void_near():
     seal = sm.door_seal()
-    body, particles = seal.body, seal.drawn_particles
+    body, particles = seal.body, seal.nominal_particles
     assert hidden_pairs(body.cells, particles, body.support_radius).size == 0
 
 
@@ -194,7 +194,7 @@ def test_c_ring_springs_open(hides):
     radius = support_radii(grid.cells, particles, 2.0)
     assert radius.min() > 0.3
     hidden = hidden_pairs(grid.cells, particles, radius)
-    options = {"hidden": hidden} if hides else {}
+    options = {"hidden_pairs": hidden} if hides else {}
     body = Body(grid.cells, radius, fixed, **options)
     path = solve(body, particles, (elastic_body(RUBBER), *loads), 1, options=tight(RUBBER))
     moved = path.displacement()
@@ -211,7 +211,7 @@ def test_rates_are_exact_beside_a_slit(rng):
     cells, particles, _ = slit(3.0)
     radius = support_radii(cells, particles, 2.0)
     hidden = hidden_pairs(cells, particles, radius)
-    body = Body(cells, radius, np.zeros(particles.shape, bool), hidden=hidden)
+    body = Body(cells, radius, np.zeros(particles.shape, bool), hidden_pairs=hidden)
     _, points = integration_points(body.cell_map, body.edge_rule)
     table, n = build_table(body.cloud(particles), points), len(particles)
     velocity, step = rng.uniform(-1.0, 1.0, (1, n, 2)), 1e-5

@@ -57,7 +57,7 @@ def test_headline_has_the_largest_gap_anywhere(tmp_path, run_script, capsys):
 
 
 def test_nothing_is_analysed_twice(counted_optimisation):
-    """Not even the drawn seal, at which the optimiser starts, nor for the figures and the report."""
+    """Not even the nominal seal, at which the optimiser starts, nor for the figures and the report."""
     (_, _, s), solved = counted_optimisation
     assert len(set(solved)) == len(solved) <= s["model_evaluations"]
 

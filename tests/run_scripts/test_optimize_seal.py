@@ -84,8 +84,8 @@ def test_drawing_and_table_are_the_optimum(continued):
         for place in places:
             assert min(ring.distance(Point(place)) for ring in rings) < 1e-6
     (hole,) = outline.contours[1:]
-    (drawn,) = sm.read_seal_file(out / "seal.toml").section.outline.contours[1:]
-    assert abs(hole.area) > abs(drawn.area)
+    (nominal,) = sm.read_seal_file(out / "seal.toml").section.outline.contours[1:]
+    assert abs(hole.area) > abs(nominal.area)
 
 
 @pytest.mark.parametrize(
@@ -168,11 +168,11 @@ def test_a_continued_run_has_the_load_steps_that_were_chosen(
     offsets = np.array(s["boundary_offsets"])
     monkeypatch.undo()
     file = sm.read_seal_file(path)
-    drawn = sm.build_seal(file)
-    assert chosen_for(file, best) == chosen_for(file, drawn)
-    (reaction,) = drawn.measures(("reaction",))
+    nominal = sm.build_seal(file)
+    assert chosen_for(file, best) == chosen_for(file, nominal)
+    (reaction,) = nominal.measures(("reaction",))
     assert sm.analyze(best).value(reaction) == pytest.approx(
-        sm.analyze(drawn, offsets).value(reaction), rel=1e-6
+        sm.analyze(nominal, offsets).value(reaction), rel=1e-6
     )
 
 

@@ -121,7 +121,7 @@ def test_another_problem_is_refused(
     arguments, message, tmp_path, run_script, optimised, capsys, monkeypatch
 ):
     """In one line, and before anything is analysed."""
-    monkeypatch.setattr("seal_mdao.kept_analyses.analyze_particles", None)
+    monkeypatch.setattr("seal_mdao.analysis_cache.analyze_particles", None)
     cases = shutil.copy(optimised[0] / "cases.sql", tmp_path)
     before = Path(cases).read_bytes()
     with pytest.raises(SystemExit) as ended:

@@ -140,7 +140,7 @@ def robust(run_script, tmp_path_factory):
 
 @pytest.mark.long
 def test_robust_optimum_on_fresh_samples(robust, assert_drawn):
-    """Two iterations leave the gap of the drawn seal, which stands for the nominal optimum here,
+    """Two iterations leave the gap of the nominal seal, which stands for the nominal optimum here,
     smaller on all cars."""
     out, code, s, _ = robust
     assert code == 1

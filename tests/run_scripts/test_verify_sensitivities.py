@@ -48,7 +48,7 @@ def test_estimates_of_known_derivatives():
     rng = np.random.default_rng(3)
     noise = np.array([1e-13])
 
-    def function(x):  # second derivative jumps at zero, as stresses at the drawn seal do
+    def function(x):  # second derivative jumps at zero, as stresses at the nominal seal do
         return np.exp(x) + 4.0 * x * abs(x) + noise[0] * rng.standard_normal()
 
     steps = np.array([1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6])

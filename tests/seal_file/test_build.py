@@ -37,7 +37,7 @@ def test_a_path_makes_the_same_seal_as_the_file_that_is_read(tmp_path):
     file = read(tmp_path, COARSE)
     seal = build_seal(file)
     for path in (file.path, str(file.path)):
-        assert np.array_equal(build_seal(path).drawn_particles, seal.drawn_particles)
+        assert np.array_equal(build_seal(path).nominal_particles, seal.nominal_particles)
     with pytest.raises(sm.SealFileError, match="there is no such file"):
         build_seal(tmp_path / "none.toml")
 
@@ -58,7 +58,7 @@ def test_everything_that_the_file_says_is_in_the_seal(pressed):
     assert set(seal.body.edges) == {"base", "seal", "cavity"}
     base = seal.body.edge("base").particles
     assert np.array_equal(np.flatnonzero(seal.body.fixed.all(axis=1)), np.sort(base))
-    assert np.abs(seal.drawn_particles[base, 1]).max() < 1e-14
+    assert np.abs(seal.nominal_particles[base, 1]).max() < 1e-14
 
 
 @pytest.mark.parametrize(("end", "first"), [("start", (4.0, 0.0)), ("end", (-4.0, 0.0))])
@@ -66,7 +66,7 @@ def test_a_fluid_comes_from_its_end_of_the_edge(tmp_path, end, first):
     fluid = f'[[fluid]]\nedge = "seal"\nfrom = "{end}"\npressure = 50.0\nsteps = 4\nname = "oil"\n'
     seal = build_seal(read(tmp_path, COARSE.replace("[[design]]", f"{fluid}[[design]]")))
     term = next(term for term in seal.terms() if term.label == "oil")
-    places = seal.drawn_particles[term.particles]
+    places = seal.nominal_particles[term.particles]
     assert places[0] == pytest.approx(first)
     assert places[-1] == pytest.approx((-first[0], 0.0))
     assert np.hypot(*np.diff(places, axis=0).T).max() < 1.61
@@ -93,8 +93,8 @@ def test_walls_with_fewer_than_five_layers_are_reported(tmp_path):
     thin = thin.replace("steps = 60", "steps = 2").replace("steps = 20", "steps = 1")
     few = build_seal(read(tmp_path, thin))
     enough = build_seal(read(tmp_path, thin.replace("spacing = 0.9", "spacing = 0.9\nlayers = 5")))
-    assert len(enough.drawn_particles) > 1.5 * len(few.drawn_particles)
-    assert enough.cautions == ()
+    assert len(enough.nominal_particles) > 1.5 * len(few.nominal_particles)
+    assert enough.warnings == ()
     assert sm.analyze(enough).warnings == ()
     (text,) = sm.analyze(few).warnings
     assert "mm thick and has about 3 layers of particles across, fewer than 5" in text
@@ -124,7 +124,7 @@ def test_a_drawing_gives_the_same_seal(tmp_path, pressed):
     rows = COARSE[COARSE.index("[[section.outer]]") : COARSE.index("[fixed]")]
     again = build_seal(read(tmp_path, COARSE.replace(rows, 'dxf = "bulb.dxf"\n')))
     assert np.array_equal(again.body.cells, seal.body.cells)
-    assert np.abs(again.drawn_particles - seal.drawn_particles).max() < 1e-9
+    assert np.abs(again.nominal_particles - seal.nominal_particles).max() < 1e-9
 
 
 def test_two_profiles_and_contact_over_several_edges(tmp_path):
@@ -147,7 +147,7 @@ line = [[9.0, 30.0], [9.0, 0.0]]
     movable = [p for p in both if not body.fixed[p].all()]
     assert sorted(door.where.points.anchors[:, 0]) == sorted(movable)
     # from the right end of the base over the top to the left one
-    x = seal.drawn_particles[door.where.points.anchors[:, 0], 0]
+    x = seal.nominal_particles[door.where.points.anchors[:, 0], 0]
     assert x[0] > 4.0
     assert x[-1] < -4.0
     assert side.motion.n_steps == 8

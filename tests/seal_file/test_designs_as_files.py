@@ -126,13 +126,13 @@ def test_its_analysis_is_that_of_the_design(changes, tmp_path):
     _, seal, offsets, measures, path = written(tmp_path, changes)
     result = sm.analyze(seal, offsets)
     again = sm.build_seal(sm.read_seal_file(path))
-    assert np.array_equal(again.drawn_particles, seal.particles(offsets))
+    assert np.array_equal(again.nominal_particles, seal.particles(offsets))
     assert np.array_equal(again.body.support_radius, seal.body.support_radius)
     assert np.array_equal(again.body.support_axes, seal.body.support_axes)
     assert again.body.basis_order == seal.body.basis_order
     assert np.all(np.equal(again.body.n_gauss, seal.body.n_gauss))
     assert again.body.column == seal.body.column
-    assert np.array_equal(again.body.hidden, seal.body.hidden)
+    assert np.array_equal(again.body.hidden_pairs, seal.body.hidden_pairs)
     assert again.scalars == seal.scalars
     found = sm.analyze(again)
     assert result.converged
@@ -152,7 +152,7 @@ def test_a_joint_that_is_open_comes_back(place, tmp_path):
     assert changes != RUBBERS
     _, seal, offsets, _, path = written(tmp_path, changes)
     again = sm.build_seal(sm.read_seal_file(path))
-    assert np.array_equal(again.drawn_particles, seal.particles(offsets))
+    assert np.array_equal(again.nominal_particles, seal.particles(offsets))
     assert np.array_equal(again.parts, seal.parts)
 
 
@@ -177,7 +177,7 @@ def test_a_mesh_from_elsewhere_makes_a_seal(tmp_path):
 
     file = seal_file(tmp_path, measures="")
     seal = sm.build_seal(file)
-    loops = [seal.drawn_particles[loop] for loop in seal.loops]
+    loops = [seal.nominal_particles[loop] for loop in seal.loops]
     points, triangles, _ = triangulate(loops, 1.6)
     order = np.random.default_rng(3).permutation(len(points))
     shuffled = np.vstack([points[order], [[50.0, 50.0]]])
@@ -189,7 +189,7 @@ def test_a_mesh_from_elsewhere_makes_a_seal(tmp_path):
     text = file.path.read_text().replace("spacing = 1.6", 'cloud = "mesh.vtu"')
     (tmp_path / "other.toml").write_text(text)
     other = sm.build_seal(sm.read_seal_file(tmp_path / "other.toml"))
-    assert len(other.drawn_particles) == len(points)
+    assert len(other.nominal_particles) == len(points)
     assert other.area(np.zeros(other.n_offsets))[0] == pytest.approx(
         seal.area(np.zeros(seal.n_offsets))[0], rel=1e-12
     )
@@ -290,4 +290,4 @@ def test_clouds_keep_where_kernels_were_chosen(bulb):
 
     _, seal, _, _, path = bulb
     mesh = meshio.read(path.with_suffix(".vtu"))
-    assert np.array_equal(mesh.point_data[FIRST][:, :2], seal.drawn_particles)
+    assert np.array_equal(mesh.point_data[FIRST][:, :2], seal.nominal_particles)

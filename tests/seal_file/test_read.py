@@ -283,7 +283,7 @@ def test_stress_is_that_of_the_complete_section_unless_points_are_chosen(
     measure = measure_of(file.measures[0], np.array([(0.0, 0.0), (5.0, 5.0), (0.0, 14.0)]))
     assert type(measure) is kind
     assert file.measures[0].single == single
-    assert not measure.takes_places or keys.startswith("count")
+    assert not measure.selects_points or keys.startswith("count")
     if "at" in keys:
         assert measure.points == (2, 0)
 
@@ -297,7 +297,7 @@ def test_gaps_are_those_of_the_design_unless_the_nominal_ones_are_meant(tmp_path
                               f'type = "gap_square_sum"\n{keys}'))  # fmt: skip
     measure = measure_of(file.measures[0], np.zeros((1, 2)))
     assert type(measure) is kind
-    assert measure.takes_places
+    assert measure.selects_points
 
 
 def test_the_form_in_the_tests_is_toml_of_sixty_lines():

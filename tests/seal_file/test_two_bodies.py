@@ -74,7 +74,7 @@ def test_two_bodies_press_on_each_other_as_two_layers(built):
     for spacing in (0.7, 0.35):
         result = sm.analyze(built(spacing))
         assert result.converged, result.failure
-        assert result.warnings == result.seal.cautions
+        assert result.warnings == result.seal.warnings
         errors.append(abs(result.value(Reaction("plate"))[1] / exact - 1.0))
     assert errors[0] < 0.01
     assert errors[1] < 0.6 * errors[0]
@@ -83,9 +83,9 @@ def test_two_bodies_press_on_each_other_as_two_layers(built):
 def test_no_particle_feels_the_other_body(built):
     """Supports are wider than the gap: neighbours of a particle are in its own body all the same."""
     seal = built(0.7)
-    body, upper = seal.body, seal.drawn_particles[:, 1] > 2.0 + 0.5 * GAP
+    body, upper = seal.body, seal.nominal_particles[:, 1] > 2.0 + 0.5 * GAP
     assert body.support_radius.max() > 10.0 * GAP
-    raw = discretize(body, seal.drawn_particles, seal.definitions).everywhere.raw
+    raw = discretize(body, seal.nominal_particles, seal.definitions).everywhere.raw
     for particle in range(body.n_particles):
         own = raw.neighbours[raw.start[particle] : raw.start[particle + 1]]
         assert (upper[own] == upper[particle]).all()
@@ -94,7 +94,7 @@ def test_no_particle_feels_the_other_body(built):
 def test_materials_and_holes_of_bodies(built):
     seal = built(0.7)
     soft, stiff = seal.definitions[0].regions
-    height = seal.drawn_particles[seal.body.cells, 1]
+    height = seal.nominal_particles[seal.body.cells, 1]
     assert height[soft.cells].min() > 2.0
     assert height[stiff.cells].max() == 2.0
     assert {"soft_c10", "stiff_c10"} <= set(seal.scalars)
@@ -157,4 +157,4 @@ line = [[12.0, -6.0], [12.0, -2.0], [6.0, -2.0], [6.0, -6.0]]
     text = text.replace("translate = [2.0, 0.0]\nrotate = 0.0\nsteps = 20", "steps = 1")
     result = sm.analyze(sm.build_seal(read(tmp_path, text)))
     assert result.converged, result.failure
-    assert result.warnings == result.seal.cautions
+    assert result.warnings == result.seal.warnings

@@ -132,7 +132,7 @@ def test_planes_stay_planes_in_a_design(tmp_path):
         particles = seal.body.edge(name).particles
         velocity = seal.design_velocity[:, particles]
         assert np.abs(velocity[..., 0]).max() == 0.0
-        height = seal.drawn_particles[particles, 1]
+        height = seal.nominal_particles[particles, 1]
         share = (height - height[0]) / (height[-1] - height[0])
         linear = velocity[:, :1] + share[:, None] * (velocity[:, -1:] - velocity[:, :1])
         assert np.abs(velocity - linear).max() < 1e-14

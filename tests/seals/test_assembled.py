@@ -26,7 +26,7 @@ def test_a_changed_parameter_is_known_and_makes_another_seal(seal, name):
 
 
 def test_a_kept_analysis_is_not_taken_for_another_motion(seal):
-    kept = sm.KeptAnalyses()
+    kept = sm.AnalysisCache()
     reaction = seal.measures(("reaction",))[0]
     shallow, deep = (kept.analyze(seal, parameters={"depth": depth}) for depth in (0.0, 0.05))
     assert kept.made == 2
@@ -52,7 +52,8 @@ def test_what_no_seal_can_be_is_refused(seal):
 @pytest.mark.parametrize(
     ("name", "value"),
     [("n_steps", 0), ("n_steps", "many"), ("newton", "fast"), ("body", None),
-     ("drawn_particles", "drawn"), ("drawn_particles", None), ("design_velocity", [[1.0], [1.0, 2.0]])],
+     ("nominal_particles", "drawn"), ("nominal_particles", None),
+     ("design_velocity", [[1.0], [1.0, 2.0]])],
 )  # fmt: skip
 def test_wrong_part_is_named(seal, name, value):
     with pytest.raises(ValueError, match=name):

@@ -78,7 +78,7 @@ def test_material_inverted_between_gauss_points_is_no_result(inner):
 
 @pytest.mark.parametrize("radius", [1.0, 0.5, 0.1])
 def test_sharp_corner_between_contact_points_is_told(radius):
-    result = analysed(drawn_door_radius=radius)
+    result = analysed(nominal_door_radius=radius)
     assert result.max_penetration < 0.005
     assert any("inside the rigid profile" in text for text in result.warnings)
 
@@ -89,9 +89,9 @@ def test_soft_penalty_is_told_and_softer_is_no_result():
     assert any("inside the rigid profile" in text for text in impossible(wrong))
 
 
-def test_places_without_a_gap_are_no_result(drawn, monkeypatch):
+def test_places_without_a_gap_are_no_result(nominal, monkeypatch):
     """NaN is not taken for a gap that is open."""
-    path = replace(drawn.path)
+    path = replace(nominal.path)
     monkeypatch.setattr(
         type(path.problem.term("door")), "gaps", lambda self, x, _: np.full(len(x), np.nan)
     )
@@ -130,9 +130,9 @@ def test_sides_of_cells():
     assert sorted(map(tuple, outer)) == [(0, 1), (1, 2), (2, 5), (3, 0), (4, 3), (5, 4)]
 
 
-def test_wall_is_the_thickness(drawn):
+def test_wall_is_the_thickness(nominal):
     """Of a ring nearly that of its radii; the base is thicker."""
-    assert Samples(drawn.path).wall == pytest.approx(2.0, rel=0.02)
+    assert Samples(nominal.path).wall == pytest.approx(2.0, rel=0.02)
 
 
 def test_crossings_of_a_bow_tie():

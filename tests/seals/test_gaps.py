@@ -4,7 +4,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.measures.gap import Gap, GapSquareIntegral, GapSquareSum, OpenGapSquareSum
-from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.selection import open_points
 from seal_mdao.measures.stress import StressNorm
 from seal_mdao.seals.gaps import (
     gaps_unmeasured_by,
@@ -14,13 +14,13 @@ from seal_mdao.seals.gaps import (
 )
 
 
-def test_largest_gap_of_the_nominal_seal(drawn):
-    opened, gap = opened_points(drawn.contact.state), drawn.contact.gap
-    found = largest_gap(drawn, "door")
+def test_largest_gap_of_the_nominal_seal(nominal):
+    opened, gap = open_points(nominal.contact.state), nominal.contact.gap
+    found = largest_gap(nominal, "door")
     assert found.size == gap[opened].max()
     assert gap[found.point] == found.size
-    assert found.place == pytest.approx(drawn.term("door").reference[found.point])
-    assert largest_gaps(drawn) == {"door": found.size}
+    assert found.place == pytest.approx(nominal.term("door").reference[found.point])
+    assert largest_gaps(nominal) == {"door": found.size}
 
 
 def test_no_gap_without_contact_on_both_sides():
@@ -30,24 +30,24 @@ def test_no_gap_without_contact_on_both_sides():
     assert unmeasured_gaps(result, (GapSquareSum(Gap("door", ())),)) == ()
 
 
-def test_gaps_beside_the_measured_points_are_reported(drawn):
-    worst = largest_gap(drawn, "door").point
-    others = tuple(p for p in opened_points(drawn.contact.state).tolist() if p != worst)
+def test_gaps_beside_the_measured_points_are_reported(nominal):
+    worst = largest_gap(nominal, "door").point
+    others = tuple(p for p in open_points(nominal.contact.state).tolist() if p != worst)
     measures = (
         GapSquareSum(Gap("door", others)), Gap("door", others), Gap("door", (worst,)),
         GapSquareIntegral("door"), OpenGapSquareSum("door"), StressNorm(),
     )  # fmt: skip
-    first, second = unmeasured_gaps(drawn, measures)
+    first, second = unmeasured_gaps(nominal, measures)
     assert "outside of the points at which gap_square_sum is measured" in first
     assert "gap is measured" in second
-    assert f"{drawn.contact.gap[list(others)].max():.3g} mm at most" in first
+    assert f"{nominal.contact.gap[list(others)].max():.3g} mm at most" in first
 
 
-def test_the_seals_own_measures_by_name(drawn):
-    worst = largest_gap(drawn, "door").point
-    others = tuple(p for p in drawn.measure("gap").points if p != worst)
-    fewer = drawn.at((GapSquareSum(Gap("door", others)),))
-    assert gaps_unmeasured_by(drawn, "gap_square_sum") == ()
+def test_the_seals_own_measures_by_name(nominal):
+    worst = largest_gap(nominal, "door").point
+    others = tuple(p for p in nominal.measure("gap").points if p != worst)
+    fewer = nominal.at((GapSquareSum(Gap("door", others)),))
+    assert gaps_unmeasured_by(nominal, "gap_square_sum") == ()
     (text,) = gaps_unmeasured_by(fewer, "gap_square_sum")
     assert "the opening has moved away" in text
     assert gaps_unmeasured_by(fewer, "gap_square_integral") == ()

@@ -212,7 +212,7 @@ def test_contacts_outside_files_have_penalties_that_follow_from_the_body(solid):
     assert law.open_penalties == ("normal_penalty", "tangent_penalty")
     seal = replace(solid, definitions=(solid.definitions[0], replace(contact, law=law)), changed={})
     own = {penalty.kind: penalty.value for penalty in penalties_of(seal)}
-    spacing = contact.where.lengths(solid.drawn_particles).mean()
+    spacing = contact.where.lengths(solid.nominal_particles).mean()
     stiffness = 3.0 * 200.0 / spacing  # E/h, the shear modulus is 2 (c10 + c01)
     assert own["normal_penalty"] == pytest.approx(300.0 * stiffness, rel=0.05)
     assert own["tangent_penalty"] == pytest.approx(10.0 * stiffness, rel=0.05)

@@ -1,4 +1,4 @@
-"""What happened at the profiles: stages, travel, courses of there and back, contact."""
+"""What happened at the profiles: stages, travel, load_segments of there and back, contact."""
 
 import numpy as np
 import pytest
@@ -10,8 +10,8 @@ from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.seals.profiles import (
     contacts,
-    courses,
     leading_motion,
+    load_segments,
     moves,
     profile_histories,
     stage_of,
@@ -21,7 +21,7 @@ from seal_mdao.seals.profiles import (
 
 def test_there_and_back_is_one_course():
     motion = staged_motion([Stage(2, (0.0, -3.0)), Stage(3, (0.0, 1.5)), Stage(2, (2.0, 0.0))])
-    there, across = courses(motion, 7)
+    there, across = load_segments(motion, 7)
     assert there.stages == (1, 2)
     assert there.steps == slice(0, 5)
     assert there.along == pytest.approx([1.5, 3.0, 2.5, 2.0, 1.5])
@@ -32,10 +32,10 @@ def test_there_and_back_is_one_course():
 
 def test_courses_end_where_the_path_ended():
     motion = staged_motion([Stage(2, (0.0, -3.0)), Stage(2, (1.0, 0.0)), Stage(2, (0.0, 1.0))])
-    found = courses(motion, 3)
-    assert [course.stages for course in found] == [(1,), (2,)]
+    found = load_segments(motion, 3)
+    assert [load_segment.stages for load_segment in found] == [(1,), (2,)]
     assert found[1].along == pytest.approx([0.5])
-    assert courses(motion, 0) == ()
+    assert load_segments(motion, 0) == ()
 
 
 def test_turns_are_counted_in_degrees_and_rests_join():
@@ -49,7 +49,7 @@ def test_turns_are_counted_in_degrees_and_rests_join():
         ],
         pivot=(3.0, 4.0),
     )
-    turning, both = courses(motion, 6)
+    turning, both = load_segments(motion, 6)
     assert turning.turns
     assert turning.stages == (1, 2, 3, 4)
     assert turning.along == pytest.approx([0.0, 15.0, 30.0, 30.0, 20.0])
@@ -62,31 +62,31 @@ def test_stage_of_a_step():
     assert stage_of(motion, np.arange(3)).tolist() == [1, 1, 2]
 
 
-def test_key_steps_and_words_of_the_door(drawn):
-    assert drawn.key_steps() == drawn.steps_at([2.5, 5.0, 7.5, 10.0])
-    assert drawn.caption(104) == "travel 10 mm"  # 105 steps from 0.5 mm above the top
+def test_key_steps_and_words_of_the_door(nominal):
+    assert nominal.key_steps() == nominal.steps_at([2.5, 5.0, 7.5, 10.0])
+    assert nominal.caption(104) == "travel 10 mm"  # 105 steps from 0.5 mm above the top
 
 
-def test_history_of_the_door(drawn):
-    (door,) = profile_histories(drawn)
+def test_history_of_the_door(nominal):
+    (door,) = profile_histories(nominal)
     assert door.label == "door"
     assert door.stage.tolist() == [1] * 105
-    assert door.travel == pytest.approx(drawn.travel + 0.5, abs=1e-12)
-    assert np.array_equal(door.force, drawn.reaction)
-    assert door.place[:, 1] == pytest.approx(9.5 - drawn.travel)
-    assert door.width[-1] == pytest.approx(drawn.value(ContactWidth("door"))[0], rel=1e-12)
-    assert door.nominal_peak[-1] == pytest.approx(1e4 * -drawn.contact.gap.min(), rel=1e-12)
-    nominal = ContactWidth("door", nominal=True)
-    assert door.nominal_width[-1] == pytest.approx(drawn.value(nominal)[0], rel=1e-12)
-    assert door.peak[-1] == true_pressure(drawn, contacts(drawn.seal)[0]).max()
+    assert door.travel == pytest.approx(nominal.travel + 0.5, abs=1e-12)
+    assert np.array_equal(door.force, nominal.reaction)
+    assert door.place[:, 1] == pytest.approx(9.5 - nominal.travel)
+    assert door.width[-1] == pytest.approx(nominal.value(ContactWidth("door"))[0], rel=1e-12)
+    assert door.nominal_peak[-1] == pytest.approx(1e4 * -nominal.contact.gap.min(), rel=1e-12)
+    undeformed = ContactWidth("door", undeformed=True)
+    assert door.nominal_width[-1] == pytest.approx(nominal.value(undeformed)[0], rel=1e-12)
+    assert door.peak[-1] == true_pressure(nominal, contacts(nominal.seal)[0]).max()
     assert door.width[0] == door.peak[0] == 0.0
 
 
-def test_profile_that_stands_still_follows_the_one_that_moves(drawn):
+def test_profile_that_stands_still_follows_the_one_that_moves(nominal):
     still = staged_motion([Stage(105)])
     assert not moves(still)
-    (door,) = contacts(drawn.seal)
-    assert leading_motion(drawn.seal) is not still
+    (door,) = contacts(nominal.seal)
+    assert leading_motion(nominal.seal) is not still
     assert moves(door.motion)
 
 

@@ -1,4 +1,4 @@
-"""The drawn section, the particle ring on it, and its exact area."""
+"""The nominal section, the particle ring on it, and its exact area."""
 
 import numpy as np
 import pytest
@@ -103,7 +103,7 @@ def test_uniform_inner_offset_moves_a_circle():
 def test_particle_ring(rays, layers):
     """Base corners, straight down, tangent points are particles; walls are divided evenly."""
     model = sm.door_seal(rays=rays, layers=layers)
-    grid, x = options_of(model).grid, model.drawn_particles
+    grid, x = options_of(model).grid, model.nominal_particles
     assert x.shape == (rays * layers, 2)
     base = x[grid.base]
     np.testing.assert_allclose(base[:, 1], -9.5, rtol=1e-14)
@@ -119,7 +119,7 @@ def test_particle_ring(rays, layers):
 
 def test_cells_tile_the_ring_counter_clockwise():
     model = sm.door_seal()
-    cells, x = options_of(model).grid.cells, model.drawn_particles
+    cells, x = options_of(model).grid.cells, model.nominal_particles
     assert len(cells) == 58 * 2
     assert np.array_equal(np.unique(cells), np.arange(174))
     corners = x[cells]
@@ -152,14 +152,15 @@ def test_refined_ring_divides_the_intervals_of_its_upper_part(rays, refinement):
 def test_refined_ring_has_the_base_of_the_even_one():
     even, refined = sm.door_seal(), sm.door_seal(refinement=3)
     np.testing.assert_allclose(
-        *(seal.drawn_particles[options_of(seal).grid.base] for seal in (refined, even)), atol=1e-14
+        *(seal.nominal_particles[options_of(seal).grid.base] for seal in (refined, even)),
+        atol=1e-14,
     )
 
 
 def test_support_is_measured_by_the_longest_edge_at_each_particle():
     model = sm.door_seal()
-    radius = support_radii(options_of(model).grid.cells, model.drawn_particles, 2.0)
-    x, longest = model.drawn_particles, np.zeros(174)
+    radius = support_radii(options_of(model).grid.cells, model.nominal_particles, 2.0)
+    x, longest = model.nominal_particles, np.zeros(174)
     for cell in options_of(model).grid.cells:
         for a, b in zip(cell, np.roll(cell, -1), strict=True):
             edge = np.linalg.norm(x[a] - x[b])
@@ -182,7 +183,7 @@ def test_fixed_particles_are_those_on_the_flat_base(columns):
     for rays in (58, 116):
         section = Section(base_angle=columns * 2 * np.pi / 58)
         seal = sm.door_seal(section=section, rays=rays)
-        outer = seal.drawn_particles.reshape(rays, 3, 2)[:, -1]
+        outer = seal.nominal_particles.reshape(rays, 3, 2)[:, -1]
         on_base = np.abs(outer[:, 1] + 9.5) < 1e-9
         assert on_base.sum() == 2 * columns * rays // 58 + 1
         np.testing.assert_array_equal(

@@ -41,11 +41,11 @@ edges = ["bottom"]
 
 def same(one, other):
     assert one.key == other.key
-    np.testing.assert_array_equal(one.drawn_particles, other.drawn_particles)
+    np.testing.assert_array_equal(one.nominal_particles, other.nominal_particles)
     assert one.settings() == other.settings()
     for own, again in zip(one.terms(), other.terms(), strict=True):
         if hasattr(own, "motion"):
-            np.testing.assert_array_equal(own.motion.room, again.motion.room)
+            np.testing.assert_array_equal(own.motion.clearance, again.motion.clearance)
             assert own.motion.names == again.motion.names
 
 
@@ -53,7 +53,7 @@ def same(one, other):
     lambda seal: seal,
     lambda seal: seal.with_parameters({"door_friction": 0.125, "c10": 90.0}),
     lambda seal: seal.with_placements().with_parameters({"door_x": 0.5}),
-    lambda seal: seal.with_placements().with_rooms({"door": (0.0, 0.25)}),
+    lambda seal: seal.with_placements().with_clearances({"door": (0.0, 0.25)}),
 ])  # fmt: skip
 def test_seal_of_a_file_and_what_is_made_of_it(change):
     seal = change(sm.build_seal(PAPER))
@@ -122,7 +122,7 @@ def packed(content):
     ({"chosen": {"step_ends": [1.0]}}, "that were chosen are missing"),
     ({"chosen": {"callback": "print"}}, "not those of a seal file"),
     ({"parameters": {"nothing": 1.0}}, "unknown parameter"),
-    ({"rooms": 3}, "not those of a seal"),
+    ({"clearances": 3}, "not those of a seal"),
 ])  # fmt: skip
 def test_settings_that_are_none(wrong, words):
     settings = json.loads(sm.build_seal(PAPER).settings()) | wrong

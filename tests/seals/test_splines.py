@@ -98,16 +98,16 @@ def test_base_does_not_move_for_any_design():
 
 def test_particles_are_linear_in_the_offsets(rng):
     a, b = rng.uniform(-0.4, 0.4, (2, 25))
-    drawn = MODEL.particles()
-    first, second, both = (MODEL.particles(o) - drawn for o in (a, b, 2 * a - 0.5 * b))
+    nominal = MODEL.particles()
+    first, second, both = (MODEL.particles(o) - nominal for o in (a, b, 2 * a - 0.5 * b))
     np.testing.assert_allclose(both, 2 * first - 0.5 * second, atol=1e-13)
-    np.testing.assert_array_equal(drawn, MODEL.drawn_particles)
+    np.testing.assert_array_equal(nominal, MODEL.nominal_particles)
 
 
 def test_offsets_move_particles_along_their_rays(rng):
     """By the spline values on the boundaries, linearly between across the wall."""
     offsets = rng.uniform(-0.4, 0.4, 25)
-    motion = (MODEL.particles(offsets) - MODEL.drawn_particles).reshape(58, 3, 2)
+    motion = (MODEL.particles(offsets) - MODEL.nominal_particles).reshape(58, 3, 2)
     angle = options_of(MODEL).grid.angles
     rays = ray_directions(angle)
     along = np.einsum("rki,ri->rk", motion, rays)

@@ -63,7 +63,7 @@ def two_profiles(friction, steps=6, way="loop"):
     )
     n_steps = motions[0].n_steps
     return sm.Seal(
-        block.drawn_particles, block.design_velocity, block.body, (rubber, plate, roll), n_steps,
+        block.nominal_particles, block.design_velocity, block.body, (rubber, plate, roll), n_steps,
         (ProfileWork("plate", "plate_work"), ProfileWork("roll", "roll_work"), StrainEnergy()),
         newton=block.newton,
     )  # fmt: skip

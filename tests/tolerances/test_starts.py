@@ -113,9 +113,9 @@ def test_where_profiles_back_off_to(made, travel, way):
     if way is None:
         assert found is own
         return
-    room = found.definitions[1].motion.room
-    assert np.abs(room / np.hypot(*room) - way / np.hypot(*way)).max() < 1e-3
-    assert 0.2 < room[1] < 0.3
+    clearance = found.definitions[1].motion.clearance
+    assert np.abs(clearance / np.hypot(*clearance) - way / np.hypot(*way)).max() < 1e-3
+    assert 0.2 < clearance[1] < 0.3
     pose = found.definitions[1].motion.pose(0.0)
     assert pose.position[1] > 5.0
     later = [own.definitions[1].motion.pose(k).position for k in (1, 2, 3)]
@@ -124,10 +124,10 @@ def test_where_profiles_back_off_to(made, travel, way):
 
 
 def test_the_door_of_the_door_seal_backs_off():
-    seal = sm.door_seal(start=10.01, room=0.0, depth=2.0, n_steps=6)
+    seal = sm.door_seal(start=10.01, clearance=0.0, depth=2.0, n_steps=6)
     swollen = np.full(seal.n_offsets, 0.1)
     task = SealTask(seal, seal.measures(("reaction",)), ())
     found = task.run(swollen, np.zeros(0))
     assert not found.failure
-    roomy = SealTask(with_options(seal, room=0.6), task.measures, ()).run(swollen, np.zeros(0))
+    roomy = SealTask(with_options(seal, clearance=0.6), task.measures, ()).run(swollen, np.zeros(0))
     assert found.values == pytest.approx(roomy.values, rel=1e-3)

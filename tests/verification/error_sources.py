@@ -6,7 +6,7 @@ import numpy as np
 
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.equilibrium.discretization import discretize
-from seal_mdao.measures.selection import touching_stretch
+from seal_mdao.measures.selection import contact_range
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from seal_mdao.seals.result import SealResult, analyze
 from seal_mdao.terms.points import edge_points
@@ -49,7 +49,7 @@ def from_the_limit(**changes) -> np.ndarray:
 
 
 def _flat_curve(changes) -> np.ndarray:
-    return at_travels(drawn(**{"door": "flat", "n_steps": STEPS, **changes}))
+    return at_travels(nominal(**{"door": "flat", "n_steps": STEPS, **changes}))
 
 
 def at_travels(result: SealResult) -> np.ndarray:
@@ -84,11 +84,11 @@ def boundary_gaps(result: SealResult, per_side: int = 8) -> np.ndarray:
 def largest_opened_gap(result: SealResult) -> float:
     """Largest gap between the first and the last place in contact along the outer boundary, mm."""
     gap = boundary_gaps(result)
-    return float(gap[touching_stretch(gap <= 0.0)].max())
+    return float(gap[contact_range(gap <= 0.0)].max())
 
 
-def drawn(**changes) -> SealResult:
-    """The drawn seal, analysed; under the corner door unless ``changes`` say otherwise."""
+def nominal(**changes) -> SealResult:
+    """The nominal seal, analysed; under the corner door unless ``changes`` say otherwise."""
     result = analyze(door_seal(**changes))
     result.require_converged()
     return result

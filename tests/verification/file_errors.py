@@ -19,11 +19,11 @@ LINEAR, QUADRATIC = Kernels(), Kernels(2.6, 2)
 
 def with_kernels(seal: OutlineSeal, kernels: Kernels) -> OutlineSeal:
     """The seal with other kernels on the same cloud."""
-    cells, places = seal.body.cells, seal.body.drawn
+    cells, places = seal.body.cells, seal.body.nominal
     radius, axes = kernel_supports(cells, places, kernels.support)
     body = replace(
         seal.body, support_radius=radius, support_axes=axes, basis_order=kernels.basis_order,
-        n_gauss=kernels.n_gauss, hidden=hidden_pairs(cells, places, radius),
+        n_gauss=kernels.n_gauss, hidden_pairs=hidden_pairs(cells, places, radius),
     )  # fmt: skip
     return replace(seal, body=body, kernels=kernels)
 

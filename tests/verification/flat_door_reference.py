@@ -1,4 +1,4 @@
-"""The drawn seal under a wholly flat door, friction 0.25, from an independent finite element code.
+"""The nominal seal under a wholly flat door, friction 0.25, from an independent finite element code.
 
 Biquadratic displacements, discontinuous linear pressure, 8 x 232 elements, augmented-Lagrangian
 contact, 100 steps to 10 mm. Its own discretisation error is about 0.5 %; with 4 x 116 elements the

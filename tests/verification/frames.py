@@ -97,10 +97,10 @@ def moved_profile(profile: RigidProfile, frame: Frame) -> RigidProfile:
 def analyze_in_frame(seal: Seal, frame: Frame) -> FrameResult:
     """The drawn ``seal`` written in ``frame``: particles, door, material and penalties."""
     cells = seal.body.cells[:, ::-1] if frame.mirrored else seal.body.cells
-    particles = frame.places(seal.drawn_particles)
+    particles = frame.places(seal.nominal_particles)
     axes = seal.body.support_axes
     body = replace(
-        seal.body, cells=np.ascontiguousarray(cells), drawn=particles,
+        seal.body, cells=np.ascontiguousarray(cells), nominal=particles,
         support_radius=frame.size * seal.body.support_radius,
         support_axes=None if axes is None else axes @ frame.matrix.T / frame.size,
     )  # fmt: skip
@@ -111,11 +111,13 @@ def analyze_in_frame(seal: Seal, frame: Frame) -> FrameResult:
         normal_penalty=unit * law.normal_penalty, tangent_penalty=unit * law.tangent_penalty
     )
     motion = options.motion
-    places, room = (frame.size * frame.vectors(way) for way in (motion.positions, motion.room))
+    places, clearance = (
+        frame.size * frame.vectors(way) for way in (motion.positions, motion.clearance)
+    )
     contact = replace(
         seal.terms()[1], law=law,
         shape=GivenShape(moved_profile(options.shape.profile(), frame)),
-        motion=Motion(places, motion.angles, motion.steps, room=room, shares=motion.shares),
+        motion=Motion(places, motion.angles, motion.steps, clearance=clearance, shares=motion.shares),
     )  # fmt: skip
     terms = elastic_body(material.with_(**stresses)), contact
     path = solve(body, particles, terms, seal.n_steps, options=seal.newton)

@@ -1,4 +1,4 @@
-"""Designs away from the drawn seal, for gradient checks."""
+"""Designs away from the nominal seal, for gradient checks."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.seal import Seal
 
 DISTANCE = 0.3
-"""Distance from the drawn seal, mm."""
+"""Distance from the nominal seal, mm."""
 
 
 def design_away(model: Seal, seed: int, distance: float = DISTANCE) -> np.ndarray:
@@ -16,4 +16,4 @@ def design_away(model: Seal, seed: int, distance: float = DISTANCE) -> np.ndarra
     """
     offsets = np.random.default_rng(seed).uniform(-1.0, 1.0, model.n_offsets)
     offsets *= distance / np.abs(offsets).max()
-    return np.append(offsets, options_of(model).drawn_door_radius + distance)
+    return np.append(offsets, options_of(model).nominal_door_radius + distance)

@@ -20,11 +20,11 @@ from verification.error_sources import STEPS
 from verification.flat_door_reference import reaction_errors
 
 START, DEPTH = 10.0, 10.0
-"""The door's flat at the start; its final depth below the top of the drawn seal, mm."""
+"""The door's flat at the start; its final depth below the top of the nominal seal, mm."""
 
 
 def door_outline() -> Outline:
-    """The drawn door seal as contours."""
+    """The nominal door seal as contours."""
     section = Section()
     top, base = section.outer_radius, section.base_angle
     foot = (top * np.tan(base), -top)

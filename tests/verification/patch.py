@@ -56,9 +56,9 @@ def patch_test(traction: bool, basis_order: int = 1, cells: int = 6, seed: int =
     """
     grid = Grid(cells, cells)
     X = scattered(grid, 0.3, seed)
-    held = grid.left if traction else grid.boundary
+    prescribed = grid.left if traction else grid.boundary
     support = 2.0 if basis_order == 1 else 3.0
-    fixed = fixed_components(len(X), x=held, y=held)
+    fixed = fixed_components(len(X), x=prescribed, y=prescribed)
     body = grid_body(grid, X, fixed, support, basis_order=basis_order)
     stress = homogeneous_stress(np.eye(2) + GRADIENT, MATERIAL)
     sides = {"right": (1, 0), "bottom": (0, -1), "top": (0, 1)} if traction else {}
@@ -138,8 +138,8 @@ def squeeze(
     """
     grid = Grid(*cells)
     X = scattered(grid, 0.25, seed) * [2.0, 1.0]
-    held = [*grid.left, *grid.right] if walls else [grid.bottom[0]]
-    fixed = fixed_components(len(X), x=held, y=[*grid.bottom, *grid.top])
+    prescribed = [*grid.left, *grid.right] if walls else [grid.bottom[0]]
+    fixed = fixed_components(len(X), x=prescribed, y=[*grid.bottom, *grid.top])
     target = np.zeros_like(X)
     target[grid.top, 1] = final_stretch - 1.0
     body, imposed = grid_body(grid, X, fixed), grown(target, n_steps)

@@ -1,4 +1,4 @@
-"""The drawn door seal under its door by biquadratic elements: an independent reference.
+"""The nominal door seal under its door by biquadratic elements: an independent reference.
 
 Section, rubber, door and contact law are those of ``door_seal``, with the same penalties; the elements
 are those of ``biquadratic``, with the contact at three Gauss points of every edge.
@@ -13,7 +13,7 @@ from scipy.sparse.linalg import splu
 from seal_mdao.contact.friction import ContactHistory, no_history
 from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.contact.rigid_points import contact_points
-from seal_mdao.measures.selection import touching_stretch
+from seal_mdao.measures.selection import contact_range
 from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.seal import Seal
 from seal_mdao.seals.wall_grid import ray_directions
@@ -70,7 +70,7 @@ class Pressed(NamedTuple):
     Attributes
     ----------
     travel : ndarray, shape (n_steps,)
-        Of the door since it touched the drawn seal, mm.
+        Of the door since it touched the nominal seal, mm.
     reaction : ndarray, shape (n_steps, 2)
         N/m.
     largest_gap : float
@@ -88,7 +88,7 @@ class Pressed(NamedTuple):
 
 
 def ring_elements(seal: Seal, across: int, around: int) -> Elements:
-    """``across`` x ``around`` elements of the drawn section; nodes by circles, from straight down."""
+    """``across`` x ``around`` elements of the nominal section; nodes by circles, from straight down."""
 
     section = options_of(seal).section
 
@@ -126,7 +126,7 @@ class PressedElements:
     Parameters
     ----------
     seal : Seal
-        Its drawn section, material, door, contact law and motion.
+        Its nominal section, material, door, contact law and motion.
     across, around : int
         Elements; ``around`` a multiple of 58.
 
@@ -246,5 +246,5 @@ class PressedElements:
         along = _edge_points(self.mesh, self.edges, places, np.ones(ALONG))
         gap = np.empty(len(along.length))
         normal_gaps(self.curve, pose, along.at(self.mesh.nodes + u), gap)
-        stretch = touching_stretch(gap < 0.0)
+        stretch = contact_range(gap < 0.0)
         return float(gap[stretch].max()) if stretch.size else float("nan")

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from seal_mdao.measures.selection import opened_points
+from seal_mdao.measures.selection import open_points
 from seal_mdao.seals.door.door_seal import DOOR, door_seal, options_of
 from seal_mdao.seals.result import SealResult, analyze
 from verification.flat_door_reference import BOUNDARY, REACTION
@@ -14,7 +14,7 @@ LEVELS = ((58, 3), (116, 5), (174, 7))
 
 
 class SealLevel(NamedTuple):
-    """The drawn seal under the corner door at 10 mm, on one particle discretisation.
+    """The nominal seal under the corner door at 10 mm, on one particle discretisation.
 
     Attributes
     ----------
@@ -35,15 +35,15 @@ class SealLevel(NamedTuple):
 
 
 def corner_level(rays: int, layers: int, n_steps: int = 105) -> SealLevel:
-    """Reaction and opened stretch of the drawn seal with ``rays`` x ``layers`` particles."""
+    """Reaction and opened stretch of the nominal seal with ``rays`` x ``layers`` particles."""
     result = analyze(door_seal(rays=rays, layers=layers, n_steps=n_steps))
-    opened = opened_points(result.contact.state)
+    opened = open_points(result.contact.state)
     gap, length = result.contact.gap[opened], result.term(DOOR).length[opened]
     return SealLevel(rays, layers, result.reaction[-1], float(gap.max()), float(length @ gap**2))
 
 
 class FlatLevel(NamedTuple):
-    """The drawn seal under the flat door, compared with ``flat_door_reference``.
+    """The nominal seal under the flat door, compared with ``flat_door_reference``.
 
     Attributes
     ----------

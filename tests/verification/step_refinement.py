@@ -19,7 +19,7 @@ class StepStudy(NamedTuple):
     reaction : ndarray, shape (m, 2)
         Force on the door, N/m.
     gap_square_sum : ndarray, shape (m,)
-        mm^2, at the frozen contact points of the drawn seal.
+        mm^2, at the frozen contact points of the nominal seal.
     """
 
     steps: np.ndarray

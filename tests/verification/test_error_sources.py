@@ -9,10 +9,10 @@ from verification.error_sources import (
     FUNCTIONS,
     at_travels,
     boundary_gaps,
-    drawn,
     flat_errors,
     from_the_limit,
     largest_opened_gap,
+    nominal,
     worst_error,
 )
 from verification.flexure import bend_block
@@ -55,7 +55,7 @@ def test_engineering_accuracy_is_within_half_a_percent(figure):
     ("accuracy", "force", "opened"), [("engineering", 5e-3, 2e-2), ("fine", 3e-3, 1e-2)]
 )
 def test_corner_door_from_the_limit_of_elements(accuracy, force, opened, figure):
-    result = drawn(accuracy=accuracy)
+    result = nominal(accuracy=accuracy)
     error = np.abs(at_travels(result) / CORNER - 1.0).max()
     figure(f"corner door, {accuracy} accuracy: reaction at 2 ... 10 mm", error, force)
     gap = abs(largest_opened_gap(result) / GAP - 1.0)
@@ -66,12 +66,12 @@ def test_corner_door_from_the_limit_of_elements(accuracy, force, opened, figure)
 def test_largest_gap_of_engineering_accuracy_is_within_two_percent(figure):
     """Of two refined rings, one of them with another basis and the contact at particles, evaluated
     between particles too."""
-    found = largest_opened_gap(drawn(accuracy="engineering"))
+    found = largest_opened_gap(nominal(accuracy="engineering"))
     refined = {"rays": 116, "layers": 5, "refinement": 2, "n_steps": 105}
     other = {"rays": 174, "layers": 7, "refinement": 2, "n_steps": 105}
     limits = [
-        largest_opened_gap(drawn(**WIDE | refined)),
-        largest_opened_gap(drawn(support=(1.8, 2.5), **other)),
+        largest_opened_gap(nominal(**WIDE | refined)),
+        largest_opened_gap(nominal(support=(1.8, 2.5), **other)),
     ]
     figure("corner door, largest gap of two refined rings", abs(limits[1] / limits[0] - 1), 1e-2)
     errors = [abs(found / limit - 1.0) for limit in limits]
@@ -134,7 +134,7 @@ def test_bending_with_product_kernels_is_no_worse(figure):
 
 def test_gaps_along_the_boundary_meet_those_of_the_particles():
     """A point that comes ever nearer to a particle has its gap."""
-    result = drawn(depth=2.0, start=10.03, n_steps=10)
+    result = nominal(depth=2.0, start=10.03, n_steps=10)
     gaps = boundary_gaps(result, 40).reshape(-1, 40)
     at_particles = result.contact.gap
     # the first Gauss point of a side lies 1e-3 of the side from its particle

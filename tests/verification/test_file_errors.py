@@ -36,14 +36,14 @@ def test_kernels_of_files_are_those_called_linear():
 
 def test_half_the_spacing_has_more_than_three_times_the_particles():
     file, seal = example("sealed_bulb")
-    assert len(refined(file).drawn_particles) > 3 * len(seal.drawn_particles)
+    assert len(refined(file).nominal_particles) > 3 * len(seal.nominal_particles)
 
 
 def test_contact_at_edges_is_halfway_between_particles():
     file, seal = example("lip")
     (here,) = (t for t in seal.definitions if isinstance(t, RigidContact))
     (moved,) = (t for t in build_seal(at_edges(file)).definitions if isinstance(t, RigidContact))
-    x = seal.drawn_particles
+    x = seal.nominal_particles
     own, middle = here.where.points.at(x), moved.where.points.at(x)
     nearest = np.sort(np.hypot(*(middle[:, None] - own).T), axis=0)[:2]
     # both ends of an edge are contact points but for held ones

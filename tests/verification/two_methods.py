@@ -39,7 +39,7 @@ def case_model(friction: str, door: str, path: str) -> Seal:
 
 
 def analyze_case(friction: str, door: str, path: str, seed: int = 7) -> SealResult:
-    """That model at a random design within 0.04 mm of the drawn seal."""
+    """That model at a random design within 0.04 mm of the nominal seal."""
     model = case_model(friction, door, path)
     offsets = np.random.default_rng(seed).uniform(-0.04, 0.04, model.n_offsets)
     result = analyze(model, offsets, {"door_radius": RADIUS}, keep_factors=True)

@@ -44,7 +44,7 @@ PARAMETERS = {
     "normal_penalty": ("kPa/mm", "Normal penalty w_n."),
     "tangent_penalty": ("kPa/mm", "Tangential penalty w_t."),
     "friction": (None, "Coulomb friction coefficient."),
-    "depth": ("mm", "Final depth of the door below the top of the drawn seal."),
+    "depth": ("mm", "Final depth of the door below the top of the nominal seal."),
     "door_shift": ("mm", "Horizontal misplacement of the door."),
     "door_angle": ("deg", "Misalignment of the door, counter-clockwise about the seal's axis."),
 }
@@ -87,7 +87,7 @@ def door_seal(
     TypeError, ValueError
         For options that are unknown or not admissible.
     LoadPathError
-        When the path of the drawn seal cannot be completed, for ``steps="auto"``.
+        When the path of the nominal seal cannot be completed, for ``steps="auto"``.
 
     Examples
     --------
@@ -122,9 +122,9 @@ def options_of(seal: Seal) -> DoorOptions:
     names = options.material.names
     # values of parameters over those that the seal was built with
     constants = {name: changed.pop(name) for name in names if name in changed}
-    _, room = seal.description.get("rooms", {}).get(DOOR, (0.0, options.room))
+    _, clearance = seal.description.get("clearances", {}).get(DOOR, (0.0, options.clearance))
     material = options.material.with_(**constants)
-    return replace(options, material=material, room=room, **changed)
+    return replace(options, material=material, clearance=clearance, **changed)
 
 
 def with_options(seal: Seal, **changes) -> Seal:
@@ -178,7 +178,7 @@ def _built(options: DoorOptions) -> Seal:
         section_area=splines.area,
         offset_limit=section.outer_radius - section.inner_radius,
     ).made_from({DOOR_SEAL: asdict(options)})  # fmt: skip
-    # the radius of this design is a change of the drawn door, where places of measures are chosen
+    # the radius of this design is a change of the nominal door, where places of measures are chosen
     if options.door_radius is None:
         return seal
     return seal.with_parameters({"door_radius": options.door_radius})
@@ -190,7 +190,7 @@ def _parameters(options: DoorOptions) -> dict[str, Parameter]:
     zeros = {name: getattr(options, name) for name in ("depth", "door_shift", "door_angle")}
     # no term has the radius of the flat door
     if not options.shape.names:
-        zeros["door_radius"] = options.drawn_door_radius
+        zeros["door_radius"] = options.nominal_door_radius
     bounds = options.bounds
     return {
         name: Parameter(units, text, zeros.get(name, 0.0), bounds.get(name, {}))
@@ -224,7 +224,7 @@ def _body(options: DoorOptions, particles: np.ndarray) -> Body:
             "outer": Edge(grid.free_outer, False),
             "cavity": Edge(inner[::-1], True),
         },
-        drawn=particles,
+        nominal=particles,
         basis_order=options.basis_order,
         n_gauss=grid.along_cells(options.n_gauss),
         solver=options.solver,

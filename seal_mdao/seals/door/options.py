@@ -25,7 +25,7 @@ PARTS = {"section": Section, "material": MooneyRivlin, "newton": NewtonOptions}
 MOST_SUPPORT = 10.0
 """Cell edges."""
 FARTHEST = 100.0
-"""Of the start above the top of the drawn seal, and of the room above the start, mm."""
+"""Of the start above the top of the nominal seal, and of the clearance above the start, mm."""
 
 
 def _optional(check):
@@ -97,7 +97,7 @@ class DoorOptions:
         Where the door may touch: at the free particles of the outer boundary, or in the middle of every
         straight edge between two of them.
     section : Section
-        Drawn section.
+        Nominal section.
     outer_parameters, inner_parameters : int
         Free spline control values of the two boundaries, no more than rays.
     symmetric : bool
@@ -106,11 +106,11 @@ class DoorOptions:
     door : {"corner", "flat"}
         Rounded corner with a vertical side, or wholly flat.
     corner_x : float
-        Where the flat of the corner door ends for the drawn radius, -50 to 50 mm.
-    drawn_door_radius : float
-        Corner radius of the drawn door, from 0.01 to below 100 mm.
+        Where the flat of the corner door ends for the nominal radius, -50 to 50 mm.
+    nominal_door_radius : float
+        Corner radius of the nominal door, from 0.01 to below 100 mm.
     door_radius : float or None
-        Corner radius of this design; None for the drawn one.
+        Corner radius of this design; None for the nominal one.
     segments : int or None
         None: exact line-arc-line door; else the number of straight segments, 4 to 10 000.
     friction : float
@@ -120,18 +120,18 @@ class DoorOptions:
     normal_penalty, tangent_penalty : float
         w_n, w_t, kPa/mm; w_n from 0.1 and w_t from 0.001 to 1e8 times the shear modulus a mm.
     start : float
-        Height of the door's flat at the start, up to 100 mm above the top of the drawn seal.
-    room : float
+        Height of the door's flat at the start, up to 100 mm above the top of the nominal seal.
+    clearance : float
         How far above ``start`` the first load step begins, 0 to 100 mm, so that a design that reaches
         up to ``start`` is still clear of the door. It does not count as travel: all steps end where
         they would without it.
     depth : float
-        Final depth of the door below the top of the drawn seal, from 0.001 mm to its outer diameter.
+        Final depth of the door below the top of the nominal seal, from 0.001 mm to its outer diameter.
     door_shift : float
         Horizontal misplacement of the door, -50 to 50 mm.
     door_angle : float
         Misalignment of the door in degrees, -30 to 30, counter-clockwise about the point of its flat
-        above the axis of the drawn seal (before the shift).
+        above the axis of the nominal seal (before the shift).
     n_steps : int
         Load steps from start to depth.
     step_ends : tuple of float, or None
@@ -156,7 +156,7 @@ class DoorOptions:
     material: MooneyRivlin = field(default_factory=MooneyRivlin)
     door: str = _option("corner", _one_of("corner", "flat"))
     corner_x: float = _option(2.0, partial(values.real, low=-50.0, high=50.0))
-    drawn_door_radius: float = 4.0
+    nominal_door_radius: float = 4.0
     door_radius: float | None = None
     segments: int | None = _option(None, _optional(_integer(4, 10_000)))
     friction: float = 0.25
@@ -164,7 +164,7 @@ class DoorOptions:
     normal_penalty: float = 1e4
     tangent_penalty: float = 1e2
     start: float = 10.0
-    room: float = _option(0.1, partial(values.real, low=0.0, high=FARTHEST))
+    clearance: float = _option(0.1, partial(values.real, low=0.0, high=FARTHEST))
     depth: float = 10.0
     door_shift: float = 0.0
     door_angle: float = 0.0
@@ -176,7 +176,7 @@ class DoorOptions:
     @property
     def radius(self) -> float:
         """Corner radius of this design, mm."""
-        return self.drawn_door_radius if self.door_radius is None else self.door_radius
+        return self.nominal_door_radius if self.door_radius is None else self.door_radius
 
     @property
     def bounds(self) -> dict:
@@ -249,16 +249,16 @@ class DoorOptions:
         if self.step_ends is not None:
             path = path.with_ends(self.step_ends)
         # only the first step becomes longer, upwards
-        return replace(path, room=(0.0, self.room))
+        return replace(path, clearance=(0.0, self.clearance))
 
     @property
     def shape(self) -> CornerDoor | FlatDoor:
-        """Shape of the drawn door."""
+        """Shape of the nominal door."""
         if self.door == "flat":
             return FlatDoor()
         # the vertical side stays where it is when the radius changes
-        side = self.corner_x + self.drawn_door_radius
-        return CornerDoor(self.corner_x, side, self.drawn_door_radius, self.segments)
+        side = self.corner_x + self.nominal_door_radius
+        return CornerDoor(self.corner_x, side, self.nominal_door_radius, self.segments)
 
 
 def door_options(**given) -> DoorOptions:
@@ -301,7 +301,7 @@ def _dependent_checks(options: DoorOptions) -> dict:
     bounds, top = dict(options.bounds), options.section.outer_radius
     radius = partial(_radius, bounds=bounds.pop("door_radius"))
     return {name: partial(values.real, **own) for name, own in bounds.items()} | {
-        "drawn_door_radius": radius,
+        "nominal_door_radius": radius,
         "door_radius": _optional(radius),
         "start": partial(values.real, above=top, high=top + FARTHEST),
     }

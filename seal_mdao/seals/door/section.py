@@ -1,4 +1,4 @@
-"""The drawn section of the door seal: radii of its two boundaries over the ray angle.
+"""The nominal section of the door seal: radii of its two boundaries over the ray angle.
 
 Polar about the origin. D is the angle from straight down, positive counter-clockwise (to the right).
 """
@@ -18,7 +18,7 @@ HOLE = (0.4, 0.98)
 
 @dataclass(frozen=True)
 class Section:
-    """Drawn section (lengths in mm).
+    """Nominal section (lengths in mm).
 
     Attributes
     ----------

@@ -27,7 +27,7 @@ class CornerDoor:
     Attributes
     ----------
     corner_x : float
-        Where the flat ends for the drawn radius, mm.
+        Where the flat ends for the nominal radius, mm.
     side : float
         x of the vertical side, which stays where it is when the radius changes, mm.
     door_radius : float

@@ -1,6 +1,6 @@
 """Boundary offsets as cubic B-splines in the ray angle, and the design velocity they give.
 
-Offsets along the ray, not positions, are the variables: zero is the drawn seal. The outer spline is
+Offsets along the ray, not positions, are the variables: zero is the nominal seal. The outer spline is
 clamped from one base corner to the other with both end values held at zero; the inner one is
 periodic. The particles between follow by the isoparametric (linear) map across the wall, so the
 particles are linear in the parameters and the design velocity V of Eq. (48) is constant.

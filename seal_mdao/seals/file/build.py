@@ -14,7 +14,7 @@ from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import measure_of
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.contours import Outline, sampled
-from seal_mdao.seals.outline.moved import moved_outline
+from seal_mdao.seals.outline.moved import shifted_outline
 from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
 from seal_mdao.seals.outline.rays import Rays, ray_boundaries
 from seal_mdao.seals.outline.sampling import doubled
@@ -126,7 +126,7 @@ def _begun(file: SealFile) -> OutlineSeal:
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
     _check_places(file, seal)
-    return replace(seal, standard=tuple(_measures(file, seal.drawn_particles)))
+    return replace(seal, standard=tuple(_measures(file, seal.nominal_particles)))
 
 
 def _measures(file: SealFile, particles):
@@ -179,7 +179,7 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
     section = file.section
     boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
     particles = seal.particles(offsets)
-    return moved_outline(section.outline, boundaries, [particles[loop] for loop in seal.loops])
+    return shifted_outline(section.outline, boundaries, [particles[loop] for loop in seal.loops])
 
 
 def _check_places(file: SealFile, seal: OutlineSeal) -> None:
@@ -190,7 +190,7 @@ def _check_places(file: SealFile, seal: OutlineSeal) -> None:
             continue
         # of contact points where the measure names a profile, else of all particles
         label = measure.arguments.get("profile")
-        count, what = len(seal.drawn_particles), "particles"
+        count, what = len(seal.nominal_particles), "particles"
         if label is not None:
             contact = next(term for term in seal.terms() if term.label == label)
             count, what = len(contact.where), f"points that may touch {label!r}, from 0 on"

@@ -11,7 +11,7 @@ from pydantic import AfterValidator
 
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.self_contact import SelfContact
-from seal_mdao.geometry.motion import step_shares
+from seal_mdao.geometry.motion import step_fractions
 from seal_mdao.loads.fluid_pressure import ENDS, SHARE, FluidPressure
 from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE, TrappedAir
 from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, keys_of
@@ -113,7 +113,7 @@ class FluidTable(Table):
             own for own in section.contacts if np.isin(particles, own.where.at_particles).any()
         )
         # zero pressure up to the last steps, over which it grows
-        grown = step_shares(last if self.steps is None else self.steps)
+        grown = step_fractions(last if self.steps is None else self.steps)
         ramp = np.concatenate([np.zeros(section.n_steps + 1 - len(grown)), grown])
         return FluidPressure(
             self.name, particles, self.end, self.pressure, ramp, closing, self.share
@@ -133,15 +133,15 @@ class SelfContactTable(Table):
 
     def on(self, section: SectionBody) -> SelfContact:
         """Bind the contact to the loops that contain the edges."""
-        particles, drawn = section.particles(self.edges), section.body.drawn
+        particles, nominal = section.particles(self.edges), section.body.nominal
         # closest points are looked for on the complete loops
         own = tuple(loop for loop in section.loops if np.isin(loop, particles).any())
         # neighbours along the boundary are always close: exclude them by their distance along it
         first, last = section.sides(self.edges).T
-        longest = np.hypot(*(drawn[last] - drawn[first]).T).max()
+        longest = np.hypot(*(nominal[last] - nominal[first]).T).max()
         touching = np.isin(np.concatenate(own), particles)
         law = ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, True)
-        return SelfContact(SELF_CONTACT, own, touching, drawn, law, NEIGHBOURS * longest)
+        return SelfContact(SELF_CONTACT, own, touching, nominal, law, NEIGHBOURS * longest)
 
 
 TERM_NAME = "put before the names of its parameters; its type unless given"

@@ -99,7 +99,7 @@ def _from(folder, path) -> str:
 
 def _move_regions(regions, seal, offsets) -> None:
     """Move points in regions, and the lines between them, with the particles of the design."""
-    particles, nominal = seal.particles(offsets), shapely.points(seal.drawn_particles)
+    particles, nominal = seal.particles(offsets), shapely.points(seal.nominal_particles)
     cuts = iter(seal.cuts)
     for number, region in enumerate(regions, 1):
         if "line" in region:

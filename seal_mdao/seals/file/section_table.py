@@ -108,13 +108,13 @@ class WrittenSection(Table):
     @model_validator(mode="after")
     def _one_outline(self):
         # segments in this file or a drawing, which has its own holes and units
-        drawn = self.dxf is not None
-        if drawn == (self.outer is not None):
-            has = "both" if drawn else "neither"
+        nominal = self.dxf is not None
+        if nominal == (self.outer is not None):
+            has = "both" if nominal else "neither"
             raise ValueError(f"needs either [[section.outer]] or dxf; it has {has}")
-        if drawn and self.hole is not None:
+        if nominal and self.hole is not None:
             raise ValueError("[[section.hole]] beside dxf; the drawing has the holes")
-        if not drawn and self.units is not None:
+        if not nominal and self.units is not None:
             raise ValueError("units belongs to dxf; all numbers of this file are in mm")
         return self
 

@@ -46,7 +46,7 @@ def write_cloud(seal, offsets, path) -> Path:
         Without meshio.
     """
     body = seal.body
-    of_points = {FIRST: flat(body.drawn), SUPPORT: body.support_radius}
+    of_points = {FIRST: flat(body.nominal), SUPPORT: body.support_radius}
     if body.support_axes is not None:
         of_points[AXES] = body.support_axes.reshape(-1, 4)
     # cells of a column follow each other

@@ -12,7 +12,7 @@ SMOOTH = 1e-3
 with gaps in a drawing turn by some 1e-4."""
 
 
-def moved_outline(outline: Outline, boundaries: list[Boundary], points) -> Outline:
+def shifted_outline(outline: Outline, boundaries: list[Boundary], points) -> Outline:
     """Build the section whose boundary passes through moved points.
 
     Segments without moved points are unchanged. The others become cubic splines through their points,

@@ -72,11 +72,11 @@ class OutlineSeal(Seal):
     cuts: tuple = ()
 
     @cached_property
-    def cautions(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
         """Warning of a wall with too few layers of particles; those of rays are chosen by the user."""
         if isinstance(self.spacing, Rays):
             return ()
-        wall = thin_wall(self.loops, self.drawn_particles, self.body.cells)
+        wall = thin_wall(self.loops, self.nominal_particles, self.body.cells)
         if wall is None:
             return ()
         # no -0 in the message
@@ -205,7 +205,7 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     return replace(
         seal,
         # nominal particles such that X = X_0 + sum_p b_p V_p is the new cloud at the present offsets b
-        drawn_particles=filled.particles - np.tensordot(offsets, velocity, 1),
+        nominal_particles=filled.particles - np.tensordot(offsets, velocity, 1),
         design_velocity=velocity,
         body=_body(filled, seal.kernels, prescribed, seal.body.edges),
     )
@@ -237,13 +237,13 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
 
 def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges) -> Body:
     # kernels are chosen for the nominal particles, and stay the same in all designs
-    cells, nominal = filled.cells, filled.first_places
+    cells, nominal = filled.cells, filled.first_indices
     nominal = filled.particles if nominal is None else nominal
     radius, axes = filled.support_radius, filled.support_axes
     if radius is None:
         radius, axes = kernel_supports(cells, nominal, kernels.support)
     return Body(
-        cells, radius, prescribed, edges, drawn=nominal,
+        cells, radius, prescribed, edges, nominal=nominal,
         hidden=hidden_pairs(cells, nominal, radius),
         support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
         n_gauss=kernels.n_gauss,

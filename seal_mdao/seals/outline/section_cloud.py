@@ -71,7 +71,7 @@ class OutlineCloud:
         Boundary particles of every loop in order, the material on the left.
     parts : ndarray of int, shape (m,)
         Index of the part, into which cuts divide the section, of every cell.
-    first_places : ndarray, shape (n, 2), or None
+    first_indices : ndarray, shape (n, 2), or None
         Particles when their kernels were chosen; None for the present ones.
     support_radius : ndarray, shape (n,), or None
         Kernel supports chosen then; None to choose them by the cells.
@@ -87,7 +87,7 @@ class OutlineCloud:
     cells: np.ndarray
     loops: tuple
     parts: np.ndarray
-    first_places: np.ndarray | None = None
+    first_indices: np.ndarray | None = None
     support_radius: np.ndarray | None = None
     support_axes: np.ndarray | None = None
     boundaries: tuple = ()

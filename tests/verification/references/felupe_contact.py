@@ -57,7 +57,7 @@ class Case:
         Of the plate, mm, at which the force is asked.
     top : float
         Height of the plate at the start, mm.
-    held : str
+    prescribed : str
         ``"xy"`` or ``"y"``: directions in which the lower edge, y = 0, is held.
     touched : callable
         ``touched(x, y)``: mask of the nodes of the outer edges that may touch the plate.
@@ -81,7 +81,7 @@ class Case:
     friction: float
     travel: list
     top: float
-    held: str
+    prescribed: str
     touched: object
     sizes: list
     n_steps: int = 40
@@ -117,7 +117,7 @@ CASES = {
         friction=0.2,
         travel=[0.511, 0.991, 1.501],
         top=5.0,
-        held="xy",
+        prescribed="xy",
         touched=lambda x, y: on_arc(x, y, 5.0),
         sizes=[0.6, 0.4, 0.3, 0.22],
         n_steps=27,
@@ -129,7 +129,7 @@ CASES = {
         friction=0.2,
         travel=[0.533, 1.066, 1.3325],
         top=2.665,
-        held="y",
+        prescribed="y",
         touched=lambda x, y: on_arc(x, y, 2.665),
         sizes=[0.3, 0.2, 0.14],
         travel_factor=0.5,
@@ -145,7 +145,7 @@ CASES = {
         friction=0.3,
         travel=[0.2, 0.4, 0.6, 0.8],
         top=4.0,
-        held="xy",
+        prescribed="xy",
         touched=lambda x, y: (
             (y > 1.0) & ((y > 4.0 - 1e-6) | (x > 5.0 - 1e-6) | on_arc(x - 4.5, y - 3.5, 0.5))
         ),
@@ -160,7 +160,7 @@ CASES = {
         friction=0.2,
         travel=[1.0, 1.5, 2.0],
         top=6.0,
-        held="xy",
+        prescribed="xy",
         touched=lambda x, y: on_arc(x, y, 6.0),
         sizes=[0.43, 0.3, 0.2],
         normal_penalty=1e6,
@@ -205,7 +205,7 @@ def model_of(case, mesh):
     u = fields[0]
     bounds = {
         "middle": fem.Boundary(u, mask=middle, skip=(False, True)),
-        "foot": fem.Boundary(u, mask=flat, skip=("x" not in case.held, False)),
+        "foot": fem.Boundary(u, mask=flat, skip=("x" not in case.prescribed, False)),
         "side": fem.Boundary(u, mask=last, skip=(False, True)),
         "move": fem.Boundary(u, mask=last, skip=(True, False)),
     }

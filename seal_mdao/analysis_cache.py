@@ -18,7 +18,7 @@ MOST_MEMORY = 1e6
 """Largest memory that can be set, GiB."""
 
 
-class KeptAnalyses:
+class AnalysisCache:
     """Cache of analyses by all their inputs: the seal with its parameters, and the particles.
 
     The same inputs give the same bits, so a cached analysis equals a new one. Only completed paths are
@@ -38,7 +38,9 @@ class KeptAnalyses:
 
     def __init__(self, memory: float = KEPT_MEMORY):
         self.made = 0
-        self._memory = values.real("memory of KeptAnalyses, GiB,", memory, 0.0, MOST_MEMORY) * 2**30
+        self._memory = (
+            values.real("memory of AnalysisCache, GiB,", memory, 0.0, MOST_MEMORY) * 2**30
+        )
         # dicts in order of use, the least recently used first; _newest: key of the one with factors
         self._results, self._sizes, self._newest = {}, {}, None
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.analysis_cache import AnalysisCache, held_bytes
 from seal_mdao.dsa.sensitivity import particle_gradient
-from seal_mdao.kept_analyses import KeptAnalyses, held_bytes
 from seal_mdao.seals.door.door_seal import with_options
 
 SEAL = sm.door_seal(n_steps=21)
@@ -25,8 +25,8 @@ def factors(result):
 
 @pytest.fixture(scope="module")
 def kept():
-    """The drawn seal and one more design, with factors as far as they stay."""
-    kept = KeptAnalyses()
+    """The nominal seal and one more design, with factors as far as they stay."""
+    kept = AnalysisCache()
     kept.analyze(SEAL, keep_factors=True)
     kept.analyze(SEAL, OFFSETS, RADIUS, keep_factors=True)
     return kept
@@ -42,7 +42,7 @@ def test_kept_is_what_a_new_one_would_be(kept):
 
 
 def test_another_seal_or_radius_is_another_analysis(kept):
-    one = KeptAnalyses()
+    one = AnalysisCache()
     first = one.analyze(SEAL)
     other = one.analyze(with_options(SEAL, friction=0.3))
     assert one.made == 2
@@ -52,36 +52,36 @@ def test_another_seal_or_radius_is_another_analysis(kept):
 
 
 def test_only_the_newest_has_factors_and_the_others_give_the_same_sensitivities(kept):
-    drawn = kept.analyze(SEAL)
-    assert not any(factors(drawn))
+    nominal = kept.analyze(SEAL)
+    assert not any(factors(nominal))
     assert all(factors(kept.analyze(SEAL, OFFSETS, RADIUS)))
     fresh = sm.analyze(SEAL, keep_factors=True)
     found, expected = (
         particle_gradient(result, (), result.measures(("gap_square_sum",)))["particles"]
-        for result in (drawn, fresh)
+        for result in (nominal, fresh)
     )
     assert np.array_equal(found["gap_square_sum"], expected["gap_square_sum"])
 
 
 def test_an_array_that_goes_on_changing_does_not_change_what_was_found_with_it():
     """OpenMDAO gives a component views of its own vectors."""
-    kept, particles = KeptAnalyses(), SEAL.moved(OFFSETS)
+    kept, particles = AnalysisCache(), SEAL.moved(OFFSETS)
     found = kept.analyze_particles(SEAL, particles)
-    particles += SEAL.moved(-2.0 * OFFSETS) - SEAL.drawn_particles
+    particles += SEAL.moved(-2.0 * OFFSETS) - SEAL.nominal_particles
     assert np.array_equal(found.particles, SEAL.moved(OFFSETS))
     assert same_bits(found, sm.analyze(SEAL, OFFSETS))
 
 
 def pressed(kept, radius):
-    """The drawn particles under a door of another radius, alone."""
-    kept.analyze_particles(SEAL.with_parameters({"door_radius": radius}), SEAL.drawn_particles)
+    """The nominal particles under a door of another radius, alone."""
+    kept.analyze_particles(SEAL.with_parameters({"door_radius": radius}), SEAL.nominal_particles)
 
 
 def test_memory_holds_what_was_looked_at_last():
     room_for_two = 2.5 * held_bytes(sm.analyze(SEAL).path) / 2**30
-    kept = KeptAnalyses(memory=room_for_two)
+    kept = AnalysisCache(memory=room_for_two)
     kept.analyze(SEAL)
-    for radius in (4.1, 4.0, 4.2, 4.0):  # 4.0 is the drawn one
+    for radius in (4.1, 4.0, 4.2, 4.0):  # 4.0 is the nominal one
         pressed(kept, radius)
     assert kept.made == 3
     pressed(kept, 4.1)
@@ -89,7 +89,7 @@ def test_memory_holds_what_was_looked_at_last():
 
 
 def test_newest_stays_without_any_memory():
-    kept = KeptAnalyses(memory=0.0)
+    kept = AnalysisCache(memory=0.0)
     for radius, made in ((4.0, 1), (4.0, 1), (4.1, 2), (4.0, 3)):
         pressed(kept, radius)
         assert kept.made == made
@@ -97,7 +97,7 @@ def test_newest_stays_without_any_memory():
 
 def test_path_that_failed_is_tried_again():
     newton = sm.NewtonOptions(damped_iterations=10)
-    kept, seal = KeptAnalyses(), with_options(SEAL, friction=0.0, newton=newton)
+    kept, seal = AnalysisCache(), with_options(SEAL, friction=0.0, newton=newton)
     for made in (1, 2):
         assert not kept.analyze(seal).converged
         assert kept.made == made
