@@ -244,7 +244,7 @@ def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges) -> Body:
         radius, axes = kernel_supports(cells, nominal, kernels.support)
     return Body(
         cells, radius, prescribed, edges, nominal=nominal,
-        hidden=hidden_pairs(cells, nominal, radius),
+        hidden_pairs=hidden_pairs(cells, nominal, radius),
         support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
         n_gauss=kernels.n_gauss,
     )  # fmt: skip
