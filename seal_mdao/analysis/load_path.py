@@ -175,10 +175,15 @@ class _Path:
         parts, first = self.last, self.steps[begin - 1] if begin else self.start
         tried = tuple(size for step in self.steps[begin:] for size in step.residuals[:-1])
         increment = replace(self.increment(parts.fraction), history=first.after, last=first)
+        near = max(np.abs(parts.d - first.d).max(), FAR_AWAY * extent(self.problem))
         found = newton(increment, parts.d).after(tried)
         if not found.converged:
+            # stiff contact: linearised where the parts led
+            found = mixed_newton(replace(increment, last=parts), parts.d).after(found.residuals)
+            if np.abs(found.d - parts.d).max() > near:
+                found = found._replace(status=Status.NOT_CONVERGED)
+        if not found.converged:
             found = relax(shortened(increment, NEAR), parts.d).after(found.residuals)
-        near = max(np.abs(parts.d - first.d).max(), FAR_AWAY * extent(self.problem))
         if not found.converged or np.abs(found.d - parts.d).max() > near:
             return
         del self.steps[begin:]

@@ -30,7 +30,7 @@ def mixed_newton(increment: Increment, guess: np.ndarray) -> Solution:
     Parameters
     ----------
     guess : ndarray, shape (n, 2)
-        The predictor, which is the first linearised step from the last converged one.
+        The predictor, which is the first linearised step from ``increment.last``.
     """
     begin = increment.problem.begin_mixed(increment.last, increment.target)
     return iterate(increment, guess, begin, mixed=True)

@@ -185,7 +185,7 @@ def contact_frame(profile, piece, xi, g_n):
 
 
 @compiled
-def linearized_indices(profile, pose, x, place, normal, gap):
+def linearized_positions(profile, pose, x, place, normal, gap):
     """Move ``place`` to where the points ``x`` (n, 2) have the gaps that their linearisation expects.
 
     The gap was linearised at ``place``: g = gap + e_n . (x - place). From the closest point of x the new

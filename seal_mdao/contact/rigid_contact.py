@@ -17,7 +17,7 @@ from seal_mdao.contact.friction import (
     uses_history,
 )
 from seal_mdao.contact.friction_law import FrictionLaw
-from seal_mdao.contact.kinematics import linearized_indices, normal_gaps, way_along
+from seal_mdao.contact.kinematics import linearized_positions, normal_gaps, way_along
 from seal_mdao.contact.kinks import (
     LIMIT,
     SLIGHT,
@@ -207,19 +207,25 @@ class ContactTerm(PointTerm):
         """The points of the step, with their gaps there, relative to the profile at ``target``."""
         x, pose = response.x, self.pose(step.fraction)
         place, normal, gap = x.copy(), np.zeros_like(x), np.zeros(len(x))
-        linearized_indices(self.curve, pose, x, place, normal, gap)
+        linearized_positions(self.curve, pose, x, place, normal, gap)
         # places move with the profile to its pose at ``target``
         moved = self.motion.coordinates(target) - self.motion.coordinates(step.fraction)
-        self._linearized = place + rigid_velocity(pose, x) @ moved, normal, gap
+        # places z, normals, gaps, and directions of slip one mixed iteration before
+        no_slip = np.zeros_like(self._direction)
+        self._linearized = place + rigid_velocity(pose, x) @ moved, normal, gap, no_slip
 
     def add_mixed(self, d, raw, fraction, history, force, values):
         """The law linearised at the places z whose gaps the last linearisation expects: with x - z
         along the normal, f = f(z) + T(z) (x - z). Points are open, stick and slip as they do at z, so
         one that touches there is pulled back where x has a small positive gap."""
-        x, place = self.deformed(raw), self._linearized[0]
-        linearized_indices(self.curve, self.pose(fraction), x, *self._linearized)
+        x, (*linearized, direction) = self.deformed(raw), self._linearized
+        place = linearized[0]
+        linearized_positions(self.curve, self.pose(fraction), x, *linearized)
+        # the forces at x were asked for since, where the point may be open
+        self._direction[:] = direction
         # f(z) + T(z) (x - z)
         response = self.respond(place, fraction, history)
+        self._linearized = *linearized, self._direction.copy()
         response.force[:] += np.einsum("kij,kj->ki", response.tangent, x - place)
         return self.assembled(response._replace(x=x), force, values)
 

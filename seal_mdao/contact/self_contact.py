@@ -255,11 +255,11 @@ class SelfContactTerm(CoupledTerm):
         points, nodes, now = self._followed(x)
         return self._answer(x, history, points, nodes, now, np.zeros(len(points)))
 
-    def _answer(self, x, history, points, nodes, now, missed, prescribed=False) -> CoupledResponse:
+    def _answer(self, x, history, points, nodes, now, missed, all_stick=False) -> CoupledResponse:
         """The law linearised at the gaps g - ``missed`` (m,): q = q(g - missed) + dq/dx missed e_n."""
         normal, now = now.gap_1[:, :2], now._replace(gap=now.gap - missed)
         before, law = self._before(points, now, history), self._law_at(now.gap)
-        found, made_to_stick = self._without_reversal(points, touch(law, now, before), prescribed)
+        found, made_to_stick = self._without_reversal(points, touch(law, now, before), all_stick)
         closed = found.state != OPEN
         local = linearized(law, now, before, found, self.length[points])
         force = np.zeros_like(x)
@@ -277,25 +277,27 @@ class SelfContactTerm(CoupledTerm):
     # ---- mixed iterations ----
 
     def begin_mixed(self, step, response, target):
-        self._linearized = Linearization(response.x, *self._followed(response.x), None)
+        # at the step itself nothing is predicted: what slides there is known
+        known = np.zeros(len(self.where), int) if target == step.fraction else None
+        self._linearized = Linearization(response.x, *self._followed(response.x), known)
 
     def add_mixed(self, d, raw, fraction, history, force, values):
         """The law linearised at the gaps that the last linearisation expects. In the first iteration all
         points in contact stick: the friction of the last step tells little of where they will slip."""
         x, last = self.deformed(raw), self._linearized
         points, nodes, now = self._followed(x)
-        missed, prescribed = last.missed(x, points, now, self.ring), last.direction is None
-        if not prescribed:  # the forces at x were asked for since
+        missed, all_stick = last.missed(x, points, now, self.ring), last.direction is None
+        if not all_stick:  # the forces at x were asked for since
             self._direction[:] = last.direction
-        response = self._answer(x, history, points, nodes, now, missed, prescribed)
+        response = self._answer(x, history, points, nodes, now, missed, all_stick)
         self._linearized = Linearization(x, points, nodes, now, self._direction.copy())
         return self.assembled(response, force, values)
 
-    def _without_reversal(self, points, found: Touch, prescribed):
+    def _without_reversal(self, points, found: Touch, all_stick):
         """Let points stick that would slip the other way round than one Newton iteration before, or all
-        of them where they are ``prescribed``."""
+        of them with ``all_stick``."""
         way = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
-        turned = (way != 0) if prescribed else way * self._direction[points] < 0
+        turned = (way != 0) if all_stick else way * self._direction[points] < 0
         self._direction[:] = 0
         self._direction[points] = np.where(turned, 0, way)
         state = np.where(turned, STICK, found.state)

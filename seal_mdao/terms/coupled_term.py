@@ -143,6 +143,12 @@ class CoupledTerm(TermAtPoints):
                 sizes[first + i] = size
         return response
 
+    def point_loads(self, point_force, loaded) -> np.ndarray:
+        """The force buffer of forces (k, 2) at points whose ``loaded`` is not zero."""
+        force = np.zeros(self.discretization.layout.force_size)
+        self._add_force(point_force, loaded, force)
+        return force
+
     def _add_force(self, point_force, loaded, force) -> None:
         uncoupled, unused = self.discretization.layout.uncoupled, np.empty((0, 2, 2))
         assemble_points(self.table.raw, point_force, unused, loaded, uncoupled, force, np.empty(0))

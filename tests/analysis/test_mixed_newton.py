@@ -1,5 +1,6 @@
 """Mixed iterations: what they linearise, and what they spare stiff contact."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.result import Status
 from seal_mdao.contact.boundary_curve import kinematics, masters, rings
 from seal_mdao.contact.friction import SLIP
-from seal_mdao.contact.kinematics import linearized_indices, normal_gaps
+from seal_mdao.contact.kinematics import linearized_positions, normal_gaps
 from seal_mdao.contact.self_mixed import Linearization
 from seal_mdao.geometry.pose import Pose
 from seal_mdao.geometry.profile import circle_profile, flat_profile
@@ -39,9 +40,9 @@ def problem_of(result):
 
 
 def expected(profile, pose, x, *linearized):
-    """What ``linearized_indices`` makes of arrays that stay as they are."""
+    """What ``linearized_positions`` makes of arrays that stay as they are."""
     copies = tuple(part.copy() for part in linearized)
-    linearized_indices(profile, pose, x, *copies)
+    linearized_positions(profile, pose, x, *copies)
     return copies
 
 
@@ -225,18 +226,23 @@ def folded():
 
 
 def test_at_equilibrium_they_are_newtons_after_the_first_with_self_contact(folded):
-    """The first holds all points in contact."""
+    """The first sticks at all points in contact, unless it begins at the state itself."""
     problem, place = problem_of(folded), folded.path.place("self_contact")
-    touching = [step for step in folded.path.steps if (step.responses[place].branch == SLIP).any()]
-    for step in touching[::4]:
-        plain, start = problem.assemble_at(step), problem.begin_mixed(step, step.fraction)
-        first = problem.evaluate(step.d, step.fraction, step.before, start, mixed=True)
-        assert first.unconverged > 0
-        mixed = problem.evaluate(step.d, step.fraction, step.before, first.iteration, mixed=True)
+    touching = [
+        (before, step)
+        for before, step in pairwise(folded.path.steps)
+        if (step.responses[place].branch == SLIP).any()
+    ]
+    for before, step in touching[::4]:
+        plain, known = problem.assemble_at(step), problem.begin_mixed(step, step.fraction)
+        mixed = problem.evaluate(step.d, step.fraction, step.before, known, mixed=True)
         assert mixed.unconverged == 0
         scale = np.abs(plain.values).max()
         np.testing.assert_allclose(mixed.values, plain.values, rtol=0.0, atol=1e-11 * scale)
         np.testing.assert_allclose(mixed.residual, plain.residual, rtol=0.0, atol=1e-9)
+        predicted = problem.begin_mixed(before, step.fraction)
+        first = problem.evaluate(step.d, step.fraction, step.before, predicted, mixed=True)
+        assert first.unconverged > 0
     assert len(touching) >= 4
 
 

@@ -45,27 +45,25 @@ def converged(row: dict) -> bool:
     return bool(row["success"]) and row["optimality"] <= KKT and row["violation"] <= VIOLATION
 
 
-def page(table: list[dict], nominal: set[str]) -> str:
+def page(table: list[dict], drawn: set[str]) -> str:
     """The page as markdown.
 
     Parameters
     ----------
     table : list of dict
         The runs, as ``optimization_matrix.py`` records them.
-    nominal : set of str
+    drawn : set of str
         Names of the drawn cases.
     """
     kinds = (
-        (FACTORS_TEXT, [row for row in table if row["case"] not in nominal]),
+        (FACTORS_TEXT, [row for row in table if row["case"] not in drawn]),
         (
             DRAWN_TEXT.format(seed=DRAWN_SEED, rule=_rule()),
-            [row for row in table if row["case"] in nominal],
+            [row for row in table if row["case"] in drawn],
         ),
     )
-    run = len({row["case"] for row in table} & nominal)
-    text = HEAD.format(run=run, nominal=len(nominal), kkt=KKT, violation=VIOLATION) + _summary(
-        table
-    )
+    run = len({row["case"] for row in table} & drawn)
+    text = HEAD.format(run=run, drawn=len(drawn), kkt=KKT, violation=VIOLATION) + _summary(table)
     text += "".join(head + markdown(rows) + "\n" for head, rows in kinds if rows)
     return text + _failures(table) + _versions(table)
 

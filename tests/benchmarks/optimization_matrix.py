@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao.analysis_cache import AnalysisCache
+from seal_mdao.cli.arguments import parser, plain, positive_integer, run, write_summary
 from seal_mdao.door_optimization import DoorProblem, door_task
 from seal_mdao.drivers.optimality import measure_optimality
 from seal_mdao.optimization import (
@@ -28,11 +29,6 @@ from seal_mdao.optimization import (
 from seal_mdao.recording.run_log import versions
 from seal_mdao.seals.door.door_seal import DOOR
 from seal_mdao.seals.gaps import largest_gap
-
-# the options and the output of the run scripts
-sys.path.append(str(Path(__file__).resolve().parents[2] / "run_scripts"))
-
-from seal_mdao.cli.arguments import parser, plain, positive_integer, run, write_summary
 
 NOTHING = dict.fromkeys(
     ("success", "iterations", "analyses", "cost", "largest_gap_mm", "violation", "optimality"), None
@@ -137,8 +133,8 @@ def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
 
 def write_page(path: Path, table: list[dict]) -> None:
     """The page about the runs that there are."""
-    nominal = {case.name for case in drawn_cases()}
-    path.write_text(page(table, nominal), encoding="utf-8")
+    drawn = {case.name for case in drawn_cases()}
+    path.write_text(page(table, drawn), encoding="utf-8")
     print(f"wrote {path}")
 
 

@@ -2,19 +2,14 @@
 
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from time import process_time
 
 import numpy as np
 
 import seal_mdao as sm
-from seal_mdao.seals.result import analyze_particles
-
-# the options and the output of the run scripts
-sys.path.append(str(Path(__file__).resolve().parents[2] / "run_scripts"))
-
 from seal_mdao.cli.arguments import checked_arguments, parser, run, write_summary
 from seal_mdao.seals.door.door_seal import options_of
+from seal_mdao.seals.result import analyze_particles
 
 
 @dataclass(frozen=True)

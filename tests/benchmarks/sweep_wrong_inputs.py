@@ -6,17 +6,12 @@ import sys
 import time
 import warnings
 from collections import Counter
-from pathlib import Path
 
 import openmdao.api as om
 import psutil
 from wrong_inputs import cases
 
 import seal_mdao as sm
-
-# the options and the output of the run scripts
-sys.path.append(str(Path(__file__).resolve().parents[2] / "run_scripts"))
-
 from seal_mdao.cli.arguments import parser, run, write_summary
 
 SECONDS, GIB = 10.0, 2.0

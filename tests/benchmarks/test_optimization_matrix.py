@@ -50,7 +50,7 @@ def test_seals_and_starts():
     assert ten.name == "parameters 10, segments 32, start 2, keep_force"
     seal = ten.seal(n_steps=21)
     assert options_of(seal).symmetric
-    assert (seal.segments, seal.n_steps) == (32, 21)
+    assert (options_of(seal).segments, seal.n_steps) == (32, 21)
     offsets, radius = ten.design(seal)
     again, _ = ten.design(seal)
     np.testing.assert_array_equal(offsets, again)
@@ -115,22 +115,22 @@ def test_convergence_is_measured_not_believed(changes):
 
 
 def test_page_lists_all_cases_and_every_failure():
-    nominal = cases.drawn_cases()[0].name
+    drawn = cases.drawn_cases()[0].name
     nothing = dict.fromkeys(("success", "iterations", "analyses", "cost"))
     table = [
         made_row("paper", "A"), made_row("paper", "B", iterations=None, analyses=30),
-        made_row(nominal, "A", optimality=5e-3, message="no\nprogress"),
-        made_row(nominal, "B", **nothing, message="LoadPathError: cut"),
+        made_row(drawn, "A", optimality=5e-3, message="no\nprogress"),
+        made_row(drawn, "B", **nothing, message="LoadPathError: cut"),
     ]  # fmt: skip
-    text = matrix_page.page(table, {nominal})
+    text = matrix_page.page(table, {drawn})
     first, second = text.split("## Drawn cases")
     good = "8 iterations, 10 analyses, 0.0020 %, KKT 4e-04"
     assert f"| paper | {good} | 30 analyses, 0.0020 %, KKT 4e-04 |" in first
     assert "A converged in 1 of 2 cases, with 10 analyses in the median and 10 at most" in first
-    assert f"| {nominal} | **failed**: 8 iterations" in second
+    assert f"| {drawn} | **failed**: 8 iterations" in second
     assert str(cases.DRAWN_SEED) in second
-    assert f"- A, {nominal}: KKT 5.0e-03, violation 0.0e+00; no progress" in second
-    assert f"- B, {nominal}: LoadPathError: cut" in second
+    assert f"- A, {drawn}: KKT 5.0e-03, violation 0.0e+00; no progress" in second
+    assert f"- B, {drawn}: LoadPathError: cut" in second
     assert second.endswith("Made with scipy 1.17.\n")
 
 

@@ -5,6 +5,7 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import options_of
 
 RADIUS, AIM = 4.0, 0.6
 """Of the nominal door, mm, and the part of the way to radius zero at which the optimum lies."""
@@ -31,7 +32,7 @@ class Upstream(om.ExplicitComponent):
         self.add_output("boundary_offsets", units="mm", val=np.zeros(n))
         self.add_output("distance", val=0.0)
         self.declare_partials("*", "t")
-        wall = self.options["seal"].section
+        wall = options_of(self.options["seal"]).section
         self._rate = wall.outer_radius - wall.inner_radius
         self._way = np.zeros(n)
         self._way[0] = 1.0

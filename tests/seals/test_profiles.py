@@ -76,7 +76,7 @@ def test_history_of_the_door(nominal):
     assert door.place[:, 1] == pytest.approx(9.5 - nominal.travel)
     assert door.width[-1] == pytest.approx(nominal.value(ContactWidth("door"))[0], rel=1e-12)
     assert door.nominal_peak[-1] == pytest.approx(1e4 * -nominal.contact.gap.min(), rel=1e-12)
-    undeformed = ContactWidth("door", undeformed=True)
+    undeformed = ContactWidth("door", nominal=True)
     assert door.nominal_width[-1] == pytest.approx(nominal.value(undeformed)[0], rel=1e-12)
     assert door.peak[-1] == true_pressure(nominal, contacts(nominal.seal)[0]).max()
     assert door.width[0] == door.peak[0] == 0.0
