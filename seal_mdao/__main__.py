@@ -2,7 +2,7 @@
 
 import sys
 
-from seal_mdao.cli.command import main
+from seal_mdao.cli.subcommands import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -5,7 +5,7 @@ import time
 
 from tqdm import tqdm
 
-from seal_mdao.analysis.result import ConvergedStep
+from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.seals.seal import Seal
 
 

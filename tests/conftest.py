@@ -11,7 +11,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.cli.arguments import run as run_command
-from seal_mdao.cli.command import COMMANDS
+from seal_mdao.cli.subcommands import COMMANDS
 
 
 @pytest.hookimpl(optionalhook=True)

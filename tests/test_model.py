@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.seals.door.door_options import DoorOptions
 from seal_mdao.seals.door.door_seal import options_of, with_options
-from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.profiles import leading_contact, leading_motion
 from seal_mdao.seals.result import analyze_particles
 

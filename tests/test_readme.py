@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.cli.command import COMMANDS
+from seal_mdao.cli.subcommands import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()

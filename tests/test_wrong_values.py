@@ -10,7 +10,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.measures.reaction import Reaction
-from seal_mdao.seals.door.options import DoorOptions
+from seal_mdao.seals.door.door_options import DoorOptions
 from seal_mdao.seals.settings import seal_of
 
 SEAL = [

@@ -20,10 +20,10 @@ from openmdao.core.driver import Driver
 
 import seal_mdao as sm
 from seal_mdao.analysis.newton import NewtonOptions
-from seal_mdao.cli.command import COMMANDS
+from seal_mdao.cli.subcommands import COMMANDS
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.measures.measure import Measure
-from seal_mdao.seals.door.options import DoorOptions
+from seal_mdao.seals.door.door_options import DoorOptions
 from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.result import frozen_measures
 

@@ -33,13 +33,6 @@ from verification.ray_bulb import limit, ray_bulb
 from figures.drawing import ROOT, picture
 from figures.tables import percent, table
 from seal_mdao.plotting.style import BESIDE, CYCLE, GREY, MARKERS
-from seal_mdao.seals.choice import (
-    STEP_TOLERANCE,
-    choose,
-    divided,
-    force_difference,
-    measure_difference,
-)
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal, options_of
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.load_steps import one_step_each
@@ -47,6 +40,13 @@ from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.section_cloud import Kernels
 from seal_mdao.seals.penalty_error import NORMAL, penalties_of
 from seal_mdao.seals.result import analyze
+from seal_mdao.seals.steps_and_penalties import (
+    STEP_TOLERANCE,
+    choose,
+    divided,
+    force_difference,
+    measure_difference,
+)
 from seal_mdao.terms.points import CONTACT_POINTS
 
 EXAMPLES, REFERENCES = ROOT / "examples", ROOT / "tests" / "verification" / "references"

@@ -16,8 +16,8 @@ import numpy as np
 from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.jumps import extent
+from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep
 from seal_mdao.equilibrium.eigenmodes import nearest_mode
 
 # Perturbation along the critical mode over the size of the body.

@@ -14,8 +14,8 @@ import numpy as np
 from seal_mdao.analysis.assembly import Assembly
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.newton import converged
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.pseudo_time import FAR
-from seal_mdao.analysis.result import Status
 from seal_mdao.equilibrium.eigenmodes import nearest_mode
 
 # Shift alpha over |lowest eigenvalue|, and its growth factor while it is too small.

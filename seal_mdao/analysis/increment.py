@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.analysis.assembly import Assembly
+from seal_mdao.analysis.path_result import ConvergedStep, Status
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep, Status
 from seal_mdao.equilibrium.storage import Factor
 
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from seal_mdao.analysis.assembly import Assembly
 from seal_mdao.analysis.increment import Increment
+from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep
 
 # Fraction of the increment that the predictor may miss where the tangent describes the increment.
 SMALL_BEND = 0.03

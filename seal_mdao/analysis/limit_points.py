@@ -18,9 +18,9 @@ from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.jumps import released_energy
 from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.predictor import closest, predict
 from seal_mdao.analysis.pseudo_time import relax
-from seal_mdao.analysis.result import Status
 
 # Iterations of damped motion before descent is tried.
 SOON = 300

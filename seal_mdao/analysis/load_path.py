@@ -25,11 +25,11 @@ from seal_mdao.analysis.jumps import FAR_AWAY, extent, is_far, jumped
 from seal_mdao.analysis.limit_points import beyond, shortened
 from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import NewtonOptions, newton
+from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.predictor import bend_of, predict, predictors
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import Reuse, quasi_newton
-from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.equilibrium.threads import one_blas_thread
 
 # Equilibrium that is near by is found by damped motion within so many iterations.

@@ -7,7 +7,7 @@ import numpy as np
 from seal_mdao import values
 from seal_mdao.analysis.assembly import Assembly
 from seal_mdao.analysis.increment import Increment, Solution
-from seal_mdao.analysis.result import Status
+from seal_mdao.analysis.path_result import Status
 
 BRANCHES = ("stable", "primary")
 
@@ -31,7 +31,7 @@ class NewtonOptions:
         some thousands. They end early where the seal moves off altogether.
     branch : {"stable", "primary"}
         Where equilibrium loses its stability, without friction: "stable" goes on to the next stable
-        equilibrium (``stability``); "primary" stays on the branch as long as Newton's method does.
+        equilibrium (``critical_points``); "primary" stays on the branch as long as Newton's method does.
     """
 
     tolerance: float = 1e-10

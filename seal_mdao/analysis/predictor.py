@@ -14,8 +14,8 @@ import numpy as np
 
 from seal_mdao.analysis.increment import Increment
 from seal_mdao.analysis.jumps import SMALL_BEND
+from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep
 from seal_mdao.analysis.touching import at_rest_where_it_touches
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from seal_mdao.analysis.assembly import Assembly, relative_residual
-from seal_mdao.analysis.result import ConvergedStep
+from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.equilibrium.discretization import Discretization
 
 _NO_TANGENT = np.empty(0)

@@ -14,7 +14,7 @@ import numpy as np
 
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.newton import NewtonOptions, converged
-from seal_mdao.analysis.result import Status
+from seal_mdao.analysis.path_result import Status
 
 # First damping over the mean diagonal entry of the tangent.
 FIRST_DAMPING = 1e-4

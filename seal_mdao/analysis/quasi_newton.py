@@ -19,11 +19,11 @@ from scipy.linalg import block_diag
 from seal_mdao.analysis.assembly import Assembly
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.newton import converged
+from seal_mdao.analysis.path_result import ConvergedStep, Status
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep, Status
 from seal_mdao.analysis.touching import unit_loads
 from seal_mdao.equilibrium.corrected_factor import CorrectedFactor
-from seal_mdao.equilibrium.equations import TangentLayout
+from seal_mdao.equilibrium.tangent_layout import TangentLayout
 from seal_mdao.structure.deformation import particle_gradients
 
 # Most increments need 6 to 10 iterations; without halving of the residual in PATIENCE they are given up.

@@ -17,8 +17,8 @@ import numpy as np
 import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
 from seal_mdao.input_files import read_text
+from seal_mdao.seals.door.door_options import DoorOptions
 from seal_mdao.seals.door.door_seal import ACCURACIES
-from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.penalty_error import not_estimable
 from seal_mdao.standard_streams import make_writable
 

@@ -17,8 +17,8 @@ from seal_mdao.recording.claim import require_free
 from seal_mdao.recording.recorded_seals import RecordedProblem, recorded_problem
 from seal_mdao.recording.recorder import copy_record
 from seal_mdao.recording.recorder_file import open_model
+from seal_mdao.seals.door.door_options import DoorOptions
 from seal_mdao.seals.door.door_seal import options_of
-from seal_mdao.seals.door.options import DoorOptions
 from seal_mdao.seals.file.described import FILE
 
 

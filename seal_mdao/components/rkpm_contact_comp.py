@@ -14,7 +14,7 @@ from seal_mdao.components.options import (
     declare_seal_options,
 )
 from seal_mdao.components.random_directions import RandomDirectionsComp
-from seal_mdao.dsa.kinks import contact_states
+from seal_mdao.dsa.contact_kinks import contact_states
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.seals.result import analyze, frozen_measures
 
@@ -109,7 +109,7 @@ class RkpmContactComp(RandomDirectionsComp):
                 partials[measure, name] = rows.reshape(len(rows), -1)
 
     def contact_states(self) -> dict[str, str]:
-        """Return the contact states of the last design by their names (``dsa.kinks.contact_states``)."""
+        """Return the contact states of the last design by their names (``dsa.contact_kinks``)."""
         return {} if self._result is None else contact_states(self._result.path)
 
     def _has_failed(self, inputs) -> bool:

@@ -17,7 +17,7 @@ from seal_mdao.drivers.interrupt import InterruptGuard
 from seal_mdao.drivers.kink import find_kink
 from seal_mdao.drivers.layout import flat, read_layout
 from seal_mdao.drivers.optimality import Optimality
-from seal_mdao.drivers.solver_settings import count, positive_count, tolerance
+from seal_mdao.drivers.solver_libraries import count, positive_count, tolerance
 from seal_mdao.recording import run_log
 from seal_mdao.recording.evaluations import RecordedEvaluations
 

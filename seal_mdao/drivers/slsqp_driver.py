@@ -5,7 +5,7 @@ import sys
 import openmdao.api as om
 from tqdm import tqdm
 
-from seal_mdao.drivers.solver_settings import count, tolerance
+from seal_mdao.drivers.solver_libraries import count, tolerance
 from seal_mdao.openmdao_access import FailedCases, problem_of, snapshot
 
 FAILED_OBJECTIVE = 1e20

@@ -4,7 +4,7 @@ import numpy as np
 
 from seal_mdao.drivers.callbacks import SolverCallbacks
 from seal_mdao.drivers.optimizer_driver import OptimizerDriver, SolverEnd
-from seal_mdao.drivers.solver_settings import import_library, positive, set_option
+from seal_mdao.drivers.solver_libraries import import_library, positive, set_option
 
 CITATION = """
 @article{Vanaret_Leyffer_2026,

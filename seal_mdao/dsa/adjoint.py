@@ -15,7 +15,7 @@ from itertools import accumulate, pairwise
 
 import numpy as np
 
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.dsa.factors import is_full, solve_transposed
 from seal_mdao.dsa.probe import Probe
 from seal_mdao.dsa.shape_rates import add_matrix_seeds

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.dsa.factors import blocks, converged_factor, solve_transposed
 from seal_mdao.dsa.parameters import ParameterRates
 from seal_mdao.dsa.shape_rates import discretization_rates

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep
 
 BLOCK_BYTES = 64 * 2**20
 """Loads or adjoints of one block."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.dsa.adjoint import AdjointGradient, AdjointSweep
+from seal_mdao.dsa.contact_kinks import warn_of_kinks
 from seal_mdao.dsa.direct import DirectSweep
-from seal_mdao.dsa.kinks import warn_of_kinks
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
 from seal_mdao.dsa.probe import Probe
 from seal_mdao.equilibrium.threads import one_blas_thread

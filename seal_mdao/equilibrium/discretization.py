@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.equilibrium.couplings import Link
-from seal_mdao.equilibrium.equations import TangentLayout, equation_numbers, tangent_layout
+from seal_mdao.equilibrium.tangent_layout import TangentLayout, equation_numbers, tangent_layout
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights

@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from scipy.spatial import cKDTree
 
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.seals.contact_loss import contact_losses

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.seals.seal import Seal
 
 _stored: list[tuple] = []

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.seals.profiles import moves

@@ -10,8 +10,8 @@ import numpy as np
 from seal_mdao import values
 from seal_mdao.analysis.cost import Cost, analysis_cost, announce, require_means
 from seal_mdao.analysis.load_path import solve_path
+from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import ConvergedStep, PathResult, Status
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import build_table
 from seal_mdao.structure.particle_stress import deformation_gradients

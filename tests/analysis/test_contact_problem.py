@@ -10,9 +10,9 @@ from verification.differences import contact_states
 import seal_mdao as sm
 from seal_mdao.analysis.increment import Increment
 from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.seals.door.door_seal import with_options

@@ -5,8 +5,8 @@ import pytest
 from bodies import dense, internal, square, wave
 
 from seal_mdao.equilibrium.eigenmodes import nearest_mode
-from seal_mdao.equilibrium.equations import equation_numbers, tangent_layout
 from seal_mdao.equilibrium.linear_solver import SOLVERS, BandedStorage
+from seal_mdao.equilibrium.tangent_layout import equation_numbers, tangent_layout
 
 
 @pytest.fixture

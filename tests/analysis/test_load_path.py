@@ -13,8 +13,8 @@ from seal_mdao.analysis import load_path
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.loads.dead_load import DeadLoad

@@ -11,9 +11,9 @@ from seal_mdao.analysis import load_path
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import Status
 from seal_mdao.contact.boundary_curve import kinematics, masters, rings
 from seal_mdao.contact.friction import SLIP
 from seal_mdao.contact.kinematics import linearized_positions, normal_gaps

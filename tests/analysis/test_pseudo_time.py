@@ -9,9 +9,9 @@ from verification.differences import beside
 
 import seal_mdao as sm
 from seal_mdao.analysis.increment import Increment
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
-from seal_mdao.analysis.result import Status
 from seal_mdao.contact.friction import OPEN, STICK
 from seal_mdao.seals.door.door_seal import with_options
 

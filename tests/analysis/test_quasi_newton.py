@@ -7,9 +7,9 @@ from verification.differences import contact_states, same_sequence
 
 import seal_mdao as sm
 from seal_mdao.analysis import load_path, quasi_newton
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.quasi_newton import BroydenSteps, CarriedFactor
-from seal_mdao.analysis.result import Status
 from seal_mdao.equilibrium.corrected_factor import CorrectedFactor
 from seal_mdao.equilibrium.linear_solver import SparseStorage
 from seal_mdao.seals.door.door_seal import with_options

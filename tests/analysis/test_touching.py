@@ -9,9 +9,9 @@ from verification.differences import contact_states
 import seal_mdao as sm
 from seal_mdao.analysis import load_path, predictor
 from seal_mdao.analysis.increment import Increment, Solution
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import Status
 from seal_mdao.analysis.touching import TOLERANCE, at_rest_where_it_touches
 
 FOLDED_LIP = Path(__file__).parents[1] / "contact" / "folded_lip.toml"

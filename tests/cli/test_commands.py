@@ -13,8 +13,8 @@ from PIL import Image
 import seal_mdao as sm
 from seal_mdao.cli import examples
 from seal_mdao.cli.arguments import WrongArgumentError
-from seal_mdao.cli.command import COMMANDS, main
 from seal_mdao.cli.compare import names_of
+from seal_mdao.cli.subcommands import COMMANDS, main
 from seal_mdao.plotting.animation import check_format
 
 BULB = Path(__file__).parents[1] / "seal_file" / "bulb.toml"

@@ -9,7 +9,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, STICK, ContactLaw
 from seal_mdao.contact.kinks import LIMIT, SMOOTH, TOUCHING, find_kinks, rounding_of
-from seal_mdao.dsa.kinks import contact_states, warn_of_kinks
+from seal_mdao.dsa.contact_kinks import contact_states, warn_of_kinks
 from seal_mdao.errors import KinkWarning
 
 BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()

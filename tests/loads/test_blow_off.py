@@ -7,7 +7,7 @@ import pytest
 from fluid_seals import gasket, quotient, states, steps_of
 
 import seal_mdao as sm
-from seal_mdao.analysis.result import Status
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.measures.reaction import Reaction

@@ -10,7 +10,7 @@ import pytest
 from penalty_warnings import further_warnings
 
 import seal_mdao as sm
-from seal_mdao.report import command
+from seal_mdao.report import openmdao_command
 
 OPENMDAO = Path(sys.executable).with_name("openmdao")
 
@@ -73,7 +73,7 @@ def test_driver_that_does_not_optimise_has_no_report(reports_on):
 @pytest.fixture
 def called():
     """The command as ``openmdao`` calls it, in this process."""
-    add_arguments, execute, _ = command.setup()
+    add_arguments, execute, _ = openmdao_command.setup()
     parser = argparse.ArgumentParser()
     add_arguments(parser)
     return lambda *arguments: execute(parser.parse_args([*map(str, arguments)]), [])
@@ -112,7 +112,7 @@ def test_command_opens_a_browser_unless_told_otherwise(called, other_page, tmp_p
 def test_command_module_is_light():
     heavy = ("numpy", "openmdao", "matplotlib", "numba")
     code = (
-        "import seal_mdao.report.command, seal_mdao.report.openmdao_report, sys;"
+        "import seal_mdao.report.openmdao_command, seal_mdao.report.openmdao_report, sys;"
         f"print([n for n in {heavy} if n in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -200,7 +200,7 @@ def test_a_rubber_at_its_limit_is_drawn(tmp_path, run_script, assert_drawn):
 def test_a_path_on_which_no_load_steps_are_found_is_written_as_far_as_it_went(
     tmp_path, run_script, assert_drawn, capsys, monkeypatch
 ):
-    monkeypatch.setattr("seal_mdao.seals.choice.MOST", 1)
+    monkeypatch.setattr("seal_mdao.seals.steps_and_penalties.MOST", 1)
     changes = OPEN | LIMITED | {"[0.0, -1.2]": "[0.0, -9.0]"}
     code, s = run_script("analyze", tmp_path, written(tmp_path, changes), "--no-vtu")
     assert code == 1

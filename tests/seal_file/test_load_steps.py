@@ -8,12 +8,12 @@ import pytest
 from test_build import COARSE, read
 
 import seal_mdao as sm
-from seal_mdao.analysis.result import ConvergedStep, Status
-from seal_mdao.seals.choice import COARSE as COARSE_STEPS
-from seal_mdao.seals.choice import difference, divided
+from seal_mdao.analysis.path_result import ConvergedStep, Status
 from seal_mdao.seals.file.chosen import chosen_ends, chosen_for
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.result import frozen_measures
+from seal_mdao.seals.steps_and_penalties import COARSE as COARSE_STEPS
+from seal_mdao.seals.steps_and_penalties import difference, divided
 
 OPEN = re.sub(r"steps = \d\n", "", COARSE)
 LISTED = COARSE.replace("steps = 6", "steps = [0.2, 0.3, 1]").replace("steps = 2", "steps = 1")
@@ -203,7 +203,7 @@ def test_derivatives_are_exact_with_them(bulb, rng):
 
 def test_a_path_that_ends_early_is_told_with_what_was_computed(tmp_path, monkeypatch):
     """The rubber comes to its limit: no load step is small enough."""
-    monkeypatch.setattr("seal_mdao.seals.choice.MOST", 1)
+    monkeypatch.setattr("seal_mdao.seals.steps_and_penalties.MOST", 1)
     with pytest.raises(sm.LoadPathError, match="could not be completed") as caught:
         sm.build_seal(read(tmp_path, LIMITED.replace("[0.0, -6.0]", "[0.0, -9.0]")))
     result = caught.value.result
@@ -218,7 +218,7 @@ def test_where_a_path_fails_more_load_steps_are_tried(tmp_path, monkeypatch):
         result = sm.analyze(seal, **options)
         return cut_short(result) if len(tried) < 3 else result
 
-    monkeypatch.setattr("seal_mdao.seals.choice.analyze", failing)
+    monkeypatch.setattr("seal_mdao.seals.steps_and_penalties.analyze", failing)
     assert sm.build_seal(read(tmp_path, OPEN)).n_steps == 96
     # twice cut short; then the penalties are raised and the steps are halved
     assert tried == [12, 24, 48, 96]
@@ -230,7 +230,7 @@ def cut_short(result):
 
 
 def test_a_tolerance_that_is_not_reached_is_told_with_the_file(tmp_path, monkeypatch):
-    monkeypatch.setattr("seal_mdao.seals.choice.ROUNDS", 1)
+    monkeypatch.setattr("seal_mdao.seals.steps_and_penalties.ROUNDS", 1)
     file = read(tmp_path, f"{OPEN}[steps]\ntolerance = 1e-9\n")
     with pytest.raises(
         sm.SealFileError, match=r"seal\.toml: load steps within 1e-09 were not found"

@@ -9,16 +9,16 @@ from two_profiles import two_profiles
 import seal_mdao as sm
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.work import StrainEnergy
-from seal_mdao.seals.choice import (
+from seal_mdao.seals.door.door_seal import options_of, with_options
+from seal_mdao.seals.penalty_error import SMALL, least_scale
+from seal_mdao.seals.profiles import profile_histories
+from seal_mdao.seals.settings import seal_of
+from seal_mdao.seals.steps_and_penalties import (
     choose,
     divided,
     force_difference,
     measure_difference,
 )
-from seal_mdao.seals.door.door_seal import options_of, with_options
-from seal_mdao.seals.penalty_error import SMALL, least_scale
-from seal_mdao.seals.profiles import profile_histories
-from seal_mdao.seals.settings import seal_of
 
 TOLERANCE = 5e-3
 SHORT = {"depth": 6.5, "start": 10.03}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from seal_mdao.analysis.result import ConvergedStep, PathResult
+from seal_mdao.analysis.path_result import ConvergedStep, PathResult
 from seal_mdao.equilibrium.discretization import Discretization
 from seal_mdao.materials.isotropic import cofactor
 from seal_mdao.rkpm.cells import cell_map, quadrature_points, quadrature_weights

@@ -5,7 +5,7 @@ import numpy as np
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import straight_motion
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.seals.door.options import DoorOptions
+from seal_mdao.seals.door.door_options import DoorOptions
 from seal_mdao.seals.door.section import Section
 from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.materials.isotropic import Isotropic, cofactor
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from seal_mdao.equilibrium.discretization import Body, Discretization, discretize
-from seal_mdao.equilibrium.equations import equation_numbers, tangent_layout
+from seal_mdao.equilibrium.tangent_layout import equation_numbers, tangent_layout
 from seal_mdao.rkpm.integration import CellTable, EdgeRule, edge_normals, integration_points
 from seal_mdao.rkpm.shape_functions import ShapeTable
 from seal_mdao.rkpm.tables import build_table, raw_tables

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.analysis.newton import NewtonOptions
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import elastic_body

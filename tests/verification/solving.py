@@ -4,8 +4,8 @@ import numpy as np
 
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.analysis.result import PathResult
 from seal_mdao.equilibrium.discretization import Body, Discretization, discretize
 from seal_mdao.loads.imposed import ImposedDisplacements
 

@@ -12,10 +12,10 @@ from seal_mdao.measures.gap import Gap, GapSquareIntegral, GapSquareSum
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.stress import StressNorm, VonMises
 from seal_mdao.rkpm.cells import kernel_supports
-from seal_mdao.seals.choice import choose
-from seal_mdao.seals.door.options import BASE_RAYS, PARTS, DoorOptions, door_options
+from seal_mdao.seals.door.door_options import BASE_RAYS, PARTS, DoorOptions, door_options
 from seal_mdao.seals.door.splines import design_velocity
 from seal_mdao.seals.seal import Parameter, Seal
+from seal_mdao.seals.steps_and_penalties import choose
 from seal_mdao.seals.wall_grid import SCHEMES
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
@@ -76,11 +76,11 @@ def door_seal(
         within 2 % of the limit. "fine": within 0.3 and 1 %; with more rays or layers no error grows.
         Options among ``changes`` go before.
     steps : "auto", optional
-        Load steps that change no measure by more than ``step_tolerance`` (``seals.choice``). They are
-        found now, by some three analyses of the nominal seal, and belong to the seal that is returned.
+        Load steps that change no measure by more than ``step_tolerance`` (``seals.steps_and_penalties``).
+        They are found now, by some three analyses of the nominal seal, and belong to the seal that is returned.
     step_tolerance : float
     **changes
-        Options of ``seals.door.options.DoorOptions``.
+        Options of ``seals.door.door_options.DoorOptions``.
 
     Raises
     ------

@@ -8,7 +8,6 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.choice import choose
 from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import measure_of
@@ -19,6 +18,7 @@ from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
 from seal_mdao.seals.outline.rays import Rays, ray_boundaries
 from seal_mdao.seals.outline.sampling import doubled
 from seal_mdao.seals.outline.section_cloud import LAYERS, OutlineCloud, graded
+from seal_mdao.seals.steps_and_penalties import choose
 
 
 def build_seal(
@@ -33,15 +33,15 @@ def build_seal(
     materials where there are several: ``foot_c10``.
 
     Load steps and contact penalties that the file does not give are chosen now, by analyses of the
-    nominal seal (``seals.choice``), and are the seal's own from then on, whatever its design. The
-    last of these analyses is that of the seal itself: the first ``analyze(seal)`` returns it.
+    nominal seal (``seals.steps_and_penalties``), and are the seal's own from then on, whatever its
+    design. The last of these analyses is that of the seal itself: the first ``analyze(seal)`` returns it.
 
     Parameters
     ----------
     file : SealFile, str or Path
         What ``read_seal_file`` returns, or the path that it takes.
     callback : callable, optional
-        As of ``seals.choice.choose``, for these analyses.
+        As of ``seals.steps_and_penalties.choose``, for these analyses.
     step_ends : sequence of float, optional
         Ends of load steps that have been chosen before, in stages, in place of a choice.
     penalties : mapping of str to float, optional

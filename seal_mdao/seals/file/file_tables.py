@@ -7,7 +7,6 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict
 
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.seals.choice import PENALTY_TOLERANCE
 from seal_mdao.seals.file.clearance import cleared
 from seal_mdao.seals.file.edge_tables import (
     AnyTerm,
@@ -29,6 +28,7 @@ from seal_mdao.seals.file.schema import key, rows
 from seal_mdao.seals.file.section_table import SectionTable, WrittenSection
 from seal_mdao.seals.outline.outline_seal import SectionRegion
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
+from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE
 
 
 class Written(BaseModel):

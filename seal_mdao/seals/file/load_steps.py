@@ -7,9 +7,9 @@ from pydantic import AfterValidator
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.motion import increases_to_one
-from seal_mdao.seals.choice import PENALTY_TOLERANCE, STEP_TOLERANCE
 from seal_mdao.seals.file.forms import Form, many, number, whole
 from seal_mdao.seals.file.schema import Table, key, table
+from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE, STEP_TOLERANCE
 
 MOST_STEPS = 100_000
 CHOSEN = "auto"

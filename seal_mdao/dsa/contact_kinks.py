@@ -10,7 +10,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from seal_mdao.analysis.result import PathResult
+from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.friction import OPEN, SLIP, STICK, ContactHistory
 from seal_mdao.contact.kinks import SLIGHT, Kinks
 from seal_mdao.dsa.factors import solve_transposed

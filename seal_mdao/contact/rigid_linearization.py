@@ -137,7 +137,14 @@ def linearize_contact_point(
     """Derivatives of force and history of one point with respect to all its inputs.
 
     The force is T = length [w_n g_n e_n + tau nu e_t], Eq. (29); with dx alone its columns are the
-    tangents (35), (36), (41), with the rest they are the fictitious loads (57), (63), (66).
+    tangents (35), (36), (41), with the rest they are the fictitious loads (57), (63), (66):
+
+    - X, Y: dT/dx, normal (35), stick (36) and slip (41); the paper prints e_n e_n^T for the e_n e_t^T
+      of (36).
+    - The same columns times the design velocity: the terms of (57), (63), (66) with V at the point.
+    - XI_0, SIZE_0 and the variable carried: what the previous step passes on, through Eq. (60).
+    - LENGTH: T over its length; l' of the tributary length is kappa (V^T n) of the printed loads.
+    - Penalties and friction: the law; shape parameters: V_c of the profile, Eqs. (52), (53).
 
     Parameters
     ----------
