@@ -76,8 +76,8 @@ def door_seal(
         within 2 % of the limit. "fine": within 0.3 and 1 %; with more rays or layers no error grows.
         Options among ``changes`` go before.
     steps : "auto", optional
-        Load steps that change no measure by more than ``step_tolerance`` (``seals.steps_and_penalties``).
-        They are found now, by some three analyses of the nominal seal, and belong to the seal that is returned.
+        Load steps that change no measure by more than ``step_tolerance``. They are found now, by some
+        three analyses of the nominal seal (``seals.steps_and_penalties``), and belong to the seal.
     step_tolerance : float
     **changes
         Options of ``seals.door.door_options.DoorOptions``.

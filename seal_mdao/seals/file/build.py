@@ -34,7 +34,8 @@ def build_seal(
 
     Load steps and contact penalties that the file does not give are chosen now, by analyses of the
     nominal seal (``seals.steps_and_penalties``), and are the seal's own from then on, whatever its
-    design. The last of these analyses is that of the seal itself: the first ``analyze(seal)`` returns it.
+    design. The last of these analyses is that of the seal itself: the first ``analyze(seal)``
+    returns it.
 
     Parameters
     ----------
