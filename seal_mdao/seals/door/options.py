@@ -237,7 +237,7 @@ class DoorOptions:
 
     @property
     def motion(self) -> Motion:
-        """Motion straight down from above ``start``; ``depth`` moves its end, shift and angle the path."""
+        """Motion straight down from above ``start``; its parameters are ``depth``, shift and angle."""
         # y(1) = R - depth, dy(1)/d(depth) = -1
         end = self.section.outer_radius - self.depth
         steps = self.n_steps if self.step_ends is None else 1
