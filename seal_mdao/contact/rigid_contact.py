@@ -277,8 +277,9 @@ class ContactTerm(PointTerm):
         return np.flatnonzero(uses_history(self._speed_varies, following.branch))
 
     def handed_on(self, response, following, local, points) -> HandedOn:
-        """The next step takes one function of what a point hands on, its elastic slip; where |t| varies
-        two, the natural coordinate, with which |t0| goes, and what is carried."""
+        """Return the carried history as directions: the next step depends on one function of it, the
+        elastic slip; where |t| varies on two, the natural coordinate (with |t0|) and the elastic slip.
+        """
         used = self.uses_history(following)
         at = used if len(points) == len(self.where) else np.searchsorted(points, used)
         local = local[at]
@@ -348,7 +349,7 @@ class ContactTerm(PointTerm):
         return moved + change[2] * quarter_turn(response.force)
 
     def _force_again(self, response, fraction) -> np.ndarray:
-        """Forces (k, 2) at the same places with the history that the step hands on."""
+        """Compute the forces (k, 2) at the same positions with the history after the step."""
         k = len(self.where)
         force = np.empty((k, 2))
         contact_points(

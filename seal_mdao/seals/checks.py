@@ -289,7 +289,7 @@ def _below_base(samples: Samples):
     if np.abs((x - x[0]) @ outward).max() > 1e-6 * samples.wall:
         return
     which = np.unique(samples.chains)
-    # a part of the section that was drawn below is not on the base
+    # a part of the section that lies below in the undeformed state is not on the base
     which = which[(samples.undeformed[which] - x[0]) @ outward <= SLIGHT * samples.wall]
     # distance of the deformed boundary below the plane of the base
     depth = (samples.places[which] - x[0]) @ outward
