@@ -38,7 +38,7 @@ def main(arguments) -> int:
         # data or material are at fault, not the arguments
         print(f"seal-mdao fit: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
-    # measured minus computed stress at every reading
+    # computed minus measured stress at every reading
     rows = residual_table(found)
     # deviations far beyond the standard deviation of the others
     outliers = [row for row in rows if row.outlier]
@@ -69,7 +69,7 @@ def fitted(arguments) -> Fit:
             bar.update(done - bar.n)
 
         try:
-            # least squares from several starts, constrained to stable constants
+            # least squares from several starts, with the check of stability
             return fit(
                 arguments.law, tests, terms=arguments.terms or 1, nu=arguments.nu,
                 bulk_modulus=arguments.bulk_modulus, weighting=arguments.weighting,
@@ -97,7 +97,7 @@ def summarize(found: Fit, arguments, wall: float) -> dict:
         "errors": {name: error.as_dict() for name, error in found.errors.items()},
         "stable": found.stable,
         "stability_margin": found.margin,
-        # range of stretch over which the tangent modulus is positive
+        # ranges of stretch checked by Drucker's postulate: d(tau) : d(ln lambda) > 0
         "stability": {
             name: {
                 "from": s.lower, "to": s.upper, "stable": s.stable,

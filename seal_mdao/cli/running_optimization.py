@@ -54,7 +54,7 @@ def run_optimization(
     # report the time of one analysis
     announce(seal)
     with LoadStepProgress(seal) as progress:
-        # a restart attaches its recorder after reading the recorded cases
+        # a restart continues the recorder file below
         recorder = None if arguments.restart else cases
         run = RunOptions(driver, recorder, progress, kept, arguments.out)
         problem = optimization_problem(task_of(run), run)
