@@ -32,16 +32,19 @@ END_KEYS = (
     "true_peak_pressure_kPa", "deformed_contact_width_mm", "nominal_peak_pressure_kPa",
     "nominal_contact_width_mm", "largest_gap_mm", "largest_von_mises_kPa", "largest_von_mises_at_mm",
 )  # fmt: skip
-"""Of summary.json, of all profiles together and of the section at the end of the path."""
+"""Keys of summary.json for all profiles together and for the section at the end of the path."""
 
 
 def main(arguments) -> int:
+    # an explicit --vtu without meshio fails before the analysis
     with file_errors(arguments.file):
         if arguments.vtu:
             library()
     result, wall = analyzed(file_of(arguments.file))
+    # the summary is written first: drawing may still fail
     summary = summarize(result) | {"wall_s": wall}
     write_summary(arguments.out, summary)
+    # figures need at least one converged load step
     if len(result.path.nominal_steps):
         write_curves(result, arguments.out)
         write_contact(result, arguments.out)
@@ -51,21 +54,24 @@ def main(arguments) -> int:
 
 
 def analyzed(file) -> tuple[SealResult, float]:
-    """The nominal seal of a file, and the seconds that its analysis took, the choice of load steps and
-    penalties included."""
+    """Analyse the nominal seal of a file; also return the seconds that this took, the choice of load
+    steps and penalties included."""
     begun = time.perf_counter()
     try:
         seal = seal_of(file)
     except sm.LoadPathError as error:  # no load steps to be found; what was computed is shown
         return error.result, time.perf_counter() - begun
+    # report or refuse analyses that take long
     announce(seal)
     with file_errors(file.path), LoadStepProgress(seal) as progress:
+        # factors are reused by the adjoint gradients of the measures
         result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
     return result, time.perf_counter() - begun
 
 
 def summarize(result: SealResult) -> dict:
-    """summary.json; what concerns the end is None for a path that was not completed."""
+    """Collect summary.json; results at the end of the path are None when it was not completed."""
+    # state of every profile after every load step
     histories, steps = profile_histories(result), result.path.nominal_steps
     summary = {
         "converged": result.converged,
@@ -84,10 +90,15 @@ def summarize(result: SealResult) -> dict:
         "penalty_error": penalty_table(result),
         "profiles": {history.label: at_profile(result, history) for history in histories},
     }
+    # results at the end of the path
     if result.converged:
+        # profiles that take part up to the end
         ends = [history for history in histories if len(history.stage)]
+        # gaps of all contact points at the end
         gaps = [result.response(history.label).gap.min() for history in ends]
+        # von Mises stress over the section at the end
         places, stress = result.section_stress()
+        # in the order of END_KEYS: largest over profiles, contact widths summed
         values = (
             max([0.0, *(history.peak[-1] for history in ends)]),
             sum(history.width[-1] for history in ends),
@@ -96,12 +107,13 @@ def summarize(result: SealResult) -> dict:
             max([0.0, *largest_gaps(result).values()]), stress.max(), places[stress.argmax()],
         )  # fmt: skip
         summary |= dict(zip(END_KEYS, values, strict=True))
+        # penetration is -g_n where g_n < 0
         summary["max_penetration_mm"] = max([0.0, *(-gap for gap in gaps)])
     return summary | measured(result)
 
 
 def at_profile(result: SealResult, history: ProfileHistory) -> dict:
-    """What one profile meets at the end, as far as the path went, and at most."""
+    """Collect the results of one profile: at its last converged step, and the largest on the path."""
     if not len(history.stage):
         return {}
     return {
@@ -118,27 +130,32 @@ def at_profile(result: SealResult, history: ProfileHistory) -> dict:
 
 
 def measured(result: SealResult) -> dict:
-    """Every measure of the file with its value, unit, and gradient by the adjoint method.
+    """Evaluate every measure of the file: value, unit, and gradient by the adjoint method.
 
     The norm is that of the derivatives in the design parameters (per mm); those in material constants,
     friction and penalties are named one by one.
     """
     seal = result.seal
+    # without the end of the path there is nothing to evaluate
     if not result.converged or not seal.standard:
         return {"measures": dict.fromkeys(measure.name for measure in seal.standard)}
+    # evaluation points of the measures from this result
     chosen = frozen_measures(seal, None, lambda nominal: result)
     chosen = tuple(measure for measure in chosen if not is_empty(measure, seal))
+    # scalar parameters: material constants, friction, penalties
     names = tuple(seal.scalars)
     gradients = sm.differentiate(result, names, chosen, "adjoint")
     found = dict.fromkeys(measure.name for measure in seal.standard)
     for measure in chosen:
         value, rows = result.value(measure), np.atleast_2d(gradients[measure.name])
+        # one norm per row over the boundary offsets
         norms = np.linalg.norm(rows[:, : seal.n_offsets], axis=1)
         one = value.size == 1
         found[measure.name] = {
             "value": value[0] if one else value,
             "unit": measure.units,
             "gradient_norm": (norms[0] if one else norms) if seal.n_offsets else None,
+            # scalar parameters follow the offsets in a row
             "derivatives": {
                 name: rows[0, seal.n_offsets + i] if one else rows[:, seal.n_offsets + i]
                 for i, name in enumerate(names)
@@ -155,6 +172,7 @@ def draw(result: SealResult, out: Path) -> None:
         "contact_pressure": plotting.contact_pressure,
         "contact_width": plotting.contact_width,
     }
+    # buckling modes where stability was lost
     if result.critical_points:
         figures["critical_modes"] = plotting.critical_modes
     for name, figure in figures.items():
@@ -162,21 +180,25 @@ def draw(result: SealResult, out: Path) -> None:
 
 
 def write_series(result: SealResult, arguments) -> str:
-    """Write the VTU series if it is wanted; what there is to say about it."""
+    """Write the VTU series unless it was declined; return the text about it for the last line."""
+    # --no-vtu
     if arguments.vtu is False:
         return ""
     try:
         return f", {vtu.write_vtu_series(result, arguments.out / 'vtu').relative_to(arguments.out)}"
     except ImportError:
+        # meshio is optional: say how to install it
         return "; no VTU files: pip install seal_mdao[vtk]"
 
 
 def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
+    # size of the model and cost of the path
     print(
         f"{summary['n_particles']} particles, {summary['n_steps']} load steps, "
         f"{int(np.sum(summary['newton_iterations']))} Newton iterations, {summary['step_cuts']} cuts, "
         f"{summary['wall_s']:.2f} s"
     )
+    # one line for each profile
     for label, end in summary["profiles"].items():
         if end:
             across, up = end["force_N_per_m"]
@@ -187,16 +209,19 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
                 f"(nominal {end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "
                 f"{end['largest_gap_mm']:.4f} mm"
             )
+    # stress, with its location in the undeformed section
     if summary["largest_von_mises_kPa"] is not None:
         x, y = summary["largest_von_mises_at_mm"]
         print(
             f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at x = {x:.3g}, y = "
             f"{y:.3g} undeformed"
         )
+    # one line for each measure
     for name, found in summary["measures"].items():
         if found:
             value = ", ".join(f"{v:.6g}" for v in np.atleast_1d(found["value"]))
             print(f"{name} = {value} {found['unit'] or ''}".rstrip())
+    # warnings come last so that they are seen
     print_critical_points(result)
     if not result.converged:
         print(f"NOT CONVERGED: {summary['failure']}")

@@ -15,13 +15,16 @@ def main(arguments) -> int:
     path = arguments.animation
     path = path if path.is_absolute() else arguments.out / path
     with checked_arguments():
+        # an unknown ending or missing ffmpeg fails before the analysis
         check_format(path)
     result, _ = analyzed(file_of(arguments.file))
+    # nothing to animate without a converged load step
     if not len(result.path.nominal_steps):
         print(f"NOT CONVERGED: {result.failure}")
         return 1
     with tqdm(unit="frame", desc="animation", disable=hidden(), leave=False) as bar:
         save_animation(result, path, arguments.fps, lambda number, of: bar.update())
+    # an incomplete path is still animated
     if not result.converged:
         print(f"NOT CONVERGED: {result.failure}")
     print(path)

@@ -1,4 +1,4 @@
-"""What the scripts share: options of the seal, output folder, errors in one line, summary.json."""
+"""Common parts of the subcommands: seal options, output folder, one-line errors, summary.json."""
 
 import argparse
 import gc
@@ -37,12 +37,12 @@ SAMPLES = "samples.sqlite"
 
 
 class WrongArgumentError(Exception):
-    """Arguments with which the script cannot start."""
+    """Raised for arguments with which a subcommand cannot start."""
 
 
 @contextmanager
 def checked_arguments():
-    """What the package says about wrong values is said about the arguments."""
+    """Turn errors of the package about wrong values into errors of the arguments."""
     try:
         yield
     except (ValueError, TypeError, ImportError) as error:
@@ -50,9 +50,10 @@ def checked_arguments():
 
 
 class _HelpFormatter(argparse.ArgumentDefaultsHelpFormatter):
-    """Names the defaults that there are."""
+    """Help formatter that names defaults only where an option has one."""
 
     def _get_help_string(self, action):
+        # flags without a value, and options without a default, show none
         silent = action.default in (None, argparse.SUPPRESS) or action.nargs == 0
         return action.help if silent else super()._get_help_string(action)
 
@@ -60,13 +61,15 @@ class _HelpFormatter(argparse.ArgumentDefaultsHelpFormatter):
 def parser(
     description: str, out: str, positional: str = "", example: str = ""
 ) -> argparse.ArgumentParser:
-    """An argument parser with ``--out`` and its default folder, ``--quiet`` and ``--json``; usage errors
-    take one line, an example of use ends the help."""
+    """Make an argument parser with ``--out`` and its default folder, ``--quiet`` and ``--json``; usage
+    errors take one line, an example of use ends the help."""
+    # usage in one line: positional arguments, then options
     usage = " ".join(["%(prog)s", *positional.split(), "[options]"])
     made = argparse.ArgumentParser(
         description=description, formatter_class=_HelpFormatter, usage=usage,
         epilog=f"example: {example}" if example else None,
     )  # fmt: skip
+    # options common to all subcommands
     made.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help="folder to write")
     made.add_argument("--quiet", action="store_true", help="print errors only, no progress")
     made.add_argument("--json", action="store_true", help="print summary.json in place of lines")
@@ -74,53 +77,63 @@ def parser(
 
 
 def add_seal_arguments(made: argparse.ArgumentParser) -> None:
-    """Options that change the door seal; what is left out keeps the example's value, or that of the
+    """Add the options of the door seal; an omitted option has the value of the example, or of the
     accuracy."""
+    # defaults are those of the nominal door seal
     nominal = DoorOptions()
     group = made.add_argument_group("model")
 
     def add(name: str, kind, text: str, **more):
         flag, default = f"--{name.replace('_', '-')}", getattr(nominal, name)
+        # None lets the accuracy choose; an explicit value overrides it
         if name in OF_ACCURACY:
             default, text = None, f"{text}; that of the accuracy when left out"
+        # preset of discretisation and load steps
         group.add_argument(flag, type=kind, default=default, help=text, **more)
 
     group.add_argument(
         "--accuracy", choices=tuple(ACCURACIES), default=next(iter(ACCURACIES)),
         help="particles and load steps: the paper's, those with the best error per second, or more",
     )  # fmt: skip
+    # friction law
     add("friction", float, "Coulomb coefficient", metavar="MU")
     rules = ("accumulated", "incremental")
     add("friction_history", str, "how elastic slip is carried from step to step", choices=rules)
+    # geometry of the door
     add("door", str, "shape of the door", choices=("corner", "flat"))
+    # short form of one value of --door
     group.add_argument(
         "--flat-door", dest="door", action="store_const", const="flat", default=argparse.SUPPRESS,
         help="the same as --door flat",
     )  # fmt: skip
     add("corner_x", float, "where the flat of the corner door ends", metavar="MM")
     add("segments", int, "straight segments of the door; exact curve when left out", metavar="N")
+    # particles, kernels
     add("rays", int, "particles around the ring, a multiple of 58", metavar="N")
     add("layers", int, "particles across the wall", metavar="N")
     add("refinement", int, "parts of an interval between rays where the door presses", metavar="N")
     add("support", float, "kernel support over the longest cell edge", metavar="S")
+    # load path
     add("n_steps", int, "load steps", metavar="N")
     add("depth", float, "final depth of the door below the top of the nominal seal", metavar="MM")
+    # contact penalties
     add("normal_penalty", float, "normal contact stiffness, kPa/mm", metavar="W_N")
     add("tangent_penalty", float, "tangential contact stiffness, kPa/mm", metavar="W_T")
 
 
 def positive_integer(text: str) -> int:
-    """A number of repetitions for argparse."""
+    """Parse a positive integer for argparse."""
     if not text.isdecimal() or int(text) == 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not an integer of at least 1")
     return int(text)
 
 
 def travel(text: str) -> float:
-    """A travel of the door for argparse, mm."""
+    """Parse a travel of the door for argparse, mm."""
     try:
         value = float(text)
     except ValueError:
+        # nan fails the range test below: one message for both faults
         value = math.nan
     if not 0.0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} is not a travel of the door, 0 mm or more")
@@ -128,15 +141,16 @@ def travel(text: str) -> float:
 
 
 def existing_file(text: str) -> Path:
-    """A path for argparse; an error in one line when there is no such file."""
+    """Parse the path of an existing file for argparse; a missing file is a usage error."""
     if not Path(text).is_file():
         raise argparse.ArgumentTypeError(f"{text} is not a file")
     return Path(text)
 
 
 def seal_from(arguments: argparse.Namespace, **more) -> sm.Seal:
-    """The seal that the options describe."""
+    """Build the door seal that the options describe."""
     with checked_arguments():
+        # only given options are passed on: the rest is decided by the accuracy
         options = {name: getattr(arguments, name) for name in SEAL_OPTIONS}
         given = {name: value for name, value in options.items() if value is not None}
         return sm.door_seal(arguments.accuracy, **given, **more)
@@ -155,22 +169,30 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     if gc.get_freeze_count() == 0:
         # what is imported is no garbage, and to look at it again and again takes half a second
         gc.freeze()
+    # parse, then note which options were given explicitly
     arguments = made.parse_args(argv)
     arguments.given = _given(made, argv)
+    # a restart writes beside its recorder file unless --out is given
     if "out" not in arguments.given and isinstance(getattr(arguments, "restart", None), Path):
         arguments.out = arguments.restart.parent
+    # fail on an unwritable folder before any analysis
     _require_folder(made, arguments.out)
     try:
         return _printed_as_asked(main, arguments)
     except sm.SealFileError as error:
+        # the seal file is wrong: exit status 2
         return _ended(made, str(error), 2)
     except (WrongArgumentError, sm.GeometryError) as error:
+        # usage error: argparse prints the usage and exits with 2
         made.error(str(error))
     except sm.LoadPathError as error:
+        # the load path could not be completed
         return _ended(made, str(error), 1)
     except (OSError, sqlite3.DatabaseError) as error:
+        # the disk is full, or a database is locked or damaged
         return _ended(made, f"{_cause(error, arguments.out)}; {_saved(arguments.out)}", 1)
     except KeyboardInterrupt:
+        # 128 + SIGINT, as shells report Ctrl-C
         return _ended(made, f"interrupted; {_saved(arguments.out)}", 130)
 
 
@@ -178,11 +200,14 @@ def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
     """Run with its lines, with nothing (``--quiet``), or with ``summary.json`` (``--json``)."""
     with ExitStack() as stack:
         if arguments.quiet or arguments.json:
+            # normal output is discarded
             stack.enter_context(redirect_stdout(io.StringIO()))
         if arguments.quiet:
+            # progress bars go to stderr
             stack.enter_context(redirect_stderr(io.StringIO()))
         code = main(arguments)
     if arguments.json and (arguments.out / "summary.json").is_file():
+        # --json: the summary alone on stdout, for other programs
         print((arguments.out / "summary.json").read_text(encoding="utf-8"), end="")
     return code
 
@@ -194,6 +219,7 @@ def _require_folder(made: argparse.ArgumentParser, out: Path) -> None:
     except OSError as error:
         made.error(f"argument --out: cannot make the folder {out}: {error.strerror}")
     try:
+        # permissions alone do not show whether a file can be written
         with tempfile.TemporaryFile(dir=out) as probe:
             probe.write(b"?")
     except OSError as error:
@@ -206,20 +232,21 @@ def _ended(made: argparse.ArgumentParser, text: str, code: int) -> int:
 
 
 def _cause(error: Exception, out: Path) -> str:
-    """What could not be written, and why."""
+    """Describe which file could not be written, and why."""
     if isinstance(error, OSError):
         return f"{error.filename or out}: {error.strerror or error}"
     return f"{out / CASES}: {error}"
 
 
 def _saved(out: Path) -> str:
-    """What a run that ends early leaves behind."""
+    """Name the output files that exist after a run that ended early."""
     names = [name for name in (CASES, SAMPLES, "summary.json") if (out / name).is_file()]
     return f"{' and '.join(names)} in {out} is as written last" if names else f"nothing is in {out}"
 
 
 def _given(made: argparse.ArgumentParser, argv) -> set[str]:
-    """Names of the options that were given, whether or not with their default."""
+    """Return the names of the options given on the command line, even where equal to the default."""
+    # parse again with a sentinel as every default: what differs from it was given
     left_out = object()
     names = {action.dest for action in made._actions}
     parsed = made.parse_args(argv, argparse.Namespace(**dict.fromkeys(names, left_out)))
@@ -227,11 +254,11 @@ def _given(made: argparse.ArgumentParser, argv) -> set[str]:
 
 
 LONG = 10.0
-"""Seconds of an analysis from which on the user is told before it begins."""
+"""Estimated time of an analysis (s) above which it is reported before the analysis begins."""
 
 
 def announce(seal: sm.Seal) -> None:
-    """Say what an analysis will take, where that is long; refuse one that does not fit.
+    """Report the estimated time of a long analysis; refuse an analysis beyond the machine's means.
 
     Raises
     ------
@@ -239,21 +266,22 @@ def announce(seal: sm.Seal) -> None:
         When it needs more memory than there is, or takes days.
     """
     with checked_arguments():
+        # estimate from the numbers of unknowns and load steps
         cost = sm.estimate(seal)
         cost_of.require_means(cost, seal.body, seal.n_steps)
     cost_of.announce(cost, seal.body, seal.n_steps, LONG)
 
 
 def print_warnings(result, label: str = "", further=()) -> None:
-    """What a result says about itself, and ``further`` lines, a line each."""
+    """Print the warnings of a result and the ``further`` ones, one per line."""
     for text in (*result.warnings, *further):
         print(f"WARNING{label}: {text}")
 
 
 def penalty_table(result) -> dict | None:
-    """Estimated errors by the contact penalties for summary.json; None for a path not completed.
+    """Tabulate the estimated penalty errors for summary.json; None for a path not completed.
 
-    In place of a number there is the reason where an error is not estimable.
+    Where an error is not estimable, the table has the reason in place of a number.
     """
     if not result.converged:
         return None
@@ -267,23 +295,25 @@ def penalty_table(result) -> dict | None:
 
 
 def print_penalty_errors(result) -> None:
-    """The largest of them, in a line; nothing without contact."""
+    """Print the largest estimated penalty error in one line; nothing without contact."""
     errors = result.penalty_error
+    # largest relative error, with the name of its measure
     found = {name: abs(error.relative) for name, error in errors.items() if error.estimable}
     parts = [f"at most {max(found.values()):.2%} ({max(found, key=found.get)})"] if found else []
+    # measures without an estimate are listed with the reason
     parts += [unknown for unknown in [not_estimable(errors)] if unknown]
     if parts:
         print(f"estimated error by contact penalties: {'; '.join(parts)}")
 
 
 def print_critical_points(result) -> None:
-    """Where the seal lost its stability, a line each."""
+    """Print the critical points at which the seal lost stability, one per line."""
     for point in result.critical_points:
         print(f"STABILITY: {point.text}")
 
 
 def critical_table(result) -> list[dict]:
-    """The same for summary.json."""
+    """Tabulate the critical points for summary.json."""
     return [
         {
             "travel_mm": point.travel, "kind": point.kind, "moved_mm": point.moved,
@@ -294,18 +324,20 @@ def critical_table(result) -> list[dict]:
 
 
 def plain(value):
-    """Numbers and containers of numpy as those of JSON; nan and infinity as None."""
+    """Convert numpy numbers and containers to those of JSON; nan and infinity become None."""
     if isinstance(value, dict):
         return {str(key): plain(entry) for key, entry in value.items()}
     if isinstance(value, np.ndarray | list | tuple):
         return [plain(entry) for entry in value]
+    # numpy scalar to a Python number
     if isinstance(value, np.generic):
         value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _entry(value) -> str:
-    """JSON of one entry: lists of lists or dictionaries get a line for each element."""
+    """Format one entry as JSON: lists of lists or dictionaries with one element per line."""
+    # one row of a table per line keeps the file readable
     if isinstance(value, list) and value and isinstance(value[0], list | dict):
         return "[\n  " + ",\n  ".join(json.dumps(element) for element in value) + "\n ]"
     return json.dumps(value)
@@ -320,15 +352,17 @@ def write_summary(out: Path, summary: dict) -> Path:
 
 
 def design_from(path: Path, seal: sm.Seal) -> tuple[np.ndarray, dict]:
-    """Boundary offsets and door radius (mm) out of the summary.json of an optimisation."""
+    """Read boundary offsets and door radius (mm) from the summary.json of an optimisation."""
     try:
         summary = json.loads(read_text(path))
         offsets, radius = summary["boundary_offsets"], summary["door_radius"]
     except OSError as error:
         raise WrongArgumentError(f"cannot read the design {path}: {error.strerror}") from None
     except (ValueError, KeyError, TypeError, RecursionError):
+        # not JSON, or JSON of something else
         text = f"{path} is not a summary.json with boundary_offsets and door_radius"
         raise WrongArgumentError(text) from None
     with checked_arguments():
+        # values are checked against the seal's shapes and ranges
         changed = seal.with_parameters({"door_radius": radius}).changed
         return seal.check_offsets(offsets), {"door_radius": changed["door_radius"]}

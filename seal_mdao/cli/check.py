@@ -19,8 +19,11 @@ USUAL_STEPS = 40
 def main(arguments) -> int:
     file = file_of(arguments.file)
     with file_errors(file.path):
+        # section and particles only; no trial analyses
         seal = unchosen_seal(file)
+    # undeformed particles, edges and profiles
     picture = plotting.save(plotting.section_cloud(unloaded(seal)), arguments.out / "section.png")
+    # settings that an analysis would choose automatically
     open_choices = [
         *(["load steps"] if file.step_tolerance is not None else []),
         *file.open_penalties,
@@ -43,6 +46,7 @@ def main(arguments) -> int:
         "estimated_memory_GiB": cost.memory,
         "warnings": list(seal.warnings),
     }
+    # the same content as printed
     write_summary(arguments.out, summary)
     report(summary, steps, picture)
     return 0
@@ -55,6 +59,7 @@ def report(summary: dict, steps: int, picture: Path) -> None:
         f"{summary['n_particles']} particles, {summary['n_cells']} cells, area "
         f"{summary['area_mm2']:.4g} mm²\nedges: {edges}"
     )
+    # empty lists are not printed
     for key in ("profiles", "measures", "to_be_chosen"):
         if summary[key]:
             print(f"{key.replace('_', ' ')}: {', '.join(map(str, summary[key]))}")

@@ -13,11 +13,12 @@ KEYS = (
     "area_mm2", "true_peak_pressure_kPa", "deformed_contact_width_mm", "largest_gap_mm",
     "largest_von_mises_kPa",
 )  # fmt: skip
-"""Numbers of ``seal-mdao analyze`` that are printed, at the end of the path."""
+"""Keys of the summary of ``seal-mdao analyze`` that are printed, at the end of the path."""
 
 
 def main(arguments) -> int:
     names = names_of(arguments.files)
+    # read all files before the first analysis: errors come early
     files = {name: file_of(path) for name, path in zip(names, arguments.files, strict=True)}
     results, summary = {}, {}
     for name, file in files.items():
@@ -26,10 +27,12 @@ def main(arguments) -> int:
         if not contacts(results[name].seal):
             raise WrongArgumentError(f"{file.path} has no profile, so it has no curve to compare")
         summary[name] = summarize(results[name])
+        # after every seal, so that an interruption loses one analysis at most
         write_summary(arguments.out, summary)
         folder = arguments.out / name
         folder.mkdir(exist_ok=True)
         write_curves(results[name], folder)
+    # seals with at least one converged load step
     nominal = {name: result for name, result in results.items() if len(result.path.nominal_steps)}
     if nominal:
         plotting.save(plotting.seals_compared(nominal), arguments.out / "comparison.png")
@@ -39,7 +42,7 @@ def main(arguments) -> int:
 
 
 def names_of(paths) -> list[str]:
-    """Short names of files: their stems, with the folder where stems are the same."""
+    """Name the files by their stems, with the folder where stems are the same."""
     stems = [path.stem for path in paths]
     names = [
         path.stem if stems.count(path.stem) == 1 else f"{path.parent.name}_{path.stem}"
@@ -54,6 +57,7 @@ def print_table(summary: dict) -> None:
     """Print the numbers of all seals, a line each."""
     width = max(map(len, summary))
     for name, own in summary.items():
+        # force of the first profile with contact
         force = [end["force_N_per_m"] for end in own["profiles"].values() if end]
         parts = [f"force {force[0][0]:.2f}, {force[0][1]:.2f} N/m"] if force else []
         parts += [f"{key} {own[key]:.4g}" for key in KEYS if own[key] is not None]

@@ -7,12 +7,13 @@ from pathlib import Path
 from seal_mdao.cli.arguments import WrongArgumentError, parser
 
 INSTALLED = Path(sys.prefix) / "share" / "seal_mdao" / "examples"
-"""Where the wheel puts the examples; an editable installation has them beside the package."""
+"""Folder of the examples in an installed wheel; an editable installation has them beside the package."""
 
 
 def main(arguments) -> int:
     folder = examples_folder()
     if arguments.name is None:
+        # without a name: list all
         for path in sorted(folder.glob("*.toml")):
             print(f"{path.stem:24} {summary_of(path)}")
         return 0
@@ -25,6 +26,7 @@ def main(arguments) -> int:
     # the drawings and data that the file names
     beside = [path for path in folder.iterdir() if path != source and f'"{path.name}"' in text]
     paths = [source, *sorted(beside)]
+    # check all before copying any
     for path in paths:
         if (arguments.out / path.name).exists():
             raise WrongArgumentError(f"{arguments.out / path.name} exists; remove it first")
@@ -34,13 +36,14 @@ def main(arguments) -> int:
 
 
 def examples_folder() -> Path:
-    """Folder of the example files.
+    """Find the folder of the example files.
 
     Raises
     ------
     WrongArgumentError
         When the installation has none.
     """
+    # repository first, then the installed wheel
     for folder in (Path(__file__).parents[2] / "examples", INSTALLED):
         if (folder / "d_bulb.toml").is_file():
             return folder
@@ -48,7 +51,7 @@ def examples_folder() -> Path:
 
 
 def summary_of(path: Path) -> str:
-    """First comment line of a seal file."""
+    """Return the first comment line of a seal file."""
     first = path.read_text(encoding="utf-8").splitlines()[0]
     return first.lstrip("# ") if first.startswith("#") else ""
 

@@ -1,4 +1,4 @@
-"""Who runs the scenarios of a script: processes of this machine, MPI, or Dask."""
+"""Executors of scenarios: processes of this machine, MPI, or Dask."""
 
 import argparse
 from contextlib import contextmanager
@@ -11,7 +11,7 @@ EXECUTORS = ("processes", "mpi", "dask")
 
 
 def add_executor_arguments(made: argparse.ArgumentParser) -> None:
-    """Options of who runs the scenarios."""
+    """Add the options that choose the executor of the scenarios."""
     group = made.add_argument_group("running")
     group.add_argument(
         "--workers", type=_count, metavar="N",
@@ -35,20 +35,25 @@ def _count(text: str) -> int:
 
 @contextmanager
 def executor(arguments: argparse.Namespace):
-    """What ``scenarios.running.run_scenarios`` takes as ``workers``."""
+    """Open the executor for the argument ``workers`` of ``scenarios.running.run_scenarios``."""
     if arguments.dask_address and arguments.executor != "dask":
         raise WrongArgumentError("--dask-address needs --executor dask")
+    # one worker per core unless given
     count = usual_workers() if arguments.workers is None else arguments.workers
     if arguments.executor == "mpi":
+        # the ranks were started by mpiexec
         with _library("mpi4py.futures", "mpi").MPIPoolExecutor() as workers:
             yield workers
     elif arguments.executor == "dask":
+        # a cluster of its own, or an existing one by its address
         with _dask_client(arguments.dask_address, max(count, 1)) as client:
             yield client.get_executor()
     elif count:
+        # worker processes of this machine
         with Processes(count) as workers:
             yield workers
     else:
+        # 0: serial, in this process
         yield 0
 
 
@@ -59,6 +64,7 @@ def _dask_client(address, count):
         with distributed.Client(address) as client:
             yield client
         return
+    # one thread a worker: the analysis itself is threaded
     cluster = distributed.LocalCluster(
         n_workers=count, threads_per_worker=1, dashboard_address=None
     )

@@ -24,7 +24,7 @@ from seal_mdao.cli.arguments import (
 from seal_mdao.materials.by_name import LAWS
 
 MOST_TOLD = 10
-"""Outliers that are printed."""
+"""Largest number of outliers that are printed."""
 
 
 def main(arguments) -> int:
@@ -32,11 +32,15 @@ def main(arguments) -> int:
     try:
         found = fitted(arguments)
         with checked_arguments():
+            # table [material] for a seal file
             table = material_table(found.law, found.name, arguments.name, notes(found, arguments))
     except (MaterialDataError, UnstableMaterialError) as error:
+        # data or material are at fault, not the arguments
         print(f"seal-mdao fit: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
+    # computed minus measured stress at every reading
     rows = residual_table(found)
+    # deviations far beyond the standard deviation of the others
     outliers = [row for row in rows if row.outlier]
     summary = summarize(found, arguments, time.perf_counter() - begun)
     write_summary(arguments.out, summary | {"outliers": [asdict(row) for row in outliers]})
@@ -49,19 +53,23 @@ def main(arguments) -> int:
 
 
 def fitted(arguments) -> Fit:
-    """The fit that the options describe, with a bar on a terminal."""
+    """Fit the law that the options describe, with a progress bar on a terminal."""
     tests = read_tests(arguments.csv)
     if arguments.stretches is not None:
+        # fit only the stretches of the application
         tests = tests.between(*arguments.stretches)
+    # only series laws have a number of terms
     if arguments.terms is not None and arguments.law not in OF_TERMS:
         raise WrongArgumentError(f"--terms is for {' and '.join(OF_TERMS)}, not {arguments.law}")
     with tqdm(unit="start", disable=None, leave=False, desc=arguments.law) as bar:
 
         def progress(done, of):
+            # the number of starts is known at the first call
             bar.total = of
             bar.update(done - bar.n)
 
         try:
+            # least squares from several starts, with the check of stability
             return fit(
                 arguments.law, tests, terms=arguments.terms or 1, nu=arguments.nu,
                 bulk_modulus=arguments.bulk_modulus, weighting=arguments.weighting,
@@ -75,7 +83,7 @@ def fitted(arguments) -> Fit:
 
 
 def summarize(found: Fit, arguments, wall: float) -> dict:
-    """summary.json."""
+    """Collect summary.json: constants, errors, correlation and stability."""
     return {
         "data": str(arguments.csv),
         "readings": {name: data.stretch.size for name, data in found.tests.modes.items()},
@@ -85,9 +93,11 @@ def summarize(found: Fit, arguments, wall: float) -> dict:
         "correlation": dict(zip(found.unknowns, found.correlation.tolist(), strict=True)),
         "initial_shear_modulus_kPa": found.law.shear_modulus,
         "weighting": found.weighting,
+        # errors by loading mode
         "errors": {name: error.as_dict() for name, error in found.errors.items()},
         "stable": found.stable,
         "stability_margin": found.margin,
+        # ranges of stretch checked by Drucker's postulate: d(tau) : d(ln lambda) > 0
         "stability": {
             name: {
                 "from": s.lower, "to": s.upper, "stable": s.stable,
@@ -102,10 +112,12 @@ def summarize(found: Fit, arguments, wall: float) -> dict:
 
 
 def notes(found: Fit, arguments) -> list[str]:
-    """What stands above the constants in the seal file."""
+    """Write the comment lines above the constants in the seal file: units, source, ranges."""
+    # tested range of stretch by loading mode
     parts = [f"{name} {data.range[0]:.3g} to {data.range[1]:.3g}" for name, data in
              found.tests.modes.items()]  # fmt: skip
     lines = [f"kPa; fitted to {Path(arguments.csv).name}", f"stretches: {', '.join(parts)}"]
+    # isochoric tests determine no bulk modulus
     if found.law.bulk_modulus:
         lines.append("bulk_modulus is not from these tests")
     if not found.stable:
@@ -115,21 +127,25 @@ def notes(found: Fit, arguments) -> list[str]:
 
 def report(found: Fit, table: str, out: Path) -> None:
     for name, value in found.law.constants.items():
+        # fixed constants have no standard error
         error = found.standard_errors.get(name)
         print(f"{name:14s} {value:12.6g}" + ("" if error is None else f"  +- {error:.2g}"))
+    # table of errors, one row per loading mode
     print("mode           RMS kPa  max kPa  at stretch  RMS %      R2")
     for name, error in found.errors.items():
         print(
             f"{name:12s} {error.rms_kPa:9.3g} {error.max_kPa:8.3g} {error.max_at_stretch:11.3g} "
             f"{100 * error.rms_relative:6.2f}  {error.r2:.4f}"
         )
+    # stability of every loading mode in words
     for stability in found.stability.values():
         print(stability.text)
     print(f"{found.agreeing} of {found.starts} starts agree; files in {out}\n\n{table}", end="")
 
 
 def report_outliers(outliers) -> None:
-    """The readings that do not go with the others, the farthest first."""
+    """Print readings that deviate from the fit by more than the scatter, largest deviation first."""
+    # largest standardised residual first
     for row in sorted(outliers, key=lambda row: -row.score)[:MOST_TOLD]:
         print(
             f"OUTLIER: {row.mode} at stretch {row.stretch:.4g}: {row.measured_kPa:.4g} kPa measured, "

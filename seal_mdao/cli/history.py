@@ -31,10 +31,13 @@ def main(arguments) -> int:
     with checked_arguments():
         history = read_optimization(arguments.cases)
         ends = history.design_at(0), history.design_at(-1)
+    # the recorded seal; the options only for files without settings
     seal, kept = history.seal or seal_from(arguments), AnalysisCache()
     initial, final = (kept.analyze(seal, *end) for end in ends)
+    # run of a seal file: objective and constraints of its own
     if FILE in history.settings:
         return show_seal_file(history, (initial, final), arguments.out)
+    # door seal: gap, area, reaction and door radius
     numbers = end_numbers(history, initial, final)
     write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
     draw_history(history, initial, final, arguments.out)
@@ -46,7 +49,7 @@ def main(arguments) -> int:
 
 
 def show_seal_file(history, results, out: Path) -> int:
-    """What seal-mdao optimize says and draws of the run of a seal file."""
+    """Print and draw the recorded run of a seal file as ``seal-mdao optimize`` does."""
     ends, design = limit_numbers(history), history.design_at(-1)
     first, last = map(largest_gaps, results)
     gaps = {label: (first[label], last[label]) for label in first}

@@ -1,4 +1,4 @@
-"""Figures and numbers of an optimisation, for the scripts that run it and the one that reads it."""
+"""Figures and results of an optimisation, for the subcommands that run it or read its record."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from seal_mdao.seals.result import SealResult
 def draw_history(
     history: RecordedOptimization, initial: SealResult, final: SealResult, out: Path
 ) -> list[Path]:
-    """Cost history, constraint history, and both designs side by side; returns the files."""
+    """Draw cost history, constraint history and both designs side by side; return the files."""
     figures = {
         "cost_history": plotting.cost_history(history),
         "constraint_history": plotting.constraint_history(
@@ -28,7 +28,7 @@ def draw_history(
 
 
 def gap_words(*results) -> list[str]:
-    """Sum of squared gaps and vertical reaction of designs, for pictures."""
+    """Format sum of squared gaps and vertical reaction of each design as captions."""
     return [
         f"$\\Sigma g_n^2$ = {scientific(r.gap_square_sum)} mm², {r.reaction[-1, 1]:.1f} N/m"
         for r in results
@@ -36,7 +36,7 @@ def gap_words(*results) -> list[str]:
 
 
 def history_rows(history: RecordedOptimization) -> list[dict]:
-    """Objective ratio and largest relative violation of every major iteration."""
+    """List objective ratio and largest relative violation of every major iteration."""
     pairs = zip(history.objective_ratio, history.max_violation, strict=True)
     return [
         {"iteration": i, "objective_ratio": ratio, "max_constraint_violation": violation}
@@ -45,7 +45,8 @@ def history_rows(history: RecordedOptimization) -> list[dict]:
 
 
 def end_numbers(history: RecordedOptimization, initial: SealResult, final: SealResult) -> dict:
-    """Part of summary.json that describes the last design."""
+    """Collect the results of the last design for summary.json."""
+    # last design: boundary offsets and scalar parameters
     offsets, parameters = history.design_at(-1)
     start, end = (largest_gap(result, DOOR).size for result in (initial, final))
     return {
@@ -64,12 +65,13 @@ def end_numbers(history: RecordedOptimization, initial: SealResult, final: SealR
 
 
 def gap_warnings(history: RecordedOptimization, final: SealResult) -> tuple[str, ...]:
-    """Whether the largest gap of the last design lies where the objective does not look."""
+    """Warn where the largest gap of the last design is outside the range of the objective."""
     return gaps_unmeasured_by(final, history.objective_name.rsplit(".", 1)[-1])
 
 
 def report_end(history: RecordedOptimization, numbers: dict) -> None:
-    """Three lines about the last design."""
+    """Print three lines about the last design."""
+    # without marks of major iterations, evaluations are counted
     kind = "gradients" if history.major else "evaluations"
     print(
         f"{len(history.objective) - 1} {kind}: cost at "
@@ -86,7 +88,8 @@ def report_end(history: RecordedOptimization, numbers: dict) -> None:
 
 
 def limit_numbers(history: RecordedOptimization) -> dict:
-    """Part of summary.json: objective and constraints before and after."""
+    """Collect objective and constraints at first and last design for summary.json."""
+    # in physical units, not in the scaling of the driver
     first, last = history.objective[[0, -1]]
     return {
         "objective": {
@@ -107,7 +110,7 @@ def limit_numbers(history: RecordedOptimization) -> dict:
 
 
 def draw_designs(history: RecordedOptimization, results, out: Path) -> None:
-    """Histories, and the first and the last design side by side and on their paths."""
+    """Draw histories, both designs side by side, and the deformed shapes of each."""
     name, unit = label(history.objective_name), unit_of(history, history.objective_name)
     words = [f"{name} {value:.4g} {unit}".rstrip() for value in history.objective[[0, -1]]]
     figures = {
@@ -116,6 +119,7 @@ def draw_designs(history: RecordedOptimization, results, out: Path) -> None:
         "start": plotting.deformed_shapes(results[0]),
         "optimum": plotting.deformed_shapes(results[1]),
     }
+    # only problems with constraints
     if history.constraints:
         figures["constraint_history"] = plotting.constraint_history(history)
     for name, figure in figures.items():
@@ -123,15 +127,19 @@ def draw_designs(history: RecordedOptimization, results, out: Path) -> None:
 
 
 def report_limits(history: RecordedOptimization, ends: dict, kkt: dict | None) -> None:
-    """A line for the objective and every constraint, and one on how optimal the end is."""
+    """Print objective and constraints, one per line, and the residuals of the optimality conditions."""
+    # objective first
     rows = {ends["objective"]["name"]: ends["objective"]} | ends["constraints"]
     for name, row in rows.items():
+        # only finite limits are printed
         limits = [f"{sign} {row[side]:.6g}" for side, sign in (("lower", "≥"), ("upper", "≤"))
                   if np.isfinite(row.get(side, np.inf))]  # fmt: skip
         text = f"{label(name)}: {row['start']:.6g} -> {row['end']:.6g} {row['unit']}".rstrip()
         print(f"{text}, {' and '.join(limits)}" if limits else text)
     if kkt is not None:
+        # KKT residuals at the last design
         largest, sides = max(kkt["stationarity"], kkt["complementarity"]), kkt["sides_of_kink"]
+        # at a kink the multipliers combine the gradients of several sides
         kink = f" with the derivatives of {sides} sides of a kink" if sides > 1 else ""
         print(
             f"optimality conditions hold to {largest:.1e}{kink}, largest violation of a constraint "

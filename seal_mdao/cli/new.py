@@ -9,9 +9,9 @@ from seal_mdao.cli.arguments import WrongArgumentError, checked_arguments, exist
 from seal_mdao.seals.outline.dxf import read_dxf
 
 SQUEEZE = 0.2
-"""Part of the height of a drawing by which the plate closes."""
+"""Travel of the plate after first contact, as a fraction of the height of the drawing."""
 CLEARANCE = 0.02
-"""Distance of the plate from a drawing at the start, over its height."""
+"""Initial clearance of the plate, as a fraction of the height of the drawing."""
 RUBBER = """\
 # Rubber of about 45 Shore A (Mooney-Rivlin, kPa). Other laws: docs, "Seal files"; from tests:
 # law = "ogden", data = "tests.csv"
@@ -98,12 +98,15 @@ type = "von_mises"
 def main(arguments) -> int:
     name = arguments.name.removesuffix(".toml")
     path = arguments.out / f"{name}.toml"
+    # never overwrite a file that may have been edited
     if path.exists():
         raise WrongArgumentError(f"{path} exists; take another name")
     if arguments.drawing is None:
+        # the commented bulb
         text = BULB.format(name=name, rubber=RUBBER)
     else:
         with checked_arguments():
+            # section, edges and plate by the bounding box of the drawing
             text = from_drawing(name, arguments.drawing, path.parent)
     path.write_text(text, encoding="utf-8")
     print(f"{path}; next: seal-mdao check {path}")
@@ -111,7 +114,7 @@ def main(arguments) -> int:
 
 
 def from_drawing(name: str, drawing: Path, folder: Path) -> str:
-    """Seal file of a drawing: its lowest edge fixed, a plate above that presses the others.
+    """Write the seal file of a drawing: lowest edge fixed, the others pressed by a plate from above.
 
     Raises
     ------
@@ -119,15 +122,19 @@ def from_drawing(name: str, drawing: Path, folder: Path) -> str:
         As ``read_dxf``.
     """
     outline = read_dxf(drawing)
+    # bounding box, mm
     low, high = np.array(outline.box)
     width, height = high - low
     reach: dict[str, list] = {}  # lowest and highest ordinate of every edge
     for contour in (outline.outer, *outline.others):
         for segment in contour.segments:
+            # nine points find the extent of a line or arc well enough
             ordinates = segment.points(np.linspace(0.0, 1.0, 9))[:, 1]
             own = reach.setdefault(segment.edge, [np.inf, -np.inf])
             own[:] = min(own[0], ordinates.min()), max(own[1], ordinates.max())
+    # the edge whose highest point is lowest is the foot
     lowest = min(reach, key=lambda edge: reach[edge][1])
+    # edges that reach the upper half may touch the plate
     touched = [
         edge for edge, (_, top) in reach.items() if edge != lowest and top > low[1] + 0.5 * height
     ]
@@ -138,6 +145,7 @@ def from_drawing(name: str, drawing: Path, folder: Path) -> str:
         )
     if not (folder / drawing.name).exists():  # a seal file names files beside it
         shutil.copy(drawing, folder / drawing.name)
+    # at least twelve particles across; a plate seven times as wide
     return DRAWING.format(
         name=name, drawing=drawing.name, rubber=RUBBER, edges=", ".join(outline.edge_names),
         spacing=min(width, height) / 12.0, lowest=lowest,

@@ -43,34 +43,43 @@ from seal_mdao.seals.result import frozen_measures
 def main(arguments) -> int:
     file = file_of(arguments.file)
     optimizer, chosen = arguments.optimizer, None
+    # a continued run uses its own optimiser, load steps and penalties
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
     seal, kept = seal_of(file, chosen), AnalysisCache()
 
     def task_of(run: RunOptions):
         with file_errors(arguments.file):
+            # the task is built inside, with analyses that report progress
             require_problem(file, seal)
             return file_task(file, run.analyze(seal))
 
     history, numbers = run_optimization(arguments, seal, task_of, optimizer, kept)
     cases = (arguments.out / CASES).absolute()
+    # last design; both analyses are usually in the cache
     offsets = history.design["boundary_offsets"][-1]
     results = kept.analyze(seal), kept.analyze(seal, offsets)
+    # objective and constraints at first and last design
     ends = limit_numbers(history)
     gaps = gap_numbers(seal, file, results, kept)
     how = {"optimizer": optimizer, "status": status(numbers)} | numbers
     designs = {"boundary_offsets": offsets, "history": history_rows(history)}
+    # summary before the new cloud, whose analysis may fail or take long
     write_summary(arguments.out, how | ends | {"on_new_cloud": None} | designs)
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
+    # seal file of the optimum, analysed with new particles
     drawing, anew = write_best(file, seal, offsets, kept, arguments.out)
+    # second time, complete
     penalties = {"penalty_error": penalty_table(results[1])}
     write_summary(arguments.out, how | ends | gaps | penalties | {"on_new_cloud": anew} | designs)
     draw_designs(history, results, arguments.out)
+    # key figures of the report
     own_figures = [*gap_figures(gaps), *penalty_figures(results[1])]
     write_report(
         cases, arguments.out / "report.html", kept=kept, figures=own_figures,
         notes=[*results[1].warnings, *gaps["unmeasured_gaps"]],
     )  # fmt: skip
+    # console: run, limits, key figures, warnings
     report_run(optimizer, numbers, arguments.restart)
     report_limits(history, ends, numbers["kkt"])
     for name, value, text in own_figures:
@@ -90,14 +99,17 @@ def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
     WrongArgumentError
     """
     with checked_arguments():
+        # seal file and settings as recorded
         recorded = recorded_settings(open_model(cases))
     chosen = recorded.pop(CHOSEN, None)
+    # the design variables mean the same only for the same file
     if recorded != problem_settings(file):
         raise WrongArgumentError(
             f"--restart: {cases} was recorded with another seal file than {arguments.file} is now; a "
             "run is continued with its own"
         )
     optimizer = recorded_optimizer(cases) or arguments.optimizer
+    # the recorded iterations belong to one optimiser
     if "optimizer" in arguments.given and optimizer != arguments.optimizer:
         raise WrongArgumentError(
             f"--optimizer {arguments.optimizer}: {cases} was recorded with {optimizer}; a run is "
@@ -107,14 +119,15 @@ def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
 
 
 def status(numbers: dict) -> str:
-    """How the run ended, in a word or two."""
+    """Return the status of the run for summary.json."""
     return "converged" if numbers["success"] else "not converged"
 
 
 def gap_numbers(seal, file, results, kept: AnalysisCache) -> dict:
-    """Part of summary.json: the largest gap of every profile before and after, wherever it opens, and
-    whether the measures of the optimisation look there."""
+    """Collect the largest gap of every profile at first and last design, and the gaps outside the range
+    of the measures of the optimisation, for summary.json."""
     first, last = map(largest_gaps, results)
+    # evaluation points frozen at the nominal seal
     measures = frozen_measures(seal, measure_names(file), kept.analyze)
     return {
         "largest_gap_mm": {label: (first[label], last[label]) for label in first},
@@ -123,7 +136,7 @@ def gap_numbers(seal, file, results, kept: AnalysisCache) -> dict:
 
 
 def gap_figures(gaps: dict) -> list[tuple[str, str, str]]:
-    """The largest gaps as name, value and explanation."""
+    """List the largest gaps as name, value and explanation."""
     return [
         (
             f"largest gap to {name}",
@@ -135,8 +148,9 @@ def gap_figures(gaps: dict) -> list[tuple[str, str, str]]:
 
 
 def penalty_figures(result) -> list[tuple[str, str, str]]:
-    """The largest error by the contact penalties as name, value and explanation; nothing without it."""
+    """List the largest penalty error as name, value and explanation; empty without an estimate."""
     errors = result.penalty_error if result.converged else {}
+    # relative errors of all measures that have an estimate
     found = [abs(error.relative) for error in errors.values() if error.estimable]
     if not found:
         return []
@@ -151,18 +165,21 @@ def write_best(file, seal, offsets, kept: AnalysisCache, out: Path) -> tuple[str
     Returns
     -------
     str
-        What there is to say about the files.
+        Text about the written files for the last line.
     dict or None
         Part of summary.json: value of every measure with new particles.
     """
     try:
+        # limits in the new file refer to the frozen measures
         measures = frozen_measures(seal, None, kept.analyze)
         paths = write_design(file, seal, offsets, measures, out, "optimum")
     except (sm.GeometryError, sm.SealFileError, ImportError) as error:
         return f" (no seal file: {error})", None
     said = "".join(f", {path.name}" for path in paths)
     try:
+        # read the written file: the check a user would make
         design, section = sm.read_seal_file(paths[0]), file.section
+        # discretisation error of the optimum: same outline, new particles
         result = on_new_cloud(design, section.spacing, section.layers)
     except (sm.GeometryError, sm.SealFileError) as error:
         return f"{said} (not analysed with new particles: {error})", None
@@ -172,11 +189,13 @@ def write_best(file, seal, offsets, kept: AnalysisCache, out: Path) -> tuple[str
 
 
 def report_anew(ends: dict, anew: dict | None) -> None:
-    """What objective and constraints are with new particles."""
+    """Print objective and constraints as evaluated with new particles."""
+    # objective first, then constraints
     rows = {ends["objective"]["name"]: ends["objective"]} | ends["constraints"]
     known = {} if anew is None else {n: anew[n][0] for n in rows if n in anew and len(anew[n]) == 1}
     if known:
         words = [
+            # value and change relative to the optimiser's cloud
             f"{label(name)} {value:.4g} {rows[name]['unit']} ({value / rows[name]['end'] - 1.0:+.2%})"
             for name, value in known.items()
         ]

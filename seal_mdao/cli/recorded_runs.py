@@ -1,4 +1,4 @@
-"""What ``--restart`` takes from a recorder file, and what it does not let the arguments change."""
+"""Settings that ``--restart`` reads from a recorder file, and their check against the arguments."""
 
 import argparse
 from pathlib import Path
@@ -23,7 +23,7 @@ from seal_mdao.seals.file.described import FILE
 
 
 def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
-    """The problem and the optimiser of the run to continue, checked against the arguments.
+    """Read problem and optimiser of the run to continue, and check the arguments against them.
 
     Raises
     ------
@@ -40,10 +40,12 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
             f"{path} does not hold the settings of a door seal; the run of a seal file is continued by "
             "seal-mdao optimize FILE --restart"
         )
+    # recorded settings: options of the seal, problem, optimiser
     options = options_of(problem.seal)
     recorded = {name: getattr(options, name) for name in SEAL_OPTIONS} | problem.settings
     if optimizer is not None:
         recorded["optimizer"] = optimizer
+    # an argument may repeat a recorded setting but not change it
     for name in sorted(arguments.given.intersection(recorded)):
         value = getattr(arguments, name)
         _require_same(path, name, value, recorded[name], _argument(name, value))
@@ -53,7 +55,8 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
 
 
 def recorded_optimizer(path: Path) -> str | None:
-    """Name of the optimiser whose driver wrote the file last; None when the file does not say."""
+    """Return the name of the optimiser that wrote the file last; None when it is not recorded."""
+    # the log names the driver class of every run
     runs = run_log.read(path)
     for name, make in OPTIMIZERS.items():
         if runs and type(make()).__name__ == runs[-1].driver:
@@ -62,7 +65,7 @@ def recorded_optimizer(path: Path) -> str | None:
 
 
 def recorder_file(arguments: argparse.Namespace) -> Path:
-    """The recorder file in the output folder, which this run may write.
+    """Return the recorder file in the output folder, after checking that this run may write it.
 
     Raises
     ------
@@ -73,7 +76,9 @@ def recorder_file(arguments: argparse.Namespace) -> Path:
     # not a bare name: OpenMDAO looks for that in a folder of its own
     cases, source = (arguments.out / CASES).absolute(), arguments.restart
     with checked_arguments():
+        # another process may be recording into it
         require_free(cases)
+    # restart in place: same file
     continues = source is not None and cases.exists() and cases.samefile(source)
     if cases.exists() and not continues and not arguments.overwrite:
         raise WrongArgumentError(
@@ -84,15 +89,17 @@ def recorder_file(arguments: argparse.Namespace) -> Path:
 
 
 def continued_file(arguments: argparse.Namespace) -> Path:
-    """The recorder file in the output folder, with what has been recorded so far."""
+    """Return the recorder file in the output folder, with the recorded cases copied into it."""
     cases = recorder_file(arguments)
     with checked_arguments():
+        # the file of the earlier run is left as it is
         copy_record(arguments.restart, cases)
     return cases
 
 
 def _require_accuracy(arguments: argparse.Namespace, recorded: DoorOptions) -> None:
-    """What the accuracy decides, and no other argument, is as it was recorded."""
+    """Require the recorded values of the options that follow from ``--accuracy``."""
+    # options of this accuracy against the recorded ones
     given = options_of(sm.door_seal(arguments.accuracy))
     flag = _argument("accuracy", arguments.accuracy)
     for name in sorted(OF_ACCURACY - arguments.given):

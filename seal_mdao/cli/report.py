@@ -7,6 +7,7 @@ from seal_mdao.cli.arguments import checked_arguments, existing_file, parser
 
 
 def main(arguments) -> int:
+    # imported here: the command line starts faster without matplotlib
     from seal_mdao.report.write import write_report
 
     with checked_arguments():

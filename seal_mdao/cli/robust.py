@@ -1,4 +1,4 @@
-"""Optimise a seal for all cars, and compare it with the nominal optimum on fresh samples."""
+"""Optimise a seal over its tolerances, and compare it with the nominal optimum on fresh samples."""
 
 from dataclasses import dataclass
 from hashlib import sha256
@@ -59,12 +59,16 @@ def main(arguments) -> int:
     subject = subject_of(arguments, kept)
     seal, tolerances, task, goal = subject.seal, subject.tolerances, subject.task, subject.goal
     with checked_arguments():
+        # fixed sample of tolerances: the same in every iteration
         scenarios = goal.scenarios(tolerances, seal, arguments.scenarios, arguments.seed)
     announce(seal)
+    # recorder file of the robust run
     cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
+    # start of the robust run and base of the comparison
     nominal = nominal_design(subject, arguments, kept)
     with executor(arguments) as workers:
         with checked_arguments():
+            # robust problem: statistics of the measures over all scenarios
             driver = OPTIMIZERS[arguments.optimizer](*max_iterations(arguments))
             options = RunOptions(
                 driver, None if arguments.restart else cases, work_dir=arguments.out
@@ -72,13 +76,16 @@ def main(arguments) -> int:
             robust = Robust(goal, scenarios, workers, label_of(scenarios, nominal))
             problem = optimization_problem(task, options, robust)
             begin(problem, nominal, cases if arguments.restart else None)
+        # run, then read the last design back from the recorder
         numbers = optimize(problem)
         history = read_optimization(cases)
         robust = history.design_at(-1)
+        # both designs on the same fresh samples
         designs = {
             label: sampled(subject, label, design, arguments, workers)
             for label, design in (("nominal optimum", nominal), ("robust optimum", robust))
         }
+    # a run that ends infeasible is not a success
     numbers = judged(numbers, history)
     ends = {
         "boundary_offsets": robust[0], **robust[1],
@@ -94,7 +101,7 @@ def main(arguments) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is optimised.
+    """Optimisation problem: seal, tolerances, goal and limits.
 
     Attributes
     ----------
@@ -119,8 +126,9 @@ class Subject:
 
 
 def subject_of(arguments, kept: AnalysisCache) -> Subject:
-    """The door seal, or that of a seal file, with its tolerances and its nominal analysis."""
+    """Set up the problem of the door seal or of a seal file, with its nominal analysis."""
     with checked_arguments():
+        # mean + K std, or smooth maximum over the scenarios
         goal = RobustGoal(
             arguments.minimize, arguments.deviations, arguments.band, widen=arguments.widen
         )
@@ -129,12 +137,15 @@ def subject_of(arguments, kept: AnalysisCache) -> Subject:
 
 
 def door_of(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
-    """The door seal under problem (71)."""
+    """Set up problem (71) of the door seal."""
+    # profiles start farther back: scattered seals begin free of contact
     seal = with_clearance(seal_from(arguments))
     tolerances = tolerances_for(seal, arguments.tolerances or OF_THE_DOOR)
     with checked_arguments():
+        # limits relative to the nominal seal's pressure and reaction
         task = robust_door_task(nominal_result(seal, kept), goal)
     pressure, reaction = task.sampled
+    # the reaction stays in a band, the pressure above a floor
     low, high = band = reaction.lower, reaction.upper
     least = " and ".join(f"{value:.3g}" for value in pressure.lower)
     limits = (
@@ -152,7 +163,8 @@ def door_of(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
 
 
 def file_seal_of(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
-    """The seal of a file under its ``[optimize]``."""
+    """Set up the problem of table ``[optimize]`` of a seal file."""
+    # options of the door seal have no meaning for a file
     wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "accuracy", "band", "nominal")))
     if wrong:
         raise WrongArgumentError(f"--{wrong[0].replace('_', '-')} is for the door seal alone")
@@ -160,10 +172,12 @@ def file_seal_of(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
         raise WrongArgumentError("a seal file needs tolerances of its own: --tolerances FILE.toml")
     file = file_of(arguments.file)
     with file_errors(arguments.file):
+        # placement of the section becomes a parameter that can vary
         seal = with_clearance(seal_of(file).with_placements())
         require_problem(file, seal)
         task = file_task(file, nominal_result(seal, kept))
     tolerances = tolerances_for(seal, arguments.tolerances)
+    # fraction of samples that satisfies each limit
     limits = tuple(
         SampledLimit(f"share_{own.measure}_{number}", _said(own), own.measure, own.kept)
         for number, own in enumerate(task.sampled, 1)
@@ -173,13 +187,14 @@ def file_seal_of(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
 
 
 def _said(limit: Limit) -> str:
+    # limits in words, for the report
     sides = (("at least", limit.lower), ("at most", limit.upper))
     words = [f"{word} {value:.4g}" for word, value in sides if value is not None]
     return f"{label(limit.measure)} {' and '.join(words)}"
 
 
 def nominal_result(seal, kept) -> sm.SealResult:
-    """The nominal seal, analysed behind a progress bar."""
+    """Analyse the nominal seal with a progress bar."""
     with LoadStepProgress(seal) as progress:
         nominal = kept.analyze(seal, callback=progress)
     nominal.require_converged()
@@ -187,48 +202,56 @@ def nominal_result(seal, kept) -> sm.SealResult:
 
 
 def tolerances_for(seal, path) -> Tolerances:
-    """The tolerances of a file, which have to fit the seal."""
+    """Read the tolerances of a file and check that they fit the seal."""
     found = read_tolerances(path)
     with checked_arguments():
+        # the mean values have to be valid parameters of the seal
         found.middle(seal).check(seal)
     return found
 
 
 def write_comparison(out: Path, cases: Path, designs, subject: Subject, kept) -> None:
-    """Figure and report of both designs."""
+    """Write the figure and the report that compare both designs."""
+    # axis label
     unit = shown_unit(measure_of(subject, subject.task.minimize).units)
     cost = f"{label(subject.task.minimize)} ({unit})" if unit else label(subject.task.minimize)
     figure = comparison(designs, subject)
     plotting.save(figure, out / "comparison.png")
+    # statistics of the samples as a section of the report
     section = samples_section(list(designs.values()), subject.limits, cost, figure)
     write_report(cases, out / "report.html", kept=kept, further=section)
 
 
 def measure_of(subject: Subject, name: str):
-    """A measure of the optimisation with its places."""
+    """Return a measure of the optimisation with its evaluation points."""
     measures = frozen_measures(subject.seal, subject.task.measures)
     return next(measure for measure in measures if measure.name == name)
 
 
 def max_iterations(arguments) -> tuple:
-    """What a driver takes."""
+    """Return the positional arguments of the driver: the iteration limit, if given."""
     return () if arguments.max_iterations is None else (arguments.max_iterations,)
 
 
 def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np.ndarray, dict]:
-    """Boundary offsets and parameters of the optimum without tolerances: given, or found now."""
+    """Return boundary offsets and parameters of the optimum without tolerances: read or computed."""
     if arguments.nominal is not None:
+        # given as the summary of an earlier optimisation
         return design_from(arguments.nominal, subject.seal)
     recorded = (arguments.out / NOMINAL).absolute()
     if arguments.restart and (beside := arguments.restart.absolute().with_name(NOMINAL)).is_file():
+        # a restart finds the nominal run beside its own recorder file
         recorded = beside
     else:
+        # otherwise optimise the nominal seal first
         driver = OPTIMIZERS[arguments.optimizer]()
         options = RunOptions(driver, recorded, kept=kept, work_dir=arguments.out)
         task = subject.task
         if subject.file is None:
+            # the door seal's problem without tolerances, same measures
             flags = DoorProblem(True, pressure_floor=True, stress_norm=True, gap_integral=True)
             task = door_task(options.analyze(subject.seal), flags)
+        # a nominal run that does not converge is a warning only
         numbers = optimize(optimization_problem(task, options))
         if not numbers["success"]:
             print(f"WARNING (nominal optimum): {numbers['message']}")
@@ -236,7 +259,7 @@ def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np
 
 
 def begin(problem, nominal, recorded: Path | None) -> None:
-    """Put the nominal optimum into the model, or go on with what is recorded.
+    """Start from the nominal optimum, or continue the recorded run.
 
     Raises
     ------
@@ -244,6 +267,7 @@ def begin(problem, nominal, recorded: Path | None) -> None:
         When another problem is recorded.
     """
     offsets, parameters = nominal
+    # initial design of the robust run
     problem.set_val("boundary_offsets", offsets)
     for name, value in parameters.items():
         problem.set_val(name, value)
@@ -252,36 +276,42 @@ def begin(problem, nominal, recorded: Path | None) -> None:
 
 
 def label_of(scenarios, nominal) -> str:
-    """What the scenarios and the start are known by."""
+    """Compute a hash that identifies the scenarios and the start."""
     parts = scenarios.numbers, scenarios.offsets, nominal[0]
     return sha256(b"".join(np.ascontiguousarray(part).tobytes() for part in parts)).hexdigest()
 
 
 def sampled(subject: Subject, name, design, arguments, workers) -> SampledDesign:
-    """A design on samples that no scenario has seen."""
+    """Evaluate a design on samples independent of the scenarios."""
+    # objective and limited measures, each once
     limited = [limit.measure for limit in subject.limits]
     wanted = tuple(
         measure_of(subject, own) for own in dict.fromkeys([subject.task.minimize, *limited])
     )
+    # text of the seal file identifies the study in its database
     source = "" if subject.file is None else subject.file.path.read_text(encoding="utf-8")
     study = ToleranceStudy(subject.seal, subject.tolerances, wanted, *design, source)
+    # samples of an earlier run are reused only by a restart
     file = arguments.out / f"{name.split()[0]}.sqlite"
     if file.exists() and not arguments.restart:
         file.unlink()
     with tqdm(
         total=arguments.samples, desc=name, unit="sample", disable=hidden(), leave=False
     ) as bar:
+        # next seed: samples independent of the scenarios
         found = study.run(
             file, arguments.samples, seed=arguments.seed + 1, workers=workers,
             callback=lambda *_: bar.update(),
         )  # fmt: skip
+    # failed samples are counted and left out
     there = found.completed
     parts = study.task.by_measure(found.values[there])
     return SampledDesign(name, subject.task.minimize, parts, int(np.sum(~there)))
 
 
 def compare(designs: dict, task: Task, limits) -> dict:
-    """Print a line for each design; part of summary.json."""
+    """Print a line for each design; return the comparison as part of summary.json."""
+    # mean, quantiles, and fraction of samples within each limit
     found = {name: design.summary(limits) for name, design in designs.items()}
     for name, own in found.items():
         cost = own[task.minimize]
@@ -290,6 +320,7 @@ def compare(designs: dict, task: Task, limits) -> dict:
             f"{name}: {label(task.minimize)} mean {cost['mean']:.4g}, median {cost['q50']:.4g}, 95 % "
             f"below {cost['q95']:.4g}{shares} of {own['samples']} samples"
         )
+    # improvement of the 95 % quantile
     nominal, robust = (own[task.minimize]["q95"] for own in found.values())
     ratio = robust / nominal if nominal else None
     key = (
@@ -301,8 +332,9 @@ def compare(designs: dict, task: Task, limits) -> dict:
 
 
 def comparison(designs: dict, subject: Subject):
-    """The figure of all designs: the cost, and the first measure with limits that is a number."""
+    """Draw the distributions of cost and of the first scalar measure with limits, for all designs."""
     cost = measure_of(subject, subject.task.minimize)
+    # first limited measure that has one number per sample
     limited, band, text = None, (None, None), ""
     for limit, own in zip(subject.limits, subject.task.sampled, strict=False):
         values = {name: limit.numbers(d.values[limit.measure]) for name, d in designs.items()}
@@ -311,6 +343,7 @@ def comparison(designs: dict, subject: Subject):
             limited, band = values, (own.lower, own.upper)
             text = f"{label(limit.measure)} ({shown_unit(unit)})" if unit else label(limit.measure)
             break
+    # distribution of the objective
     costs = {name: design.costs for name, design in designs.items()}
     return plotting.designs_compared(costs, label(cost.name), cost.units or "", limited, band, text)
 
@@ -324,6 +357,7 @@ def arguments_parser():
     made = parser(
         __doc__, "out/robust", "[FILE]", "seal-mdao robust bulb.toml --tolerances own.toml"
     )
+    # defaults of the goal
     goal = RobustGoal()
     add = made.add_argument
     add(

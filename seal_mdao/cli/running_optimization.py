@@ -1,4 +1,4 @@
-"""Running an optimisation, for the scripts that do: how it ended, and how far from optimal."""
+"""Run an optimisation for a subcommand: status, iterations, optimality."""
 
 import argparse
 import time
@@ -29,7 +29,7 @@ FEASIBLE = 1e-3
 def run_optimization(
     arguments: argparse.Namespace, seal: sm.Seal, task_of: Callable, optimizer: str, kept
 ) -> tuple[RecordedOptimization, dict]:
-    """Begin the optimisation of any seal, or continue the one of ``--restart``, and run it.
+    """Run the optimisation of any seal, from its start or continued by ``--restart``.
 
     Parameters
     ----------
@@ -42,46 +42,53 @@ def run_optimization(
     Returns
     -------
     RecordedOptimization
-        All that is recorded in the output folder.
+        History read from the recorder file in the output folder.
     dict
         Part of summary.json.
     """
     cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
     with checked_arguments():
+        # no limit given: the driver's own
         limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
         driver = OPTIMIZERS[optimizer](*limit)
+    # report the time of one analysis
     announce(seal)
     with LoadStepProgress(seal) as progress:
+        # a restart continues the recorder file below
         recorder = None if arguments.restart else cases
         run = RunOptions(driver, recorder, progress, kept, arguments.out)
         problem = optimization_problem(task_of(run), run)
         if arguments.restart:
             with checked_arguments():
                 continue_run(problem, cases)
+        # the history is read from the file, recorded part included
         numbers = optimize(problem)
     history = read_optimization(cases)
     return history, judged(numbers, history)
 
 
 def optimize(problem: om.Problem) -> dict:
-    """Run the driver; an analysis that fails ends the run, what was recorded stays.
+    """Run the driver; a failed analysis ends the run, and its record remains.
 
     Returns
     -------
     dict
-        Part of summary.json. ``kkt`` is how far the conditions of first order are from being satisfied
-        at the end, in the scaling of the driver; with the derivatives of all sides at a kink.
+        Part of summary.json. ``kkt`` has the residuals of the first-order optimality conditions at the
+        end, in the scaling of the driver; with the derivatives of all sides at a kink.
     """
     begun, found = time.perf_counter(), None
     try:
         success = problem.run_driver().success
         message = str(problem.driver.result.exit_status)
+        # KKT residuals at the last point of the driver
         found = measure_optimality(problem.driver)
     except om.AnalysisError as error:
+        # the record up to the failed analysis remains usable
         success, message = False, str(error)
     except (RestartError, RecorderBusyError) as error:
         raise WrongArgumentError(str(error)) from error
     iterations = major_iterations(problem)
+    # closes the recorder so that the file can be read
     problem.cleanup()
     return {
         "success": bool(success),
@@ -106,8 +113,10 @@ def _kkt(found: Optimality | None) -> dict | None:
 
 
 def judged(run_numbers: dict, history) -> dict:
-    """The numbers of a run, which is no success unless it ends feasible."""
+    """Mark a run that ends infeasible as not successful, and count its iterations."""
+    # optimisers may report success at an infeasible point
     feasible = history.max_violation[-1] <= FEASIBLE
+    # drivers without a count of iterations: those recorded
     counted = run_numbers["iterations"]
     return run_numbers | {
         "success": run_numbers["success"] and bool(feasible),
@@ -116,7 +125,7 @@ def judged(run_numbers: dict, history) -> dict:
 
 
 def report_run(optimizer: str, numbers: dict, restarted) -> None:
-    """A line on how the optimiser ended, and one on what was taken from the file ``restarted``."""
+    """Print the status of the optimiser, and the number of evaluations reused from ``restarted``."""
     state = "converged" if numbers["success"] else "NOT CONVERGED"
     print(
         f"{optimizer} {state} in {numbers['iterations']} iterations, "

@@ -1,4 +1,4 @@
-"""What the scripts of a seal file share: reading it, and its errors in one line."""
+"""Read seal files for the subcommands, with one-line errors."""
 
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +13,7 @@ from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 @contextmanager
 def file_errors(path: Path):
-    """What cannot be done with a seal file is said about the file."""
+    """Turn errors met with a seal file into errors that name the file."""
     try:
         yield
     except sm.SealFileError:
@@ -23,7 +23,7 @@ def file_errors(path: Path):
 
 
 def file_of(path: Path) -> SealFile:
-    """A seal file, read.
+    """Read a seal file.
 
     Raises
     ------
@@ -34,13 +34,12 @@ def file_of(path: Path) -> SealFile:
 
 
 def seal_of(file: SealFile, chosen: dict | None = None) -> OutlineSeal:
-    """The seal that a file describes; load steps and penalties that it leaves open are chosen, behind a
-    progress bar.
+    """Build the seal of a file; choose the load steps and penalties that it leaves open.
 
     Parameters
     ----------
     chosen : dict, optional
-        What was chosen before, as ``chosen_for`` gives it.
+        Load steps and penalties chosen before, as ``chosen_for`` returns them.
 
     Raises
     ------
@@ -50,9 +49,11 @@ def seal_of(file: SealFile, chosen: dict | None = None) -> OutlineSeal:
     """
     with file_errors(file.path):
         if not file.leaves_open or chosen is not None:
+            # nothing to choose, or chosen in an earlier run
             return build_seal(file, **(chosen or {}))
         with LoadStepProgress(None, f"choosing {_open_in(file)}") as progress:
             seal = build_seal(file, progress)
+    # the choice decides the results: print it
     for line in chosen_lines(file, seal):
         print(line)
     return seal
@@ -64,10 +65,11 @@ def _open_in(file: SealFile) -> str:
 
 
 def chosen_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
-    """What was chosen for a seal and within which tolerance, a line each."""
+    """List the chosen load steps and penalties with their tolerances, one line each."""
     lines = []
     if file.step_tolerance is not None:
         lines.append(f"{seal.n_steps} load steps, chosen within {file.step_tolerance:.2%}")
+    # penalties by name, kPa/mm
     penalties = chosen_for(file, seal).get("penalties", {})
     if penalties:
         listed = ", ".join(f"{name} = {value:g}" for name, value in penalties.items())

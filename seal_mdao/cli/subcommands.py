@@ -44,14 +44,17 @@ def main(argv=None) -> int:
         # the numerics are imported only after the subcommand is known
         from seal_mdao.cli.arguments import run
 
+        # run as ``seal-mdao NAME``, usage and errors under that name
         command = import_module(f"seal_mdao.cli.{argv[0]}")
         made = command.arguments_parser()
         made.prog = f"seal-mdao {argv[0]}"
         return run(made, command.main, argv[1:])
     made = _general_parser()
     if not argv:
+        # no subcommand: general help and the status of wrong use
         made.print_help()
         return 2
+    # --help and --version, or the error for an unknown command
     made.parse_args(argv)
     return 0
 

@@ -21,7 +21,7 @@ MOST_VALUES = 200
 
 
 class Values(NamedTuple):
-    """Values of a sweep as given, FROM:TO:COUNT."""
+    """Values of a sweep, FROM:TO:COUNT."""
 
     first: float
     last: float
@@ -35,9 +35,11 @@ def main(arguments) -> int:
     file = file_of(arguments.file)
     seal = seal_of(file)
     name = parameter_of(seal, arguments.vary[0])
+    # one analysis per value: report the time of one
     announce(seal)
     values, results = arguments.vary[1].array(), {}
     with file_errors(file.path):
+        # scalar measures only: one column each in the table
         measures = tuple(measure for measure in frozen_measures(seal) if measure.size(seal) == 1)
     with tqdm(values, desc=name, unit="analysis", disable=hidden(), leave=False) as bar:
         for value in bar:
@@ -48,6 +50,7 @@ def main(arguments) -> int:
             rows = [row(value, result, measures) for value, result in results.items()]
             write_table(arguments.out / "sweep.csv", name, rows)
     write_summary(arguments.out, {"parameter": name, "unit": unit_of(seal, name), "values": rows})
+    # curves of all analyses with at least one converged load step
     nominal = {f"{v:.6g}": r for v, r in results.items() if len(r.path.nominal_steps)}
     if nominal and contacts(seal):
         figure = plotting.load_deflection_of(
@@ -55,6 +58,7 @@ def main(arguments) -> int:
         )
         plotting.save(figure, arguments.out / "sweep.png")
     for own in rows:
+        # "value" is the parameter in the printed line
         numbers = {name if key == "value" else key: value for key, value in own.items()}
         print(", ".join(f"{key} = {shown(value)}" for key, value in numbers.items()))
     print(f"sweep.png, sweep.csv and summary.json in {arguments.out}")
@@ -62,15 +66,17 @@ def main(arguments) -> int:
 
 
 def parameter_of(seal, name: str) -> str:
-    """Complete name of a parameter of the seal, of which the end may be given.
+    """Find a parameter of the seal by its name or the end of it.
 
     Raises
     ------
     WrongArgumentError
         For a name that no parameter or more than one ends with.
     """
+    # complete name
     if name in seal.scalars:
         return name
+    # a unique ending is enough: friction for plate_friction
     found = [known for known in seal.scalars if known.endswith(f"_{name}")]
     if len(found) == 1:
         return found[0]
@@ -79,14 +85,15 @@ def parameter_of(seal, name: str) -> str:
 
 
 def unit_of(seal, name: str) -> str:
-    """Unit of a parameter; empty for a pure number."""
+    """Return the unit of a parameter; empty for a pure number."""
     return seal.scalars[name].units or ""
 
 
 def row(value: float, result, measures) -> dict:
-    """Numbers of one analysis at the end of its path; measures of a failed one are None."""
+    """Collect the results at the end of the path of one analysis; None for a failed one."""
     numbers = {"value": value, "converged": result.converged}
     for contact in contacts(result.seal):
+        # force on the profile at the end of the path, N/m
         force = result.path.reaction(contact.label)[-1] if result.converged else (None, None)
         numbers |= {
             f"{contact.label}_F{axis}_N_per_m": f for axis, f in zip("xy", force, strict=True)
@@ -97,13 +104,14 @@ def row(value: float, result, measures) -> dict:
 
 
 def shown(value) -> str:
-    """Text of a number for the console."""
+    """Format a number for the console."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def write_table(path: Path, name: str, rows: list[dict]) -> None:
     """Write the rows as CSV, the parameter by its name."""
     with path.open("w", newline="", encoding="utf-8") as file:
+        # empty fields for failed analyses
         writer = csv.writer(file)
         writer.writerow([name if key == "value" else key for key in rows[0]])
         writer.writerows(
@@ -113,8 +121,9 @@ def write_table(path: Path, name: str, rows: list[dict]) -> None:
 
 
 def vary(text: str) -> Values:
-    """Values FROM:TO:COUNT for argparse."""
+    """Parse values FROM:TO:COUNT for argparse."""
     try:
+        # three numbers separated by colons
         first, last, count = text.split(":")
         values = Values(float(first), float(last), int(count))
     except ValueError:
@@ -127,10 +136,11 @@ def vary(text: str) -> Values:
 
 
 class _Vary(argparse.Action):
-    """NAME FROM:TO:COUNT as a pair."""
+    """Parse NAME FROM:TO:COUNT to a pair."""
 
     def __call__(self, made, namespace, given, option=None):
         try:
+            # both parts are checked here, since nargs=2 allows one type only
             setattr(namespace, self.dest, (given[0], vary(given[1])))
         except argparse.ArgumentTypeError as error:
             made.error(f"argument {option}: {error}")

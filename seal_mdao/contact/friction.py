@@ -188,7 +188,7 @@ def uses_history(speed_varies: bool, state: np.ndarray) -> np.ndarray:
 
     In stick all of it is used. In slip the traction follows from the gap, but v = |t||t0|/c takes
     |t0|: it matters where |t| varies along the curve, that is on cubic pieces. d|t|/dx has the
-    direction of dxi/dx. No state hands on anything of the history it began with but stick.
+    direction of dxi/dx. Only points in stick carry their earlier history to the next step.
     """
     return state != OPEN if speed_varies else state == STICK
 

@@ -22,13 +22,13 @@ from seal_mdao import values
 from seal_mdao.terms.point_law import COMPLEX_STEP
 
 MOST_SLOPE = 1e15
-"""A larger derivative is the imaginary part of a function that is not real there."""
+"""Larger derivatives show that the function is not real there: Im(f) / h with h = 1e-30."""
 
 SAMPLES = np.array([0.7, 13.0, 170.0])
-"""Pressures at which every law is tried, kPa."""
+"""Pressures at which every law is checked, kPa."""
 
 QUOTIENT_STEP, AGREEMENT = 1e-5, 1e-6
-"""Relative step of difference quotients, and how far the complex step may differ from them."""
+"""Relative step of difference quotients, and largest relative difference of the complex step."""
 
 RESERVED = ("law", "normal_penalty", "tangent_penalty")
 """Names that no constant can have."""
@@ -42,7 +42,7 @@ class FrictionLaw:
     ----------
     limits : callable
         ``limits(pressure, *constants)``: the largest tangential traction at a contact pressure (kPa), or
-        two, for slip towards growing and towards falling natural coordinate of the profile. It must be
+        two, for slip towards increasing and decreasing natural coordinate of the profile. It must be
         analytic where it is used: comparisons take ``pressure.real``, and ``abs``, ``min``, ``max``
         are not.
     constants : tuple of float
@@ -59,6 +59,7 @@ class FrictionLaw:
     constants: tuple
 
     def __post_init__(self):
+        # constants are finite real numbers
         for name, value in self.by_name.items():
             values.real(f"{name} of the friction law {self.name!r}", value)
         self._check()
@@ -134,6 +135,7 @@ class FrictionLaw:
 
     def _quotient(self, column: int) -> np.ndarray:
         """Central difference quotients (k, 2) of the limits by the pressure or a constant."""
+        # (f(p + h) - f(p - h)) / (2 h)
         sides, place = [], np.array(self.constants, float)
         steps = np.full(SAMPLES.size, QUOTIENT_STEP) * SAMPLES
         if column:
@@ -143,6 +145,7 @@ class FrictionLaw:
             if column:
                 constants[column - 1] += sign * steps[0]
             else:
+                # one step for each of the sample pressures
                 pressure += sign * steps
             out = np.empty((SAMPLES.size, 2), complex)
             _compiled(self.limits)(pressure, tuple((constants + 0j).tolist()), out)
@@ -158,6 +161,7 @@ def friction_law(limits: Callable, **constants: float) -> FrictionLaw:
     ValueError
         For an unknown or a missing constant, and as of ``FrictionLaw``.
     """
+    # constants by name: unknown and missing ones are errors
     names, defaults = constant_names(limits), constant_defaults(limits)
     name = getattr(limits, "__name__", repr(limits))
     for given in constants:
@@ -182,6 +186,7 @@ def constant_names(limits: Callable) -> tuple:
     """
     parameters = list(inspect.signature(limits).parameters.values())
     name = getattr(limits, "__name__", repr(limits))
+    # the first argument is the pressure
     if not parameters or any(p.kind is not p.POSITIONAL_OR_KEYWORD for p in parameters):
         raise ValueError(
             f"friction law {name!r} must be a function of the pressure and of named constants"
@@ -201,18 +206,21 @@ def constant_defaults(limits: Callable) -> dict:
 @cache
 def _compiled(limits: Callable):
     """The law at points, compiled for complex numbers when it is made."""
+    # one type signature: complex pressure and constants
     law = numba.njit(error_model="numpy")(limits)
     types = (numba.complex128,) * (1 + len(constant_names(limits)))
     law.compile(types)
 
     def one_limit(pressure, constants, out):
         for i in range(pressure.size):
+            # no friction without pressure; one limit for both directions
             out[i] = law(pressure[i], *constants) if pressure[i].real > 0.0 else 0.0
 
     def two_limits(pressure, constants, out):
         out[:] = 0.0
         for i in range(pressure.size):
             if pressure[i].real > 0.0:
+                # the law returns (+e_t, -e_t), the columns are (-e_t, +e_t)
                 out[i, 1], out[i, 0] = law(pressure[i], *constants)
 
     pair = isinstance(law.overloads[types].signature.return_type, numba.types.BaseTuple)

@@ -157,7 +157,7 @@ class ContactTerm(PointTerm):
 
     @property
     def history_dependent(self) -> bool:
-        """Without friction nothing depends on the history."""
+        """Only friction depends on the history."""
         return not self.law.frictionless
 
     @property
@@ -180,12 +180,13 @@ class ContactTerm(PointTerm):
         return no_history(len(self.where))
 
     def gaps(self, x: np.ndarray, fraction: float) -> np.ndarray:
-        """Normal gaps (m,) of any places ``x`` (m, 2) after ``fraction`` nominal steps."""
+        """Compute the normal gaps (m,) at positions ``x`` (m, 2) after ``fraction`` nominal steps."""
         gap = np.empty(len(x))
         normal_gaps(self.curve, self.pose(fraction), np.ascontiguousarray(x), gap)
         return gap
 
     def respond(self, x, fraction, history) -> ContactResponse:
+        # forces, tangents and states of all points, Eqs. (28), (29), (35), (36)
         made_to_stick = contact_points(
             self.curve, self._law_at(x, fraction), self.pose(fraction), x, self.length, history,
             self._direction, self._force, self._tangent, self._state, self._kept, self._gap[:, 0],
@@ -233,6 +234,7 @@ class ContactTerm(PointTerm):
 
     def linearize(self, response, fraction, history, points):
         out = np.empty((points.size, *self.local_shape))
+        # derivatives of force and history with respect to all inputs of a point
         contact_linearization(
             self.profile, self.curve, self.law.at(response.gap), self.pose(fraction),
             self.motion_rates(fraction), response.x, self.length, response.force, history, points, out,
@@ -248,10 +250,10 @@ class ContactTerm(PointTerm):
         ):  # fmt: skip
             return no_kinks(found.size)
         touching = np.flatnonzero(found == TOUCHING)
-        # |g_t| of this step against |g_n0|
+        # |g_t| of this step compared with |g_n0|
         slips = np.abs(self._slid(response, history)) > SLIGHT * np.abs(history.variables[:, 2])
         if following is not None:
-            # and of the next one against its gap
+            # and of the next one with its gap
             after = self._slid(following, response.history)
             slips |= np.abs(after) > SLIGHT * np.abs(following.gap)
         forces = np.zeros((touching.size, *response.x.shape))
@@ -269,14 +271,15 @@ class ContactTerm(PointTerm):
             way -= self.curve.period * np.floor(way / self.curve.period + 0.5)
         return history.variables[:, 1] * way
 
-    # ---- what a step hands on ----
+    # ---- history carried to the next step ----
 
     def uses_history(self, following):
         return np.flatnonzero(uses_history(self._speed_varies, following.branch))
 
     def handed_on(self, response, following, local, points) -> HandedOn:
-        """The next step takes one function of what a point hands on, its elastic slip; where |t| varies
-        two, the natural coordinate, with which |t0| goes, and what is carried."""
+        """Return the carried history as directions: the next step depends on one function of it, the
+        elastic slip; where |t| varies on two, the natural coordinate (with |t0|) and the elastic slip.
+        """
         used = self.uses_history(following)
         at = used if len(points) == len(self.where) else np.searchsorted(points, used)
         local = local[at]
@@ -313,6 +316,7 @@ class ContactTerm(PointTerm):
         return [self.point_loads(change, response.branch) for change in (moved + jump, moved)]
 
     def released_energy(self, step, before, d, response, target):
+        # work of the profile: forces at both ends of the increment times its motion
         works = [
             self._loading_work(own, at, step.fraction, target)
             for own, at in ((before, step.fraction), (response, target))
@@ -321,6 +325,7 @@ class ContactTerm(PointTerm):
         gaps, slip = (before.gap, response.gap), np.zeros(len(self.where))
         for i in np.flatnonzero(np.minimum(*gaps) < 0.0) if self.history_dependent else ():
             now, then = response.history.variables[i], before.history.variables[i]
+            # |t0| (xi - xi0)   Eq. (19)
             slip[i] = then[1] * way_along(self.curve, now[0], then[0])
         lost = self.law.most_friction_work(slip, gaps, self.length)
         return min(works) - change - lost, max(map(abs, works))
@@ -329,6 +334,7 @@ class ContactTerm(PointTerm):
         """Work of the forces of ``response``, with the profile at ``at``, on its motion, mJ/m."""
         change = self.motion.coordinates(target) - self.motion.coordinates(fraction)
         if change[2] == 0.0:
+            # -F . dx of a translation
             return -float(response.total @ change[:2])
         return -float(np.sum(response.force * (rigid_velocity(self.pose(at), response.x) @ change)))
 
@@ -337,12 +343,13 @@ class ContactTerm(PointTerm):
         change = self.motion.coordinates(target) - self.motion.coordinates(fraction)
         if change[2] == 0.0:
             return -np.einsum("kij,j->ki", response.tangent, change[:2])
+        # df = -K dx, and the force turns with the profile
         shift = rigid_velocity(self.pose(fraction), response.x) @ change
         moved = -np.einsum("kij,kj->ki", response.tangent, shift)
         return moved + change[2] * quarter_turn(response.force)
 
     def _force_again(self, response, fraction) -> np.ndarray:
-        """Forces (k, 2) at the same places with the history that the step hands on."""
+        """Compute the forces (k, 2) at the same positions with the history after the step."""
         k = len(self.where)
         force = np.empty((k, 2))
         contact_points(

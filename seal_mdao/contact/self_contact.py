@@ -1,8 +1,8 @@
-"""Contact of a section with itself, with friction: any of its boundaries on any other, or on itself.
+"""Self-contact of a section, with friction: any of its boundaries on any other, or on itself.
 
-Every point is a slave of the deformed boundary and every stretch of that is a master, so each pair of
-touching walls meets twice, with half of the penalties and half of the friction each. Which is called
-slave does not matter.
+Symmetric two-pass formulation: every boundary point is a slave and every segment of the deformed
+boundary a master, so each pair of touching walls is evaluated twice, with half of the penalties and
+half of the friction limit each. The result does not depend on the choice of slave and master.
 """
 
 from dataclasses import dataclass, replace
@@ -37,10 +37,10 @@ from seal_mdao.terms.points import MaterialPoints, boundary_particles
 from seal_mdao.terms.term import TermDefinition
 
 SHARED = 0.5
-"""Share of the penalties that either side has."""
+"""Fraction of the penalties of each of the two passes."""
 
 FARTHEST_WAY = 3.0
-"""Segments: a point that was farther away along the other wall has touched another one since."""
+"""Largest slip in an increment, in segments, with which a point keeps its history."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class SelfContact(TermDefinition):
         Particles of the nominal body, which decide what is near along the boundary.
     law : ContactLaw
     apart : float
-        Along a nominal boundary, two points nearer than that do not touch each other, mm.
+        Points at a smaller distance along the nominal boundary are not paired, mm.
 
     Raises
     ------
@@ -104,11 +104,13 @@ class SelfContact(TermDefinition):
 
     def may_touch(self) -> np.ndarray:
         """Which point may touch near which, shape (k, k)."""
+        # both points may touch and are not neighbours on one boundary
         found = np.outer(self.touching, self.touching)
         first = 0
         for loop in self.loops:
             side = np.linalg.norm(self.nominal[loop] - self.nominal[np.roll(loop, 1)], axis=1)
             along, whole = np.cumsum(side), side.sum()
+            # distance along the closed loop, the shorter of both
             way = np.abs(along[:, None] - along)
             own = slice(first, first + len(loop))
             found[own, own] &= np.minimum(way, whole - way) > self.apart
@@ -116,20 +118,21 @@ class SelfContact(TermDefinition):
         return found
 
     def reach(self) -> float:
-        """Penetration that is still one, mm: half of the thinnest drawn wall that touches both ways."""
+        """Largest penetration in contact, mm: half of the thinnest wall with sides that may touch."""
         x, ring = (
             self.nominal[np.concatenate(self.loops)],
             rings([len(loop) for loop in self.loops]),
         )
         normal = outward(x, ring)
+        # j lies behind i and i behind j, opposite normals: two sides of one wall
         behind = np.einsum("ijc,jc->ij", x[:, None] - x, normal) < 0.0
         through = self.may_touch() & behind & behind.T & (normal @ normal.T < 0.0)
         i, j = np.nonzero(through)
         return 0.5 * float(np.hypot(*(x[i] - x[j]).T).min(initial=2.0 * self.apart))
 
     def pairs(self):
-        """Points with the particles of all segments on which they may come to lie, and those with each
-        other."""
+        """Return the pairs of points with particles of segments that they may touch, and of those
+        particles with each other."""
         ring = rings([len(loop) for loop in self.loops])
         every, allowed = np.arange(len(self.touching)), self.may_touch()
         reached = allowed.copy()
@@ -182,21 +185,24 @@ class SelfContactTerm(CoupledTerm):
         return self.law.potential(gap, self.length[points])
 
     def released_energy(self, step, before, d, response, target):
+        # Pi(u) - Pi(u_n) of the normal penalty
         change = self.potential(d, response) - self.potential(step.d, before)
         gaps = np.full((2, len(self.where)), np.inf)
         for own, found in zip((before, response), gaps, strict=True):
             points, found_there = self.gaps(own.x)
             found[points] = found_there
         now, then = response.history, before.history
+        # |t0| (xi - xi0)   Eq. (19)
         slip = then.variables[:, 1] * self.ring.way(now.variables[:, 0], then.variables[:, 0])
         known = (now.state != UNKNOWN) & (then.state != UNKNOWN)
+        # bound of the friction work over the increment
         lost = self.law.most_friction_work(
             np.where(known & np.isfinite(slip), slip, 0.0), gaps, self.length
         )
         return -change - lost, 0.0
 
     def gaps(self, x):
-        """Points (m,) that face another stretch near them at the places ``x``, and their gaps, mm."""
+        """Return the points (m,) with a segment opposite at positions ``x``, and their gaps, mm."""
         points, _, now = self._followed(x)
         return points, now.gap
 
@@ -212,26 +218,31 @@ class SelfContactTerm(CoupledTerm):
         k = len(self.where)
         return ContactHistory(np.full(k, UNKNOWN), np.zeros((k, 3)))
 
-    # ---- which points are near which stretch ----
+    # ---- search: nearest segment opposite to each point ----
 
     def _followed(self, x):
-        """Points that face another stretch near them, its particles, and the kinematics."""
+        """Find the points with a segment opposite, the particles of the segment, and the kinematics."""
+        # nearest allowed particle with an opposite normal, e_n,i . e_n,j < 0
         normal = outward(x, self.ring)
         allowed = self.allowed & (normal @ normal.T < 0.0)
         square = ((x[:, None] - x) ** 2).sum(axis=2)
         square[~allowed] = np.inf
         nearest = square.argmin(axis=1)
+        # only those near enough
         points = np.flatnonzero(square[np.arange(len(x)), nearest] < self.near**2)
+        # closest point (x - x_c) . t = 0 on its segments
         segments, s, found = project(x, x[points], nearest[points], self.ring)
         points, segments, s = points[found], segments[found], s[found]
         nodes = np.column_stack([points, masters(segments, self.ring)])
         now = kinematics(x, nodes, segments, s)
+        # deeper is not penetration but the other side of the wall
         deep = now.gap > -self.reach
         return points[deep], nodes[deep], type(now)(*(part[deep] for part in now))
 
     def _before(self, points, now, history) -> Before:
         state = history.state[points]
         xi_0, size, carried = history.variables[points].T
+        # xi - xi0, unknown after a change of wall: contact begins anew
         way = self.ring.way(now.xi, xi_0)
         lost = (state == UNKNOWN) | ~(np.abs(way) <= FARTHEST_WAY)
         return Before(
@@ -240,7 +251,7 @@ class SelfContactTerm(CoupledTerm):
         )  # fmt: skip
 
     def _law_at(self, gap) -> ContactLaw:
-        """The law of either side at gaps (m,): half of the limits at the complete pressure."""
+        """Return the law of one pass at gaps (m,): half of the limit at the complete pressure."""
         limits = self.complete_law.at(gap).limits
         if limits is None:
             return self.law
@@ -249,7 +260,7 @@ class SelfContactTerm(CoupledTerm):
         limits[:, :, 2:] *= SHARED
         return self.law._replace(friction=0.0, limits=limits)
 
-    # ---- what a coupled term gives ----
+    # ---- interface of a coupled term ----
 
     def respond(self, x, fraction, history) -> CoupledResponse:
         points, nodes, now = self._followed(x)
@@ -259,15 +270,19 @@ class SelfContactTerm(CoupledTerm):
         """The law linearised at the gaps g - ``missed`` (m,): q = q(g - missed) + dq/dx missed e_n."""
         normal, now = now.gap_1[:, :2], now._replace(gap=now.gap - missed)
         before, law = self._before(points, now, history), self._law_at(now.gap)
+        # trial state, Eqs. (28), (29)
         found, made_to_stick = self._without_reversal(points, touch(law, now, before), all_stick)
         closed = found.state != OPEN
+        # dq/du, and rows of the history
         local = linearized(law, now, before, found, self.length[points])
         force = np.zeros_like(x)
+        # q(g - missed) + dq/dx missed e_n
         q = forces(law, now, before.size, found.tau, self.length[points])
         q += np.einsum("mai,mi->ma", local[:, :N_PLACES, :2], missed[:, None] * normal)
         np.add.at(force, nodes[closed], q[closed].reshape(-1, NODES, 2))
         loaded, branch = np.zeros(len(x), int), np.zeros(len(x), int)
         loaded[nodes[closed]], branch[points] = 1, found.state
+        # sum of the 7 x 7 blocks of all points in contact
         pairs, tangent = _merged(nodes[closed], local[closed][:, :N_PLACES, :N_PLACES], len(x))
         return CoupledResponse(
             x, force, loaded, pairs, tangent, np.empty((0, *x.shape)), np.empty(0), branch,
@@ -294,19 +309,22 @@ class SelfContactTerm(CoupledTerm):
         return self.assembled(response, force, values)
 
     def _without_reversal(self, points, found: Touch, all_stick):
-        """Let points stick that would slip the other way round than one Newton iteration before, or all
+        """Force points to stick whose slip would reverse from one Newton iteration to the next, or all
         of them with ``all_stick``."""
+        # direction of slip, 0 in stick
         way = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
         turned = (way != 0) if all_stick else way * self._direction[points] < 0
         self._direction[:] = 0
         self._direction[points] = np.where(turned, 0, way)
         state = np.where(turned, STICK, found.state)
+        # tau = w_t g_t in stick
         tau = np.where(turned, self.law.tangent_penalty * found.slip, found.tau)
         return Touch(state, tau, found.slip), int(turned.sum())
 
     def _handed_on(self, points, now, found) -> ContactHistory:
         history = self.no_history()
         history.state[points] = found.state
+        # elastic slip tau / w_t of a closed point, gap of an open one
         carried = np.where(found.state == OPEN, now.gap, found.tau / self.law.tangent_penalty)
         history.variables[points] = np.column_stack([now.xi, now.size, carried])
         return history
@@ -316,6 +334,7 @@ class SelfContactTerm(CoupledTerm):
         before, law = self._before(points, now, history), self._law_at(now.gap)
         found = touch(law, now, before)
         local = linearized(law, now, before, found, self.length[points])
+        # dq/dw = SHARED dq/dw of one pass
         local[:, :, NORMAL_PENALTY : NORMAL_PENALTY + 2] *= SHARED
         return self._scattered(points, nodes, local)
 
@@ -371,6 +390,7 @@ def _merged(nodes, tangent, k):
     """Pairs of points (p, 2) and their summed tangents (p, 2, 2), from those (m, 14, 14) of m points
     with their segments."""
     m = len(nodes)
+    # key k i + j of the pair (i, j)
     keys = (nodes[:, :, None] * k + nodes[:, None, :]).ravel()
     blocks = tangent.reshape(m, NODES, 2, NODES, 2).transpose(0, 1, 3, 2, 4).reshape(-1, 2, 2)
     unique, at = np.unique(keys, return_inverse=True)

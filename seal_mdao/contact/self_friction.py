@@ -1,10 +1,10 @@
-"""Penalty and friction between two stretches of the deformed boundary, with all derivatives.
+"""Penalty contact and friction between points and segments of the deformed boundary, with derivatives.
 
     q = length (w_n g dg/du + tau |t0| dxi/du)
 
-for the places u of a point and of the six particles of its segment: forces and moments balance, for gap
-and slip do not know of rigid motions. Traction and slip are those of ``contact.friction`` (accumulated
-history).
+for the positions u of a point and of the six particles of its segment. Forces and moments balance,
+since gap and slip are invariant under rigid motions. Traction and slip are those of ``contact.friction``
+(accumulated history).
 """
 
 from typing import NamedTuple
@@ -24,7 +24,7 @@ from seal_mdao.contact.friction import (
 )
 
 FIRST = N_PLACES - friction.XI_0
-"""The inputs behind the places, in the order of ``contact.friction``, come so many columns later."""
+"""Offset of the columns of the inputs after the positions, in the order of ``contact.friction``."""
 
 SIZE_0, LENGTH, NORMAL_PENALTY, CONSTANTS = (
     FIRST + column
@@ -35,7 +35,7 @@ N_OUTPUTS = N_PLACES + 3
 
 
 class Before(NamedTuple):
-    """What m points were at the previous step.
+    """State of m points at the previous step.
 
     Attributes
     ----------
@@ -82,6 +82,7 @@ def _touch_points(law, gap, before, found):
     """Write the states and tractions of all points."""
     for i in range(gap.size):
         if gap[i] < 0.0:
+            # g_t of Eq. (19), then trial traction and return mapping, Eqs. (28), (29)
             found.slip[i] = elastic_slip(
                 gap[i], before.way[i], before.state[i], before.size[i], before.carried[i]
             )
@@ -89,7 +90,7 @@ def _touch_points(law, gap, before, found):
 
 
 def forces(law: ContactLaw, now: Kinematics, size_0, tau, length) -> np.ndarray:
-    """q of points in contact, shape (m, 14)."""
+    """Compute the forces q of points in contact, shape (m, 14)."""
     # w_n g dg/du + tau |t0| dxi/du
     normal = (law.normal_penalty * now.gap)[:, None] * now.gap_1
     return length[:, None] * (normal + (tau * size_0)[:, None] * now.xi_1)
@@ -98,15 +99,18 @@ def forces(law: ContactLaw, now: Kinematics, size_0, tau, length) -> np.ndarray:
 def linearized(
     law: ContactLaw, now: Kinematics, before: Before, found: Touch, length
 ) -> np.ndarray:
-    """Derivatives of q, xi, |t| and what is carried, shape (m, 17, 20 + constants of the law); inputs
-    XI_0 ... behind u."""
+    """Compute the derivatives of q, xi, |t| and the carried variable, shape
+    (m, 17, 20 + constants of the law); the inputs XI_0 ... follow u."""
     m, n_inputs = len(now.gap), CONSTANTS + friction.law_constants(law.limits)
     out = np.zeros((m, N_OUTPUTS, n_inputs))
+    # dxi/du and d|t|/du for all points
     out[:, XI, :N_PLACES], out[:, SIZE, :N_PLACES] = now.xi_1, now.size_1
     closed = found.state != OPEN
+    # an open point carries its gap
     out[~closed, CARRIED, :N_PLACES] = now.gap_1[~closed]
     gap_rate, tau_rate, carried_rate = np.zeros((3, m, n_inputs))
     gap_rate[:, :N_PLACES] = now.gap_1
+    # dtau and d(tau / w_t)
     _traction_rates(law, now.gap, gap_rate, now.xi_1, before, found, tau_rate, carried_rate)
     w_n, size_0 = law.normal_penalty, before.size
     # dq = length (w_n (dg/du dg + g d2g/du2 du) + |t0| (dxi/du dtau + tau d2xi/du2 du) + ...)
@@ -115,9 +119,11 @@ def linearized(
     force[:, :, :N_PLACES] += (
         w_n * now.gap[:, None, None] * now.gap_2 + (found.tau * size_0)[:, None, None] * now.xi_2
     )
+    # dq/d|t0| = tau dxi/du,  dq/dw_n = g dg/du
     force[:, :, SIZE_0] += found.tau[:, None] * now.xi_1
     force[:, :, NORMAL_PENALTY] += now.gap[:, None] * now.gap_1
     force *= length[:, None, None]
+    # dq/dlength = q / length
     force[:, :, LENGTH] = forces(law, now, size_0, found.tau, np.ones(m))
     out[closed, :N_PLACES] = force[closed]
     out[closed, CARRIED] = carried_rate[closed]
@@ -134,8 +140,10 @@ def _traction_rates(law, gap, gap_rate, xi_1, before, found, tau_rate, carried_r
         for k in range(gap_rate.shape[1]):
             column, way_r = k - FIRST, 0.0
             if k < N_PLACES:
+                # d(xi - xi0)/du = dxi/du
                 column, way_r = friction.X, xi_1[i, k]
             elif column == friction.XI_0:
+                # d(xi - xi0)/dxi0 = -1
                 way_r = -1.0
             slip_r = elastic_slip_rate(
                 column, gap[i], gap_rate[i, k], way, way_r, state_0, size_0, before.carried[i]

@@ -119,7 +119,7 @@ class SolverCallbacks:
 
     def _values(self, x) -> Evaluation:
         point = self.evaluator.evaluate(x)
-        # kept even if the optimiser rejects the point
+        # the best point so far, even if the optimiser rejects it
         self.best = min(self.best, point, key=self._rank)
         # Ipopt cannot leave an accepted point without derivatives: fail at once instead
         if self.eager:

@@ -188,6 +188,7 @@ class ModelEvaluator:
             # continued run: recorded values instead of an analysis
             driver.reused_evaluations += 1
             self._recorded.restore(recorded)
+        # scaled values in the order of the driver
         objective = flat(driver.get_objective_values())[0]
         constraints = flat(driver.get_constraint_values())
         if not (np.isfinite(objective) and np.isfinite(constraints).all()):
@@ -227,6 +228,7 @@ class ModelEvaluator:
     def _as_totals(self, rows):
         """Assemble gradient and Jacobian from the derivatives of all responses."""
         layout = self.layout
+        # Jacobian (m, n) in the row order of the constraint vector
         jacobian = np.zeros((layout.m, layout.n))
         # row 0 is the objective
         jacobian[layout.rows(layout.responses)] = rows[1:]

@@ -105,6 +105,7 @@ def _ipopt_problem(driver: IpoptDriver, callbacks: SolverCallbacks):
         out[:] = np.nan if point is None else point.constraints[rows]
 
     def gradient(x, out) -> None:
+        # dense Jacobian of the active constraints, row by row
         totals = callbacks.derivatives(x)
         out[:] = np.nan if totals is None else totals[0]
 

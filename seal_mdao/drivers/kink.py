@@ -97,6 +97,7 @@ def find_kink(
     Kink or None
         None where the point is smooth and can be improved, is infeasible, or a step cannot be analysed.
     """
+    # bundle of gradients, that of the best point first
     layout, sides = callbacks.evaluator.layout, [_side(callbacks, callbacks.best, totals, states)]
     while sides[-1] is not None and callbacks.feasible and len(sides) <= SIDES:
         # conditions at the best point, its own derivatives first
@@ -104,18 +105,22 @@ def find_kink(
         sides.sort(key=lambda side: side.point is not best)
         others = [side.totals for side in sides[1:]]
         found = Optimality.at(layout, best.x, best.constraints, *sides[0].totals, others)
+        # a convex combination of all sides satisfies the KKT conditions
         if found.satisfied(tol, feas_tol):
             return Kink(best.x, others, found, _changes(sides, found.weights))
         size = float(np.linalg.norm(found.descent))
+        # no common descent direction, though the conditions are not satisfied
         if size <= tol:
             return None
         # x + r d / |d|, predicted decrease r |d|
         length = RADIUS * (1.0 + np.abs(best.x).max())
         x = layout.clip(best.x + length / size * found.descent)
         point = callbacks.values(x)
+        # the derivatives at the new point join the bundle
         totals = None if point is None else callbacks.derivatives(x)
         sides.append(_side(callbacks, point, totals, states))
         decrease = best.objective - callbacks.best.objective
+        # decrease as predicted: the function is smooth here
         if decrease >= PROMISED * length * size:
             return None
     return None
@@ -136,6 +141,7 @@ def _changes(sides: list[Side], weights) -> list[str]:
     found = {}
     for states in involved:
         for name, state in states.items():
+            # states of each component over the sides with nonzero weight
             found.setdefault(name, []).append(state)
     return [
         f"{name}: {' or '.join(dict.fromkeys(own))}" for name, own in found.items()

@@ -190,6 +190,7 @@ class OptimizerDriver(access.DriverHooks):
         found = Optimality.at(callbacks.evaluator.layout, best.x, best.constraints, *totals)
         if found.satisfied(*tolerances):
             return f"No better point was found; {found}"
+        # contact states may change at the best point: derivatives of all sides
         self.kink = find_kink(callbacks, totals, *tolerances, partial(access.contact_states, self))
         return str(self.kink or "")
 
@@ -202,6 +203,7 @@ class OptimizerDriver(access.DriverHooks):
     def _finish(self, end: SolverEnd, callbacks: SolverCallbacks, optimal: str) -> None:
         """Leave the model at the result, and set the status and message of the run."""
         stopped = callbacks.interrupted or callbacks.stalled
+        # stopped or unsuccessful, and the optimality conditions do not hold
         self.fail = (stopped or not end.success) and not optimal
         self.exit_message = optimal or self._describe(end, callbacks)
         evaluator = callbacks.evaluator

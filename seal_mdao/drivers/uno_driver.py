@@ -142,6 +142,7 @@ def _solver(settings: dict):
 
 def _uno_model(callbacks: SolverCallbacks):
     """Build the problem of Uno, without constraints that no design variable affects."""
+    # minimise f(x) subject to x_L <= x <= x_U
     unopy, layout = import_unopy(), callbacks.evaluator.layout
     model = unopy.Model(
         unopy.PROBLEM_NONLINEAR, layout.n, layout.x_lower, layout.x_upper, unopy.ZERO_BASED_INDEXING

@@ -1,4 +1,4 @@
-"""Checks of the end of a completed path: a state in equilibrium is not always an admissible one.
+"""Checks of the end of a completed path: equilibrium alone does not make a state admissible.
 
 The model has no contact of the seal with itself unless it is asked for, and contact with rigid profiles
 at the contact points only; volume changes are projected on background cells. A state for which one of
@@ -19,13 +19,13 @@ from seal_mdao.seals.contact_loss import contact_losses
 from seal_mdao.seals.samples import Samples
 
 SLIGHT, DEEP = 0.01, 0.1
-"""Fractions of the wall's thickness beyond which an overlap is reported, and is impossible."""
+"""Fractions of the wall's thickness above which an overlap is reported, and is not admissible."""
 CROSSED = 0.005
-"""Fraction of the wall's thickness beyond which a boundary that crosses itself is impossible."""
+"""Fraction of the wall's thickness above which a boundary that crosses itself is not admissible."""
 SHALLOW_VOLUME, NO_VOLUME = 0.5, 0.1
-"""det F of nearly incompressible material below which it is reported, and is impossible."""
+"""det F of nearly incompressible material below which it is reported, and is not admissible."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
-"""Residual over the largest forces of the path above which it is reported, and is impossible."""
+"""Residual over the largest forces of the path above which it is reported, and is not admissible."""
 KEEPS_VOLUME = 10.0
 """Bulk modulus over the shear modulus above which a material is nearly incompressible."""
 
@@ -37,7 +37,7 @@ class Finding:
     Attributes
     ----------
     text : str
-        One line: what, where, how much, and what can be done.
+        One line: fault, location, size, and advice.
     impossible : bool
         The state is not admissible, so its measures are no result.
     """
@@ -51,6 +51,7 @@ _KNOWN = WeakKeyDictionary()
 
 def findings(path: PathResult) -> tuple[Finding, ...]:
     """Find the faults of the end of a completed path; evaluated once a path."""
+    # cached as long as the path exists
     if path not in _KNOWN:
         samples = Samples(path)
         checks = (
@@ -80,6 +81,7 @@ def _balance(samples: Samples):
     # |r| / max |f| over the path in place of |r| / |f| of the step
     if forces.max(initial=0.0) > 0.0:
         left = left * forces / forces.max()
+    # negated comparisons report NaN as well
     worst = int(left.argmax())
     if not left[worst] <= OPEN_BALANCE:
         yield Finding(
@@ -93,14 +95,18 @@ def _balance(samples: Samples):
 def _stability(samples: Samples):
     """Report an unstable equilibrium at the end."""
     path = samples.path
+    # stable: positive definite tangent at the end
     if path.steps[-1].stable:
         return
+    # symmetric tangent: a negative eigenvalue means instability
     if path.problem.symmetric:
+        # critical point of a potential energy
         text = (
             "equilibrium is not stable at the end: the body would move on to another one; follow the "
             'stable branch (branch="stable" of NewtonOptions)'
         )
     else:
+        # with friction the sign of det K only suggests it
         text = (
             "equilibrium may not be stable at the end: the determinant of the tangent is negative; "
             "compare with a little more load or other friction"
@@ -117,12 +123,14 @@ def _contact_loss(samples: Samples):
 def _volume(samples: Samples):
     """Report inverted material, and nearly incompressible material that has lost its volume."""
     change = samples.volume_change
+    # nearly incompressible: K > 10 G in all regions
     regions = samples.path.problem.term("structure").definition.regions
     stiff = all(r.material.bulk_modulus > KEEPS_VOLUME * r.material.shear_modulus for r in regions)
     slight, none = (SHALLOW_VOLUME, NO_VOLUME) if stiff else (0.0, 0.0)
     # det F; NaN counts as the least
     worst = int(np.argmin(np.where(np.isnan(change), -np.inf, change)))
     if not change[worst] > slight:
+        # det F <= 0: inverted
         how = "turned inside out" if not change[worst] > 0.0 else "squeezed"
         yield Finding(
             f"material is {how} between the quadrature points: det F = {change[worst]:.2g} where "
@@ -137,12 +145,15 @@ def _crossing(samples: Samples):
 
     With contact they cross by the penetration of its penalty.
     """
+    # sides of all boundaries as pairs of samples
     chains, x = samples.chains, samples.places
     segments = np.stack([chains[:, :-1], chains[:, 1:]], axis=2).reshape(-1, 2)
     pairs, depth = crossings(x, segments)
+    # sides in contact may overlap by the penetration of the penalty
     known = depth <= _allowed_depth(samples, pairs // (chains.shape[1] - 1))
     pairs, depth = pairs[~known], depth[~known]
     if len(pairs):
+        # deepest crossing
         place = x[segments[pairs[int(depth.argmax())]]].mean(axis=(0, 1))
         yield Finding(
             f"the boundary crosses itself near {_at(place)}: there is no contact between its parts "
@@ -171,6 +182,7 @@ def crossings(x: np.ndarray, segments: np.ndarray) -> tuple[np.ndarray, np.ndarr
         return np.empty((0, 2), int), np.empty(0)
     # candidates: midpoints no farther apart than the longest segment
     pairs = cKDTree(0.5 * (a + b)).query_pairs(longest, output_type="ndarray")
+    # neighbours share an end and do not cross
     apart = (segments[pairs[:, 0]][:, :, None] != segments[pairs[:, 1]][:, None, :]).all(
         axis=(1, 2)
     )
@@ -198,10 +210,12 @@ def _allowed_depth(samples: Samples, sides: np.ndarray) -> np.ndarray:
     """Compute the depth by which pairs of sides (c, 2) may cross, shape (c,), mm: 0 without contact."""
     ends, found = samples.sides[0][sides], np.zeros(len(sides))
     for term in _contacts_with_itself(samples):
+        # index of a particle among the points of the contact, -1 elsewhere
         number = np.full(samples.path.discretization.body.n_particles, -1)
         number[term.where.at_particles] = np.arange(len(term.where))
         one, other = np.moveaxis(number[ends], 1, 0)
         one, other = one[:, :, None], other[:, None, :]
+        # any end of one side may touch any end of the other
         touch = term.allowed[one, other] & (one >= 0) & (other >= 0)
         deepest = -term.gaps(samples.places[term.where.at_particles])[1].min(initial=0.0)
         found[touch.any(axis=(1, 2))] = max(deepest, SLIGHT * samples.wall)
@@ -216,6 +230,7 @@ def _inside_itself(samples: Samples):
     """Report the penetration of walls in contact."""
     for term in _contacts_with_itself(samples):
         x = samples.places[term.where.at_particles]
+        # largest penetration -min g_n between walls
         points, gap = term.gaps(x)
         size, whose = _smaller_of_wall_and_squeeze(samples)
         if gap.min(initial=0.0) < -SLIGHT * size:
@@ -245,6 +260,7 @@ def _inside_profiles(samples: Samples):
     for term in path.problem.terms:
         if not isinstance(term, ContactTerm):
             continue
+        # gaps of all boundary samples, not only of the contact points
         gap = term.gaps(samples.places[which], path.steps[-1].fraction)
         worst = int(np.argmin(gap))
         if not gap[worst] >= -SLIGHT * size:  # NaN is no gap either
@@ -261,18 +277,21 @@ def _inside_profiles(samples: Samples):
 def _below_base(samples: Samples):
     """Report a boundary below the plane of a straight fixed base, with which there is no contact."""
     body = samples.path.discretization.body
+    # only a base with both components fixed supports the seal
     base = body.edges.get("base")
     if base is None or not body.fixed[base.particles].all():
         return
     x = samples.path.discretization.particles[base.particles]
+    # outward normal: tangent turned clockwise, body on the left
     along = (x[-1] - x[0]) / np.linalg.norm(x[-1] - x[0])
     outward = np.array([along[1], -along[0]])
     # bases that are not straight have no plane
     if np.abs((x - x[0]) @ outward).max() > 1e-6 * samples.wall:
         return
     which = np.unique(samples.chains)
-    # a part of the section that was drawn below is not on the base
+    # a part of the section that lies below in the undeformed state is not on the base
     which = which[(samples.undeformed[which] - x[0]) @ outward <= SLIGHT * samples.wall]
+    # distance of the deformed boundary below the plane of the base
     depth = (samples.places[which] - x[0]) @ outward
     worst = int(np.argmax(depth))
     if depth[worst] > SLIGHT * samples.wall:

@@ -8,12 +8,12 @@ from seal_mdao.geometry.pose import Pose
 from seal_mdao.seals.seal import Seal
 
 PART = 0.005
-"""A profile backs off in whole multiples of this share of the section's size: then where it begins is
-the same for designs next to each other, and their derivatives are those of one path."""
+"""A profile backs off in multiples of this fraction of the section's size, so that neighbouring
+designs have the same start and their derivatives are those of one path."""
 MOST = 400
-"""Such multiples, twice the section's size."""
+"""Largest number of these multiples: twice the section's size."""
 PRESSING = 0.1
-"""Least share of a travel that goes along the normal for a profile to back off along that travel."""
+"""Least normal fraction of a travel for a profile to back off along that travel."""
 
 
 def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:

@@ -1,4 +1,4 @@
-"""Errors that contact penalties leave in measures, from exact derivatives.
+"""Estimate the errors of measures by contact penalties, from exact derivatives.
 
 With a penalty w a measure m errs by m(w) - m(infinity) = c/w + O(1/w^2). Its derivative in w is
 -c/w^2, so the error is -w dm/dw: one direct sweep with as many right-hand sides as there are penalties.
@@ -20,13 +20,13 @@ from seal_mdao.measures.reaction import Reaction
 
 NORMAL, TANGENT = "normal_penalty", "tangent_penalty"
 SMALL_LENGTH = 0.01
-"""Fraction of the largest displacement below which a length (a gap, a width) is as good as zero."""
+"""Fraction of the largest displacement below which a length (a gap, a width) counts as zero."""
 SMALL = 0.01
-"""Fraction of its largest value along the path below which a measure is as good as zero at the end."""
+"""Fraction of its largest value along the path below which a measure at the end counts as zero."""
 WARNED, CURED = 0.01, 0.001
-"""Relative error of a measure from which on a warning is given, and what its advice leaves of it."""
+"""Relative error of a measure above which a warning is given, and that with the advised penalties."""
 VALID = 0.5
-"""Largest relative error that a linear estimate can be trusted with, to a factor of two or so."""
+"""Largest relative error for which the linear estimate is valid to about a factor of two."""
 
 
 class Penalty(NamedTuple):
@@ -50,10 +50,11 @@ class Penalty(NamedTuple):
 
 
 def penalties_of(seal) -> tuple[Penalty, ...]:
-    """All penalties of the contacts of a seal."""
+    """List all penalties of the contacts of a seal."""
     found = []
     for term in seal.terms():
         if isinstance(term, RigidContact | SelfContact):
+            # names as in Seal.scalars
             prefix = term.prefix if isinstance(term, RigidContact) else f"{term.label}_"
             for kind in (NORMAL, TANGENT):
                 found.append(Penalty(prefix + kind, kind, term.label, getattr(term.law, kind)))
@@ -71,9 +72,9 @@ class PenaltyError:
     by_penalty : dict of str to ndarray, shape (m,)
         The part of each penalty, by its parameter's name.
     scale : float
-        What the error is compared with: the largest value, but no less than a length that is as good
+        Reference value of the relative error: the largest value, but no less than a length that counts
         as zero, the distance of the contact points for a width, a small fraction of the largest value
-        along the path, or for a component of a force the complete one.
+        along the path, or for a component of a force the complete force.
     """
 
     error: np.ndarray
@@ -84,21 +85,23 @@ class PenaltyError:
     def estimable(self) -> bool:
         """Whether the error is small enough for a linear estimate, at most ``VALID`` of the scale.
 
-        A contact that is about to part by itself has next to no pressure, so its width changes with the
-        penalty at any rate.
+        A contact that is about to open has almost no pressure, so its width changes with the penalty
+        at an arbitrary rate.
         """
         return abs(self.relative) <= VALID
 
     @property
     def relative(self) -> float:
-        """Of the value with the largest error; negative where the measure is too small. Without meaning
-        where the error is not ``estimable``."""
+        """Relative error of the value with the largest error; negative where the measure is too small.
+        Not valid where the error is not ``estimable``."""
+        # max_i |error_i| / scale, with its sign
         if not self.error.size or not self.scale > 0.0:
             return 0.0
         return float(self.error[np.abs(self.error).argmax()] / self.scale)
 
     def part(self, names) -> float:
-        """Largest part of some penalties together, relative."""
+        """Compute the relative error by some of the penalties together."""
+        # errors of several penalties add up before the largest is taken
         own = [self.by_penalty[name] for name in names if name in self.by_penalty]
         if not own or not self.scale > 0.0:
             return 0.0
@@ -106,15 +109,15 @@ class PenaltyError:
 
 
 def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
-    """Estimated errors of measures at the end of a completed path, by their names.
+    """Estimate the penalty errors of measures at the end of a completed path.
 
     Parameters
     ----------
     result : SealResult
-        Completed; factors that were kept are used again.
+        Completed; cached factors are reused.
     measures : sequence of Measure, optional
-        With frozen places. When left out: the standard ones of the seal, their places taken from this
-        result, and the force on every profile.
+        With frozen evaluation points. When left out: the standard ones of the seal, with points
+        selected on this result, and the force on every profile.
 
     Returns
     -------
@@ -125,6 +128,7 @@ def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
     if not own:
         return {}
     measures = standard_measures(result) if measures is None else tuple(measures)
+    # direct method: one right-hand side per penalty, dm/dw for all measures
     names = tuple(penalty.name for penalty in own)
     wanted = Wanted(result, measures)
     none = np.zeros((0, *result.particles.shape))
@@ -140,57 +144,65 @@ def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
 
 
 def standard_measures(result) -> tuple[Measure, ...]:
-    """The standard measures of a seal that have values, and the force on every profile."""
+    """List the standard measures of a seal that have values, and the force on every profile."""
     seal, found = result.seal, {}
     for measure in seal.measures():
+        # points selected on this result
         measure = measure.frozen(result) if measure.selects_points else measure
+        # measures without points have no value
         base = measure.base if isinstance(measure, Derived) else measure
         if base.size(seal):
             found[measure.name] = measure
     for term in seal.terms():
         if isinstance(term, RigidContact):
+            # force on every profile, unless the seal has that measure
             name = f"force_on_{term.label}"
             found.setdefault(name, Reaction(term.label, name=name))
     return tuple(found.values())
 
 
 def scale_of(measure: Measure, result) -> float:
-    """What an error of a measure is compared with, in its unit (``PenaltyError.scale``)."""
+    """Compute the reference value of a measure's error, in its unit (``PenaltyError.scale``)."""
+    # max |m_i|, at least the size that counts as zero
     value = float(np.abs(result.value(measure)).max(initial=0.0))
     return max(value, least_scale(measure, result))
 
 
 def least_scale(measure: Measure, result) -> float:
-    """Size below which a measure is as good as zero, in its unit."""
+    """Compute the size below which a measure counts as zero, in its unit."""
+    # a component may vanish: the complete force is the reference
     if isinstance(measure, Reaction):
         force = np.abs(result.path.reaction(measure.profile)).max(initial=0.0)
         return measure.scale * float(force)
     if isinstance(measure, ContactWidth):  # less than the distance of the points is not resolved
         return float(result.term(measure.profile).length.mean())
+    # lengths, areas and volumes from the largest displacement
     along = result.path.largest_displacement
     small = SMALL_LENGTH * along
     by_units = {"mm": small, "mm**2": small**2, "mm**3": small**2 * along}
     base = measure.base if isinstance(measure, Derived) else measure
+    # a value that fell along the path: a fraction of its maximum
     before = SMALL * along_path(measure, result) if base.wants_end else 0.0
     return max(by_units.get(measure.units, 0.0), before)
 
 
 def along_path(measure: Measure, result) -> float:
-    """Largest size of a measure at the ends of the nominal steps."""
+    """Compute the largest absolute value of a measure over the ends of the nominal steps."""
     sizes = [np.abs(part.value(measure)).max(initial=0.0) for part in result.up_to_each_step()]
     return float(max(sizes, default=0.0))
 
 
 def compliance(result, names) -> float:
-    """Largest penetration or elastic slip in stick along the path, over the largest displacement.
+    """Compute the largest penetration or elastic slip in stick, over the largest displacement.
 
     Parameters
     ----------
     names : container of str
-        The penalties that are looked at.
+        Penalties to consider.
     """
     found, steps = 0.0, result.path.nominal_steps
     for penalty in penalties_of(result.seal):
+        # normal: p / w_n is the penetration; tangential: tau / w_t the elastic slip
         if penalty.name in names:
             term, place = result.term(penalty.contact), result.path.place(penalty.contact)
             given = _penetration if penalty.kind == NORMAL else _elastic_slip
@@ -200,26 +212,28 @@ def compliance(result, names) -> float:
 
 
 def _penetration(term, response) -> float:
-    """Of the deepest point, mm."""
+    """Compute the largest penetration of the points, mm."""
     gaps = term.gaps(response.x)[1] if isinstance(term, SelfContactTerm) else response.gap
     return float(-gaps.min(initial=0.0))
 
 
 def _elastic_slip(term, response) -> float:
-    """Largest elastic slip of the points in stick, mm."""
+    """Compute the largest elastic slip of the points in stick, mm."""
+    # third history variable: elastic slip carried
     slips = response.history.variables[response.branch == STICK, 2]
     return float(np.abs(slips).max(initial=0.0))
 
 
 def not_estimable(errors: dict[str, PenaltyError]) -> str:
-    """Which measures have no estimate, in words; empty where all have one."""
+    """Name the measures without an estimate in a message; empty where all have one."""
     names = ", ".join(name for name, found in errors.items() if not found.estimable)
     return f"{names} not estimable: contact is about to part" if names else ""
 
 
 def warnings_of(result) -> tuple[str, ...]:
-    """A line about the measures that the penalties change by more than ``WARNED``, and one about those
-    whose error has no estimate, if there are any."""
+    """Warn of measures with penalty errors above ``WARNED``, and of those without an estimate, one line
+    each."""
+    # errors that are estimable and too large
     large = {
         name: found
         for name, found in result.penalty_error.items()
@@ -236,12 +250,13 @@ def warnings_of(result) -> tuple[str, ...]:
 
 
 def _large_errors(result, large: dict[str, PenaltyError]) -> str:
-    """By how much and in which direction measures err, and which penalties would cure it."""
+    """Report size and sign of the errors of measures, and sufficient penalties."""
     changes = ", ".join(
         f"{name} {100.0 * abs(found.relative):.2g} % too {'small' if found.relative < 0.0 else 'large'}"
         for name, found in large.items()
     )
     cures = []
+    # error ~ 1/w: w_new = w (error / CURED)
     for penalty in penalties_of(result.seal):
         part = max(found.part([penalty.name]) for found in large.values())
         if part > CURED:

@@ -1,4 +1,4 @@
-"""A seal analysed: from design parameters to the path and its measures, without OpenMDAO."""
+"""Analysis of a seal: from design parameters to the load path and its measures, without OpenMDAO."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
@@ -24,16 +24,16 @@ from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
 
 FACTOR_MEMORY = 2.0
-"""GiB for factors that are kept for sensitivities."""
+"""Memory for the factors that are cached for sensitivities, GiB."""
 KNOWN_PLACES = 256
-"""Measures whose places are cached, the most recently used ones."""
+"""Number of measures whose evaluation points are cached, the most recently used ones."""
 
 
 @dataclass(frozen=True, eq=False)
 class SealResult:
-    """One design of a seal, analysed.
+    """Result of the analysis of one design of a seal.
 
-    What concerns the path is there for a path that ended early too; what concerns its end then raises
+    For a path that ended early, the converged steps are available, and results at its end raise
     ``LoadPathError``. The measures of the seal are attributes by their names: ``result.gap_square_sum``.
 
     Attributes
@@ -44,7 +44,7 @@ class SealResult:
     boundary_offsets : ndarray
         mm; None when the result was computed from particles.
     placed : tuple of Measure
-        Measures that are taken at other places than those of this seal's nominal design (``at``).
+        Measures with other evaluation points than those of this seal's nominal design (``at``).
     """
 
     seal: Seal
@@ -53,12 +53,14 @@ class SealResult:
     placed: tuple = ()
 
     def __getattr__(self, name: str):
+        # private names and half-built objects (copy, pickle) have no measures
         if name.startswith("_") or "seal" not in self.__dict__:
             raise AttributeError(name)
         try:
             self.seal.measures((name,))
         except ValueError as error:
             raise AttributeError(f"the result has no {name!r}: {error}") from None
+        # scalar measures as numbers, others as arrays
         measure = self.measure(name)
         values = self.value(measure)
         return float(values[0]) if measure.scalar else values
@@ -92,13 +94,14 @@ class SealResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is not right with the end of a completed path, a line each (``seals.checks``), and the
-        warnings of the seal.
+        """Faults of the end of a completed path, one line each (``seals.checks``), penalty errors, and
+        the warnings of the seal.
 
-        Nothing of it for a path that was not completed.
+        Empty for a path that was not completed.
         """
         if not self.converged:
             return ()
+        # inadmissible states, penalty errors, warnings known before the analysis
         found = (finding.text for finding in findings(self.path))
         return (*found, *penalty_error.warnings_of(self), *self.seal.warnings)
 
@@ -107,25 +110,27 @@ class SealResult:
         """Estimated errors by the contact penalties, ``PenaltyError`` by the name of the measure: the
         standard measures and the force on every profile at the end of the path.
 
-        Derivatives of the end of the path; with the factors that were kept, a small part of its time.
+        Derivatives at the end of the path; with cached factors, a small fraction of the analysis time.
         """
         self.require_converged()
         return penalty_error.penalty_errors(self)
 
     def up_to_each_step(self):
-        """Results that end with each of the nominal steps, in order."""
+        """Yield the results of the paths that end with each of the nominal steps, in order."""
+        # halved steps between two nominal ones end no partial path
         for place, step in enumerate(self.path.steps, 1):
             if step.nominal >= 0:
                 yield replace(self, path=replace(self.path, steps=self.path.steps[:place]))
 
     @cached_property
     def critical_points(self) -> tuple[Instability, ...]:
-        """Where equilibrium lost its stability on the path, in order."""
+        """Critical points of the path, at which equilibrium lost its stability, in order."""
         return instabilities(self)
 
     @property
     def is_nominal(self) -> bool:
-        """Whether this is the nominal seal, in which measures have their places."""
+        """Whether this is the nominal seal, which determines the evaluation points of measures."""
+        # same parameters and, bit for bit, same particles
         same = self.seal.key == self.seal.nominal().key
         return same and np.array_equal(self.particles, self.seal.nominal_particles)
 
@@ -136,12 +141,13 @@ class SealResult:
 
     @property
     def contact(self):
-        """What the contact with the leading profile answers at the end of the path."""
+        """Response of the contact with the leading profile at the end of the path."""
         return self.response(profiles.leading_contact(self.seal).label)
 
     @property
     def max_penetration(self) -> float:
         """Deepest penetration of all profiles at the end of the path, mm."""
+        # penetration of a contact is -min g_n
         gaps = [self.response(own.label).gap.min() for own in profiles.contacts(self.seal)]
         return float(max(0.0, -min(gaps, default=0.0)))
 
@@ -176,7 +182,7 @@ class SealResult:
         return sorted({int(np.argmin(np.abs(self.travel - travel))) for travel in travels})
 
     def require_possible(self) -> None:
-        """Raise ``LoadPathError`` for a path that was not completed, or whose end cannot be meant."""
+        """Raise ``LoadPathError`` for a path that was not completed, or whose end is not admissible."""
         self.require_converged()
         wrong = [found.text for found in findings(self.path) if found.impossible]
         if wrong:
@@ -186,10 +192,12 @@ class SealResult:
 
     @property
     def failure(self) -> str:
-        """Where a path ended, in what state, and what can be done; empty for a complete one."""
+        """Message on where and in what state a path ended, with advice; empty for a complete path."""
         if self.converged:
             return ""
+        # number of converged steps, and a remark where damping was used
         done, damped = len(self.path.nominal_steps), self.path.damped
+        # an instability before the end often explains the failure
         lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
         lost += f" The last of them was at {self.caption(done - 1)}." if done else ""
         return (
@@ -214,7 +222,7 @@ class SealResult:
         return self.path.problem.term(label)
 
     def response(self, label: str, step: ConvergedStep | None = None):
-        """What a term answers at a converged step, the end of the path when left out."""
+        """Return the response of a term at a converged step, by default the end of the path."""
         step = self.end if step is None else step
         return step.responses[self.path.place(label)]
 
@@ -228,6 +236,7 @@ class SealResult:
 
     def gradient(self, step: int = -1) -> np.ndarray:
         """F at the particles after a nominal step, in the order 11, 12, 21, 22, shape (n, 4)."""
+        # F = I + sum_I d_I (x) dPhi_I/dX at all particles
         table = self.path.discretization.everywhere.table
         return deformation_gradients(table, self.path.nominal_steps[step].d)[:, :4]
 
@@ -237,7 +246,7 @@ class SealResult:
         return particle_stress(self.path, every, self.path.nominal_steps[step])[0]
 
     def section_stress(self, step: int = -1) -> tuple[np.ndarray, np.ndarray]:
-        """Von Mises stress all over the section after a nominal step: at the points of ``Body.samples``.
+        """Compute the von Mises stress over the section after a nominal step, at ``Body.samples``.
 
         Returns
         -------
@@ -249,23 +258,25 @@ class SealResult:
         samples = self.path.discretization.body.samples
         every = np.arange(len(samples.anchors))
         stress = particle_stress(self.path, every, self.path.nominal_steps[step])[0]
+        # undeformed sample points, linear in the particles
         return samples.at(self.particles), stress
 
     def key_steps(self) -> list[int]:
-        """Nominal steps, from 0, of which pictures tell most; the last one that was reached is one."""
+        """Select nominal steps, from 0, for pictures; the last converged one is among them."""
         return profiles.key_steps(self)
 
     def caption(self, step: int) -> str:
-        """Where the profiles are after a nominal step, in words."""
+        """Describe the positions of the profiles after a nominal step."""
         return profiles.caption(self, step)
 
     def measures(self, measures=None) -> tuple:
-        """Measures with their places, as ``frozen_measures`` gives them.
+        """Return measures with frozen evaluation points, as ``frozen_measures`` does.
 
-        Those that take places from the nominal seal ask for its analysis, once for a seal, unless this
-        is the nominal seal, or has been given them (``at``).
+        Measures that select their points on the nominal seal need its analysis, once per seal, unless
+        this is the nominal seal or the points were given (``at``).
         """
         chosen = _chosen(self.seal, measures)
+        # points given by ``at`` replace those of the nominal seal
         placed = {measure.name: measure for measure in self.placed}
         own = {name: self.seal.measures((name,))[0] for name in placed}
         chosen = [placed[m.name] if m == own.get(m.name) else m for m in chosen]
@@ -275,45 +286,49 @@ class SealResult:
         return self if self.is_nominal else analyze(seal)
 
     def measure(self, name: str) -> Measure:
-        """One of the seal's measures with its places."""
+        """Return one of the seal's measures with its evaluation points."""
         return self.measures((name,))[0]
 
     def at(self, measures) -> "SealResult":
-        """The same result with the seal's measures of these names at their places, such as those of
+        """Return the same result with given measures at their evaluation points, such as those of
         another seal's nominal design, ``result.at(nominal.measures())``."""
         return replace(self, placed=tuple(measures))
 
     def value(self, measure: Measure) -> np.ndarray:
         """Values of a measure with frozen places, shape (m,)."""
+        # f(m) of a base measure m
         if isinstance(measure, Derived):
             return np.atleast_1d(measure.value(self.value(measure.base))[0])
         return measure.of(self)[0]
 
 
 def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None) -> tuple:
-    """Measures with their places.
+    """Return measures with frozen evaluation points.
 
     Parameters
     ----------
     measures : sequence of Measure or str, optional
         The seal's standard ones when left out; names are those that the seal knows.
     analysis : callable, optional
-        ``analysis(seal)`` gives the result of the nominal seal, where a measure takes its places from
-        it; ``analyze`` when left out. Places that are known are not looked for again.
+        ``analysis(seal)`` returns the result of the nominal seal, on which a measure selects its
+        points; ``analyze`` when left out. Cached points are not selected again.
 
     Raises
     ------
     ValueError
         For a name that the seal does not know.
     LoadPathError
-        When the path of the nominal seal cannot be completed, and a measure takes places from it.
+        When the path of the nominal seal cannot be completed, and a measure selects points on it.
     """
+    # measures without selected points need no nominal analysis
     chosen = _chosen(seal, measures)
     if not any(measure.selects_points for measure in chosen):
         return chosen
+    # evaluation points depend on the nominal seal only
     nominal_seal = seal.nominal()
     wanted = {measure: (nominal_seal.key, measure) for measure in chosen if measure.selects_points}
     if any(key not in _places for key in wanted.values()):
+        # select the points on the deformed nominal seal
         nominal = (analyze if analysis is None else analysis)(nominal_seal)
         if not nominal.converged:
             names = ", ".join(repr(measure.name) for measure in wanted)
@@ -324,8 +339,10 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
             )
         for measure in (*wanted, *seal.measures()):  # those of always are asked for next
             if measure.selects_points:
+                # frozen points: the measure is a smooth function of the design
                 _places[nominal_seal.key, measure] = measure.frozen(nominal)
     for key in wanted.values():
+        # least recently used entries are dropped
         _places.move_to_end(key)
     found = tuple(_places[wanted[m]] if m.selects_points else m for m in chosen)
     while len(_places) > KNOWN_PLACES:
@@ -334,20 +351,21 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
 
 
 _places = OrderedDict()
-"""Measures with their places by the nominal seal and the measure without: the same seal has the same."""
+"""Cache of measures with evaluation points, by key of the nominal seal and measure without points."""
 
 
 def _chosen(seal: Seal, measures) -> tuple:
-    """Measures of a seal, of which some are given by their names."""
+    """Look up measures that are given by name."""
     chosen = []
     for measure in seal.measures() if measures is None else measures:
+        # by name, or a measure itself
         chosen += seal.measures((measure,)) if isinstance(measure, str) else [measure]
         values.instance("a measure", chosen[-1], Measure)
     return tuple(chosen)
 
 
 def is_empty(measure: Measure, seal: Seal) -> bool:
-    """Whether a measure with frozen places has none: the nominal seal has no gap region."""
+    """Whether a measure with frozen points has none: the nominal seal has no gap region."""
     base = measure.base if isinstance(measure, Derived) else measure
     return base.size(seal) == 0
 
@@ -397,7 +415,8 @@ def analyze(
 def analyzed_with(
     analysis: Callable, seal: Seal, boundary_offsets, parameters, keep_factors, callback
 ) -> SealResult:
-    """A design and parameters as the particles and the seal that ``analysis`` takes."""
+    """Convert a design and parameters to particles and a seal, and call ``analysis`` with them."""
+    # X = X_0 + sum_p b_p V_p, with checked offsets b
     offsets = seal.check_offsets(boundary_offsets)
     if parameters is not None:
         values.instance("parameters", parameters, Mapping)
@@ -410,13 +429,14 @@ def analyzed_with(
 
 
 def estimate(seal: Seal) -> Cost:
-    """Time and memory that one analysis of a seal takes, roughly (``analysis.cost``)."""
+    """Estimate time and memory of one analysis of a seal (``analysis.cost``)."""
     values.instance("seal", seal, Seal)
     return analysis_cost(seal.body, seal.nominal_particles, seal.n_steps)
 
 
 def unloaded(seal: Seal) -> SealResult:
     """The nominal seal without any load step, to draw its section."""
+    # undeformed state: a path of zero steps counts as completed
     terms = seal.terms()
     problem = PathProblem(
         discretize(seal.body, seal.nominal_particles, terms), terms, seal.imposed()
@@ -427,20 +447,24 @@ def unloaded(seal: Seal) -> SealResult:
 def analyze_particles(
     seal: Seal, particles, boundary_offsets=None, *, factor_memory=0.0, callback=None
 ) -> SealResult:
-    """As ``analyze``, with the particles (n, 2) themselves.
+    """Analyse a seal with given particles (n, 2), mm; otherwise as ``analyze``.
 
-    Factors of converged tangents are kept as far as ``factor_memory`` (GiB) goes.
+    Factors of converged tangents are cached up to ``factor_memory`` (GiB).
     """
+    # the choice of steps and penalties has solved this path already
     path = take_path(seal, particles)
     if path is not None:
+        # report its steps as if they were computed now
         for step in path.nominal_steps if callback is not None else ():
             callback(step)
         path = path if factor_memory >= FACTOR_MEMORY else without_factors(path)
         return SealResult(seal, path, boundary_offsets)
+    # refuse analyses beyond the memory, report long ones
     cost = estimate(seal)
     require_means(cost, seal.body, seal.n_steps)
     announce(cost, seal.body, seal.n_steps)
     terms = seal.terms()
+    # r(d, lambda) = 0 of all terms, solved along lambda
     problem = PathProblem(discretize(seal.body, particles, terms), terms, seal.imposed())
     path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback)
     return SealResult(seal, path, boundary_offsets)

@@ -1,4 +1,4 @@
-"""A seal: a cloud and its design, terms of equilibrium, load steps, measures, parameters."""
+"""Definition of a seal: particles and their design, terms of equilibrium, load steps, measures."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -17,11 +17,11 @@ from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.terms.term import Scalar
 
 SETTINGS_OPTION = "seal_settings"
-"""Option of a ``SealGroup`` that holds what ``Seal.settings`` gives, for recorder files."""
+"""Option of a ``SealGroup`` with the JSON text of ``Seal.settings``, for recorder files."""
 
 
 class Parameter(NamedTuple):
-    """How users see a scalar parameter of the terms.
+    """Public description of a scalar parameter of the terms.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Parameter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Seal:
-    """A body under terms of equilibrium, and what is designed of it.
+    """A body under terms of equilibrium, with its design parameters.
 
     Particles are linear in the design parameters, X = X0 + sum_p offset_p V_p, so the design velocity V
     of Eq. (48) is constant.
@@ -103,6 +103,7 @@ class Seal:
     offset_limit: float = np.inf
 
     def __post_init__(self):
+        # sizes and kinds of all parts
         values.integer("n_steps", self.n_steps, 1)
         for name, kind in (("body", Body), ("newton", NewtonOptions)):
             if not isinstance(getattr(self, name), kind):
@@ -135,7 +136,8 @@ class Seal:
             )
 
     def _complete(self) -> None:
-        """Give contacts with open penalties those that follow from the body."""
+        """Set open penalties of contacts from the stiffness of the body."""
+        # penalties scale with E/h of the elastic body
         elastic, *rest = self.definitions
         rest = (completed(own, elastic, self.body, self.nominal_particles) for own in rest)
         object.__setattr__(self, "definitions", (elastic, *rest))
@@ -144,7 +146,7 @@ class Seal:
 
     @cached_property
     def scalars(self) -> dict:
-        """``Scalar`` by name: what ``with_parameters`` takes and what can be differentiated."""
+        """``Scalar`` by name: the parameters of ``with_parameters`` and of sensitivities."""
         # p_0, for parameters that no term has
         found = {
             name: Scalar(own.zero, own.units, own.text) for name, own in self.parameters.items()
@@ -160,7 +162,7 @@ class Seal:
         }
 
     def _applied(self, definition):
-        """A definition with what was changed of it."""
+        """Return a definition with the changed parameters applied."""
         # parameter of the term = p - p_0
         own = {
             name: self.changed[name] - self.parameters[name].zero
@@ -172,7 +174,7 @@ class Seal:
         return definition.with_parameters(own) if own else definition
 
     def with_parameters(self, changes: Mapping) -> "Seal":
-        """A copy with some of the ``scalars`` changed.
+        """Return a copy with some of the ``scalars`` changed.
 
         Raises
         ------
@@ -189,20 +191,22 @@ class Seal:
         return other
 
     def _checked_value(self, name: str, value) -> float:
+        # a scalar or an array of one number, within the bounds of the parameter
         found = values.numbers(name, value).reshape(-1)
         values.require(found.size == 1, f"{name} must be one number, got {found.size}")
         bounds = self.parameters[name].bounds if name in self.parameters else {}
         return values.real(name, float(found[0]), **bounds)
 
     def _with_changed(self, changed: dict) -> "Seal":
-        """The seal with other changes of its parameters, of the same description."""
+        """Return the seal with other changed parameters and the same description."""
         other = replace(self, changed=changed)
         other.__dict__["_origin"] = self._origin
         other.__dict__["description"] = self.description
         return other
 
     def nominal(self) -> "Seal":
-        """The nominal seal, where places of measures are chosen: its ``inputs`` not changed."""
+        """Return the nominal seal, on which measures select their points: its ``inputs`` unchanged."""
+        # changed material or friction remain: only the design returns to nominal
         rest = {name: own for name, own in self.changed.items() if name not in self.inputs}
         return self if len(rest) == len(self.changed) else self._with_changed(rest)
 
@@ -226,7 +230,7 @@ class Seal:
         return None if imposed is None else self._applied(imposed)
 
     def with_ends(self, ends) -> "Seal":
-        """The same seal with load steps that end elsewhere.
+        """Return the same seal with other ends of the load steps.
 
         Parameters
         ----------
@@ -246,19 +250,19 @@ class Seal:
         )  # fmt: skip
 
     def with_clearances(self, clearances: dict) -> "Seal":
-        """The same seal with profiles whose first load step begins farther back (``Motion.clearance``).
+        """Return the same seal with profiles that start farther back (``Motion.clearance``).
 
         Parameters
         ----------
         clearances : dict of str to ndarray, shape (2,)
-            Where it begins, from the first waypoint, by the label of the profile, mm.
+            Start relative to the first waypoint, by the label of the profile, mm.
         """
         other = replace(self, definitions=tuple(
             replace(own, motion=replace(own.motion, clearance=clearances[own.label]))
             if own.label in clearances else own
             for own in self.definitions
         ))  # fmt: skip
-        # what was moved back before stays so
+        # profiles moved back before keep their clearance
         clearances = {
             label: np.asarray(clearance, float).tolist() for label, clearance in clearances.items()
         }
@@ -266,8 +270,8 @@ class Seal:
         return other._made_as(self, clearances=known | clearances)
 
     def with_placements(self) -> "Seal":
-        """The seal with parameters that place every profile: ``<label>_x``, ``<label>_y`` (mm) and
-        ``<label>_angle`` (degrees about its pivot), zero where they are drawn.
+        """Return the seal with placement parameters of every profile: ``<label>_x``, ``<label>_y`` (mm)
+        and ``<label>_angle`` (degrees about its pivot), zero at the nominal position.
 
         They move a profile along its whole path; a sample whose profile would begin inside of the seal
         begins farther back (``seals.clear_start``). A profile with parameters of its own that move its
@@ -278,22 +282,23 @@ class Seal:
             return self
         return replace(self, definitions=definitions)._made_as(self, placements=True)
 
-    # ---- what it was made from ----
+    # ---- description, from which the seal can be rebuilt ----
 
     def made_from(self, description: dict) -> "Seal":
-        """Note what this seal can be made from again, as JSON holds it; two seals of one description are
-        the same. What is made of this seal by ``dataclasses.replace`` has none."""
+        """Set the description (JSON values) from which this seal can be rebuilt; seals with equal
+        descriptions are the same. A copy by ``dataclasses.replace`` has no description.
+        """
         self.__dict__["description"] = description
         if description:
             self.__dict__["_origin"] = json.dumps(description)
         return self
 
     def _made_as(self, seal: "Seal", **more) -> "Seal":
-        """Note that this seal can be made as another one, and what is changed of that."""
+        """Set the description of another seal, with changes, as that of this one."""
         return self.made_from(seal.description and seal.description | more)
 
     def settings(self) -> str:
-        """The seal as JSON, from which it can be made again; empty where that is not possible."""
+        """Return the seal as JSON, from which it can be rebuilt; empty where that is not possible."""
         if not self.description:
             return ""
         changed = {"parameters": {name: float(value) for name, value in self.changed.items()}}
@@ -301,7 +306,7 @@ class Seal:
 
     @cached_property
     def description(self) -> dict:
-        """What was given to ``made_from``; empty for a seal that nothing is known of."""
+        """Description given to ``made_from``; empty without one."""
         return {}
 
     @cached_property
@@ -310,14 +315,14 @@ class Seal:
 
     @property
     def key(self):
-        """What makes two seals the same: hashable, equal for equal inputs."""
+        """Hashable key of the seal, equal for equal inputs."""
         return self._origin, tuple(scalar.value for scalar in self.scalars.values())
 
     # ---- measures ----
 
     def measures(self, names=()) -> tuple:
-        """The standard measures, or those of ``names``; without the places that they take from the
-        nominal seal.
+        """Return the standard measures, or those of ``names``, without points selected on the nominal
+        seal.
 
         Raises
         ------
@@ -332,7 +337,7 @@ class Seal:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is known to make the results of this seal inaccurate, a line each."""
+        """Known causes of inaccurate results of this seal, one line each."""
         return ()
 
     # ---- design ----
@@ -342,7 +347,7 @@ class Seal:
         return len(self.design_velocity)
 
     def area(self, offsets: np.ndarray) -> tuple[float, np.ndarray]:
-        """Area of the section, mm^2, and its gradient with respect to the offsets.
+        """Compute the area of the section, mm^2, and its gradient with respect to the offsets.
 
         The offsets have been checked. They are complex under OpenMDAO's complex step, and then so are
         area and gradient.
@@ -354,7 +359,7 @@ class Seal:
         return value, np.tensordot(self.design_velocity, by_particles, 2)
 
     def particles(self, offsets=None) -> np.ndarray:
-        """Particles of a design, shape (n, 2), mm.
+        """Compute the particles of a design, shape (n, 2), mm.
 
         Raises
         ------
@@ -364,12 +369,12 @@ class Seal:
         return self.moved(self.check_offsets(offsets))
 
     def moved(self, offsets: np.ndarray) -> np.ndarray:
-        """Particles of offsets that have been checked, real or complex, shape (n, 2), mm."""
+        """Compute the particles of checked offsets, real or complex, shape (n, 2), mm."""
         # X = X_0 + sum_p b_p V_p
         return self.nominal_particles + np.tensordot(offsets, self.design_velocity, 1)
 
     def check_offsets(self, offsets) -> np.ndarray:
-        """Offsets as an array of the right shape; zeros for None."""
+        """Check offsets and return them as an array; zeros for None."""
         if offsets is None:
             return np.zeros(self.n_offsets)
         offsets = values.numbers("boundary_offsets", offsets)
@@ -390,9 +395,10 @@ class Seal:
 
 
 def _placed(definition):
-    """A contact with parameters that place its profile, unless one moves its start already."""
+    """Add placement parameters to a contact, unless a parameter moves its start already."""
     if not isinstance(definition, RigidContact) or definition.motion.rates[:, 0].any():
         return definition
+    # two shifts and a rotation about the pivot
     names = (f"{definition.label}_{axis}" for axis in ("x", "y", "angle"))
     return replace(definition, motion=definition.motion.with_placement(*names))
 

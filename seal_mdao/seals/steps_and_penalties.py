@@ -1,4 +1,4 @@
-"""Load steps and contact penalties by tolerance: chosen once on the nominal seal, then frozen.
+"""Choose load steps and contact penalties by tolerance, once on the nominal seal; then they are fixed.
 
 A coarse path comes first. Where its estimated error of a measure by the penalties (``penalty_error``),
 the penetration or the elastic slip in stick is above the tolerance, the next path has penalties that
@@ -32,18 +32,18 @@ from seal_mdao.seals.seal import Seal
 STEP_TOLERANCE = 5e-3
 PENALTY_TOLERANCE = 1e-3
 COARSE = 12
-"""Equal load steps of the first path, at the least."""
+"""Least number of equal load steps of the first path."""
 MOST = 8
-"""Times as many steps as the first path that there may be while paths still fail."""
+"""Largest refinement of the first path while paths still fail, as a factor on its steps."""
 ROUNDS = 10
 CORRECTIONS = 4
-"""Times that the penalties are raised, at the most."""
+"""Largest number of times that the penalties are raised."""
 COSTLY = 2.0
-"""Times the iterations for each load step that a path with higher penalties may take."""
+"""Largest ratio of iterations per load step of a path with higher penalties to that before."""
 SURPLUS = 1.5
 """Factor on the ratio of error to tolerance by which a penalty is raised."""
 RELATIVE_ROUNDING = 1e-10
-"""Of the contact pressure, over the shear modulus, that bounds the penalties from above."""
+"""Largest rounding error of the contact pressure over the shear modulus; it bounds the penalties."""
 
 
 class Choice(NamedTuple):
@@ -94,16 +94,16 @@ def choose(
     coarse: int = COARSE,
     callback: Callable | None = None,
 ) -> Choice:
-    """The seal with load steps and penalties within tolerances; its next analysis takes the last path.
+    """Choose load steps and penalties within tolerances; the next analysis reuses the last path.
 
     Parameters
     ----------
     seal : Seal
         Nominal. With one nominal step for every stage of its path where steps are to be chosen.
     step_tolerance : float, optional
-        Relative, at most 1, as ``Choice.step_error``; without it the steps stay.
+        Relative, at most 1, as ``Choice.step_error``; without it the steps are not changed.
     penalty_tolerance : float, optional
-        Relative, at most 1, as ``Choice.penalty_error``; without it the penalties stay.
+        Relative, at most 1, as ``Choice.penalty_error``; without it the penalties are not changed.
     names : collection of str, optional
         Penalties to choose, by their names in ``Seal.scalars``.
     coarse : int
@@ -120,13 +120,16 @@ def choose(
     ValueError
         When a tolerance is no such number, or load steps within it are not found in ``ROUNDS`` rounds.
     """
+    # relative tolerances in (0, 1]
     for name, tolerance in (
         ("step_tolerance", step_tolerance), ("penalty_tolerance", penalty_tolerance),
     ):  # fmt: skip
         if tolerance is not None:
             values.real(name, tolerance, above=0.0, high=1.0)
+    # penalties of these names that the seal has
     run, wanted = _Analyses(callback), names if penalty_tolerance is not None else ()
     names = frozenset(p.name for p in penalties_of(seal) if p.name in wanted)
+    # first path: coarse steps, or some of the given ones
     begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
     ends, result = _first_path(seal, begun, run, more=1)
     if not result.converged:
@@ -136,46 +139,52 @@ def choose(
         return Choice(
             seal, tuple(np.arange(1.0, seal.n_steps + 1.0)), _values(seal, names), None, None
         )
+    # given steps: raise the penalties alone
     if step_tolerance is None:
         chosen, ends, error = seal, np.arange(1.0, seal.n_steps + 1.0), None
         for group in _groups(seal, names):
             chosen, result = _with_penalties(chosen, result, group, penalty_tolerance, run)
     else:
+        # refine steps and raise penalties together
         ends, result, error = _with_steps(
             seal, ends, result, step_tolerance, names, penalty_tolerance, run
         )
         chosen = result.seal
+    # the last path is the analysis of the chosen seal: solve it once only
     if result.seal.key == chosen.key:
         store_path(chosen, result.path)
+    # error that remains by the chosen penalties
     left = relative_error(result, names) if names else None
     return Choice(chosen, tuple(ends.tolist()), _values(chosen, names), error, left)
 
 
 def _divided_stages(seal: Seal, coarse: int) -> np.ndarray:
-    """Ends of at least ``coarse`` equal load steps in all stages together, of one nominal step each."""
+    """Return the ends of at least ``coarse`` equal load steps over stages of one nominal step each."""
     return divided(np.arange(1.0, seal.n_steps + 1.0), -(-coarse // seal.n_steps))
 
 
 def _thinned(seal: Seal, coarse: int) -> np.ndarray:
-    """Some ``coarse`` of the ends of load steps that are given, those of all stages among them."""
+    """Select about ``coarse`` of the given ends of load steps, including the ends of all stages."""
+    # every k-th end, and the ends of the stages
     every = -(-seal.n_steps // coarse)
     stages = [np.cumsum(contact.motion.steps) for contact in contacts(seal)]
     return np.unique(np.concatenate([*stages, np.arange(every, seal.n_steps, every)])).astype(float)
 
 
 def _first_path(seal: Seal, ends: np.ndarray, run, more: int):
-    """Ends of load steps in which the path is completed, and that path; halved while it fails, up to
-    ``MOST`` times as many."""
+    """Find load steps with which the path is completed: halve them while it fails, up to ``MOST`` times
+    as many. Return their ends and the path."""
     most = MOST * len(ends)
     while True:
         result = run(seal.with_ends(ends), more)
         if result.converged or len(ends) >= most:
             return ends, result
+        # halve all steps, since a failed path gives no error to compare
         ends = divided(ends, 2)
 
 
 def _values(seal: Seal, names) -> dict[str, float]:
-    """Values of some penalties."""
+    """Return the values of some penalties."""
     return {p.name: p.value for p in penalties_of(seal) if p.name in names}
 
 
@@ -183,30 +192,31 @@ def _values(seal: Seal, names) -> dict[str, float]:
 
 
 def _groups(seal: Seal, names) -> list[frozenset]:
-    """Penalties that are raised by one factor: those of rigid contacts, then those of self-contact,
-    which begin with other ratios to the body and are refused for other reasons."""
+    """Group penalties that are raised by a common factor: those of rigid contacts, then those of
+    self-contact, whose ratios to the stiffness of the body differ."""
     rigid = {contact.label for contact in contacts(seal)}
     first = frozenset(p.name for p in penalties_of(seal) if p.name in names and p.contact in rigid)
     return [group for group in (first, frozenset(names) - first) if group]
 
 
 def relative_error(result: SealResult, names) -> float:
-    """By how much the penalties ``names`` err: the largest relative error that they leave together in a
-    measure, penetration or elastic slip in stick over the largest displacement.
+    """Compute the largest relative error by the penalties ``names``: in a measure, or as penetration or
+    elastic slip in stick over the largest displacement.
 
-    Measures whose error is not estimable, for contact is about to part, have no part in it where there
+    Measures whose error is not estimable, because contact is about to open, are left out where there
     are others.
     """
     errors = penalty_errors(result).values()
+    # all of them where none is estimable
     errors = [error for error in errors if error.estimable] or errors
     return max(compliance(result, names), *(error.part(names) for error in errors))
 
 
 def _with_penalties(seal: Seal, result: SealResult, names, tolerance: float | None, run):
-    """The seal in its own steps with ``names`` raised until their error is within the tolerance, and the
-    path that shows it; ``result`` is a coarse path.
+    """Raise ``names`` until their error is within the tolerance; return the seal, in its own steps, and
+    its path. ``result`` is a coarse path.
 
-    The last seal where higher penalties take too long (``_too_costly``), or where rounding bounds them.
+    Ends early where higher penalties cost too much (``_too_costly``) or are bounded by rounding.
     """
     for _ in range(CORRECTIONS):
         raised = _raised(result, names, tolerance)
@@ -214,6 +224,7 @@ def _with_penalties(seal: Seal, result: SealResult, names, tolerance: float | No
             break
         stiffer = _own(seal.with_parameters(raised))
         again = run(stiffer, 0)
+        # the penalties before remain
         if _too_costly(again, result):
             break
         seal, result = stiffer, again
@@ -228,7 +239,7 @@ def _too_costly(result: SealResult, before: SealResult) -> bool:
 
 
 def _raised(result: SealResult, names, tolerance: float) -> dict[str, float]:
-    """Higher values of the penalties where they err by more than the tolerance.
+    """Compute higher values of the penalties whose error exceeds the tolerance.
 
     All of a group by one factor: the ratio of tangential to normal penalty decides over the first
     increment of a point that comes into contact, which is an error of the load steps.
@@ -236,6 +247,7 @@ def _raised(result: SealResult, names, tolerance: float) -> dict[str, float]:
     found, highest = {}, most_penalty(result.seal)
     for group in _groups(result.seal, names):
         excess, before = relative_error(result, group) / tolerance, _values(result.seal, group)
+        # error ~ 1/w: w_new = w (1.5 error / tolerance), bounded by rounding
         factor = min(SURPLUS * excess, highest / max(before.values()))
         # two significant digits, for whoever reads them
         raised = {name: float(f"{value * factor:.2g}") for name, value in before.items()}
@@ -245,17 +257,18 @@ def _raised(result: SealResult, names, tolerance: float) -> dict[str, float]:
 
 
 def most_penalty(seal: Seal) -> float:
-    """Highest penalty, kPa/mm, whose pressure is exact to ``RELATIVE_ROUNDING`` of the shear modulus.
+    """Compute the highest penalty, kPa/mm, with pressures exact to ``RELATIVE_ROUNDING`` times G.
 
     A gap is a difference of coordinates, known to eps L, so the pressure is to w eps L.
     """
+    # w eps L <= RELATIVE_ROUNDING G
     shear = max(region.material.shear_modulus for region in seal.terms()[0].regions)
     size = float(np.abs(seal.nominal_particles).max())
     return RELATIVE_ROUNDING * shear / (np.finfo(float).eps * size)
 
 
 def _own(seal: Seal) -> Seal:
-    """The seal with its changed parameters as those of its terms."""
+    """Return the seal with changed parameters moved into the definitions of its terms."""
     return replace(seal, definitions=seal.terms(), changed={})
 
 
@@ -263,29 +276,36 @@ def _own(seal: Seal) -> Seal:
 
 
 def _with_steps(seal, ends, coarse: SealResult, tolerance, names, penalty_tolerance, run):
-    """Ends of load steps and penalties within their tolerances, the path with them, and the estimated
-    error by the steps.
+    """Refine load steps and raise penalties until both errors are within their tolerances.
 
-    The error of a path is estimated by what the last division changed, for it falls at least like the
-    length of the steps; that of steps which were not divided again by their part in the drift before.
+    Returns the ends of the steps, the path, and its estimated error by the steps. The error is
+    estimated by the change in the last division, since it is at least of first order in the step size;
+    for steps that were not divided again, by their fraction of the drift before.
     """
+    # e, drift of every step, remaining corrections of penalties
     error, drift, corrections = np.inf, np.ones(len(ends)), CORRECTIONS
     for _ in range(ROUNDS):
         raised = _raised(coarse, names, penalty_tolerance) if corrections else {}
         if error <= tolerance and not raised:
             return ends, coarse, error
+        # next path: divided steps, raised penalties
         parts = _parts(error, drift, tolerance)
         finer = divided(ends, parts)
         stiffer = _own(seal.with_parameters(raised)) if raised else seal
         fine = run(stiffer.with_ends(finer), 0)
+        # higher penalties that converge badly are given up
         if raised and _too_costly(fine, coarse):
             stiffer, corrections = seal, 1
             fine = run(seal.with_ends(finer), 0)
         fine.require_converged()
         seal, corrections = stiffer, corrections - bool(raised)
+        # index of the matching fine step; steps that were not divided
         at, whole = np.cumsum(parts) - 1, parts == 1
+        # error of steps not divided: e (sum of their drift) / (sum of all)
         left = error * drift[whole].sum() / drift.sum() if whole.any() else 0.0
+        # e = left + |m(fine) - m(coarse)| / scale
         error = left + difference(coarse, fine, at, by_penalties=bool(raised))
+        # half of the drift in either half of a divided step
         drift = np.repeat(np.where(whole, drift, 0.5 * drifts(coarse, fine, at)), parts)
         ends, coarse = finer, fine
     raise ValueError(
@@ -295,15 +315,15 @@ def _with_steps(seal, ends, coarse: SealResult, tolerance, names, penalty_tolera
 
 
 def _parts(error: float, drift: np.ndarray, tolerance: float) -> np.ndarray:
-    """Into how many parts to divide every load step: two where it drifts by no less than the mean."""
+    """Return the number of parts of every load step: two where its drift is at least the mean."""
     split = (drift >= drift.mean()) & (error > tolerance)
     return np.where(split, 2, 1)
 
 
 def divided(ends: np.ndarray, parts) -> np.ndarray:
-    """Every step divided in equal parts, as many for all or for each; the old ends are kept bit for
-    bit."""
+    """Divide load steps into equal parts, one number for all or each; old ends stay the same bitwise."""
     parts = np.broadcast_to(parts, len(ends))
+    # start + (end - start) i / n,  i = 1 ... n - 1, and the end itself
     starts = np.concatenate([[0.0], ends[:-1]])
     found = [
         np.append(start + (end - start) * np.arange(1, n) / n, end)
@@ -315,32 +335,35 @@ def divided(ends: np.ndarray, parts) -> np.ndarray:
 def difference(
     coarse: SealResult, fine: SealResult, at: np.ndarray, by_penalties: bool = False
 ) -> float:
-    """Largest relative difference of two paths, in measures at the end and forces along the path.
+    """Compute the largest relative difference of two paths: measures at the end, forces on the path.
 
     Parameters
     ----------
     at : ndarray of int, shape (n_steps of coarse,)
         Nominal steps of ``fine`` that end where those of ``coarse`` do.
     by_penalties : bool
-        Whether the penalties differ too; what they do to measures by its estimate is not counted.
+        Whether the penalties differ too; their estimated effect on measures is subtracted.
     """
     return max(measure_difference(coarse, fine, by_penalties), force_difference(coarse, fine, at))
 
 
 def drifts(coarse: SealResult, fine: SealResult, at: np.ndarray) -> np.ndarray:
-    """By how much every step of ``coarse`` moves the particles apart from ``fine``, shape (n_steps,)."""
+    """Compute the displacement error that each step of ``coarse`` adds, shape (n_steps,), mm."""
+    # steps of both paths that end at the same load
     matching = [fine.path.nominal_steps[place] for place in at]
     apart = np.array([a.d - b.d for a, b in zip(coarse.path.nominal_steps, matching, strict=True)])
+    # growth of d_coarse - d_fine in each step
     own = np.diff(apart, axis=0, prepend=0.0 * apart[:1])
     return np.abs(own).max(axis=(1, 2))
 
 
 def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> float:
-    """Largest difference of the total force on a rigid profile along the path, over its largest one."""
+    """Compute the largest relative difference of the total force on a rigid profile along the path."""
     found = [0.0]
     for term in coarse.path.problem.terms:
         if hasattr(term, "motion"):
             one, other = (result.path.reaction(term.label) for result in (coarse, fine))
+            # max |F_coarse - F_fine| / max |F_fine| along the path
             scale = np.abs(other).max()
             if scale > 0.0:
                 found.append(float(np.abs(one - other[at]).max() / scale))
@@ -348,19 +371,21 @@ def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> fl
 
 
 def measure_difference(coarse: SealResult, fine: SealResult, by_penalties: bool = False) -> float:
-    """Largest difference of a measure over its scale (``scale_of``), at the places of ``fine``."""
+    """Compute the largest relative difference of the measures, at the points of ``fine``."""
     worst, measures = 0.0, standard_measures(fine)
+    # expected change c/w_coarse - c/w_fine
     known = _changes_by_penalties(coarse, fine, measures) if by_penalties else {}
     for measure in measures:
         scale = scale_of(measure, fine)
         if scale > 0.0:
+            # (m_coarse - m_fine - expected) / scale
             apart = coarse.value(measure) - fine.value(measure) - known.get(measure.name, 0.0)
             worst = max(worst, float(np.abs(apart).max(initial=0.0) / scale))
     return worst
 
 
 def _changes_by_penalties(coarse: SealResult, fine: SealResult, measures) -> dict:
-    """What different penalties do to measures, estimated: c/w of ``coarse`` minus that of ``fine``."""
+    """Estimate the effect of penalties on measures: c/w of ``coarse`` minus c/w of ``fine``."""
     one, other = (penalty_errors(result, measures) for result in (coarse, fine))
     return {
         name: one[name].error - other[name].error

@@ -239,7 +239,7 @@ def directions_of(used: np.ndarray, slopes: np.ndarray) -> HandedOn:
     ----------
     slopes : ndarray, shape (s, 2, 2)
         Derivatives of two functions of every point with its displacement. The second may be zero; a
-        point where both are hands on nothing.
+        point where both are zero passes no sensitivity to the next step.
     """
     points, directions = np.empty(2 * used.size, int), np.empty((2 * used.size, 2))
     count = _fill_directions(used, slopes, points, directions)

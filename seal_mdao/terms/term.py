@@ -38,7 +38,7 @@ class Response(Protocol):
     Attributes
     ----------
     history : object
-        What it hands on to the next step; None for a term without memory.
+        History carried to the next step; None for a term that is not history dependent.
     branch : ndarray of int
         Which branch of its law every point is on (stick, slip, open); empty where there is one.
     unconverged : int

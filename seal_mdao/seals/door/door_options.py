@@ -1,4 +1,4 @@
-"""Options of the door seal: what they are, their bounds, and the parts of the seal that follow."""
+"""Options of the door seal, their bounds, and the parts of the seal built from them."""
 
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
@@ -29,7 +29,7 @@ FARTHEST = 100.0
 
 
 def _optional(check):
-    """A check that lets None pass."""
+    """Return a check that accepts None."""
     return lambda name, value: None if value is None else check(name, value)
 
 
@@ -65,7 +65,7 @@ def _one_of(*choices: str):
 
 
 def _option(default, check):
-    """An option with its default; ``check(name, value)`` gives the value as it is kept."""
+    """Declare an option with its default; ``check(name, value)`` returns the checked value."""
     return field(default=default, metadata={"check": check})
 
 
@@ -79,8 +79,8 @@ class DoorOptions:
         Particles around and across the wall, 58 to 2320 and 3 to 40; ``rays`` a multiple of 58 so that
         the base keeps its width.
     refinement : int
-        Into how many, 1 to 10, the intervals between rays are divided where the door presses, 62 degrees
-        to either side of straight up.
+        Number of parts, 1 to 10, of every interval between rays within 62 degrees of straight up, where
+        the door presses.
     support : float or pair of float
         One number: round kernels, their support radius over the longest cell edge at a particle, at
         most 10. Two: product kernels, their half-widths around and across the wall over the longest
@@ -94,8 +94,8 @@ class DoorOptions:
         "cell": one value in every background cell, a staircase across the wall. "wall": continuous and
         piecewise linear from the inner to the outer boundary, with as many values.
     contact_points : {"particles", "edges"}
-        Where the door may touch: at the free particles of the outer boundary, or in the middle of every
-        straight edge between two of them.
+        Contact points: the free particles of the outer boundary, or the middle of every straight edge
+        between two of them.
     section : Section
         Nominal section.
     outer_parameters, inner_parameters : int
@@ -106,7 +106,7 @@ class DoorOptions:
     door : {"corner", "flat"}
         Rounded corner with a vertical side, or wholly flat.
     corner_x : float
-        Where the flat of the corner door ends for the nominal radius, -50 to 50 mm.
+        End of the flat of the corner door for the nominal radius, -50 to 50 mm.
     nominal_door_radius : float
         Corner radius of the nominal door, from 0.01 to below 100 mm.
     door_radius : float or None
@@ -122,9 +122,9 @@ class DoorOptions:
     start : float
         Height of the door's flat at the start, up to 100 mm above the top of the nominal seal.
     clearance : float
-        How far above ``start`` the first load step begins, 0 to 100 mm, so that a design that reaches
-        up to ``start`` is still clear of the door. It does not count as travel: all steps end where
-        they would without it.
+        Distance above ``start`` at which the first load step begins, 0 to 100 mm, so that a design that
+        reaches up to ``start`` is still clear of the door. It does not count as travel and does not
+        change the ends of the steps.
     depth : float
         Final depth of the door below the top of the nominal seal, from 0.001 mm to its outer diameter.
     door_shift : float
@@ -135,7 +135,7 @@ class DoorOptions:
     n_steps : int
         Load steps from start to depth.
     step_ends : tuple of float, or None
-        Where they end, as fractions of the path, the last one 1; None for equal steps.
+        Ends of the load steps as fractions of the path, the last one 1; None for equal steps.
     newton : NewtonOptions
     solver : {"auto", "banded", "superlu", "pardiso"}
         "auto": the band where it is narrow, else PARDISO where pypardiso is installed, else SuperLU.
@@ -183,7 +183,7 @@ class DoorOptions:
         """Bounds of the scalar parameters, keyword arguments of ``values.real`` by name."""
         top, shear = self.section.outer_radius, self.material.shear_modulus
         return {
-            # from PROFILE_EXTENT on the drawn flat of the door would not begin before its corner
+            # with a larger radius the flat of the door would not begin before its corner
             "door_radius": {"low": 0.01, "below": PROFILE_EXTENT},
             "friction": {"low": 0.0, "high": 10.0},
             "depth": {"low": 0.001, "below": 2 * top},
@@ -194,7 +194,7 @@ class DoorOptions:
             "tangent_penalty": {"low": 1e-3 * shear, "high": 1e8 * shear},
         }
 
-    # ---- what follows from the options ----
+    # ---- parts of the seal built from the options ----
 
     @cached_property
     def grid(self) -> RingGrid:
@@ -237,7 +237,7 @@ class DoorOptions:
 
     @property
     def motion(self) -> Motion:
-        """Straight down from above ``start``; ``depth`` moves its end, shift and angle all of it."""
+        """Motion straight down from above ``start``; its parameters are ``depth``, shift and angle."""
         # y(1) = R - depth, dy(1)/d(depth) = -1
         end = self.section.outer_radius - self.depth
         steps = self.n_steps if self.step_ends is None else 1
@@ -270,6 +270,7 @@ def door_options(**given) -> DoorOptions:
         For options that are unknown or not admissible.
     """
     known = [own.name for own in fields(DoorOptions)]
+    # unknown options before wrong values
     unknown = sorted(set(given) - set(known))
     if unknown:
         raise TypeError(f"unknown option {unknown[0]!r}; known options are {', '.join(known)}")
@@ -285,7 +286,7 @@ def door_options(**given) -> DoorOptions:
 
 
 def _checked(options: DoorOptions, checks: dict) -> DoorOptions:
-    """The options as their checks give them."""
+    """Return the options with their checked values."""
     found = {name: check(name, getattr(options, name)) for name, check in checks.items()}
     return replace(options, **found)
 
@@ -297,7 +298,7 @@ def _radius(name: str, value, bounds: dict) -> float:
 
 
 def _dependent_checks(options: DoorOptions) -> dict:
-    """Checks of options whose bounds depend on others."""
+    """Make the checks of options whose bounds depend on others."""
     bounds, top = dict(options.bounds), options.section.outer_radius
     radius = partial(_radius, bounds=bounds.pop("door_radius"))
     return {name: partial(values.real, **own) for name, own in bounds.items()} | {
@@ -308,7 +309,7 @@ def _dependent_checks(options: DoorOptions) -> dict:
 
 
 def _check_together(options: DoorOptions) -> None:
-    """Check what several options have to satisfy together."""
+    """Check the conditions on several options together."""
     values.require(
         options.rays % BASE_RAYS == 0,
         f"rays = {options.rays} must be a multiple of {BASE_RAYS}, else the base changes its width",

@@ -1,4 +1,4 @@
-"""The door seal of the paper: a preset that makes a ``Seal`` of its options."""
+"""The door seal of the paper, Kim et al. (2000): build a ``Seal`` from its options."""
 
 from dataclasses import asdict, replace
 
@@ -74,7 +74,7 @@ def door_seal(
         "paper": the cloud and the load steps of the paper, some 3 % from the limit of refinement.
         "engineering": those with the best error per second, the force within 0.5 % and the largest gap
         within 2 % of the limit. "fine": within 0.3 and 1 %; with more rays or layers no error grows.
-        Options among ``changes`` go before.
+        Options among ``changes`` override it.
     steps : "auto", optional
         Load steps that change no measure by more than ``step_tolerance``. They are found now, by some
         three analyses of the nominal seal (``seals.steps_and_penalties``), and belong to the seal.
@@ -99,7 +99,7 @@ def door_seal(
         steps is None or (isinstance(steps, str) and steps == "auto"),
         f'steps must be None or "auto", got {values.formatted(steps)}',
     )
-    # what the accuracy decides gives way to what is given
+    # explicit options override those of the accuracy
     options = door_options(**{**ACCURACIES[accuracy], **changes})
     if steps is None:
         return _built(options)
@@ -118,6 +118,7 @@ def options_of(seal: Seal) -> DoorOptions:
         For another seal.
     """
     values.require(DOOR_SEAL in seal.description, "the seal is not a door seal")
+    # options of the description, and parameters changed since
     options, changed = _read(seal.description[DOOR_SEAL]), dict(seal.changed)
     names = options.material.names
     # values of parameters over those that the seal was built with
@@ -136,6 +137,7 @@ def with_options(seal: Seal, **changes) -> Seal:
         For another seal, and options that are unknown or not admissible.
     """
     options = options_of(seal)
+    # rebuild from all options, so that the bounds are checked again
     own = {name: getattr(options, name) for name in DoorOptions.__dataclass_fields__}
     return door_seal(**{**own, **changes})
 
@@ -157,7 +159,7 @@ def described_door_seal(description: dict) -> Seal:
 
 
 def _read(settings: dict) -> DoorOptions:
-    """Options as JSON holds them."""
+    """Read options from JSON values."""
     parts = {name: kind(**settings[name]) for name, kind in PARTS.items()}
     return door_options(**settings | parts)
 
@@ -165,9 +167,10 @@ def _read(settings: dict) -> DoorOptions:
 def _built(options: DoorOptions) -> Seal:
     """Build the seal of options that have been checked."""
     section, grid, splines = options.section, options.grid, options.splines
-    # X_0: particles on rays between the two drawn boundaries
+    # X_0: particles on rays between the two nominal boundaries
     particles = grid.positions(section.inner(grid.angles), section.outer(grid.angles))
     body = _body(options, particles)
+    # terms: elastic body, and contact with the door
     where = _contact_points(options, body)
     door = RigidContact(DOOR, where, options.shape, options.motion, options.law)
     seal = Seal(
@@ -178,14 +181,14 @@ def _built(options: DoorOptions) -> Seal:
         section_area=splines.area,
         offset_limit=section.outer_radius - section.inner_radius,
     ).made_from({DOOR_SEAL: asdict(options)})  # fmt: skip
-    # the radius of this design is a change of the nominal door, where places of measures are chosen
+    # the radius is a changed parameter: measures select their points with the nominal door
     if options.door_radius is None:
         return seal
     return seal.with_parameters({"door_radius": options.door_radius})
 
 
 def _parameters(options: DoorOptions) -> dict[str, Parameter]:
-    """The parameters as users see them; those of the motion are zero at the nominal path."""
+    """Describe the public parameters; those of the motion are zero at the nominal path."""
     # p = p_0 + change: waypoints count from zero
     zeros = {name: getattr(options, name) for name in ("depth", "door_shift", "door_angle")}
     # no term has the radius of the flat door
@@ -199,7 +202,8 @@ def _parameters(options: DoorOptions) -> dict[str, Parameter]:
 
 
 def _reaction_curve(options: DoorOptions) -> tuple:
-    """Vertical force at those of ``CURVE_TRAVELS`` that the door reaches; nothing for less depth."""
+    """Make the measure of the vertical force at those of ``CURVE_TRAVELS`` within the depth."""
+    # travels beyond the depth have no force
     travels = tuple(travel for travel in CURVE_TRAVELS if travel <= options.depth)
     return (Reaction(DOOR, travels, (1,), name="reaction_curve"),) if travels else ()
 
@@ -233,9 +237,10 @@ def _body(options: DoorOptions, particles: np.ndarray) -> Body:
 
 
 def _contact_points(options: DoorOptions, body: Body) -> MaterialPoints:
-    """Where the door may touch."""
+    """Make the contact points of the outer boundary."""
     grid, top = options.grid, options.layers - 1
     if options.contact_points == "edges":
+        # one point in the middle of every side
         return edge_points(body.edge("outer").sides, 1)
     # tributary lengths reach half-way to the neighbours, at the ends to the base corners
     rays = grid.free_rays

@@ -11,9 +11,9 @@ from seal_mdao import values
 from seal_mdao.seals.wall_grid import WallGrid
 
 SMALLEST, LARGEST = 0.1, 50.0
-"""Between them the outer radius lies, mm."""
+"""Bounds of the outer radius, mm."""
 HOLE = (0.4, 0.98)
-"""Between them lies the inner radius over the outer one: a wall of a ring."""
+"""Bounds of the inner radius over the outer one: the wall of a ring."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,11 @@ class Section:
             )
 
     def inner(self, angle: np.ndarray) -> np.ndarray:
-        """Radius of the drawn inner boundary."""
+        """Radius of the nominal inner boundary."""
         return np.full(np.shape(angle), self.inner_radius)
 
     def outer(self, angle: np.ndarray) -> np.ndarray:
-        """Radius of the drawn outer boundary: flat base, straight flanks, circle."""
+        """Radius of the nominal outer boundary: flat base, straight flanks, circle."""
         # |D| in [0, pi]
         d = np.abs((np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi)
         # r = R / cos(D) on the base, R / cos(2 D0 - D) on the flanks, tangent to the circle r = R
@@ -61,11 +61,11 @@ class Section:
 
 
 UPPER = 20 / 58
-"""Share of the ring that a door presses: 62 degrees to either side of straight up."""
+"""Fraction of the ring that the door presses: 62 degrees to either side of straight up."""
 
 
 def _upper(rays: int) -> int:
-    """Intervals of an even ring that are refined."""
+    """Return the number of intervals of an even ring that are refined."""
     return round(UPPER * rays)
 
 
@@ -78,7 +78,7 @@ class RingGrid(WallGrid):
     base_columns : int
         Rays on either side of straight down whose outer particle lies on the flat base.
     refinement : int
-        Into how many the intervals of an even ring are divided in its upper part; ``rays`` counts all.
+        Number of parts of every interval in the upper part of an even ring; ``rays`` counts all rays.
     """
 
     base_columns: int
@@ -91,6 +91,7 @@ class RingGrid(WallGrid):
 
     @property
     def angles(self) -> np.ndarray:
+        # rays of the even ring before the refinement
         even = round(self.rays / (1.0 + (self.refinement - 1) * UPPER))
         # even intervals below, divided ones above
         middle, half = even // 2, _upper(even) // 2
@@ -101,6 +102,7 @@ class RingGrid(WallGrid):
     @property
     def base(self) -> np.ndarray:
         """Outer particles on the flat base."""
+        # rays symmetric about straight down, outermost layer
         columns = np.arange(-self.base_columns, self.base_columns + 1)
         return self.particle(columns, self.layers - 1)
 
