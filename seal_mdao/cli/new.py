@@ -13,8 +13,8 @@ SQUEEZE = 0.2
 CLEARANCE = 0.02
 """Initial clearance of the plate, as a fraction of the height of the drawing."""
 RUBBER = """\
-# Rubber of about 45 Shore A (Mooney-Rivlin, kPa). Other laws: docs, "Seal files"; from tests:
-# law = "ogden", data = "tests.csv"
+# Rubber of about 45 Shore A (Mooney-Rivlin, kPa). Other laws: neo_hookean, yeoh, gent, ogden,
+# hyperfoam (sponge); from tests: law = "ogden", data = "tests.csv"
 [material.rubber]
 law = "mooney_rivlin"
 c10 = 240.0
@@ -92,6 +92,15 @@ translate = [0.0, {travel:.5g}]
 type = "contact_width"
 [[measure]]
 type = "von_mises"
+
+# To optimise the shape, take the "#" away and name the edges that may move.
+# [[design]]
+# edges = ["{lowest}"]
+# parameters = 6
+# bound = 0.4  # mm
+# [optimize]
+# minimize = "section_area"
+# constraint = [{{ measure = "reaction", lower = 100.0 }}]  # force on the plate, N/m
 """
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from difflib import get_close_matches
 from importlib import import_module
 
 from seal_mdao._version import __version__
@@ -41,22 +42,33 @@ def main(argv=None) -> int:
     """
     argv = sys.argv[1:] if argv is None else list(argv)
     if argv and argv[0] in COMMANDS:
-        # the numerics are imported only after the subcommand is known
-        from seal_mdao.cli.arguments import run
-
-        # run as ``seal-mdao NAME``, usage and errors under that name
-        command = import_module(f"seal_mdao.cli.{argv[0]}")
-        made = command.arguments_parser()
-        made.prog = f"seal-mdao {argv[0]}"
-        return run(made, command.main, argv[1:])
+        try:
+            return _run(argv[0], argv[1:])
+        except KeyboardInterrupt:  # while modules are imported; ``run`` handles it afterwards
+            print(f"seal-mdao {argv[0]}: interrupted", file=sys.stderr)
+            return 130
     made = _general_parser()
     if not argv:
         # no subcommand: general help and the status of wrong use
         made.print_help()
         return 2
     # --help and --version, or the error for an unknown command
+    near = get_close_matches(argv[0], COMMANDS, 1)
+    if near and not argv[0].startswith("-"):
+        made.error(f"there is no command {argv[0]!r} (did you mean {near[0]!r}?)")
     made.parse_args(argv)
     return 0
+
+
+def _run(name: str, argv) -> int:
+    """Run a subcommand, with usage and errors under its name."""
+    # the numerics are imported only after the subcommand is known
+    from seal_mdao.cli.arguments import run
+
+    command = import_module(f"seal_mdao.cli.{name}")
+    made = command.arguments_parser()
+    made.prog = f"seal-mdao {name}"
+    return run(made, command.main, argv)
 
 
 def _general_parser() -> argparse.ArgumentParser:

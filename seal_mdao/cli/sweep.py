@@ -14,6 +14,7 @@ from seal_mdao import plotting
 from seal_mdao.cli.arguments import WrongArgumentError, announce, parser, write_summary
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.progress import hidden
+from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import frozen_measures
 
@@ -33,6 +34,9 @@ class Values(NamedTuple):
 
 def main(arguments) -> int:
     file = file_of(arguments.file)
+    with file_errors(file.path):
+        # before steps and penalties are chosen, which takes some analyses
+        parameter_of(unchosen_seal(file), arguments.vary[0])
     seal = seal_of(file)
     name = parameter_of(seal, arguments.vary[0])
     # one analysis per value: report the time of one

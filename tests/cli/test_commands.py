@@ -83,6 +83,28 @@ def test_wrong_use_is_one_line_with_status_two(wrong, tmp_path, monkeypatch, cap
     assert len([line for line in said if "error:" in line or "seal-mdao" in line]) == 1
 
 
+def test_a_misspelt_command_is_named(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["anlyze", "bulb.toml"])
+    assert ended.value.code == 2
+    assert "did you mean 'analyze'?" in capsys.readouterr().err
+
+
+def test_ctrl_c_while_modules_are_imported(monkeypatch, capsys):
+    def interrupted(name):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("seal_mdao.cli.subcommands.import_module", interrupted)
+    assert main(["check", "bulb.toml"]) == 130
+    assert capsys.readouterr().err == "seal-mdao check: interrupted\n"
+
+
+def test_a_wrong_parameter_is_refused_before_any_analysis(bulb, tmp_path, monkeypatch):
+    monkeypatch.setattr("seal_mdao.cli.sweep.seal_of", None)
+    with pytest.raises(SystemExit):
+        main(["sweep", str(bulb), "--vary", "frixion", "0.1:0.2:2", "--out", str(tmp_path / "out")])
+
+
 def test_new_check_and_analyze(tmp_path, monkeypatch, capsys):
     """What `new` writes can be checked as it is; a second file of the name is refused."""
     pytest.importorskip("netgen")
