@@ -224,7 +224,7 @@ def test_partials_after_an_analysis_that_failed(problem, short):
     made = problem(RkpmContactComp(seal=seal))
     made.run_model()
     check_partials_at_inputs(made, seal)
-    made.set_val("particles", seal.particles(3.0 * OFFSETS))
+    made.set_val("particles", seal.particles(5.0 * OFFSETS))
     with pytest.raises(om.AnalysisError):
         made.run_model()
     found = made.compute_totals(of=["reaction"], wrt=["door_radius"], return_format="array")
@@ -274,7 +274,7 @@ def test_path_that_cannot_be_completed_is_an_analysis_error(problem, short):
     made = problem(sm.SealGroup(seal=with_options(short, newton=newton)))
     made.run_model()
     nominal = outputs(made)
-    made.set_val("boundary_offsets", 3.0 * OFFSETS)
+    made.set_val("boundary_offsets", 5.0 * OFFSETS)
     with pytest.raises(om.AnalysisError) as error:
         made.run_model()
     for word in ("load step", "y = ", "relative residual", "points in contact", "n_steps"):
