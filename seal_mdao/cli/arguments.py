@@ -88,9 +88,9 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
         # None lets the accuracy choose; an explicit value overrides it
         if name in OF_ACCURACY:
             default, text = None, f"{text}; that of the accuracy when left out"
-        # preset of discretisation and load steps
         group.add_argument(flag, type=kind, default=default, help=text, **more)
 
+    # preset of discretisation and load steps
     group.add_argument(
         "--accuracy", choices=tuple(ACCURACIES), default=next(iter(ACCURACIES)),
         help="particles and load steps: the paper's, those with the best error per second, or more",
@@ -294,14 +294,21 @@ def penalty_table(result) -> dict | None:
     }  # fmt: skip
 
 
+def largest_penalty_error(result) -> tuple[tuple[str, float] | None, str]:
+    """Find the measure with the largest relative penalty error, None where none is estimable, and say
+    which measures have no estimate; empty where all have."""
+    errors = result.penalty_error
+    found = {name: abs(error.relative) for name, error in errors.items() if error.estimable}
+    largest = max(found.items(), key=lambda item: item[1]) if found else None
+    return largest, not_estimable(errors)
+
+
 def print_penalty_errors(result) -> None:
     """Print the largest estimated penalty error in one line; nothing without contact."""
-    errors = result.penalty_error
-    # largest relative error, with the name of its measure
-    found = {name: abs(error.relative) for name, error in errors.items() if error.estimable}
-    parts = [f"at most {max(found.values()):.2%} ({max(found, key=found.get)})"] if found else []
+    largest, unknown = largest_penalty_error(result)
+    parts = [] if largest is None else ["at most {1:.2%} ({0})".format(*largest)]
     # measures without an estimate are listed with the reason
-    parts += [unknown for unknown in [not_estimable(errors)] if unknown]
+    parts += [unknown] if unknown else []
     if parts:
         print(f"estimated error by contact penalties: {'; '.join(parts)}")
 

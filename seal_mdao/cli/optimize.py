@@ -9,6 +9,7 @@ from seal_mdao.cli.arguments import (
     WrongArgumentError,
     checked_arguments,
     existing_file,
+    largest_penalty_error,
     parser,
     penalty_table,
     print_warnings,
@@ -28,15 +29,12 @@ from seal_mdao.file_optimization import (
     require_problem,
 )
 from seal_mdao.optimization import OPTIMIZERS, RunOptions
-from seal_mdao.recording.recorded_optimization import (
-    label,
-)
+from seal_mdao.recording.recorded_optimization import label
 from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
-from seal_mdao.seals.penalty_error import not_estimable
 from seal_mdao.seals.result import frozen_measures
 
 
@@ -149,14 +147,11 @@ def gap_figures(gaps: dict) -> list[tuple[str, str, str]]:
 
 def penalty_figures(result) -> list[tuple[str, str, str]]:
     """List the largest penalty error as name, value and explanation; empty without an estimate."""
-    errors = result.penalty_error if result.converged else {}
-    # relative errors of all measures that have an estimate
-    found = [abs(error.relative) for error in errors.values() if error.estimable]
-    if not found:
+    largest, unknown = largest_penalty_error(result) if result.converged else (None, "")
+    if largest is None:
         return []
-    unknown = not_estimable(errors)
     text = "estimated, of the measures of the last design" + (f"; {unknown}" if unknown else "")
-    return [("error by penalties", f"{max(found):.2%}", text)]
+    return [("error by penalties", f"{largest[1]:.2%}", text)]
 
 
 def write_best(file, seal, offsets, kept: AnalysisCache, out: Path) -> tuple[str, dict | None]:

@@ -61,8 +61,8 @@ def run_optimization(
         if arguments.restart:
             with checked_arguments():
                 continue_run(problem, cases)
-        # the history is read from the file, recorded part included
         numbers = optimize(problem)
+    # from the file, so that the part recorded before a restart is included
     history = read_optimization(cases)
     return history, judged(numbers, history)
 

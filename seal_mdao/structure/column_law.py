@@ -80,7 +80,7 @@ STRESS, COFACTOR, MODULI, GRADIENT, CHANGE, ROWS = 0, 4, 8, 24, 28, 29
 
 
 @internal
-def room_of(q_count, m, count):
+def empty_law(q_count, m, count):
     """Allocate the L of a column at ``count`` states."""
     return ColumnLaw(
         np.empty((q_count, ROWS, count)), np.empty((m, count)), np.empty((m, q_count)),

@@ -22,9 +22,9 @@ from seal_mdao.structure.column_law import (
     GRADIENT,
     STRESS,
     contract,
+    empty_law,
     linearize_column,
     product,
-    room_of,
 )
 from seal_mdao.structure.deformation import block, group_displacements, widest_group
 
@@ -46,7 +46,7 @@ def add_force_rates(states, rates, weight_rates, equations, out):
     table, functions, d = states.table, states.functions, states.d
     q_count, n_steps, most = table.group_size, d.shape[0], out.shape[2]
     rows, points, widest = 2 * n_steps, 2 * q_count, widest_group(table)
-    law, every = room_of(q_count, len(functions), n_steps), np.arange(n_steps)
+    law, every = empty_law(q_count, len(functions), n_steps), np.arange(n_steps)
     displacements, turned = np.empty(rows * widest), np.empty(points * widest)
     stress, by_parameter = np.empty((rows, points)), np.empty(points * widest * most)
     slope_rates, stress_rates = np.empty(rows * points * most), np.empty(rows * points * most)
@@ -193,7 +193,7 @@ def add_force_seeds(states, by_constants, bulk_row, step_of, adjoints, mix, equa
     q_count, rows, points = table.group_size, 2 * d.shape[0], 2 * table.group_size
     (total, count), widest = mix.shape, widest_group(table)
     scalars = q_count + len(by_constants)
-    law, still = room_of(q_count, len(functions), total), np.zeros((q_count, 1))
+    law, still = empty_law(q_count, len(functions), total), np.zeros((q_count, 1))
     displacements, strain = np.empty(rows * widest), np.empty((points, 2 * total))
     stress, dual = np.empty((points, 2, total)), np.empty((points, 2, total))
     duals, moved = np.empty(widest * 2 * total), np.empty((widest, 2, total))
@@ -258,7 +258,7 @@ def add_tangent_product(states, nodal, equations, out):
     """
     table, functions = states.table, states.functions
     q_count, points, count = table.group_size, 2 * table.group_size, nodal.shape[2]
-    law, first = room_of(q_count, len(functions), count), np.zeros(count, np.int64)
+    law, first = empty_law(q_count, len(functions), count), np.zeros(count, np.int64)
     still, stress = np.zeros((q_count, 1)), np.empty((points, 1, 2, count))
     for column in range(table.start.size - 1):
         s0 = table.start[column]
