@@ -252,3 +252,10 @@ def test_stiff_contact_of_a_lip_with_its_body_takes_few_cuts(folded):
     result = sm.analyze(folded.seal.with_parameters(own))
     assert result.converged
     assert result.step_cuts <= 15
+
+
+def test_slip_direction_of_rigid_contact_is_that_of_the_linearisation_before():
+    """An evaluation in between, where a point is open, does not reset it: without that 9 cuts."""
+    result = sm.analyze(sm.door_seal(friction=0.05))
+    assert result.converged
+    assert result.step_cuts <= 2

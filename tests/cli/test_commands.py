@@ -156,13 +156,13 @@ def test_examples_of_an_incomplete_installation(tmp_path, monkeypatch):
 
 def test_sweep_is_the_analyses_one_by_one(bulb, tmp_path):
     out = tmp_path / "sweep"
-    assert main(["sweep", str(bulb), "--vary", "friction", "0.1:0.3:3", "--out", str(out)]) == 0
+    assert main(["sweep", str(bulb), "--vary", "c10", "60:100:3", "--out", str(out)]) == 0
     with (out / "sweep.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     seal = sm.build_seal(sm.read_seal_file(bulb))
-    assert [float(row["door_friction"]) for row in rows] == pytest.approx([0.1, 0.2, 0.3])
+    assert [float(row["c10"]) for row in rows] == pytest.approx([60.0, 80.0, 100.0])
     for row in rows[::2]:
-        result = sm.analyze(seal, parameters={"door_friction": float(row["door_friction"])})
+        result = sm.analyze(seal, parameters={"c10": float(row["c10"])})
         assert float(row["door_Fy_N_per_m"]) == pytest.approx(
             result.path.reaction("door")[-1, 1], rel=1e-9
         )
@@ -256,3 +256,5 @@ def test_progress_is_printed_where_there_is_no_terminal(bulb, tmp_path, monkeypa
     assert [line for line in lines if "load step" in line] == [
         f"analysis 1: load step {number} of 6" for number in range(1, 7)
     ]
+    assert main(["analyze", str(bulb), "--out", str(tmp_path / "out"), "--no-vtu", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
