@@ -33,7 +33,7 @@ from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.pose import quarter_turn, rigid_velocity
 from seal_mdao.geometry.shape import Shape
-from seal_mdao.terms.linearization import HandedOn, directions_of
+from seal_mdao.terms.linearization import CarriedDirections, directions_of
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import Scalar, TermDefinition
@@ -276,13 +276,10 @@ class ContactTerm(PointTerm):
     def uses_history(self, following):
         return np.flatnonzero(uses_history(self._speed_varies, following.branch))
 
-    def handed_on(self, response, following, local, points) -> HandedOn:
+    def carried_directions(self, response, following, local, used) -> CarriedDirections:
         """Return the carried history as directions: the next step depends on one function of it, the
         elastic slip; where |t| varies on two, the natural coordinate (with |t0|) and the elastic slip.
         """
-        used = self.uses_history(following)
-        at = used if len(points) == len(self.where) else np.searchsorted(points, used)
-        local = local[at]
         if self._speed_varies:
             slopes = local[:, XI : CARRIED + 1 : 2, :2]
             slopes[following.branch[used] == SLIP, 1] = 0.0

@@ -286,7 +286,7 @@ class SelfContactTerm(CoupledTerm):
         pairs, tangent = _merged(nodes[closed], local[closed][:, :N_PLACES, :N_PLACES], len(x))
         return CoupledResponse(
             x, force, loaded, pairs, tangent, np.empty((0, *x.shape)), np.empty(0), branch,
-            self._handed_on(points, now, found), np.empty((1, 0)), made_to_stick,
+            self._carried_history(points, now, found), np.empty((1, 0)), made_to_stick,
         )  # fmt: skip
 
     # ---- mixed iterations ----
@@ -321,7 +321,7 @@ class SelfContactTerm(CoupledTerm):
         tau = np.where(turned, self.law.tangent_penalty * found.slip, found.tau)
         return Touch(state, tau, found.slip), int(turned.sum())
 
-    def _handed_on(self, points, now, found) -> ContactHistory:
+    def _carried_history(self, points, now, found) -> ContactHistory:
         history = self.no_history()
         history.state[points] = found.state
         # elastic slip tau / w_t of a closed point, gap of an open one

@@ -223,7 +223,8 @@ class TableTransform:
                 found[:] = seeds[:, own.new]
                 found[:, own.fixed] = self.transformation.matrix[own.rows] @ on_union
                 # T_bar_Cu += sum_rows Phi_C Phi~_bar_u
-                matrix_bar[own.rows] += np.tensordot(phi[:, own.fixed], on_union, (0, 0))
+                sums = phi[:, own.fixed].T @ on_union.reshape(size, -1)
+                matrix_bar[own.rows] += sums.reshape(-1, *on_union.shape[1:])
         return out
 
 

@@ -206,7 +206,8 @@ class PassedOn(NamedTuple):
     def seeds(self, history_bar: np.ndarray) -> np.ndarray:
         """H^T h+_bar, shape (c, M)."""
         # sum over points and variables
-        return np.tensordot(self.history, history_bar, ((0, 1), (0, 1)))
+        c, m = self.count, history_bar.shape[2]
+        return self.history.reshape(-1, c).T @ history_bar.reshape(-1, m)
 
 
 # ---- what the displacements of one load step pass to the next ----
@@ -217,8 +218,8 @@ class PassedOn(NamedTuple):
 # point, they move by -Lambda_n^T f'_n, whatever the parameters (direct) or measures (adjoint).
 
 
-class HandedOn(NamedTuple):
-    """Displacements that the next step uses.
+class CarriedDirections(NamedTuple):
+    """Directions of displacements on which the next step depends.
 
     Attributes
     ----------
@@ -232,7 +233,7 @@ class HandedOn(NamedTuple):
     directions: np.ndarray
 
 
-def directions_of(used: np.ndarray, slopes: np.ndarray) -> HandedOn:
+def directions_of(used: np.ndarray, slopes: np.ndarray) -> CarriedDirections:
     """Directions in which the wanted functions of the points ``used`` (s,) change.
 
     Parameters
@@ -243,7 +244,7 @@ def directions_of(used: np.ndarray, slopes: np.ndarray) -> HandedOn:
     """
     points, directions = np.empty(2 * used.size, int), np.empty((2 * used.size, 2))
     count = _fill_directions(used, slopes, points, directions)
-    return HandedOn(points[:count], directions[:count])
+    return CarriedDirections(points[:count], directions[:count])
 
 
 @compiled

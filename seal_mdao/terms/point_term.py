@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.terms.linearization import (
-    HandedOn,
+    CarriedDirections,
     Inputs,
     Linearization,
     Outputs,
@@ -98,16 +98,17 @@ class PointTerm(TermAtPoints):
         Returns
         -------
         ndarray, shape (s, 2 + history_size + o, 2 + history_size + 1 + len(names) [+ 2])
-            Rows: force, history handed on, outputs. Columns: x, history, measure, parameters (and X).
+            Rows: force, new history, outputs. Columns: x, history, measure, parameters (and X).
         """
         raise NotImplementedError
 
-    def handed_on(self, response, following: PointResponse, local: np.ndarray, points) -> HandedOn:
-        """Displacements of the step of ``response`` that ``following`` uses, linearised in ``local``
-        (s, ...) at the ``points`` (s,)."""
-        used = np.flatnonzero(np.isin(points, self.uses_history(following)))
-        both = np.broadcast_to(np.eye(2), (used.size, 2, 2))
-        return directions_of(points[used], both)
+    def carried_directions(
+        self, response, following: PointResponse, local, used
+    ) -> CarriedDirections:
+        """Directions in which the step ``following`` depends on displacements of the step of
+        ``response``, at the points ``used`` (s,), linearised in ``local`` (s, rows, columns)."""
+        # both components
+        return directions_of(used, np.broadcast_to(np.eye(2), (used.size, 2, 2)))
 
     def uses_history(self, following: PointResponse) -> np.ndarray:
         """Points whose history a step used."""
@@ -177,7 +178,8 @@ class PointTerm(TermAtPoints):
         """G: the directions in which the next step uses displacements of a point, at most two each; of
         all displacements of a step no more is wanted. H = (dh+/dx) G."""
         responses = step.responses[self.place], following.responses[self.place]
-        points, directions = self.handed_on(*responses, law.matrix, law.points)
+        local = law.matrix[np.searchsorted(law.points, used)]
+        points, directions = self.carried_directions(*responses, local, used)
         if not points.size:
             return None
         # G, a unit vector of one point in every column

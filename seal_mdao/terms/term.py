@@ -146,7 +146,7 @@ class Term:
         fraction : float
             Path parameter, in nominal load steps.
         history : object
-            What the previous converged step handed on.
+            History at the end of the previous converged step.
         force : ndarray, shape (force_size,)
             Added to through the scatter map of the term's raw table.
         values : ndarray

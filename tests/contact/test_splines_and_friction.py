@@ -1,4 +1,4 @@
-"""Friction on profiles with |t| != 1: what it measures, what it hands on, and a fitted door."""
+"""Friction on profiles with |t| != 1: what it measures, the history carried, and a fitted door."""
 
 from itertools import pairwise
 
@@ -115,7 +115,7 @@ def test_points_use_their_history_as_told(name, accumulated):
         else:
             assert list(columns) == [False, expected == SLIP, False]
             assert not kept.any()
-        # |t0| of the step before is handed on as its SIZE row: zero on arcs and lines
+        # |t0| of the step before is carried on as its SIZE row: zero on arcs and lines
         turn = local[SIZE, X] * local[XI, X + 1] - local[SIZE, X + 1] * local[XI, X]
         assert turn == pytest.approx(0.0, abs=1e-12)
         assert local[SIZE, X : X + 2].any() == (name != "corner")

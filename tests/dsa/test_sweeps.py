@@ -1,4 +1,4 @@
-"""Both methods of differentiation along the path: what is solved, what is handed on, invariances."""
+"""Both methods of differentiation along the path: what is solved and carried on, invariances."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -113,7 +113,7 @@ def test_steps_passed_by_hand_on_all_that_matters(random_design):
 
 
 def test_steps_passed_by_with_incremental_friction(tight):
-    """Slip begins again at every step, so a point that goes on sticking hands on its place."""
+    """Slip begins again at every step, so points that stay in stick carry their place."""
     model = sm.door_seal(friction_history="incremental", depth=3.0, n_steps=35, newton=tight)
     result = sm.analyze(model, keep_factors=True)
     solved = end_rates(result, measured=range(len(result.path.steps))).solution
@@ -122,7 +122,7 @@ def test_steps_passed_by_with_incremental_friction(tight):
 
 
 def test_few_parameters_and_few_measures_are_solved_for_themselves(random_design):
-    """With fewer of them than displacements handed on, both methods take the shorter way."""
+    """With fewer of them than displacements carried on, both methods take the shorter way."""
     path, last = random_design.path, len(random_design.path.steps) - 1
     none = np.empty((0, *random_design.particles.shape))
     one = DirectSweep(path, parameter_rates(none, ("door_radius",))).run()
@@ -139,16 +139,17 @@ def test_few_parameters_and_few_measures_are_solved_for_themselves(random_design
     )
 
 
-def test_a_point_that_goes_on_sticking_hands_on_nothing(random_design):
-    """Its elastic slip does not change with where it stuck; of others that stick next one direction is
-    wanted."""
+def test_points_that_stay_in_stick_pass_no_sensitivity_on(random_design):
+    """Their elastic slip does not change with the place where they stuck; of others that stick in the
+    next step one direction is wanted."""
     term, path = random_design.term("door"), random_design.path
     every, place, seen = np.arange(51), path.place("door"), set()
     for step, following in pairwise(path.steps):
         before, now = step.before[place], step.responses[place]
         local = term.linearize(now, step.fraction, before, every)
         after = following.responses[place]
-        points, directions = term.handed_on(now, after, local, every)
+        used = term.uses_history(after)
+        points, directions = term.carried_directions(now, after, local[used], used)
         assert np.unique(points).size == points.size
         np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0, rtol=1e-14)
         for i in np.flatnonzero(after.state == STICK):

@@ -99,7 +99,7 @@ def rates_at(term, step, rates, carried, prescribed):
 def test_rates_of_a_term_against_central_differences(pressed, step, rng, label):
     """Particles, scalars, history, imposed displacements and solution move together.
 
-    Of the force at the old solution, Eqs. (46), (57), (63), (66), and of what is handed on and measured.
+    Of the force at the old solution, Eqs. (46), (57), (63), (66), and of what is carried and measured.
     """
     seal, term, place = pressed.seal, pressed.term(label), pressed.path.place(label)
     layout, rates = term.discretization.layout, random_rates(seal, rng, 1)

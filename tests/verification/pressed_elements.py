@@ -133,7 +133,7 @@ class PressedElements:
     Attributes
     ----------
     history : ContactHistory
-        What the last step handed on.
+        History at the end of the last step.
     end : ndarray, shape (n, 2)
         Displacements at the end of the path.
     """
@@ -158,7 +158,7 @@ class PressedElements:
         self.places = places[:, self.kept]
 
     def contact(self, x, pose, direction):
-        """Forces, tangents, what a step hands on, and how many points were made to stick."""
+        """Forces, tangents, the new history, and how many points were made to stick."""
         k = len(self.where.length)
         force, tangent, gap = np.empty((k, 2)), np.empty((k, 2, 2)), np.empty(k)
         state, kept = np.empty(k, np.int64), np.empty((k, 3))
@@ -207,7 +207,7 @@ class PressedElements:
         return changed_pressures(p, shift, back, change[self.dofs[0]])
 
     def step(self, u, p, pose):
-        """Newton's method from ``u``, ``p``; hands on the history.
+        """Newton's method from ``u``, ``p``; returns the new history.
 
         Raises
         ------
