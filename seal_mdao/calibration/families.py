@@ -19,6 +19,7 @@ from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.neo_hookean import NeoHookean
 from seal_mdao.materials.ogden import Ogden
 from seal_mdao.materials.yeoh import Yeoh
+from seal_mdao.values import one_of, real
 
 EXPONENTS = (0.1, 25.0)
 """Range of |alpha|."""
@@ -179,8 +180,7 @@ def family(
     ValueError
         For an unknown law, or options that the law does not have.
     """
-    if law not in LAWS:
-        raise ValueError(f"unknown law {law!r}; known are {', '.join(LAWS)}")
+    one_of("law", law, tuple(LAWS))
     # only sums of terms have a number of them, only foams a Poisson's ratio
     most = MAX_TERMS if law in OF_TERMS else 1
     if not 1 <= terms <= most:
@@ -189,8 +189,8 @@ def family(
         )
     if nu is not None and law != "hyperfoam":
         raise ValueError(f"{law} is nearly incompressible; only hyperfoam takes Poisson's ratio nu")
-    if nu is not None and not POISSON[0] <= nu <= POISSON[1]:
-        raise ValueError(f"nu must lie between {POISSON[0]} and {POISSON[1]}, got {nu}")
+    if nu is not None:
+        real("nu", nu, *POISSON)
     return _FAMILY_OF[LAWS[law]](tests, terms, nu, bulk_modulus)
 
 

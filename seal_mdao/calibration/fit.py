@@ -13,6 +13,7 @@ from seal_mdao.calibration.fit_errors import errors_of
 from seal_mdao.calibration.material_stability import MARGIN, check_stability, require_stable
 from seal_mdao.calibration.residuals import residuals
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.values import integer, real
 
 DRAWS, STARTS = 200, 12
 """Samples of the constants that are not moduli, and number of the best used as starting points."""
@@ -124,10 +125,8 @@ def fit(
     ValueError
         For inadmissible arguments.
     """
-    if not (np.isfinite(margin) and margin >= 0.0):
-        raise ValueError(f"margin must not be negative, got {margin}")
-    if seed < 0:
-        raise ValueError(f"seed must not be negative, got {seed}")
+    real("margin", margin, 0.0)
+    integer("seed", seed, 0)
     kind = family(law, tests, **options)
     # Poisson's ratios are fitted to the lateral stretches unless given
     lateral = law == "hyperfoam" and options.get("nu") is None

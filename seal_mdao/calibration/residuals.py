@@ -15,6 +15,7 @@ import numpy as np
 
 from seal_mdao.calibration.data import MaterialTests
 from seal_mdao.calibration.loading_modes import MODES, response
+from seal_mdao.values import one_of
 
 WEIGHTINGS = ("relative", "absolute")
 FLOOR = 0.02
@@ -39,8 +40,7 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
         ``differences(law, names)`` returns differences (m,) and their derivatives (m, k) in the
         constants ``names``.
     """
-    if weighting not in WEIGHTINGS:
-        raise ValueError(f"weighting must be one of {', '.join(WEIGHTINGS)}, got {weighting!r}")
+    one_of("weighting", weighting, WEIGHTINGS)
     scales = stress_scales(tests, weighting)
 
     def differences(law, names):
