@@ -175,7 +175,7 @@ class ImposedMotions:
             rates = np.zeros((*places.shape, len(names)))
             rates[:, :, columns] = own.rates(places, fraction)
             out[index] = rates[:, own.components]
-        return out.reshape(-1, len(names))
+        return out.reshape(self.reference.size, len(names))
 
     def by_particles(self, fraction: float) -> np.ndarray:
         """Differentiate the displacement of every particle by its undeformed place, shape (n, 2, 2)."""

@@ -104,9 +104,23 @@ def leading_contact(seal) -> RigidContact:
     return next((contact for contact in found if moves(contact.motion)), found[0])
 
 
+def moved_edges(seal) -> tuple:
+    """Return the edges of a seal that follow rigid motions, those bonded to profiles included."""
+    return tuple(getattr(seal.imposed(), "edges", ()))
+
+
+def motions(seal) -> list[Motion]:
+    """List the motions of the profiles of a seal, then those of moved edges."""
+    return [own.motion for own in (*contacts(seal), *moved_edges(seal))]
+
+
 def leading_motion(seal) -> Motion | None:
-    """Return the motion of the leading profile; None without profiles."""
-    return leading_contact(seal).motion if contacts(seal) else None
+    """Return the motion of the leading profile, or of moved edges without profiles; None without
+    either."""
+    if contacts(seal):
+        return leading_contact(seal).motion
+    found = motions(seal)
+    return next((motion for motion in found if moves(motion)), next(iter(found), None))
 
 
 def moves(motion: Motion) -> bool:
