@@ -133,6 +133,14 @@ def profile_histories(result) -> tuple[ProfileHistory, ...]:
     return tuple(_history(result, contact) for contact in contacts(result.seal))
 
 
+def moving_histories(result) -> tuple[ProfileHistory, ...]:
+    """Evaluate every profile of a result along its path, then moved edges, which are in no contact."""
+    profiles = profile_histories(result)
+    known = {own.label for own in profiles}
+    edges = {own.label: own for own in moved_edges(result.seal) if own.label not in known}
+    return (*profiles, *(_history(result, own) for own in edges.values()))
+
+
 def _history(result, contact) -> ProfileHistory:
     # a profile that stands still shows the stages of the leading one
     motion = contact.motion if moves(contact.motion) else leading_motion(result.seal)
@@ -140,7 +148,10 @@ def _history(result, contact) -> ProfileHistory:
     stage = stage_of(motion, number)
     since = _waypoints(motion)[stage - 1]
     way = _coordinates(motion, number) - since
-    at_steps = np.array([_contact_at(result, contact, step) for step in range(len(number))])
+    at_steps = np.zeros((len(number), 4))
+    if isinstance(contact, RigidContact):
+        for step in range(len(number)):
+            at_steps[step] = _contact_at(result, contact, step)
     return ProfileHistory(
         contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
