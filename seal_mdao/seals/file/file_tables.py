@@ -31,6 +31,9 @@ from seal_mdao.seals.outline.outline_seal import SectionRegion
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE
 
+MOVING = ("profile", "moved")
+"""Tables of what moves; a file has one of them."""
+
 
 class Written(BaseModel):
     """Tables of a seal file as they are written."""

@@ -10,7 +10,7 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.consistency import check
 from seal_mdao.seals.file.described import note_contents
-from seal_mdao.seals.file.file_tables import SealFile, Written
+from seal_mdao.seals.file.file_tables import MOVING, SealFile, Written
 from seal_mdao.seals.file.load_steps import with_steps
 from seal_mdao.seals.file.optimize_table import with_implied
 from seal_mdao.seals.file.schema import checked, suggestion
@@ -59,7 +59,7 @@ def _parsed(path) -> dict:
     except (ValueError, RecursionError) as error:
         raise SealFileError(f"is not valid TOML: {' '.join(str(error).split())}") from None
     if not found:
-        raise SealFileError(f"is empty; it needs {_written(NEEDED)}")
+        raise SealFileError(f"is empty; it needs {_written((*NEEDED, MOVING[0]))}")
     return found
 
 
@@ -80,7 +80,7 @@ def _read(given, path) -> SealFile:
     # tables that every seal needs
     missing = [name for name in NEEDED if name not in given]
     # something has to move
-    missing += [] if "moved" in given or "profile" in given else ["profile"]
+    missing += [] if any(name in given for name in MOVING) else [MOVING[0]]
     if missing:
         raise SealFileError(f"{_written(missing[:1])} is missing")
     file = _decided(checked(TypeAdapter(Written), given), path)
