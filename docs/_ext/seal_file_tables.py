@@ -17,6 +17,7 @@ from seal_mdao.seals.file.friction_table import FrictionTable
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
 from seal_mdao.seals.file.material_table import FIT_TABLES, LAW_TABLES, LawTable
 from seal_mdao.seals.file.measure_types import KINDS, MeasureTable
+from seal_mdao.seals.file.moved_table import MovedTable
 from seal_mdao.seals.file.optimize_table import Constraint, OptimizeTable
 from seal_mdao.seals.file.profile_table import ProfileTable, StageTable
 from seal_mdao.seals.file.schema import Table
@@ -32,7 +33,8 @@ from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
 TABLES = {
     "material": LawTable, "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
     "rays": RaysTable, "arc": ArcTable, "circle": CircleTable,
-    "region": RegionTable, "fixed": FixedTable, "symmetry": SymmetryTable, "cavity": CavityTable,
+    "region": RegionTable, "fixed": FixedTable, "moved": MovedTable, "symmetry": SymmetryTable,
+    "cavity": CavityTable,
     "self_contact": SelfContactTable, "fluid": FluidTable, "profile": ProfileTable,
     "stage": StageTable, "steps": StepsTable, "penalties": PenaltiesTable, "design": DesignTable,
     "measure": MeasureTable, "optimize": OptimizeTable, "constraint": Constraint,

@@ -143,8 +143,22 @@ class PathResult:
         return [step.responses[index] for step in self.nominal_steps]
 
     def reaction(self, label: str) -> np.ndarray:
-        """Sum the forces of a term's points at every nominal step, shape (n_steps, 2), N/m."""
-        return np.array([response.total for response in self.at_nominal(label)]).reshape(-1, 2)
+        """Sum the forces on a profile or on moved edges at every nominal step, shape (n_steps, 2), N/m.
+
+        Those of the points of the term ``label``, and of the edges of that name that move with it.
+        """
+        problem, steps = self.problem, self.nominal_steps
+        total, mask = np.zeros((len(steps), 2)), problem.supports_of(label)
+        if mask.any():
+            forces = [
+                np.where(mask, problem.support_forces(step), 0.0).sum(axis=0) for step in steps
+            ]
+            total += np.array(forces).reshape(-1, 2)
+        # moved edges without a profile have no term
+        if any(term.label == label for term in problem.terms) or not mask.any():
+            responses = self.at_nominal(label)
+            total += np.array([response.total for response in responses]).reshape(-1, 2)
+        return total
 
     def displacement(self, step: int = -1) -> np.ndarray:
         """Compute physical displacements u(X_J) at all particles of a nominal step, shape (n, 2), mm."""

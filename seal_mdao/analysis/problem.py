@@ -5,6 +5,7 @@ import numpy as np
 from seal_mdao.analysis.assembly import Assembly, relative_residual
 from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.equilibrium.discretization import Discretization
+from seal_mdao.terms.point_rates import add_transposed
 
 _NO_TANGENT = np.empty(0)
 
@@ -17,12 +18,13 @@ class PathProblem:
     discretization : Discretization
     definitions : sequence of TermDefinition
         Terms that the discretisation was made for, in that order.
-    imposed : ImposedDisplacements, optional
+    imposed : ImposedDisplacements or ImposedMotions, optional
         Displacements of the fixed components; zero when left out.
     """
 
     def __init__(self, discretization: Discretization, definitions, imposed=None):
-        self.discretization, self.imposed = discretization, imposed
+        self.discretization = discretization
+        self.imposed = None if imposed is None else imposed.on(discretization.particles)
         self.terms = tuple(
             definition.on(discretization, index) for index, definition in enumerate(definitions)
         )
@@ -137,6 +139,29 @@ class PathProblem:
         """Sum the forces of the terms that act on prescribed components, at all components, (n, 2)."""
         found = (term.forces(d) for term in self.terms)
         return sum(forces for forces in found if forces is not None)
+
+    def support_forces(self, step: ConvergedStep) -> np.ndarray:
+        """Compute the forces of the body on its supports at a converged step, shape (n, 2), N/m.
+
+        Zero at free components.
+        """
+        every = self.discretization.layout.every_component.equations
+        # R = sum of the forces f~ of all terms at prescribed components; the body exerts -R
+        total = np.zeros((every.size + 1, 1))
+        total[:-1, 0] = self.forces_on_all(step.d).ravel()
+        for term, response in zip(self.terms, step.responses, strict=True):
+            table = self.discretization.tables[self.terms.index(term)]
+            if table is not None:
+                points, force = np.arange(table.table.n_groups), response.force[:, :, None]
+                add_transposed(table.table, points, every, np.ascontiguousarray(force), total)
+        fixed = self.discretization.layout.equations < 0
+        return np.where(fixed, -total[:-1].reshape(every.shape), 0.0)
+
+    def supports_of(self, label: str) -> np.ndarray:
+        """Return the components that edges of that name prescribe, a mask (n, 2)."""
+        if self.imposed is None or label not in self.imposed.labels:
+            return np.zeros(self.discretization.particles.shape, bool)
+        return self.imposed.prescribed(label)
 
     def prescribed_increment(self, fraction: float, target: float) -> np.ndarray:
         """Return the increment of the prescribed displacements (n, 2), zero at free components."""

@@ -24,7 +24,7 @@ from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_cu
 from seal_mdao.mesh_files import library
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
-from seal_mdao.seals.profiles import ProfileHistory, profile_histories
+from seal_mdao.seals.profiles import ProfileHistory, contacts, profile_histories
 from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
 
@@ -169,9 +169,11 @@ def draw(result: SealResult, out: Path) -> None:
         "section": plotting.section_cloud,
         "deformed_shapes": plotting.deformed_shapes,
         "load_deflection": plotting.load_deflection,
-        "contact_pressure": plotting.contact_pressure,
-        "contact_width": plotting.contact_width,
     }
+    # moved edges are in no contact
+    if contacts(result.seal):
+        figures["contact_pressure"] = plotting.contact_pressure
+        figures["contact_width"] = plotting.contact_width
     # buckling modes where stability was lost
     if result.critical_points:
         figures["critical_modes"] = plotting.critical_modes

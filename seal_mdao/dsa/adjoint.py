@@ -18,7 +18,7 @@ import numpy as np
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.dsa.factors import is_full, solve_transposed
 from seal_mdao.dsa.probe import Probe
-from seal_mdao.dsa.shape_rates import add_matrix_seeds
+from seal_mdao.equilibrium.matrix_seeds import add_matrix_seeds
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.measures.measure import Seeds
 
@@ -72,6 +72,7 @@ class AdjointSweep:
         self.probe = Probe(path.discretization, probe, n_measures)
         imposed = self.problem.imposed
         self.prescribed = np.zeros((0 if imposed is None else len(imposed.names), n_measures))
+        self.places_bar = np.zeros((*path.discretization.particles.shape, n_measures))
         self.swept, self.size = [], 0
 
     def step(self, step, following, seeds: Seeds | None, history_bar):
@@ -166,9 +167,9 @@ class AdjointSweep:
     # ---- imposed displacements ----
 
     def _no_prescribed(self) -> np.ndarray | None:
-        """Room for seeds on imposed displacements; None where no parameter moves them."""
+        """Room for seeds on imposed displacements; None where they do not vary."""
         imposed = self.problem.imposed
-        if imposed is None or not imposed.names:
+        if imposed is None or not imposed.varies:
             return None
         return np.zeros((self.path.discretization.particles.size + 1, self.m))
 
@@ -183,6 +184,9 @@ class AdjointSweep:
         # (dd/dp)^T d_bar of the imposed components
         nodal = prescribed_bar[:-1] * (layout.equations < 0).reshape(-1, 1)
         self.prescribed += imposed.linearization(step.fraction).T @ nodal
+        # (dd/dX)^T d_bar
+        by_place = imposed.by_particles(step.fraction)
+        self.places_bar += np.einsum("nij,nim->njm", by_place, nodal.reshape(self.places_bar.shape))
 
     # ---- the path ----
 
@@ -216,7 +220,7 @@ class AdjointSweep:
         bars = [term.seeds(own) for term, own in zip(terms, history_bar, strict=True)]
         no_adjoints = np.zeros((disc.layout.n_equations + 1, 0)), np.zeros((0, self.m))
         self._pull_back(terms, bars, *no_adjoints, None)
-        particles_bar = np.zeros((*disc.particles.shape, self.m))
+        particles_bar = self.places_bar
         scalars, matrix_bar = np.zeros((len(names), self.m)), self.probe.pull_back(particles_bar)
         owners = [
             (term.names, own.parameters)

@@ -63,12 +63,15 @@ class DirectSweep:
         return self._carried(terms, self._at_fixed_displacements(terms, none, None, unused))
 
     def prescribed(self, step) -> np.ndarray | None:
-        """d' of the imposed displacements, (2 n, P); None where no parameter moves them."""
+        """d' of the imposed displacements, (2 n, P); None where they do not vary."""
         imposed = self.problem.imposed
-        if imposed is None or not imposed.names:
+        if imposed is None or not imposed.varies:
             return None
-        # d' = (dd/dp) p' of imposed displacements
-        return imposed.linearization(step.fraction) @ self.rates.of(imposed.names)
+        # d' = (dd/dp) p' + (dd/dX) V of imposed displacements
+        by_place = imposed.by_particles(step.fraction)
+        moved = np.einsum("nij,pnj->nip", by_place, self.rates.velocity)
+        by_names = imposed.linearization(step.fraction) @ self.rates.of(imposed.names)
+        return by_names + moved.reshape(by_names.shape)
 
     def explicit_loads(self, steps) -> np.ndarray:
         """f' of a block of steps that no history is in, (K, n_equations + 1, P)."""

@@ -9,8 +9,8 @@ from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.seals.profiles import (
     contact_positions,
     contacts,
+    moving_histories,
     nominal_pressure,
-    profile_histories,
     side_lengths,
     true_pressure,
 )
@@ -32,9 +32,9 @@ STATE_NAMES = {OPEN: "open", SLIP: "slip"}
 
 
 def write_curves(result, folder) -> list[Path]:
-    """Write ``curve_NAME.csv`` for every profile: a row for each nominal step."""
+    """Write ``curve_NAME.csv`` for every profile and moved edges: a row for each nominal step."""
     written = []
-    for history in profile_histories(result):
+    for history in moving_histories(result):
         # columns in the order of CURVE_HEADER; 0.1 m of seal: N/m to N per 100 mm
         columns = (
             np.arange(1, len(history.stage) + 1), history.stage, history.travel, history.turn,
@@ -96,13 +96,14 @@ def travel_table(result) -> np.ndarray:
 
 
 def reaction_tables(result) -> dict[str, list]:
-    """Tabulate stage (from 1), travel in it (mm), Fx, Fy (N/m) of every step for every profile."""
+    """Tabulate stage (from 1), travel in it (mm), Fx, Fy (N/m) of every step for every profile
+    and moved edges."""
     return {
         own.label: [
             [int(stage), round(float(travel), 12), *map(float, force)]
             for stage, travel, force in zip(own.stage, own.travel, own.force, strict=True)
         ]
-        for own in profile_histories(result)
+        for own in moving_histories(result)
     }
 
 

@@ -31,6 +31,20 @@ class ImposedDisplacements:
         """Parameters, zero at the given ``values``."""
         return {name: Scalar(0.0, None, f"Imposed displacement: {name}.") for name in self.names}
 
+    @property
+    def labels(self) -> tuple:
+        """Names of moved edges: none."""
+        return ()
+
+    @property
+    def varies(self) -> bool:
+        """Whether the displacements depend on a parameter or on the undeformed particles."""
+        return bool(self.names)
+
+    def on(self, particles: np.ndarray) -> "ImposedDisplacements":
+        """Bind the displacements to a design, on which they do not depend."""
+        return self
+
     def with_parameters(self, values: dict) -> "ImposedDisplacements":
         """Return the displacements with parameters changed by ``values``."""
         # u = u_base + sum_p p du/dp
@@ -54,3 +68,7 @@ class ImposedDisplacements:
         (2 n, len(names)) that the direct method multiplies, and the adjoint method's transpose."""
         rates = [at_fraction(rates, fraction).ravel() for rates in self.rates[: len(self.names)]]
         return np.array(rates).reshape(len(self.names), self.values[0].size).T
+
+    def by_particles(self, fraction: float) -> np.ndarray:
+        """Differentiate by the undeformed place of every particle: zero, shape (n, 2, 2)."""
+        return np.zeros((*self.values[0].shape, 2))

@@ -1,4 +1,4 @@
-"""Measure of the force of the seal on a profile, at the end of the path or at chosen travels."""
+"""Measure of the force of the seal on a profile or its supports, at the end or at chosen travels."""
 
 from dataclasses import dataclass
 
@@ -7,6 +7,7 @@ import numpy as np
 from seal_mdao.errors import LoadPathError
 from seal_mdao.geometry.motion import ROUNDING
 from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.support_force import add_support_partials, supports_of_edges
 from seal_mdao.values import numbers, real
 
 TRAVEL = "travel"
@@ -15,7 +16,9 @@ TRAVEL = "travel"
 
 @dataclass(frozen=True)
 class Reaction(Measure):
-    """Force of the seal on a profile at the end of the path, or at chosen travels.
+    """Force of the seal on a profile, or on fixed or moved edges, at the end of the path or at travels.
+
+    The force on a profile includes that of edges that are bonded to it.
 
     Between load steps the force is interpolated linearly; the derivatives are those of the interpolated
     value, also where a parameter of the motion changes when a travel is reached.
@@ -23,6 +26,7 @@ class Reaction(Measure):
     Attributes
     ----------
     profile : str
+        Label of a profile or of moved edges; "" with ``edges``.
     travels : tuple of float, or None
         Travel of the profile along its path, mm, counted from ``Seal.before_touch``; None for the end
         of the path. For a profile without travel it is that of the first profile that travels.
@@ -33,6 +37,8 @@ class Reaction(Measure):
         travel of the profile there, positive where the seal resists.
     length : float, or None
         Length of the seal, mm, for a force in N; None for the force per length, N/m.
+    edges : tuple of str
+        In place of a profile: names of edges, on whose prescribed components the force acts.
 
     Raises
     ------
@@ -46,6 +52,7 @@ class Reaction(Measure):
     components: tuple = (0, 1)
     direction: tuple | str | None = None
     length: float | None = None
+    edges: tuple = ()
     name: str = "reaction"
     units = "N/m"
     text = "Force of the seal on the profile: horizontal, vertical."
@@ -68,7 +75,8 @@ class Reaction(Measure):
         if self.length is not None:
             real(f"length of {self.name!r}", self.length, above=0.0)
             object.__setattr__(self, "units", "N")
-        object.__setattr__(self, "text", f"Force of the seal on the profile{self._what}.")
+        on = f"the edges {', '.join(self.edges)}" if self.edges else "the profile"
+        object.__setattr__(self, "text", f"Force of the seal on {on}{self._what}.")
 
     @property
     def _what(self) -> str:
@@ -123,11 +131,50 @@ class Reaction(Measure):
 
     def _motion(self, result):
         """Return the motion of the profile, or of the first profile that travels if it does not."""
-        own, terms = result.term(self.profile).motion, result.path.problem.terms
-        if own.travel > 0.0:
-            return own
-        others = (term.motion for term in terms if hasattr(term, "motion"))
-        return next((motion for motion in others if motion.travel > 0.0), own)
+        problem = result.path.problem
+        moving = (*problem.terms, *getattr(problem.imposed, "edges", ()))
+        motions = {own.label: own.motion for own in moving if hasattr(own, "motion")}
+        found = motions.get(self.profile, next(iter(motions.values())))
+        if found.travel > 0.0:
+            return found
+        return next((motion for motion in motions.values() if motion.travel > 0.0), found)
+
+    def forces(self, result) -> np.ndarray:
+        """Compute the force at every nominal step, shape (n_steps, 2), N/m."""
+        if not self.edges:
+            return result.path.reaction(self.profile)
+        return np.array([self._force(result, step) for step in result.path.nominal_steps])
+
+    def _supports(self, result) -> np.ndarray:
+        """Find the prescribed components on which the force acts, a mask (n, 2)."""
+        problem = result.path.problem
+        if self.edges:
+            return supports_of_edges(problem, self.edges)
+        return problem.supports_of(self.profile)
+
+    def _touches(self, result) -> bool:
+        """Whether the profile has contact points; moved edges have none."""
+        terms = result.path.problem.terms
+        return not self.edges and any(term.label == self.profile for term in terms)
+
+    def _force(self, result, step) -> np.ndarray:
+        """Compute the force at a converged step, shape (2,), N/m."""
+        total, supports = np.zeros(2), self._supports(result)
+        if self._touches(result):
+            total = np.asarray(step.responses[result.path.place(self.profile)].total)
+        if supports.any():
+            forces = result.path.problem.support_forces(step)
+            total = total + np.where(supports, forces, 0.0).sum(axis=0)
+        return total
+
+    def _add_partials(self, result, partials, step, rows, directions) -> None:
+        """Add the derivatives of e . F at a step for directions e (r, 2)."""
+        supports = self._supports(result)
+        if self._touches(result):
+            partials.force(self.profile, step)[rows] += directions[:, None]
+        if supports.any():
+            weights = np.where(supports, directions[:, None], 0.0)
+            add_support_partials(partials, step, rows, weights)
 
     def _check_reached(self, result, motion) -> None:
         end = motion.travel - result.seal.before_touch
@@ -135,7 +182,8 @@ class Reaction(Measure):
         if farthest > end + ROUNDING * motion.travel:
             raise LoadPathError(
                 f"measure {self.name!r} is requested at {farthest:.6g} mm of travel, and the motion of "
-                f"{self.profile!r} ends at {end:.6g} mm; choose other travels, or a longer motion",
+                f"{self.profile or 'the first profile'!r} ends at {end:.6g} mm; choose other travels, "
+                "or a longer motion",
                 result,
             )
 
@@ -154,7 +202,7 @@ class Reaction(Measure):
         """Interpolate the values after ``fraction`` nominal steps, at ``travel``; ``rates`` are the
         derivatives of the fraction with respect to the parameters of the motion."""
         # F = (1 - w) F_k + w F_(k+1),  w = fraction - k,  dF/d(fraction) = F_(k+1) - F_k
-        steps, index = result.path.nominal_steps, result.path.place(self.profile)
+        steps = result.path.nominal_steps
         directions, turns = self._directions(motion, travel)
         directions, turns = self.scale * directions, self.scale * turns
         first, force, change = min(int(fraction), len(steps) - 1), np.zeros(2), np.zeros(2)
@@ -167,10 +215,10 @@ class Reaction(Measure):
                 continue
             # weights 1 - w of F_k and w of F_(k+1)
             step = steps[number - 1]
-            total = np.asarray(step.responses[index].total)
+            total = self._force(result, step)
             force, change = force + weight * total, change + sign * total
             if weight != 0.0:
-                partials.force(self.profile, step)[rows] += weight * directions[:, None]
+                self._add_partials(result, partials, step, rows, weight * directions)
         # m = e . F:  dm/dp = e . (F_(k+1) - F_k) d(fraction)/dp + F . de/dp
         for name, rate, turn in zip(motion.names, rates, turns, strict=True):
             if rate != 0.0 or turn.any():

@@ -16,7 +16,7 @@ from seal_mdao.geometry.profile import RigidProfile, trace
 from seal_mdao.measures.selection import open_points
 from seal_mdao.plotting.field import FineGrid, cell_loops
 from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP
-from seal_mdao.seals.profiles import contacts, self_contacts
+from seal_mdao.seals.profiles import contacts, moved_edges, self_contacts
 from seal_mdao.seals.result import SealResult
 
 LEVELS = 20
@@ -127,15 +127,32 @@ def outlines(body) -> list[np.ndarray]:
 
 
 def fixed_lines(result: SealResult) -> list[np.ndarray]:
-    """List the fixed lines of the nominal boundary, the body on the left, shapes (k, 2), mm."""
+    """List the lines of the nominal boundary that are fixed and do not move, the body on the left,
+    shapes (k, 2), mm."""
+    moved = {int(i) for own in moved_edges(result.seal) for i in own.particles}
+    fixed = result.seal.body.fixed.all(axis=1)
+    fixed[list(moved)] = False
+    return _lines(result, fixed, result.seal.nominal_particles)
+
+
+def moved_lines(result: SealResult, fraction: float) -> list[np.ndarray]:
+    """List the lines of moved edges after ``fraction`` nominal steps, shapes (k, 2), mm."""
+    found, imposed = [], result.path.problem.imposed
+    for own in moved_edges(result.seal):
+        mask = np.isin(np.arange(len(result.particles)), own.particles)
+        found += _lines(result, mask, result.particles + imposed.at(fraction))
+    return found
+
+
+def _lines(result: SealResult, fixed: np.ndarray, particles: np.ndarray) -> list[np.ndarray]:
+    """List the lines of the boundary along particles of a mask (n,), at ``particles`` (n, 2)."""
     body, found = result.seal.body, []
-    fixed = body.fixed.all(axis=1)
     for loop in cell_loops(body):
         free = np.flatnonzero(~fixed[loop])
         # start at a free particle, so that no fixed line crosses the end of the list
         ring = np.append(loop, loop[0]) if free.size == 0 else np.roll(loop, -free[0])
         runs = np.split(ring, np.flatnonzero(np.diff(fixed[ring])) + 1)
-        found += [result.seal.nominal_particles[r] for r in runs if fixed[r[0]] and r.size > 1]
+        found += [particles[r] for r in runs if fixed[r[0]] and r.size > 1]
     return found
 
 
@@ -167,9 +184,10 @@ def draw_outline(axes: Axes, coordinates: np.ndarray, loops, label=None, **line)
         axes.plot(*ring.T, label=None if number else label, **line)
 
 
-def draw_fixed(axes: Axes, result: SealResult) -> None:
-    """Plot the fixed boundary of the section with hatched ground."""
-    for line in fixed_lines(result):
+def draw_fixed(axes: Axes, result: SealResult, fraction: float = 0.0) -> None:
+    """Plot the fixed boundary of the section, and moved edges after ``fraction`` nominal steps, with
+    hatched ground."""
+    for line in (*fixed_lines(result), *moved_lines(result, fraction)):
         ground = left_of(line[::-1], FIXED_DEPTH * size_of(result))
         _fill(axes, outlines(ground), facecolor="white", hatch="\\\\\\\\", **HATCHED)
         axes.plot(*line.T, color="black", linewidth=1.6, zorder=3)
@@ -177,7 +195,7 @@ def draw_fixed(axes: Axes, result: SealResult) -> None:
 
 def draw_surroundings(axes: Axes, result: SealResult, fraction: float) -> None:
     """Plot the fixed boundary, and all rigid profiles after ``fraction`` nominal steps, hatched."""
-    draw_fixed(axes, result)
+    draw_fixed(axes, result, fraction)
     for contact in contacts(result.seal):
         body = profile_body(result, contact, fraction)
         _fill(axes, outlines(body), facecolor=LIGHT_GREY, hatch="////", **HATCHED)

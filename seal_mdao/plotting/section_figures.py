@@ -22,7 +22,7 @@ from seal_mdao.plotting.style import (
     styled,
     subplots,
 )
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import contacts, moved_edges
 from seal_mdao.seals.result import SealResult
 
 STRESS = "von Mises stress (kPa)"
@@ -61,8 +61,14 @@ def section_cloud(result: SealResult) -> Figure:
         ring = np.append(edge.particles, edge.particles[:1]) if edge.closed else edge.particles
         color = CYCLE[number % len(CYCLE)]
         axes.plot(*particles[ring].T, color=color, linewidth=2.4, label=name, zorder=4)
-    fixed = particles[seal.body.fixed.any(axis=1)]
-    axes.plot(*fixed.T, "s", color="black", markersize=3.5, zorder=5, label="fixed")
+    moved = np.isin(
+        np.arange(len(particles)), [i for own in moved_edges(seal) for i in own.particles]
+    )
+    fixed = seal.body.fixed.any(axis=1) & ~moved
+    axes.plot(*particles[fixed].T, "s", color="black", markersize=3.5, zorder=5, label="fixed")
+    if moved.any():
+        marker = {"color": "black", "markerfacecolor": "white", "markersize": 3.5}
+        axes.plot(*particles[moved].T, "s", **marker, zorder=5, label="moved")
     section.draw_surroundings(axes, result, 0.0)
     _name_profiles(axes, result, low, high)
     section.frame(axes, low, high)

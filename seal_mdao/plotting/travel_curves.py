@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
-from seal_mdao.seals.profiles import profile_histories
+from seal_mdao.seals.profiles import moving_histories, profile_histories
 from seal_mdao.seals.result import SealResult
 
 WIDTHS = (6.6, 9.0, 11.0)
@@ -34,7 +34,7 @@ def load_deflection(result: SealResult) -> Figure:
     ValueError
         For a result without profiles or without any converged step.
     """
-    figure, panels = _segment_panels(result, "force on {} (N/m)")
+    figure, panels = _segment_panels(moving_histories(result), result, "force on {} (N/m)")
     for history, segment, axes, last in panels:
         # F = 0 at the start of the path
         travel, force = _with_start(segment, history.force)
@@ -89,7 +89,9 @@ def contact_width(result: SealResult) -> Figure:
     ValueError
         For a result without profiles or without any converged step.
     """
-    figure, panels = _segment_panels(result, "width in contact with {} (mm)")
+    figure, panels = _segment_panels(
+        profile_histories(result), result, "width in contact with {} (mm)"
+    )
     for history, segment, axes, last in panels:
         # width on the left axis, peak pressure on a second one, labelled in the last column only
         right = axes.twinx()
@@ -118,7 +120,7 @@ def _true_and_nominal(axes, segment, true, nominal, color, style) -> list:
     return lines
 
 
-def _segment_panels(result: SealResult, text: str):
+def _segment_panels(histories, result: SealResult, text: str):
     """Create a figure with axes for every load-unload segment of every profile, a row for a profile.
 
     Returns
@@ -127,7 +129,6 @@ def _segment_panels(result: SealResult, text: str):
     panels : list of (ProfileHistory, Course, Axes, bool)
         The flag marks the last axes of a row.
     """
-    histories = profile_histories(result)
     if not histories or not len(histories[0].stage):
         raise ValueError("the result has no profile, or no converged load step to draw")
     # one grid for all profiles: as many columns as the longest row needs

@@ -172,7 +172,7 @@ def least_scale(measure: Measure, result) -> float:
     """Compute the size below which a measure counts as zero, in its unit."""
     # a component may vanish: the complete force is the reference
     if isinstance(measure, Reaction):
-        force = np.abs(result.path.reaction(measure.profile)).max(initial=0.0)
+        force = np.abs(measure.forces(result)).max(initial=0.0)
         return measure.scale * float(force)
     if isinstance(measure, ContactWidth):  # less than the distance of the points is not resolved
         return float(result.term(measure.profile).length.mean())

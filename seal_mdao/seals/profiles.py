@@ -104,9 +104,23 @@ def leading_contact(seal) -> RigidContact:
     return next((contact for contact in found if moves(contact.motion)), found[0])
 
 
+def moved_edges(seal) -> tuple:
+    """Return the edges of a seal that follow rigid motions, those bonded to profiles included."""
+    return tuple(getattr(seal.imposed(), "edges", ()))
+
+
+def motions(seal) -> list[Motion]:
+    """List the motions of the profiles of a seal, then those of moved edges."""
+    return [own.motion for own in (*contacts(seal), *moved_edges(seal))]
+
+
 def leading_motion(seal) -> Motion | None:
-    """Return the motion of the leading profile; None without profiles."""
-    return leading_contact(seal).motion if contacts(seal) else None
+    """Return the motion of the leading profile, or of moved edges without profiles; None without
+    either."""
+    if contacts(seal):
+        return leading_contact(seal).motion
+    found = motions(seal)
+    return next((motion for motion in found if moves(motion)), next(iter(found), None))
 
 
 def moves(motion: Motion) -> bool:
@@ -119,6 +133,14 @@ def profile_histories(result) -> tuple[ProfileHistory, ...]:
     return tuple(_history(result, contact) for contact in contacts(result.seal))
 
 
+def moving_histories(result) -> tuple[ProfileHistory, ...]:
+    """Evaluate every profile of a result along its path, then moved edges, which are in no contact."""
+    profiles = profile_histories(result)
+    known = {own.label for own in profiles}
+    edges = {own.label: own for own in moved_edges(result.seal) if own.label not in known}
+    return (*profiles, *(_history(result, own) for own in edges.values()))
+
+
 def _history(result, contact) -> ProfileHistory:
     # a profile that stands still shows the stages of the leading one
     motion = contact.motion if moves(contact.motion) else leading_motion(result.seal)
@@ -126,7 +148,10 @@ def _history(result, contact) -> ProfileHistory:
     stage = stage_of(motion, number)
     since = _waypoints(motion)[stage - 1]
     way = _coordinates(motion, number) - since
-    at_steps = np.array([_contact_at(result, contact, step) for step in range(len(number))])
+    at_steps = np.zeros((len(number), 4))
+    if isinstance(contact, RigidContact):
+        for step in range(len(number)):
+            at_steps[step] = _contact_at(result, contact, step)
     return ProfileHistory(
         contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),

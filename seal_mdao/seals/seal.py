@@ -13,6 +13,7 @@ from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.default_penalties import completed
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body
+from seal_mdao.loads.moved_edges import ImposedMotions
 from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.terms.term import Scalar
 
@@ -63,7 +64,7 @@ class Seal:
     inputs : tuple of str
         Scalar parameters that are always inputs of an OpenMDAO component. They are design parameters:
         the nominal seal has their nominal values.
-    imposed_displacements : ImposedDisplacements, optional
+    imposed_displacements : ImposedDisplacements or ImposedMotions, optional
     newton : NewtonOptions
     changed : dict of str to float
         Scalar parameters with other values than the definitions have.
@@ -270,17 +271,21 @@ class Seal:
         return other._made_as(self, clearances=known | clearances)
 
     def with_placements(self) -> "Seal":
-        """Return the seal with placement parameters of every profile: ``<label>_x``, ``<label>_y`` (mm)
-        and ``<label>_angle`` (degrees about its pivot), zero at the nominal position.
+        """Return the seal with placement parameters of every profile and of moved edges: ``<label>_x``,
+        ``<label>_y`` (mm) and ``<label>_angle`` (degrees about its pivot), zero at the nominal position.
 
         They move a profile along its whole path; a sample whose profile would begin inside of the seal
         begins farther back (``seals.clear_start``). A profile with parameters of its own that move its
         start, as the door of the door seal has ``door_shift`` and ``door_angle``, stays as it is.
         """
         definitions = tuple(map(_placed, self.definitions))
-        if all(map(lambda new, old: new is old, definitions, self.definitions)):
+        imposed = self.imposed_displacements
+        if isinstance(imposed, ImposedMotions):
+            imposed = imposed.with_placements()
+        elif all(map(lambda new, old: new is old, definitions, self.definitions)):
             return self
-        return replace(self, definitions=definitions)._made_as(self, placements=True)
+        other = replace(self, definitions=definitions, imposed_displacements=imposed)
+        return other._made_as(self, placements=True)
 
     # ---- description, from which the seal can be rebuilt ----
 

@@ -25,7 +25,7 @@ from seal_mdao.seals.penalty_error import (
     scale_of,
     standard_measures,
 )
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import contacts, motions, moved_edges
 from seal_mdao.seals.result import SealResult, analyze
 from seal_mdao.seals.seal import Seal
 
@@ -167,7 +167,7 @@ def _thinned(seal: Seal, coarse: int) -> np.ndarray:
     """Select about ``coarse`` of the given ends of load steps, including the ends of all stages."""
     # every k-th end, and the ends of the stages
     every = -(-seal.n_steps // coarse)
-    stages = [np.cumsum(contact.motion.steps) for contact in contacts(seal)]
+    stages = [np.cumsum(motion.steps) for motion in motions(seal)]
     return np.unique(np.concatenate([*stages, np.arange(every, seal.n_steps, every)])).astype(float)
 
 
@@ -358,15 +358,16 @@ def drifts(coarse: SealResult, fine: SealResult, at: np.ndarray) -> np.ndarray:
 
 
 def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> float:
-    """Compute the largest relative difference of the total force on a rigid profile along the path."""
+    """Compute the largest relative difference of the total force on a rigid profile, or on moved edges,
+    along the path."""
     found = [0.0]
-    for term in coarse.path.problem.terms:
-        if hasattr(term, "motion"):
-            one, other = (result.path.reaction(term.label) for result in (coarse, fine))
-            # max |F_coarse - F_fine| / max |F_fine| along the path
-            scale = np.abs(other).max()
-            if scale > 0.0:
-                found.append(float(np.abs(one - other[at]).max() / scale))
+    moving = (*contacts(coarse.seal), *moved_edges(coarse.seal))
+    for label in dict.fromkeys(own.label for own in moving):
+        one, other = (result.path.reaction(label) for result in (coarse, fine))
+        # max |F_coarse - F_fine| / max |F_fine| along the path
+        scale = np.abs(other).max()
+        if scale > 0.0:
+            found.append(float(np.abs(one - other[at]).max() / scale))
     return max(found)
 
 

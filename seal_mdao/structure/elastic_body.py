@@ -13,7 +13,7 @@ from seal_mdao.structure.deformation import (
     deformations,
     no_deformation,
 )
-from seal_mdao.structure.energy_gradient import EnergySeeds
+from seal_mdao.structure.energy_gradient import BodySeeds
 from seal_mdao.structure.internal_force import assemble_internal
 from seal_mdao.structure.linearized_body import BodyBlock, CellBasis, LinearizedBody
 from seal_mdao.terms.term import Scalar, Term, TermDefinition
@@ -353,5 +353,6 @@ class StructuralTerm(Term):
     def linearization_of_block(self, steps) -> BodyBlock:
         return BodyBlock(self, steps)
 
-    def no_seeds(self, n_measures) -> EnergySeeds:
-        return EnergySeeds(np.zeros(n_measures))
+    def no_seeds(self, n_measures) -> BodySeeds:
+        nodal = n_measures, *self.discretization.particles.shape
+        return BodySeeds(np.zeros(n_measures), np.zeros(nodal))

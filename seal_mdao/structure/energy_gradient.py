@@ -18,28 +18,32 @@ from seal_mdao.structure.internal_force import point_stress
 
 
 @dataclass(frozen=True, eq=False)
-class EnergySeeds:
-    """What M measures take from the structure: its strain energy.
+class BodySeeds:
+    """What M measures take from the structure: its strain energy, and its internal forces.
 
     Attributes
     ----------
     energy : ndarray, shape (M,)
+    force : ndarray, shape (M, n, 2)
+        In the internal forces on all components, prescribed ones included.
     """
 
     energy: np.ndarray
+    force: np.ndarray
 
     @property
     def used(self) -> np.ndarray:
-        """Which measures take it, shape (M,)."""
-        return self.energy != 0.0
+        """Which measures take something, shape (M,)."""
+        return (self.energy != 0.0) | self.force.any(axis=(1, 2))
 
-    def put(self, rows, other: "EnergySeeds") -> None:
+    def put(self, rows, other: "BodySeeds") -> None:
         """Set the ``rows`` of measures to ``other``."""
-        self.energy[rows] = other.energy
+        self.energy[rows], self.force[rows] = other.energy, other.force
 
     def times(self, rates) -> np.ndarray:
         """The rates of the measures, (M, P), from those of the body."""
-        return np.outer(self.energy, rates.energy())
+        out = np.outer(self.energy, rates.energy()) if self.energy.any() else 0.0
+        return out + rates.force(self.force)
 
 
 class EnergyGradient(NamedTuple):

@@ -21,7 +21,7 @@ import numpy as np
 
 from seal_mdao.rkpm.cells import add_weight_seeds
 from seal_mdao.rkpm.transformed import TableRates
-from seal_mdao.structure.energy_gradient import EnergySeeds, add_gradient_rates, energy_gradient
+from seal_mdao.structure.energy_gradient import BodySeeds, add_gradient_rates, energy_gradient
 from seal_mdao.structure.force_products import (
     add_force_rates,
     add_force_seeds,
@@ -87,15 +87,18 @@ class BodyBlock:
     ----------
     term : StructuralTerm
     steps : sequence of ConvergedStep
+    scatter : Scatter, optional
+        Of the forces; those of the free components unless given.
     """
 
-    def __init__(self, term, steps):
-        self.term, self.layout = term, term.discretization.layout
+    def __init__(self, term, steps, scatter=None):
+        self.term, layout = term, term.discretization.layout
+        self.scatter = layout.force_scatter if scatter is None else scatter
         self.states = term.states(np.array([step.d for step in steps]))
 
     def add_rates(self, design: BodyDesign, loads) -> None:
         """f' = B^T (w P)' + B'^T w P, Eq. (46), and what the constants do."""
-        equations = self.layout.equations
+        equations = self.scatter.equations
         add_force_rates(self.states, design.grad, design.weights, equations, loads)
         if design.parameters.any():
             self._add_constants(design.parameters, loads)
@@ -112,8 +115,8 @@ class BodyBlock:
             for k, load in enumerate(loads):
                 force = np.zeros(len(load))
                 assemble_internal(
-                    *quadrature, states.deformation, k, w[:, k], bulk, self.layout.force_scatter,
-                    force, np.empty(0),
+                    *quadrature, states.deformation, k, w[:, k], bulk, self.scatter, force,
+                    np.empty(0),
                 )  # fmt: skip
                 load += np.outer(force, rate)
 
@@ -126,14 +129,14 @@ class BodyBlock:
             constants, bulk_row = term.constant_derivatives(self.states.deformation), term.bulk_row
         add_force_seeds(
             self.states, constants, bulk_row, np.repeat(np.arange(n_steps), [*map(len, mixes)]),
-            np.hstack(adjoints), np.vstack(mixes), self.layout.equations,
+            np.hstack(adjoints), np.vstack(mixes), self.scatter.equations,
             (design.grad, design.weights, design.parameters[: len(constants)]),
         )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
 class BodyRates:
-    """Rates of the body at a step, of which a measure may take that of the strain energy."""
+    """Rates of the body at a step, of which measures may take the strain energy and the forces."""
 
     body: "LinearizedBody"
     design: BodyDesign
@@ -158,9 +161,25 @@ class BodyRates:
             out += gradient.nodal.ravel() @ self.prescribed
         return out
 
+    def force(self, weights: np.ndarray) -> np.ndarray:
+        """w . f' of weights w (M, n, 2) on the internal forces of all components, shape (M, P)."""
+        body, count = self.body, self.solution.shape[1]
+        if not weights.any():
+            return np.zeros((len(weights), count))
+        every = body.layout.every_component
+        rates = np.zeros((1, every.equations.size + 1, count))
+        # f' = B^T (w P)' + B'^T w P, and what the constants do
+        BodyBlock(body.term, [body.step], every).add_rates(self.design, rates)
+        # K d', of free and of imposed components
+        moved = body.layout.gather(self.solution)
+        if self.prescribed is not None:
+            moved = moved + self.prescribed.reshape(moved.shape)
+        body.add_change(moved, every.equations, rates[0])
+        return weights.reshape(len(weights), -1) @ rates[0, :-1]
+
 
 class LinearizedBody(LinearizedTerm):
-    """The body at one converged step: imposed displacements, and the strain energy as an output."""
+    """The body at one converged step: imposed displacements; strain energy and forces as outputs."""
 
     def __init__(self, term, step):
         self.term, self.step, self.layout = term, step, term.discretization.layout
@@ -170,7 +189,7 @@ class LinearizedBody(LinearizedTerm):
         """``EnergyGradient`` of the step."""
         return energy_gradient(self.term, self.step.d)
 
-    def _add_change(self, nodal, equations, out) -> None:
+    def add_change(self, nodal, equations, out) -> None:
         """Add K u for displacements u (n, 2, P) of all particles to ``out``."""
         states = self.term.states(self.step.d[None])
         add_tangent_product(states, np.ascontiguousarray(nodal), equations, out)
@@ -180,7 +199,7 @@ class LinearizedBody(LinearizedTerm):
     def rates(self, design, history, prescribed, load) -> BodyRates:
         if prescribed is not None:
             nodal = prescribed.reshape(*self.layout.equations.shape, -1)
-            self._add_change(nodal, self.layout.equations, load)
+            self.add_change(nodal, self.layout.equations, load)
         return BodyRates(self, design, prescribed)
 
     def solved(self, found: BodyRates, solution) -> BodyRates:
@@ -188,32 +207,57 @@ class LinearizedBody(LinearizedTerm):
 
     # ---- adjoint ----
 
-    def seeds(self, history_bar, taken: EnergySeeds | None = None):
-        return None if taken is None else taken.energy
+    def seeds(self, history_bar, taken: BodySeeds | None = None) -> BodySeeds | None:
+        return taken
 
-    def measured_loads(self, taken: EnergySeeds, which) -> np.ndarray:
+    def measured_loads(self, taken: BodySeeds, which) -> np.ndarray:
         loads, free = (
             np.zeros((self.layout.n_equations + 1, which.size)),
             self.layout.equations >= 0,
         )
-        # E_d of the free components
-        loads[self.layout.equations[free]] = np.outer(self.energy.nodal[free], taken.energy[which])
+        if taken.energy[which].any():
+            # E_d of the free components
+            nodal = np.outer(self.energy.nodal[free], taken.energy[which])
+            loads[self.layout.equations[free]] = nodal
+        if taken.force[which].any():
+            # K w of weights w on the forces; K is symmetric
+            nodal = np.moveaxis(taken.force[which], 0, 2)
+            self.add_change(nodal, self.layout.equations, loads)
         return loads
 
-    def pull_back(self, energy_bar, adjoints, mix, design: BodyDesign, prescribed_bar):
-        if energy_bar is not None:
-            # E_B, E_w, E_c; E_d of the free components is among the loads
-            gradient, used = self.energy, np.flatnonzero(energy_bar)
-            weights = gradient.weights.reshape(*design.weights.shape[:2], 1)
-            design.grad[:, used] += np.outer(gradient.grad, energy_bar[used])
-            design.weights[..., used] += weights * energy_bar[used]
-            design.parameters[:, used] += np.outer(gradient.constants, energy_bar[used])
-            if prescribed_bar is not None:
-                prescribed_bar[:-1] += np.outer(gradient.nodal, energy_bar)
+    def pull_back(self, taken: BodySeeds | None, adjoints, mix, design: BodyDesign, prescribed_bar):
+        if taken is not None and taken.energy.any():
+            self._pull_back_energy(taken.energy, design, prescribed_bar)
+        if taken is not None and taken.force.any():
+            self._pull_back_force(taken.force, design, prescribed_bar)
         if prescribed_bar is not None and len(mix):
             # K is symmetric
             change = np.zeros((len(prescribed_bar), len(mix)))
-            self._add_change(
+            self.add_change(
                 self.layout.gather(adjoints[:-1]), self.layout.every_component.equations, change
             )
             prescribed_bar -= change @ mix
+
+    def _pull_back_energy(self, energy_bar, design: BodyDesign, prescribed_bar) -> None:
+        """Add E_B, E_w, E_c to the seeds; E_d of the free components is among the loads."""
+        gradient, used = self.energy, np.flatnonzero(energy_bar)
+        weights = gradient.weights.reshape(*design.weights.shape[:2], 1)
+        design.grad[:, used] += np.outer(gradient.grad, energy_bar[used])
+        design.weights[..., used] += weights * energy_bar[used]
+        design.parameters[:, used] += np.outer(gradient.constants, energy_bar[used])
+        if prescribed_bar is not None:
+            prescribed_bar[:-1] += np.outer(gradient.nodal, energy_bar)
+
+    def _pull_back_force(self, force_bar, design: BodyDesign, prescribed_bar) -> None:
+        """Add the seeds of w . f at fixed d; K w of the free components is among the loads."""
+        every, used = self.layout.every_component, np.flatnonzero(force_bar.any(axis=(1, 2)))
+        nodal, mix = np.moveaxis(force_bar[used], 0, 2), np.zeros((used.size, len(force_bar)))
+        mix[np.arange(used.size), used] = 1.0
+        # seeds of -lambda . f with lambda = -w
+        adjoints = np.zeros((every.equations.size + 1, used.size))
+        adjoints[:-1] = -nodal.reshape(-1, used.size)
+        BodyBlock(self.term, [self.step], every).pull_back([adjoints], [mix], design)
+        if prescribed_bar is not None:
+            change = np.zeros_like(adjoints)
+            self.add_change(nodal, every.equations, change)
+            prescribed_bar += change @ mix

@@ -9,11 +9,12 @@ from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
 from seal_mdao.dsa.probe import Probe
-from seal_mdao.dsa.shape_rates import add_matrix_seeds, discretization_rates
+from seal_mdao.dsa.shape_rates import discretization_rates
 from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.equilibrium.matrix_seeds import add_matrix_seeds
 from seal_mdao.measures.measure import Seeds
 from seal_mdao.seals.door.door_seal import options_of
-from seal_mdao.structure.energy_gradient import EnergySeeds
+from seal_mdao.structure.energy_gradient import BodySeeds
 from seal_mdao.terms.linearized_points import PointSeeds
 
 LABELS = "structure", "roll", "pull"
@@ -160,7 +161,11 @@ def test_products_with_seeds_are_the_transpose_of_those_with_rates(pressed, step
     adjoints, mix = rng.standard_normal((layout.n_equations + 1, 3)), rng.standard_normal((3, m))
     adjoints[-1] = 0.0
     after, which = history_rates(term, rng, m), np.arange(m)
-    taken = EnergySeeds(rng.standard_normal(m)) if carried is None else random_seeds(term, rng, m)
+    taken = (
+        random_seeds(term, rng, m)
+        if carried is not None
+        else BodySeeds(rng.standard_normal(m), rng.standard_normal((m, *disc.particles.shape)))
+    )
 
     linearized, found, load = rates_at(term, step, rates, carried, prescribed)
     solution = rng.standard_normal((layout.n_equations, count))

@@ -20,7 +20,9 @@ def fits(value, schema, root) -> bool:
     if "oneOf" in schema:
         return sum(fits(value, own, root) for own in schema["oneOf"]) == 1
     if "anyOf" in schema:
-        return any(fits(value, own, root) for own in schema["anyOf"])
+        rest = {key: own for key, own in schema.items() if key != "anyOf"}
+        some = any(fits(value, own, root) for own in schema["anyOf"])
+        return some and ("type" not in rest or fits(value, rest, root))
     if "const" in schema or "enum" in schema:
         return value in schema.get("enum", [schema.get("const")])
     kind = schema["type"]

@@ -122,7 +122,7 @@ def _begun(file: SealFile) -> OutlineSeal:
         designs = {name: own.parameters for own in file.designs for name in own.edges}
         seal = outline_seal(
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
-            contributions=file.contributions, designs=designs,
+            contributions=file.contributions, designs=designs, moved=file.motions,
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error

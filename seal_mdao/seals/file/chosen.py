@@ -6,7 +6,7 @@ from seal_mdao.geometry.motion import Motion
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT, penalties_of
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import motions
 from seal_mdao.seals.seal import Seal
 
 
@@ -34,8 +34,8 @@ def chosen_ends(seal: Seal) -> list[float]:
 
 
 def _staged(seal: Seal) -> Motion:
-    """Find the motion of a profile with stages; one without has a single stage, in which it rests."""
-    return max((contact.motion for contact in contacts(seal)), key=lambda motion: motion.steps.size)
+    """Find the motion with stages; one without has a single stage, in which it rests."""
+    return max(motions(seal), key=lambda motion: motion.steps.size)
 
 
 def write_chosen(given: dict, file: SealFile, seal: Seal) -> None:
@@ -44,7 +44,7 @@ def write_chosen(given: dict, file: SealFile, seal: Seal) -> None:
         _write_steps(given, seal)
     # penalties of the file stay, the others are those of the seal
     values = {penalty.name: penalty.value for penalty in penalties_of(seal)}
-    owners = {profile["name"]: profile for profile in given["profile"]}
+    owners = {profile["name"]: profile for profile in given.get("profile", ())}
     owners |= {SELF_CONTACT: given[SELF_CONTACT]} if SELF_CONTACT in given else {}
     for name, table in owners.items():
         for kind in (NORMAL, TANGENT):
@@ -58,7 +58,7 @@ def _write_steps(given: dict, seal: Seal) -> None:
     motion = _staged(seal)
     by_stage = np.split(motion.shares, np.cumsum(motion.steps)[:-1])
     given.pop("steps", None)
-    for profile in given["profile"]:
+    for profile in (*given.get("profile", ()), *given.get("moved", ())):
         # profiles without stages stand still in any steps
         for stage, shares in zip(profile.get("stage", ()), by_stage, strict=False):
             stage["steps"] = shares.tolist()

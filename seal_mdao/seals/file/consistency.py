@@ -9,7 +9,7 @@ import numpy as np
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING, check_start
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
-from seal_mdao.seals.file.schema import known
+from seal_mdao.seals.file.held_edges import check_edges, check_moved, holder
 from seal_mdao.seals.file.section_table import check_section
 from seal_mdao.seals.outline.contours import Contour, Outline
 from seal_mdao.seals.outline.section_cloud import OutlineCloud
@@ -23,12 +23,13 @@ def check(file) -> None:
     # the section and its materials, then all that names its edges
     check_section(file)
     _check_supports(file)
+    check_moved(file)
     _check_designs(file)
     _check_cavities(file)
     if file.self_contact is not None:
-        _check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
+        check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
     for number, term in enumerate(file.terms, 1):
-        _check_edges(f"[[term]] {number}", "edges", term.edges, file.section.outline)
+        check_edges(f"[[term]] {number}", "edges", term.edges, file.section.outline)
     # what refers to profiles, steps and names
     _check_measures(file)
     _check_steps(file)
@@ -47,14 +48,6 @@ def check(file) -> None:
 # ---- edges ----
 
 
-def _check_edges(where: str, key: str, names, outline: Outline) -> None:
-    """Refuse names that no edge has, or that are given twice."""
-    for i, name in enumerate(names):
-        known(where, key, name, outline.edge_names, "edge")
-        if name in names[:i]:
-            raise SealFileError(f"{where}: {key} has {name!r} twice")
-
-
 def _stretch(names, outline: Outline) -> tuple[Contour | None, bool]:
     """Find the contour along which edges follow one another, and whether they go all round it."""
     for contour in outline.contours:
@@ -69,12 +62,12 @@ def _stretch(names, outline: Outline) -> tuple[Contour | None, bool]:
 def _check_supports(file) -> None:
     """Refuse edges that are held twice, or that lie in no plane of symmetry."""
     outline, own = file.section.outline, file.fixed_edges
-    _check_edges("[fixed]", "edges", own, outline)
+    check_edges("[fixed]", "edges", own, outline)
     seen = dict.fromkeys(own, "[fixed]")
     # every edge of symmetry is straight, across one axis
     for number, plane in enumerate(file.symmetries, 1):
         where = f"[[symmetry]] {number}"
-        _check_edges(where, "edges", plane.edges, outline)
+        check_edges(where, "edges", plane.edges, outline)
         for name in plane.edges:
             if name in seen:
                 raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
@@ -94,12 +87,12 @@ def _check_designs(file) -> None:
     seen = {}
     for number, design in enumerate(file.designs, 1):
         where = f"[[design]] {number}"
-        _check_edges(where, "edges", design.edges, file.section.outline)
+        check_edges(where, "edges", design.edges, file.section.outline)
         for name in design.edges:
-            if name in file.fixed_edges:
-                raise SealFileError(f"{where}: edges has {name!r}, which [fixed] holds")
             if name in file.supports:
-                raise SealFileError(f"{where}: edges has {name!r}, which [[symmetry]] holds")
+                raise SealFileError(
+                    f"{where}: edges has {name!r}, which {holder(file, name)} holds"
+                )
             if name in seen:
                 raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
             seen[name] = where
@@ -144,7 +137,7 @@ def _check_fluids(file) -> None:
 
 def _check_fluid_edges(where: str, edges, file) -> None:
     """Refuse edges of a fluid that are no stretch with two ends, or that no profile may touch."""
-    _check_edges(where, "edge", edges, file.section.outline)
+    check_edges(where, "edge", edges, file.section.outline)
     contour, all_round = _stretch(edges, file.section.outline)
     where = f"{where}: edge = {', '.join(edges)}"
     if contour is None:
@@ -180,14 +173,30 @@ def _check_measures(file) -> None:
             raise SealFileError(
                 f"{where}: places are numbers of particles, which are known beside [section] cloud alone"
             )
+        _check_work(where, measure, file)
         measure.check(where, file)
+
+
+def _check_work(where: str, measure, file) -> None:
+    """Refuse works that leave out those of moved or bonded edges."""
+    own = measure.type == "friction_work" and (file.moved or file.glued)
+    if own or (measure.type == "profile_work" and measure.profile in file.glued):
+        raise SealFileError(
+            f"{where}: type = {measure.type!r} does not know the work of [[moved]] and of glued edges; "
+            "leave it out, or use strain_energy"
+        )
 
 
 def _check_labels(file) -> None:
     """Refuse cavities, fluids, terms and contact of the section with itself under a taken name."""
     # labels of terms are prefixes of their parameters
     seen = {"structure": "the body itself"} | {p.name: "a profile" for p in file.profiles}
-    for kind, rows in (("cavity", file.cavities), ("fluid", file.fluids), ("term", file.terms)):
+    for kind, rows in (
+        ("moved", file.moved),
+        ("cavity", file.cavities),
+        ("fluid", file.fluids),
+        ("term", file.terms),
+    ):
         for number, row in enumerate(rows, 1):
             where = f"[[{kind}]] {number}"
             if row.name in seen:
@@ -208,8 +217,13 @@ def _check_labels(file) -> None:
 def _check_steps(file) -> None:
     """Refuse profiles that all stand still, or whose stages do not go on side by side."""
     # profiles move side by side: one without stages stands still, all others have as many steps
-    moving = [profile for profile in file.profiles if profile.stages]
+    moving = [own for own in file.moving if own.stages]
     if not moving:
+        if file.moved:
+            raise SealFileError(
+                "[[profile]], [[moved]]: none has a [[profile.stage]] or [[moved.stage]]; at least one "
+                "has to move"
+            )
         raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
     first = moving[0]
     for profile in moving[1:]:
@@ -232,10 +246,11 @@ def _check_steps(file) -> None:
 def _check_contact(where: str, profile, file) -> None:
     """Refuse contact of edges that are fixed, or that are not one stretch of the boundary."""
     # fixed particles are no contact points; edges in a plane still slide
-    _check_edges(where, "contact", profile.contact, file.section.outline)
+    check_edges(where, "contact", profile.contact, file.section.outline)
     for name in profile.contact:
         if len(file.supports.get(name, ())) == 2:
-            raise SealFileError(f"{where}: contact = {name!r}, but [fixed] holds this edge")
+            owner = holder(file, name)
+            raise SealFileError(f"{where}: contact = {name!r}, but {owner} holds this edge")
     if _stretch(profile.contact, file.section.outline)[0] is None:
         raise SealFileError(
             f"{where}: contact = {', '.join(profile.contact)} is not one stretch of the boundary; give "
@@ -264,10 +279,13 @@ def _check_contact_points(where: str, profile, file) -> None:
 
 def _check_bodies_held(file, gaps) -> None:
     """Refuse a body without a fixed edge that no profile touches at the start, with these gaps (mm)."""
-    outline, fixed = file.section.outline, file.fixed_edges
+    outline = file.section.outline
+    # edges in a plane of symmetry hold nothing along it
+    planes = {name for plane in file.symmetries for name in plane.edges}
+    fixed = set(file.supports) - planes
     for number, contours in enumerate(outline.bodies, 1):
         names = {name for contour in contours for name in contour.edge_names}
-        if names & set(fixed):
+        if names & fixed:
             continue
         # a profile holds a body only at a particle that it touches at the start
         own = [

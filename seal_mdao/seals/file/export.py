@@ -72,7 +72,7 @@ def write_design(
     write_chosen(given, file, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
     # a cloud has no scheme, from which contact points would follow
-    for own, profile in zip(given["profile"], file.profiles, strict=True):
+    for own, profile in zip(given.get("profile", ()), file.profiles, strict=True):
         own["contact_points"] = profile.contact_points
     text = HEAD.format(name=file.path.name) + writer.dumps(given)
     paths[0].write_text(text, encoding="utf-8")

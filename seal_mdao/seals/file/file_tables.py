@@ -22,6 +22,7 @@ from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
 from seal_mdao.seals.file.material_table import Materials
 from seal_mdao.seals.file.measure_table import MeasureTable
 from seal_mdao.seals.file.measure_types import AnyMeasure
+from seal_mdao.seals.file.moved_table import MovedTable
 from seal_mdao.seals.file.optimize_table import OptimizeTable
 from seal_mdao.seals.file.profile_table import ProfileTable
 from seal_mdao.seals.file.schema import key, rows
@@ -29,6 +30,9 @@ from seal_mdao.seals.file.section_table import SectionTable, WrittenSection
 from seal_mdao.seals.outline.outline_seal import SectionRegion
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE
+
+MOVING = ("profile", "moved")
+"""Tables of what moves; a file has one of them."""
 
 
 class Written(BaseModel):
@@ -39,8 +43,9 @@ class Written(BaseModel):
 
     material: Materials = key("rubbers by their names")
     section: WrittenSection = key("the section")
-    profile: rows(ProfileTable) = key("rigid bodies that move against it")
+    profile: rows(ProfileTable) = key("rigid bodies that move against it", ())
     fixed: FixedTable | None = key("edges that are held", None)
+    moved: rows(MovedTable) = key("edges that are moved", ())
     symmetry: rows(SymmetryTable) = key("planes of symmetry", ())
     cavity: rows(CavityTable) = key("holes that keep their air", ())
     self_contact: SelfContactTable | None = key("edges that may touch each other", None)
@@ -85,6 +90,7 @@ class SealFile:
     step_tolerance: float | None = None
     penalty_tolerance: float = PENALTY_TOLERANCE
     terms: tuple[TermTable, ...] = ()
+    moved: tuple[MovedTable, ...] = ()
 
     @property
     def open_penalties(self) -> tuple:
@@ -106,7 +112,17 @@ class SealFile:
     @property
     def n_steps(self) -> int:
         """Load steps of the path; its stages where the steps are to be chosen."""
-        return max(profile.n_steps for profile in self.profiles)
+        return max(own.n_steps for own in self.moving)
+
+    @property
+    def moving(self) -> tuple:
+        """Profiles and moved edges, those that stand still included."""
+        return (*self.profiles, *self.moved)
+
+    @property
+    def glued(self) -> dict:
+        """Edges that are bonded to profiles, by the name of the profile."""
+        return {own.name: own.glued for own in self.profiles if own.glued is not None}
 
     @property
     def fixed_edges(self) -> tuple:
@@ -114,12 +130,27 @@ class SealFile:
         return () if self.fixed is None else self.fixed.edges
 
     @property
+    def fixed_components(self) -> tuple:
+        """Components that ``[fixed]`` prescribes: 0 for x, 1 for y."""
+        directions = () if self.fixed is None else self.fixed.directions
+        return tuple(sorted(set(map("xy".index, directions))))
+
+    @property
     def supports(self) -> dict:
         """Prescribed displacement components of edges: 0 for x, 1 for y."""
         # fixed edges in one or both directions, edges of symmetry across their plane
-        own = () if self.fixed is None else sorted(set(map("xy".index, self.fixed.directions)))
+        own = self.fixed_components
         mirrored = {n: ("xy".index(p.normal),) for p in self.symmetries for n in p.edges}
-        return dict.fromkeys(self.fixed_edges, tuple(own)) | mirrored
+        held = dict.fromkeys(self.fixed_edges, own) | mirrored
+        held |= {name: moved.components for moved in self.moved for name in moved.edges}
+        return held | {name: (0, 1) for edges in self.glued.values() for name in edges}
+
+    @property
+    def motions(self) -> list:
+        """Functions that bind moved and bonded edges to a section."""
+        outline = self.section.outline
+        glued = [cleared(own, outline).glue_on for own in self.profiles if own.glued is not None]
+        return [own.on for own in self.moved] + glued
 
     @property
     def regions(self) -> list:
@@ -137,7 +168,7 @@ class SealFile:
     def contributions(self) -> list:
         """Functions that bind every term but the body to a section, in the order of the terms."""
         # the fluid of the last stage rises with that of a profile that moves
-        last = next(profile.stages[-1].steps for profile in self.profiles if profile.stages)
+        last = next(own.stages[-1].steps for own in self.moving if own.stages)
         # profiles, air, self-contact, fluids, terms of extensions
         tables = [*(cleared(profile, self.section.outline) for profile in self.profiles)]
         tables += [*self.cavities, *([] if self.self_contact is None else [self.self_contact])]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from seal_mdao.seals.file.file_tables import Written
+from seal_mdao.seals.file.file_tables import MOVING, Written
 
 
 class _Schema(GenerateJsonSchema):
@@ -39,7 +39,10 @@ def json_schema() -> dict:
     """
     # forms of keys are titles, their meanings descriptions
     made = Written.model_json_schema(schema_generator=_Schema)
-    return {"$schema": _Schema.schema_dialect} | made | {"title": "Seal file of seal_mdao"}
+    made |= {"title": "Seal file of seal_mdao"}
+    # something has to move
+    made["anyOf"] = [{"type": "object", "required": [name]} for name in MOVING]
+    return {"$schema": _Schema.schema_dialect} | made
 
 
 def main(arguments: list[str]) -> int:

@@ -57,8 +57,9 @@ class PenaltiesTable(Table):
     )
 
 
-def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float | None]:
-    """Return profiles with load steps, and the tolerance within which these are to be chosen.
+def with_steps(profiles: tuple, moved: tuple, steps: StepsTable | None) -> tuple:
+    """Return profiles and moved edges with load steps, and the tolerance within which these are to be
+    chosen, or None.
 
     Stages whose steps are to be chosen have None; they get one.
 
@@ -69,9 +70,10 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
     """
     # all stages have steps, or none has
     named = [
-        (f"[[profile]] {i} ({profile.name!r}): [[profile.stage]] {k}", stage.steps)
-        for i, profile in enumerate(profiles, 1)
-        for k, stage in enumerate(profile.stages, 1)
+        (f"[[{kind}]] {i} ({own.name!r}): [[{kind}.stage]] {k}", stage.steps)
+        for kind, tables in (("profile", profiles), ("moved", moved))
+        for i, own in enumerate(tables, 1)
+        for k, stage in enumerate(own.stages, 1)
     ]
     # the first stage without steps is named in messages
     without = [where for where, own in named if own is None]
@@ -81,7 +83,7 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
                 "[steps]: tolerance is for load steps that are chosen, but all stages have steps; leave "
                 "out either"
             )
-        return profiles, None
+        return profiles, moved, None
     # some stages have steps and others none: one choice for all
     for where, own in named:
         if own is not None:
@@ -89,7 +91,8 @@ def with_steps(profiles: tuple, steps: StepsTable | None) -> tuple[tuple, float 
                 f"{where} has steps, but {without[0]} has none; give them to all stages, or to none, to "
                 "have them chosen"
             )
-    return one_step_each(profiles), (StepsTable() if steps is None else steps).tolerance
+    tolerance = (StepsTable() if steps is None else steps).tolerance
+    return one_step_each(profiles), one_step_each(moved), tolerance
 
 
 def one_step_each(profiles) -> tuple:

@@ -46,7 +46,7 @@ class MeasureTable(Table):
         return self.makes(**{name: v for name, v in self.arguments.items() if v is not None})
 
     def settled(self, where: str, profiles: tuple) -> "MeasureTable":
-        """Return the table with what it leaves to the profiles of the file, and its name.
+        """Return the table with what it leaves to profiles and moved edges of the file, and its name.
 
         SealFileError says what it cannot leave to them.
         """
@@ -87,11 +87,20 @@ def simple_kind(name: str, makes: Callable[..., Measure], base: type, text: str)
 class OfProfile(MeasureTable):
     """A measure at a profile."""
 
+    @staticmethod
+    def takes(moving) -> bool:
+        """Return whether a table of ``settled`` may be named: a profile, not moved edges."""
+        return hasattr(moving, "contact")
+
     profile: Text | None = key("name of a profile; may be left out where there is one only", None)
 
     def settled(self, where, profiles):
         # the only profile, unless the table names one
-        names = [profile.name for profile in profiles]
+        names = [own.name for own in profiles if self.takes(own)]
+        if not names:
+            raise SealFileError(
+                f"{where}: type = {self.type!r} needs a [[profile]], and there is none"
+            )
         if self.profile is None and len(names) > 1:
             raise SealFileError(
                 f"{where}: the key 'profile' is missing; it must be one of {', '.join(names)}"

@@ -24,7 +24,7 @@ from seal_mdao.measures.section_shape import CavityArea, Displacement, SectionAr
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
-from seal_mdao.seals.file.forms import Form, Point, Text, many, number, one_of, whole
+from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import (
     KINDS,
     AtPlaces,
@@ -171,7 +171,7 @@ class LargestGapTable(AtPlaces):
     order: Order | None = key("of the p-norm", None)
 
 
-def _reaction(profile, component=None, travel=None, **own):
+def _reaction(profile="", component=None, travel=None, **own):
     # both axes for a direction, which the measure projects on
     axes = (0, 1) if component is None else (_AXES[component],)
     travels = (travel,) if isinstance(travel, float) else travel
@@ -180,7 +180,11 @@ def _reaction(profile, component=None, travel=None, **own):
 
 @kind("reaction", _reaction)
 class ReactionTable(OfProfile):
-    """Force of the seal on a profile."""
+    """Force of the seal on a profile, or on fixed or moved edges."""
+
+    edges: Names | None = key(
+        "in place of a profile or [[moved]]: fixed or moved edges on which the force acts", None
+    )
 
     component: one_of(*_AXES) | None = key(
         "axis of the force; that along which the first travel goes, unless component or direction is "
@@ -201,8 +205,14 @@ class ReactionTable(OfProfile):
         "length of the seal whose force it is, in N; N/m unless given", None
     )
 
+    @staticmethod
+    def takes(moving) -> bool:
+        return True
+
     @model_validator(mode="after")
     def _one_direction(self):
+        if self.edges is not None and self.profile is not None:
+            raise ValueError("edges beside profile; use one of them")
         # an axis, or a vector
         if self.component is not None and self.direction is not None:
             raise ValueError("component beside direction; use one of them")
@@ -214,8 +224,13 @@ class ReactionTable(OfProfile):
         return not isinstance(self.travel, tuple)
 
     def settled(self, where, profiles):
-        done = super().settled(where, profiles)
-        own = next(p for p in profiles if p.name == done.profile)
+        if self.edges is not None:
+            # along the axis of the first travel of what moves
+            done = MeasureTable.settled(self, where, profiles)
+            own = next((p for p in profiles if p.travel > 0.0), profiles[0])
+        else:
+            done = super().settled(where, profiles)
+            own = next(p for p in profiles if p.name == done.profile)
         # the first travel gives the axis, and the direction where it is "travel"
         # without a component or a direction: along the first travel of the profile
         if done.component is None and done.direction is None:
@@ -234,6 +249,16 @@ class ReactionTable(OfProfile):
                 f"{moving.name!r} is only {moving.travel:.6g} mm long"
             )
         return done
+
+    def check(self, where, file):
+        # a force on an edge needs a prescribed component
+        for name in self.edges or ():
+            known(where, "edges", name, file.section.outline.edge_names, "edge")
+            if name not in file.supports:
+                raise SealFileError(
+                    f"{where}: edges has {name!r}, which is neither fixed nor moved; there are "
+                    f"{', '.join(file.supports) or 'none'}"
+                )
 
 
 def _main_axis(profile) -> str:

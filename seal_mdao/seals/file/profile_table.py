@@ -12,6 +12,7 @@ from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
 from seal_mdao.geometry.profile import Pieces, RigidProfile, rigid_profile
 from seal_mdao.geometry.shape import GivenShape, Shape
+from seal_mdao.loads.moved_edges import MovedEdges
 from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, keys_of
 from seal_mdao.seals.file.forms import Name, Names, Penalty, Text, number, one_of, point
 from seal_mdao.seals.file.friction_table import Friction
@@ -39,7 +40,7 @@ class StageTable(Table):
     steps: Steps | None = key("load steps; chosen where no stage has any", None)
 
 
-def _stage(given, read) -> Stage:
+def made_stage(given, read) -> Stage:
     """Make the ``Stage`` of a table; one that has been read is returned."""
     if isinstance(given, Stage):
         return given
@@ -78,6 +79,7 @@ class ProfileTable(SegmentTable):
     name: Name = key("put before the names of its parameters: door_friction")
     friction: Friction = key("Coulomb coefficient, or another law")
     contact: Names = key("edges that may touch it, neighbours on the boundary")
+    glued: Names | None = key("edges that are bonded to it and follow its motion", None)
     segment: rows(PieceTable) | None = key("pieces of its curve, where it is a chain of them", None)
     shape: Annotated[ShapeTable, Extensible("profiles", "type", _extension)] | None = key(
         "in place of a curve: one of your own, with parameters: door_a", None
@@ -92,7 +94,7 @@ class ProfileTable(SegmentTable):
         "between two of them; chosen unless given",
         None,
     )
-    stages: rows(Annotated[StageTable, WrapValidator(_stage)]) = key(
+    stages: rows(Annotated[StageTable, WrapValidator(made_stage)]) = key(
         "stages of its motion; without any it stands still", (), alias="stage"
     )
 
@@ -146,6 +148,12 @@ class ProfileTable(SegmentTable):
         law = ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, True)
         motion = motion_of(self, section.n_steps)
         return RigidContact(self.name, where, shape, motion, law, f"{self.name}_")
+
+    def glue_on(self, section: SectionBody) -> MovedEdges:
+        """Bind the motion to the particles of the edges that are bonded to the profile."""
+        motion = motion_of(self, section.n_steps)
+        start = np.array([*motion.positions[0], motion.angles[0]])
+        return MovedEdges(self.name, section.particles(self.glued), (0, 1), motion, start)
 
 
 def _joined(chain) -> bool:

@@ -10,7 +10,7 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.consistency import check
 from seal_mdao.seals.file.described import note_contents
-from seal_mdao.seals.file.file_tables import SealFile, Written
+from seal_mdao.seals.file.file_tables import MOVING, SealFile, Written
 from seal_mdao.seals.file.load_steps import with_steps
 from seal_mdao.seals.file.optimize_table import with_implied
 from seal_mdao.seals.file.schema import checked, suggestion
@@ -59,7 +59,7 @@ def _parsed(path) -> dict:
     except (ValueError, RecursionError) as error:
         raise SealFileError(f"is not valid TOML: {' '.join(str(error).split())}") from None
     if not found:
-        raise SealFileError(f"is empty; it needs {_written(NEEDED)}")
+        raise SealFileError(f"is empty; it needs {_written((*NEEDED, MOVING[0]))}")
     return found
 
 
@@ -79,6 +79,8 @@ def _read(given, path) -> SealFile:
             )
     # tables that every seal needs
     missing = [name for name in NEEDED if name not in given]
+    # something has to move
+    missing += [] if any(name in given for name in MOVING) else [MOVING[0]]
     if missing:
         raise SealFileError(f"{_written(missing[:1])} is missing")
     file = _decided(checked(TypeAdapter(Written), given), path)
@@ -90,13 +92,14 @@ def _decided(written: Written, path: Path) -> SealFile:
     """Decide what a file leaves to its other tables and files, and to defaults."""
     # labels and steps first: measures refer to profiles and their travels
     _check_profile_names(written.profile)
-    profiles, step_tolerance = with_steps(written.profile, written.steps)
+    profiles, moved, step_tolerance = with_steps(written.profile, written.moved, written.steps)
+    moving = (*profiles, *moved)
     measures = tuple(
-        own.settled(f"[[measure]] {i}", profiles) for i, own in enumerate(written.measure, 1)
+        own.settled(f"[[measure]] {i}", moving) for i, own in enumerate(written.measure, 1)
     )
     # a problem may name types of measures that have no table of their own
     if written.optimize is not None:
-        measures = with_implied(written.optimize, measures, profiles)
+        measures = with_implied(written.optimize, measures, moving)
     # constants may be fitted to tests, the section may be a drawing: files beside this one
     materials = {
         name: own.made(f"[material.{name}]", path.parent) for name, own in written.material.items()
@@ -104,9 +107,9 @@ def _decided(written: Written, path: Path) -> SealFile:
     section = written.section.read(path.parent)
     return SealFile(
         path, materials, section, written.fixed, written.symmetry,
-        _with_contact_points(profiles, section, written.fixed, written.fluid), written.design,
+        _with_contact_points(profiles, section, written), written.design,
         measures, written.optimize, written.cavity, written.self_contact, written.fluid,
-        step_tolerance, written.penalties.tolerance, written.term,
+        step_tolerance, written.penalties.tolerance, written.term, moved,
     )  # fmt: skip
 
 
@@ -122,7 +125,7 @@ def _check_profile_names(profiles) -> None:
             )
 
 
-def _with_contact_points(profiles, section: SectionTable, fixed, fluids) -> tuple:
+def _with_contact_points(profiles, section: SectionTable, written: Written) -> tuple:
     """Choose the contact points of profiles where the file leaves them open.
 
     On rays those of their scheme, unless something needs a particle where a profile touches: a fluid, a
@@ -131,7 +134,8 @@ def _with_contact_points(profiles, section: SectionTable, fixed, fluids) -> tupl
     """
     # those of the scheme of the rays, where no particle is needed
     chosen = "particles"
-    if isinstance(section.spacing, Rays) and fixed is not None and not fluids:
+    held = written.fixed is not None or written.moved or any(own.glued for own in profiles)
+    if isinstance(section.spacing, Rays) and held and not written.fluid:
         chosen = SCHEMES[section.spacing.accuracy].contact_points
     return tuple(
         replace(profile, contact_points="particles" if profile.turns else chosen)

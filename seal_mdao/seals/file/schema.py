@@ -36,7 +36,8 @@ CHOICE = "choice"
 LINE = "line"
 """Type of an error that is a complete line."""
 LABELS = {
-    "profile": ("name", ""), "section.outer": ("edge", "edge "), "section.hole": ("edge", "edge "),
+    "profile": ("name", ""), "moved": ("name", ""),
+    "section.outer": ("edge", "edge "), "section.hole": ("edge", "edge "),
 }  # fmt: skip
 """What rows are called beside their number: the key that says it, and a word before its text."""
 NAMED = ("material", "vary")

@@ -10,6 +10,7 @@ import numpy as np
 from seal_mdao.contact.default_penalties import completed
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body, Edge
+from seal_mdao.loads.moved_edges import ImposedMotions
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
@@ -96,7 +97,7 @@ class OutlineSeal(Seal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | OutlineCloud, material, *, n_steps: int, supports=NONE,
-    contributions=(), designs=NONE, kernels: Kernels | None = None,
+    contributions=(), designs=NONE, kernels: Kernels | None = None, moved=(),
 ) -> OutlineSeal:  # fmt: skip
     """Build a seal from the boundary of its section.
 
@@ -123,6 +124,8 @@ def outline_seal(
         nominal normals.
     kernels : Kernels, optional
         If left out those of rays and of given clouds, else ``Kernels()``.
+    moved : sequence of callable
+        Functions of the ``SectionBody``, which return ``MovedEdges`` of edges among the supports.
     standard, inputs, newton
         As of ``Seal``.
 
@@ -162,6 +165,7 @@ def outline_seal(
     return OutlineSeal(
         filled.particles, velocity, body, tuple(terms), n_steps, loops=filled.loops, spacing=spacing,
         kernels=kernels, cuts=cuts,
+        imposed_displacements=ImposedMotions(tuple(bind(section) for bind in moved)) if moved else None,
     )  # fmt: skip
 
 

@@ -1,0 +1,84 @@
+"""Which table holds an edge: fixed, in a plane of symmetry, moved, or bonded to a profile."""
+
+import numpy as np
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.schema import known
+from seal_mdao.seals.outline.contours import JOIN, Outline
+
+
+def check_edges(where: str, key: str, names, outline: Outline) -> None:
+    """Refuse names that no edge has, or that are given twice."""
+    for i, name in enumerate(names):
+        known(where, key, name, outline.edge_names, "edge")
+        if name in names[:i]:
+            raise SealFileError(f"{where}: {key} has {name!r} twice")
+
+
+def held(file) -> list:
+    """List what holds edges: the place in the file, the edges, components, pivot and stages."""
+    none, both = (0.0, 0.0), (0, 1)
+    found = [("[fixed]", file.fixed_edges, file.fixed_components, none, ())]
+    for number, plane in enumerate(file.symmetries, 1):
+        found.append((f"[[symmetry]] {number}", plane.edges, ("xy".index(plane.normal),), none, ()))
+    for number, own in enumerate(file.moved, 1):
+        where = f"[[moved]] {number} ({own.name!r})"
+        found.append((where, own.edges, own.components, own.pivot, own.stages))
+    for number, own in enumerate(file.profiles, 1):
+        # the pivot moves with the profile: in fixed coordinates where it is at the start
+        pivot = tuple(np.add(own.start, own.pivot).tolist())
+        where = f"[[profile]] {number} ({own.name!r})"
+        found.append((where, own.glued or (), both, pivot, own.stages))
+    return found
+
+
+def holder(file, name: str) -> str:
+    """Return the table that holds an edge, as messages name it."""
+    where = next(place for place, names, *_ in held(file) if name in names)
+    return where.split(" ")[0] if where.startswith("[[symmetry") else where
+
+
+def check_moved(file) -> None:
+    """Refuse moved or bonded edges that are held already, or that meet others with another motion."""
+    outline, owners = file.section.outline, {}
+    for where, names, components, pivot, stages in held(file):
+        key = "glued" if where.startswith("[[profile") else "edges"
+        check_edges(where, key, names, outline)
+        for name in names:
+            if name in owners:
+                raise SealFileError(
+                    f"{where}: {key} has {name!r}, which {owners[name][0]} has already"
+                )
+        for name in names:
+            _check_corners(outline, name, (where, components, pivot, stages), owners)
+        owners |= dict.fromkeys(names, (where, components, pivot, stages))
+
+
+def _check_corners(outline: Outline, name: str, own: tuple, owners: dict) -> None:
+    """Refuse a common corner of two edges that prescribe different displacements for it."""
+    ends = _ends(outline, name)
+    for other, its in owners.items():
+        apart = np.hypot(*(ends[:, None] - _ends(outline, other)).T)
+        if its[0] == own[0] or apart.min() > JOIN:
+            continue
+        for component in set(own[1]) & set(its[1]):
+            if _program(own, component) != _program(its, component):
+                raise SealFileError(
+                    f"{own[0]}: the edge {name!r} meets {other!r} of {its[0]} at a corner, which cannot "
+                    f"move in two ways along {'xy'[component]}; leave a part of the boundary free "
+                    "between them"
+                )
+
+
+def _ends(outline: Outline, name: str) -> np.ndarray:
+    """Return the ends of all segments of an edge, shape (k, 2), mm."""
+    return np.array([end for segment in outline.edge(name) for end in (segment.start, segment.end)])
+
+
+def _program(own: tuple, component: int) -> tuple:
+    """Return what a motion prescribes for one component, for comparison; empty at rest."""
+    _, _, pivot, stages = own
+    if any(stage.rotate for stage in stages):
+        return (pivot, *((stage.translate, stage.rotate, stage.steps) for stage in stages))
+    moved = tuple((stage.translate[component], stage.steps) for stage in stages)
+    return moved if any(travel for travel, _ in moved) else ()

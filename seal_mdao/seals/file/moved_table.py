@@ -1,0 +1,77 @@
+"""``[[moved]]``: edges that follow a given rigid motion, as those bonded to a plate do."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import WrapValidator, model_validator
+
+from seal_mdao.geometry.motion import Stage, staged_motion
+from seal_mdao.loads.moved_edges import MovedEdges
+from seal_mdao.seals.file.forms import Name, Names, many, one_of
+from seal_mdao.seals.file.profile_table import Place, StageTable, made_stage
+from seal_mdao.seals.file.schema import Table, key, rows, table
+from seal_mdao.seals.outline.section_body import SectionBody
+
+
+@table
+class MovedTable(Table):
+    """Edges whose displacements are prescribed along the path."""
+
+    edges: Names = key("edges that are moved")
+    name: Name | None = key(
+        "put before the names of its parameters: top_x; the name of its first edge unless given",
+        None,
+    )
+    directions: many(one_of("x", "y"), 'a list of "x", "y" or both') = key(
+        "in which they are moved; in others they are free", ("x", "y")
+    )
+    pivot: Place = key("centre of rotation", (0.0, 0.0))
+    stages: rows(Annotated[StageTable, WrapValidator(made_stage)]) = key(
+        "stages of the motion; without any the edges stand still", (), alias="stage"
+    )
+
+    @model_validator(mode="after")
+    def _possible(self):
+        # parameters have the name before theirs
+        if self.name is None:
+            if not self.edges[0].isidentifier():
+                raise ValueError(
+                    f"the name of the edge {self.edges[0]!r} is no name of parameters; give a name"
+                )
+            object.__setattr__(self, "name", self.edges[0])
+        for number, stage in enumerate(self.stages, 1):
+            # a free direction cannot be moved, and a turn moves both
+            for axis, travel in zip("xy", stage.translate, strict=True):
+                if travel and axis not in self.directions:
+                    raise ValueError(
+                        f"[[moved.stage]] {number} translates along {axis}, but directions has "
+                        f"{', '.join(self.directions)} alone"
+                    )
+            if stage.rotate and len(self.components) < 2:
+                raise ValueError(
+                    f"[[moved.stage]] {number} rotates, which needs both directions; directions has "
+                    f"{self.directions[0]} alone"
+                )
+        return self
+
+    @property
+    def components(self) -> tuple:
+        """Prescribed components: 0 for x, 1 for y."""
+        return tuple(sorted(set(map("xy".index, self.directions))))
+
+    @property
+    def n_steps(self) -> int:
+        """Load steps of all stages."""
+        return sum(stage.n_steps for stage in self.stages)
+
+    @property
+    def travel(self) -> float:
+        """Length of the path, mm; rotation is no travel."""
+        return float(sum(np.hypot(*stage.translate) for stage in self.stages))
+
+    def on(self, section: SectionBody) -> MovedEdges:
+        """Bind the motion to the particles of the edges."""
+        # without stages the edges stand still for all steps
+        motion = staged_motion(self.stages or (Stage(section.n_steps),), pivot=self.pivot)
+        particles = section.particles(self.edges)
+        return MovedEdges(self.name, particles, self.components, motion, np.zeros(3))
