@@ -35,6 +35,7 @@ HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
 FIXED = '[fixed]\nedges = ["base"]\n'
 SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
 CAVITY = "[[cavity]]\nhole = 1\n"
+VENTS = "vent_diameter = 3.0\nvent_spacing = 100.0\nclosing_speed = 500.0\n"
 TOUCH = '[self_contact]\nfriction = 0.3\nedges = ["second"]\n'
 FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 50.0\nsteps = 20\n'
 REGION = """[material.foot]
@@ -92,6 +93,20 @@ BAD = {
                                "[[cavity]] 1: name = 'door', but a profile has it; give every cavity"),
     "no pressure outside": (FIXED, FIXED + CAVITY + "pressure = 0.0\n",
                             "[[cavity]] 1: pressure = 0.0, but it must be a number above 0"),
+    "vents without a spacing": (FIXED, FIXED + CAVITY + "vent_diameter = 3.0\n",
+                                "[[cavity]] 1: vent_diameter without vent_spacing; vents need "),
+    "a coefficient without vents": (FIXED, FIXED + CAVITY + "discharge_coefficient = 0.7\n",
+                                    "discharge_coefficient without vent_diameter; vents need"),
+    "vents too wide": (FIXED, FIXED + CAVITY + VENTS.replace("100.0", "2.0"),
+                       "vent_spacing = 2 is less than vent_diameter = 3; give the distance"),
+    "a coefficient above one": (FIXED, FIXED + CAVITY + VENTS + "discharge_coefficient = 1.1\n",
+                                "but it must be a number above 0 and at most 1"),
+    "no time for a turn": (STAGES, STAGES.replace("translate = [2.0, 0.0]", "")
+                           + CAVITY + VENTS,
+                           "[[cavity]] 1: closing_speed = 500 gives stage 2 of the profile 'door', "
+                           "which does not travel, no time"),
+    "no travel at all": (STAGES, "[[profile.stage]]\nrotate = 1.0\n" + CAVITY + VENTS,
+                         "closing_speed = 500, but no profile travels; give one a stage"),
     "pressure of no cavity": (WIDTH, 'type = "cavity_pressure"',
                               "cavity = 'air', but there is no such [[cavity]]; there are none"),
     "self-contact of no edge": (FIXED, FIXED + TOUCH,
