@@ -161,6 +161,9 @@ def measured(result: SealResult) -> dict:
                 for i, name in enumerate(names)
             },
         }
+        place = measure.place(result)
+        if place is not None:
+            found[measure.name]["at_mm"] = place
     return {"measures": found}
 
 
@@ -222,7 +225,9 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
     for name, found in summary["measures"].items():
         if found:
             value = ", ".join(f"{v:.6g}" for v in np.atleast_1d(found["value"]))
-            print(f"{name} = {value} {found['unit'] or ''}".rstrip())
+            x, y = found.get("at_mm", (None, None))
+            at = "" if x is None else f", at x = {x:.3g}, y = {y:.3g} undeformed"
+            print(f"{name} = {value} {found['unit'] or ''}".rstrip() + at)
     # warnings come last so that they are seen
     print_critical_points(result)
     if not result.converged:

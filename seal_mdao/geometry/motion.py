@@ -253,6 +253,20 @@ class Motion:
         """Length of the path of the profile, without rotation."""
         return float(self._lengths.sum())
 
+    @property
+    def travels(self) -> np.ndarray:
+        """Length of the path at the start and after every nominal step, shape (n_steps + 1,).
+
+        The clearance is no travel.
+        """
+        # s = sum of the stages before + phi L of the present one
+        before = np.concatenate([[0.0], np.cumsum(self._lengths)])
+        own = [
+            before[stage] + self._stage_fractions(stage)[1:] * length
+            for stage, length in enumerate(self._lengths)
+        ]
+        return np.concatenate([[0.0], *own])
+
     def at_travel(self, travel: float) -> tuple[float, np.ndarray]:
         """Find the first time at which the profile has covered ``travel`` along its path.
 

@@ -158,6 +158,10 @@ class Measure:
         """Number of values."""
         return 1
 
+    def place(self, result) -> np.ndarray | None:
+        """Return where in the undeformed section the value is taken, shape (2,), if at one point."""
+        return None
+
     def evaluate(self, result, partials: Partials) -> np.ndarray:
         """Evaluate the values (M,), and add their partial derivatives to ``partials``.
 

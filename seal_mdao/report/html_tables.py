@@ -218,6 +218,11 @@ def measures(result: SealResult) -> dict[str, tuple[str, float]]:
         if not is_empty(m, result.seal) and m.size(result.seal) == 1:
             value = float(result.value(m)[0]) if result.converged else math.nan
             found[label(m.name)] = shown_unit(m.units), value
+            # where it is taken, if at one point
+            place = m.place(result)
+            if place is not None:
+                at = dict(zip(("x", "y"), place.tolist(), strict=True))
+                found |= {f"{label(m.name)}, at {own}": ("mm", at[own]) for own in at}
     profiles = contacts(result.seal)
     for contact, history in zip(profiles, profile_histories(result), strict=True):
         # figures of the contact, with the profile's name where there are several

@@ -1,4 +1,5 @@
-"""A ring held at its foot, pressed and sheared by a plate that may go back; its hole sealed or open."""
+"""A ring held at its foot, pressed and sheared by a plate that may go back; its hole sealed, vented or
+open."""
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.profile import flat_profile
 from seal_mdao.geometry.shape import GivenShape
 from seal_mdao.loads.trapped_air import TrappedAir
+from seal_mdao.loads.vented_air import VentedAir
 from seal_mdao.measures.fluid import CavityPressure
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.section_shape import CavityArea
@@ -58,7 +60,12 @@ def air_ring(
         "plate", body.edge_points("outer"), GivenShape(flat_profile()),
         staged_motion(stages, start=(0.0, OUTER + 0.013)), ContactLaw(1e4, 1e3, friction, True),
     )  # fmt: skip
-    trapped = (TrappedAir("air", body.edge("cavity").particles, **air),) if sealed else ()
+    ring = body.edge("cavity").particles
+    if "vent_diameter" in air:
+        # time is counted by the travel of the nominal plate
+        trapped = (VentedAir("air", ring, travel=plate.motion.travels, **air),)
+    else:
+        trapped = (TrappedAir("air", ring, **air),) if sealed else ()
     return sm.Seal(
         particles, velocity, body,
         (elastic_body(sm.MooneyRivlin(80.0, 20.0, 20_000.0)), plate, *trapped),

@@ -10,6 +10,7 @@ from coarse_seal import OPEN, written
 
 import seal_mdao as sm
 from seal_mdao import mesh_files
+from seal_mdao.report.html_tables import measures
 
 FIGURES = ("section", "deformed_shapes", "load_deflection", "contact_pressure", "contact_width")
 
@@ -76,6 +77,29 @@ def test_gradients_by_the_other_method(analysed):
         assert list(found["derivatives"]) == list(names)
         assert list(found["derivatives"].values()) == pytest.approx(others, rel=1e-6, abs=1e-12)
     assert s["measures"]["reaction"]["unit"] == "N/m"
+
+
+def test_the_place_of_the_thinnest_wall_is_told(run_script, tmp_path, capsys):
+    """In summary.json, on the console and in the report's table of a design."""
+    thin = {
+        'type = "contact_width"\nprofile = "door"': 'type = "wall_thickness"',
+        "centre = [0.0, 7.0]": "centre = [0.3, 7.0]",
+    }
+    path = written(tmp_path, thin)
+    _, s = run_script("analyze", tmp_path, path)
+    found = s["measures"]["wall_thickness"]
+    result = sm.analyze(sm.build_seal(path))
+    assert found["at_mm"] == pytest.approx(result.measure("wall_thickness").place(result))
+    # on the side to which the hole has moved, beyond it
+    assert found["at_mm"][0] > 0.3
+    assert np.hypot(*np.subtract(found["at_mm"], [0.3, 7.0])) > 4.5
+    x, y = found["at_mm"]
+    said = f"wall_thickness = {found['value']:.6g} mm, at x = {x:.3g}, y = {y:.3g} undeformed"
+    assert said in capsys.readouterr().out
+    shown = measures(result)
+    assert shown["wall thickness, at x"] == ("mm", pytest.approx(x))
+    assert shown["wall thickness, at y"] == ("mm", pytest.approx(y))
+    assert "at_mm" not in s["measures"]["reaction"]
 
 
 def test_figures_are_drawn(analysed, assert_drawn):

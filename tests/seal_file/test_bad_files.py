@@ -34,7 +34,15 @@ REACTION, STRESS = 'type = "reaction"', 'type = "von_mises"'
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
 FIXED = '[fixed]\nedges = ["base"]\n'
 SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
+SQUARE = "".join(
+    f'[[section.hole]]\nedge = "{name}"\nline = [[{a}, {b}], [{c}, {d}]]\n'
+    for name, a, b, c, d in (
+        ("cavity", -2, 5, -2, 9), ("top", -2, 9, 2, 9), ("right", 2, 9, 2, 5), ("foot", 2, 5, -2, 5)
+    )
+)  # fmt: skip
+ACROSS = '[[measure]]\ntype = "wall_thickness"\nedges = ["cavity"]\nopposite = ["right"]\n'
 CAVITY = "[[cavity]]\nhole = 1\n"
+VENTS = "vent_diameter = 3.0\nvent_spacing = 100.0\nclosing_speed = 500.0\n"
 TOUCH = '[self_contact]\nfriction = 0.3\nedges = ["second"]\n'
 FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 50.0\nsteps = 20\n'
 REGION = """[material.foot]
@@ -92,6 +100,20 @@ BAD = {
                                "[[cavity]] 1: name = 'door', but a profile has it; give every cavity"),
     "no pressure outside": (FIXED, FIXED + CAVITY + "pressure = 0.0\n",
                             "[[cavity]] 1: pressure = 0.0, but it must be a number above 0"),
+    "vents without a spacing": (FIXED, FIXED + CAVITY + "vent_diameter = 3.0\n",
+                                "[[cavity]] 1: vent_diameter without vent_spacing; vents need "),
+    "a coefficient without vents": (FIXED, FIXED + CAVITY + "discharge_coefficient = 0.7\n",
+                                    "discharge_coefficient without vent_diameter; vents need"),
+    "vents too wide": (FIXED, FIXED + CAVITY + VENTS.replace("100.0", "2.0"),
+                       "vent_spacing = 2 is less than vent_diameter = 3; give the distance"),
+    "a coefficient above one": (FIXED, FIXED + CAVITY + VENTS + "discharge_coefficient = 1.1\n",
+                                "but it must be a number above 0 and at most 1"),
+    "no time for a turn": (STAGES, STAGES.replace("translate = [2.0, 0.0]", "")
+                           + CAVITY + VENTS,
+                           "[[cavity]] 1: closing_speed = 500 gives stage 2 of the profile 'door', "
+                           "which does not travel, no time"),
+    "no travel at all": (STAGES, "[[profile.stage]]\nrotate = 1.0\n" + CAVITY + VENTS,
+                         "closing_speed = 500, but no profile travels; give one a stage"),
     "pressure of no cavity": (WIDTH, 'type = "cavity_pressure"',
                               "cavity = 'air', but there is no such [[cavity]]; there are none"),
     "self-contact of no edge": (FIXED, FIXED + TOUCH,
@@ -382,6 +404,16 @@ BAD = {
     "gaps of another seal": (WIDTH, 'type = "gap_square_sum"\npoints = "drawn"', "points = 'drawn', but "
                              "it must be one of design, nominal"),
     "no point": (WIDTH, 'type = "displacement"', "[[measure]] 1: the key 'at' is missing; it must be a"),
+    "a wall of one side": (WIDTH, 'type = "wall_thickness"\nedges = ["base"]',
+                           "edges and opposite belong together; give both or none"),
+    "a wall of no edge": (WIDTH, 'type = "wall_thickness"\nedges = ["base"]\nopposite = ["hole"]',
+                          "opposite = 'hole', but there is no such edge"),
+    "a wall that ends": (WIDTH, 'type = "wall_thickness"\nedges = ["base"]\nopposite = ["seal"]',
+                         "base and seal meet; name edges that have another one between them"),
+    "a wall of air": (WIDTH, 'type = "wall_thickness"\nedges = ["cavity"]\nopposite = ["cavity"]',
+                      "cavity and cavity meet"),
+    "a wall across a hole": ('[[section.hole]]\nedge = "cavity"\n' + CIRCLE, SQUARE + ACROSS,
+                             "[[measure]] 1: cavity and right face each other across a gap, where "),
     "no cavity": (WIDTH, 'type = "cavity_area"\nedge = "seal"', "edge = 'seal' does not go all round a"),
     "unknown cavity": (WIDTH, 'type = "cavity_area"\nedge = "hole"', "edge = 'hole', but there is no "),
     "same measures": ("[optimize]", f"[[measure]]\n{WIDTH}\n[optimize]", "[[measure]] 2: name = 'cont"),

@@ -241,3 +241,33 @@ def test_what_only_shows_when_it_is_built(tmp_path, old, new, words):
     with pytest.raises(sm.SealFileError, match=words) as caught:
         build_seal(read(tmp_path, COARSE.replace(old, new)))
     assert "\n" not in str(caught.value)
+
+
+VENTS = "[[cavity]]\nhole = 1\nvent_diameter = 3.0\nvent_spacing = 100.0\nclosing_speed = 500.0\n"
+
+
+def test_a_cavity_with_vents_takes_its_time_from_the_profile_that_travels(tmp_path):
+    file = read(tmp_path, COARSE.replace("[fixed]", f"{VENTS}[fixed]"))
+    seal = build_seal(file)
+    air = next(own for own in seal.terms() if own.label == "air")
+    np.testing.assert_allclose(air.travel, [*np.linspace(0.0, 1.1, 7), 1.25, 1.4], rtol=1e-12)
+    given = {name: scalar.value for name, scalar in seal.scalars.items() if "air" in name}
+    assert given == {
+        "air_pressure": 101.325, "air_gamma": 1.4, "air_vent_diameter": 3.0,
+        "air_vent_spacing": 100.0, "air_discharge_coefficient": 0.61, "air_closing_speed": 500.0,
+    }  # fmt: skip
+
+
+def test_chosen_load_steps_see_the_error_in_time(tmp_path):
+    """With little air lost in a step, steps follow the seal; with much of it, there are more of them."""
+    counts = []
+    for diameter in ("1e-6", "3.0"):
+        text = COARSE.replace("steps = 6\n", "").replace("steps = 2\n", "")
+        text = text.replace("[fixed]", f"[steps]\ntolerance = 0.02\n{VENTS}[fixed]")
+        text = text.replace("vent_diameter = 3.0", f"vent_diameter = {diameter}")
+        text = text.replace('type = "contact_width"', 'type = "cavity_pressure"').replace(
+            'profile = "door"\n[optimize]', "[optimize]"
+        )
+        seal = build_seal(read(tmp_path, text))
+        counts.append(seal.n_steps)
+    assert counts[1] > counts[0]

@@ -305,3 +305,21 @@ def test_the_form_in_the_tests_is_toml_of_sixty_lines():
     assert set(tomllib.loads(BULB.read_text())) == {
         "material", "section", "fixed", "profile", "design", "measure", "optimize",
     }  # fmt: skip
+
+
+def test_a_wall_between_the_sides_of_a_bar(tmp_path):
+    """The nearest line between parallel sides may be the end of the bar."""
+    corners = {"base": (-4, 0), "right": (4, 0), "seal": (4, 14), "left": (-4, 14)}
+    names, places = list(corners), list(corners.values())
+    bar = "".join(
+        f'[[section.outer]]\nedge = "{name}"\nline = [{[*map(float, a)]}, {[*map(float, b)]}]\n'
+        for name, a, b in zip(names, places, places[1:] + places[:1], strict=True)
+    )
+    text = BULB.read_text()
+    outer, hole = (text.index(f"[[section.{kind}]]") for kind in ("outer", "hole"))
+    wall = 'type = "wall_thickness"\nedges = ["left"]\nopposite = ["right"]'
+    file = changed(
+        tmp_path, (text[outer:hole], bar), (text[hole : text.index("[fixed]")], ""),
+        ('["seal", "cavity"]', '["seal"]'), ('type = "contact_width"\nprofile = "door"', wall),
+    )  # fmt: skip
+    assert file.measures[0].edges == ("left",)

@@ -113,6 +113,23 @@ def _check_cavities(file) -> None:
         if cavity.hole in seen:
             raise SealFileError(f"{where}, which {seen[cavity.hole]} has already")
         seen[cavity.hole] = f"[[cavity]] {number}"
+        if cavity.vented:
+            _check_closing(f"[[cavity]] {number}", cavity, file)
+
+
+def _check_closing(where: str, cavity, file) -> None:
+    """Refuse a closing speed where it gives a stage no time."""
+    where = f"{where}: closing_speed = {cavity.closing_speed:g}"
+    moving = next((profile for profile in file.profiles if profile.travel > 0.0), None)
+    if moving is None:
+        raise SealFileError(f"{where}, but no profile travels; give one a stage with translate")
+    # time = travel / speed
+    still = [number for number, own in enumerate(moving.stages, 1) if not any(own.translate)]
+    if still:
+        raise SealFileError(
+            f"{where} gives stage {still[0]} of the profile {moving.name!r}, which does not travel, no "
+            "time for the air to leave; give every stage of it a translate"
+        )
 
 
 def _check_fluids(file) -> None:

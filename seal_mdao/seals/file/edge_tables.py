@@ -7,13 +7,14 @@ from functools import cache
 from typing import Annotated
 
 import numpy as np
-from pydantic import AfterValidator
+from pydantic import AfterValidator, model_validator
 
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import step_fractions
 from seal_mdao.loads.fluid_pressure import ENDS, SHARE, FluidPressure
 from seal_mdao.loads.trapped_air import ADIABATIC, ATMOSPHERE, TrappedAir
+from seal_mdao.loads.vented_air import SHARP_EDGED, VentedAir
 from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Name, Names, Penalty, Text, many, number, one_of, whole
 from seal_mdao.seals.file.friction_table import Friction
@@ -30,6 +31,8 @@ NEIGHBOURS = 3.0
 MOST_PRESSURE = 1e9
 """kPa."""
 MOST_PARAMETERS = 1000
+VENTS = ("vent_diameter", "vent_spacing", "closing_speed", "discharge_coefficient")
+"""Keys of the vents of a cavity; the first three belong together."""
 # neighbouring edges, or one of them by its name alone
 Stretch = Annotated[
     Text | Names,
@@ -58,7 +61,7 @@ class SymmetryTable(Table):
 
 @table
 class CavityTable(Table):
-    """A hole that does not let its air out."""
+    """A hole that does not let its air out, or lets it out through vents."""
 
     hole: whole(1, 1000) = key("its number, from 1")
     name: Name = key("put before the names of its parameters: air_pressure, air_gamma", "air")
@@ -68,10 +71,50 @@ class CavityTable(Table):
     gamma: number(above=0.0) = key(
         "exponent: 1.4 for air that has no time to give off its heat, 1 for air that has", ADIABATIC
     )
+    vent_diameter: number("mm", above=0.0) | None = key("of round vents; none unless given", None)
+    vent_spacing: number("mm", above=0.0) | None = key(
+        "distance from one vent to the next along the strip", None
+    )
+    closing_speed: number("mm/s", above=0.0) | None = key(
+        "speed of the first profile that travels, along its path, beside vents", None
+    )
+    discharge_coefficient: number(above=0.0, most=1.0) | None = key(
+        f"of the vents, {SHARP_EDGED:g} unless given: 0.6 for a sharp edge, 0.8 for a hole in a wall "
+        "of twice its diameter",
+        None,
+    )
+
+    @model_validator(mode="after")
+    def _complete_vents(self):
+        # diameter, spacing and speed belong together; a coefficient needs vents
+        own = {name: getattr(self, name) for name in VENTS}
+        missing = [name for name in VENTS[:3] if own[name] is None]
+        given = [name for name in VENTS if own[name] is not None]
+        if given and missing:
+            raise ValueError(f"{given[0]} without {missing[0]}; vents need {', '.join(VENTS[:3])}")
+        if given and self.vent_spacing < self.vent_diameter:
+            raise ValueError(
+                f"vent_spacing = {self.vent_spacing:g} is less than vent_diameter = "
+                f"{self.vent_diameter:g}; give the distance between the centres of the vents"
+            )
+        return self
+
+    @property
+    def vented(self) -> bool:
+        """Whether there are vents."""
+        return self.vent_diameter is not None
 
     def on(self, section: SectionBody) -> TrappedAir:
-        """Bind the air to the particles around its hole."""
-        return TrappedAir(self.name, section.loops[self.hole], self.pressure, self.gamma)
+        """Bind the air to the particles around its hole; its time to the first profile that travels."""
+        sealed = TrappedAir(self.name, section.loops[self.hole], self.pressure, self.gamma)
+        if not self.vented:
+            return sealed
+        motions = (contact.motion for contact in section.contacts)
+        given = {name: getattr(self, name) for name in VENTS if getattr(self, name) is not None}
+        return VentedAir(
+            sealed.label, sealed.ring, sealed.pressure, sealed.gamma,
+            travel=next(motion.travels for motion in motions if motion.travel > 0.0), **given,
+        )  # fmt: skip
 
 
 @table(kw_only=True)

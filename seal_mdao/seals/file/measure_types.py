@@ -22,6 +22,7 @@ from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.reaction import TRAVEL, Reaction
 from seal_mdao.measures.section_shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
+from seal_mdao.measures.wall_thickness import WallThickness
 from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of, whole
@@ -35,6 +36,7 @@ from seal_mdao.seals.file.measure_table import (
     simple_kind,
 )
 from seal_mdao.seals.file.schema import chosen_by, key, known
+from seal_mdao.seals.outline.walls import fault_of_wall
 
 _AXES = {"x": 0, "y": 1}
 # lists of contact points; travels and directions; orders of p-norms
@@ -60,6 +62,44 @@ Direction = Annotated[
 
 
 simple_kind("section_area", SectionArea, MeasureTable, "Area of the undeformed section.")
+
+
+@kind("wall_thickness", WallThickness)
+class WallThicknessTable(MeasureTable):
+    """Smallest wall thickness of the undeformed section, a smooth lower bound."""
+
+    edges: Names | None = key(
+        "edges on one side of the wall; the walls between all holes and the outside unless given",
+        None,
+    )
+    opposite: Names | None = key("edges on the other side", None)
+    deficit: number(above=0.0, most=0.5) | None = key(
+        "largest relative amount by which the bound is below the thickness; 0.02 unless given", None
+    )
+
+    @model_validator(mode="after")
+    def _two_sides(self):
+        # a wall has two sides
+        if (self.edges is None) != (self.opposite is None):
+            raise ValueError("edges and opposite belong together; give both or none")
+        return self
+
+    def check(self, where, file):
+        outline = file.section.outline
+        if self.edges is None:
+            # without names a wall lies between the outside and a hole
+            if all(len(body) == 1 for body in outline.bodies):
+                raise SealFileError(
+                    f"{where}: the section has no hole; give edges and opposite, the two sides of a wall"
+                )
+            return
+        for name, own in (("edges", self.edges), ("opposite", self.opposite)):
+            for edge in own:
+                known(where, name, edge, outline.edge_names, "edge")
+        fault = fault_of_wall(outline, self.edges, self.opposite)
+        if fault:
+            sides = f"{', '.join(self.edges)} and {', '.join(self.opposite)}"
+            raise SealFileError(f"{where}: {sides} {fault}")
 
 
 @kind("cavity_area", CavityArea)

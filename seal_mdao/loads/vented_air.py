@@ -1,0 +1,299 @@
+"""Air in a hole with vents: what leaves it while the seal closes is lost for the rest of the path.
+
+    p = p_a ((M / A)^gamma - 1),    dM/dt = -C_d a c Phi(M / A),    c = sqrt(2 p_a / rho_a) = sqrt(2 R T)
+
+with M the mass of the air over its density outside, A0 at the start (mm^2), a the area of the vents per
+length of the strip and Phi of ``orifice``. A load step takes the time in which the profile travels; over
+it the mass follows by backward Euler. In the fraction of the mass m = M / A0 and y = ln(M / A) that is
+
+    F(y) = A / A0 exp(y) - m_n + kappa Phi(y) = 0,    kappa = C_d a c dt / A0
+
+a monotone equation, solved for every area A. m is carried to the next load step.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from seal_mdao import values
+from seal_mdao.geometry.polygon import polygon_area
+from seal_mdao.loads.orifice import Flow, orifice_flow
+from seal_mdao.loads.ramp import at_ends, at_fraction
+from seal_mdao.loads.trapped_air import TrappedAir, TrappedAirTerm
+from seal_mdao.terms.coupled_term import CoupledResponse, LocalMap
+from seal_mdao.terms.term import Scalar
+
+SHARP_EDGED = 0.61
+"""Discharge coefficient of a sharp-edged hole: pi / (pi + 2) (Kirchhoff 1869)."""
+
+GAS_CONSTANT = 287.05
+"""Of air, J/(kg K)."""
+
+TEMPERATURE = 293.15
+"""Of the air outside, K."""
+
+VELOCITY = 1e3 * math.sqrt(2.0 * GAS_CONSTANT * TEMPERATURE)
+"""c = sqrt(2 p_a / rho_a), mm/s."""
+
+# relative error of y, the least that the solver takes
+_PRECISION = 4.0 * np.finfo(float).eps
+_NO_BRANCH = np.empty(0, int)
+# the mass is the variable of the first point
+_MASS = 0
+
+
+class AirHistory(NamedTuple):
+    """What a load step passes to the next one.
+
+    Attributes
+    ----------
+    mass : float
+        Fraction of the mass at the start that is left.
+    fraction : float
+        Path parameter at its end.
+    """
+
+    mass: float
+    fraction: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class VentedAir(TrappedAir):
+    """Air in a hole with vents.
+
+    Attributes
+    ----------
+    vent_diameter, vent_spacing : float
+        Of round vents, and the distance from one to the next along the strip, mm.
+    closing_speed : float
+        Speed along the path of the profile, mm/s.
+    travel : ndarray, shape (n_steps + 1,)
+        Length of that path at the start and after every nominal step, mm; linear between.
+    discharge_coefficient : float
+
+    Raises
+    ------
+    ValueError
+        As ``TrappedAir``, and for a negative diameter or coefficient, a distance or a speed that is not
+        positive, a travel that decreases.
+    """
+
+    vent_diameter: float
+    vent_spacing: float
+    closing_speed: float
+    travel: np.ndarray
+    discharge_coefficient: float = SHARP_EDGED
+
+    def __post_init__(self):
+        super().__post_init__()
+        for name in ("vent_diameter", "discharge_coefficient"):
+            values.real(f"{name} of {self.label!r}", getattr(self, name), 0.0)
+        for name in ("vent_spacing", "closing_speed"):
+            values.real(f"{name} of {self.label!r}", getattr(self, name), above=0.0)
+        travel = values.numbers(f"travel of {self.label!r}", self.travel)
+        if travel.ndim != 1 or not (np.isfinite(travel).all() and (np.diff(travel) >= 0.0).all()):
+            raise ValueError(f"travel of {self.label!r} must be lengths that do not decrease")
+
+    @property
+    def scalars(self) -> dict:
+        """Parameters: those of trapped air, of the vents, and the speed."""
+        own = {
+            "vent_diameter": ("mm", "Diameter of the vents."),
+            "vent_spacing": ("mm", "Distance between vents along the strip."),
+            "discharge_coefficient": (None, "Discharge coefficient of the vents."),
+            "closing_speed": ("mm/s", "Speed along the path of the profile."),
+        }
+        return super().scalars | {
+            f"{self.label}_{name}": Scalar(getattr(self, name), *told) for name, told in own.items()
+        }
+
+    def with_ends(self, ends) -> "VentedAir":
+        """Return the air for other load steps."""
+        return replace(self, travel=at_ends(np.asarray(self.travel, float), ends))
+
+    def on(self, discretization, place) -> "VentedAirTerm":
+        """Build the term for one design."""
+        return VentedAirTerm(self, discretization, place)
+
+
+class _State(NamedTuple):
+    """State of the air at the end of a load step.
+
+    Attributes
+    ----------
+    area : float
+    by_index : ndarray, shape (k, 2)
+        dA/dx.
+    y : float
+        Logarithm of the density over that outside.
+    kappa : float
+        C_d a c dt / A0.
+    flow : Flow
+        Phi(y).
+    slope : float
+        dF/dy.
+    """
+
+    area: float
+    by_index: np.ndarray
+    y: float
+    kappa: float
+    flow: Flow
+    slope: float
+
+
+class VentedAirTerm(TrappedAirTerm):
+    """``VentedAir`` in one design. The force of a load step has a potential, but not that of the path:
+    the flow through the vents dissipates."""
+
+    history_size = 1
+    conservative = False
+
+    def __init__(self, definition: VentedAir, discretization, place: int):
+        super().__init__(definition, discretization, place)
+        self.travel, self.speed = np.asarray(definition.travel, float), definition.closing_speed
+        # a = pi d^2 / (4 s): area of the vents per length of the strip, mm
+        area = 0.25 * math.pi * definition.vent_diameter**2 / definition.vent_spacing
+        self.conductance = definition.discharge_coefficient * area * VELOCITY
+        # d ln kappa of coefficient, diameter, spacing and speed
+        vents = definition.discharge_coefficient, definition.vent_diameter, definition.vent_spacing
+        powers = {"discharge_coefficient": 1.0, "vent_diameter": 2.0, "vent_spacing": -1.0}
+        shares = dict(zip(powers, vents, strict=True)) | {"closing_speed": self.speed}
+        powers["closing_speed"] = -1.0
+        self._by_logarithm = {
+            f"{self.label}_{name}": power / shares[name] if shares[name] else 0.0
+            for name, power in powers.items()
+        }
+
+    # ---- the state ----
+
+    def no_history(self) -> AirHistory:
+        return AirHistory(1.0, 0.0)
+
+    def time_between(self, first: float, last: float) -> float:
+        """Of the travel between two path parameters, s."""
+        return float(at_fraction(self.travel, last) - at_fraction(self.travel, first)) / self.speed
+
+    def _vented(self, x, fraction, history: AirHistory) -> _State | None:
+        """Solve for the state at the end of a load step; None where the area is not positive."""
+        area, by_index = polygon_area(x)
+        area *= self.way
+        if area <= 0.0:
+            return None
+        time = self.time_between(history.fraction, fraction)
+        left, kappa = area / self.nominal_area, self.conductance * time / self.nominal_area
+        y = density(left, history.mass, kappa, self.gamma)
+        flow = orifice_flow(y, self.gamma)
+        # dF/dy = A / A0 exp(y) + kappa dPhi/dy
+        slope = left * math.exp(y) + kappa * flow.by_density
+        return _State(area, self.way * by_index, y, kappa, flow, slope)
+
+    def _pressure(self, y: float) -> float:
+        """Compute p = p_a (exp(gamma y) - 1)."""
+        return self.outside * math.expm1(self.gamma * y)
+
+    def respond(self, x, fraction, history):
+        state = self._vented(x, fraction, history)
+        if state is None:
+            return None
+        pressure, every = self._pressure(state.y), np.ones(len(x), np.int64)
+        # dp/dA = gamma (p_a + p) dy/dA,  dy/dA = -exp(y) / (A0 dF/dy)
+        by_area = math.exp(state.y) / (self.nominal_area * state.slope)
+        stiffness = self.gamma * (self.outside + pressure) * by_area
+        # R = -p g,   K = -p d^2 A/dx dx - dp/dA g g^T,   m = m_n - kappa Phi
+        left = AirHistory(history.mass - state.kappa * state.flow.value, fraction)
+        return CoupledResponse(
+            x, -pressure * state.by_index, every, self._pairs, -pressure * self._turn,
+            state.by_index[None], np.array([stiffness]), _NO_BRANCH, left,
+            np.array([[pressure, state.area]]),
+        )  # fmt: skip
+
+    def uses_history(self, following):
+        return np.array([_MASS])
+
+    # ---- sensitivities ----
+
+    def linearize(self, response, fraction, history):
+        state = self._vented(response.x, fraction, history)
+        pressure, mass, area = self._rates(state, history)
+        force, passed, outputs = self.rows
+        # force -p g, the mass passed on, pressure and area by what they depend on
+        left = np.zeros((outputs.stop, 3))
+        left[force, 0] = -state.by_index.ravel()
+        left[passed.start + _MASS, 1] = 1.0
+        left[outputs, [0, 2]] = np.eye(2)
+        shape = (outputs.stop, self.inputs[-1].stop)
+        turned = self._scattered(-response.outputs[0, 0] * self._turn, shape)
+        return LocalMap(turned, left, np.stack([pressure, mass, area]))
+
+    def _rates(self, state: _State, history: AirHistory) -> tuple:
+        """Differentiate pressure, mass and area with respect to the columns of a ``LocalMap``."""
+        at_x, at_history, _, at_parameters, at_reference = self.inputs
+        pressure, kappa, flow = self._pressure(state.y), state.kappa, state.flow
+        area, nominal, before, exponent, logarithm = np.zeros((5, at_reference.stop))
+        area[at_x], nominal[at_reference] = state.by_index.ravel(), self.by_reference.ravel()
+        before[at_history.start + _MASS] = 1.0
+        names = [at_parameters.start + place for place in range(len(self.names))]
+        columns = dict(zip(self.names, names, strict=True))
+        exponent[columns[f"{self.label}_gamma"]] = 1.0
+        for name, rate in self._by_logarithm.items():
+            logarithm[columns[name]] = rate
+        # kappa' / kappa = (ln kappa)' - A0' / A0
+        logarithm -= nominal / self.nominal_area
+        flowing = kappa * (flow.value * logarithm + flow.by_gamma * exponent)
+        # F' = exp(y) / A0 (A' - A A0' / A0) - m_n' + (kappa Phi)' + dF/dy y' = 0
+        squeezed = math.exp(state.y) / self.nominal_area
+        closing = squeezed * (area - state.area / self.nominal_area * nominal)
+        y = (before - closing - flowing) / state.slope
+        # m' = m_n' - (kappa Phi)'
+        mass = before - flowing - kappa * flow.by_density * y
+        # p' = (p_a + p)(gamma y' + y gamma') + p / p_a p_a'
+        grown = (self.outside + pressure) * (self.gamma * y + state.y * exponent)
+        grown[columns[f"{self.label}_pressure"]] += pressure / self.outside
+        return grown, mass, area
+
+    # ---- the path ----
+
+    def changes(self, step, response, target):
+        """Compute the change of the residual while air leaves the hole at fixed displacements."""
+        if self.time_between(step.fraction, target) == 0.0:
+            return []
+        later = self._vented(response.x, target, response.history)
+        # dR = -(p(t + dt) - p(t)) g at fixed A
+        change = self._pressure(later.y) - response.outputs[0, 0]
+        every = np.ones(len(response.x), np.int64)
+        return [self.point_loads(-change * later.by_index, every)]
+
+    def describe(self, response, fraction) -> str:
+        mass = 100.0 * response.history.mass
+        return f"{super().describe(response, fraction)}, {mass:.4g} % of its air"
+
+
+def density(left: float, mass: float, kappa: float, gamma: float) -> float:
+    """Solve left exp(y) - mass + kappa Phi(y) = 0 for y, the logarithm of the density over that outside.
+
+    Parameters
+    ----------
+    left : float
+        Area over that at the start, A / A0.
+    mass : float
+        Fraction of the mass m_n at the beginning of the load step.
+    kappa : float
+        C_d a c dt / A0, zero for no vents or no time.
+    gamma : float
+    """
+    # y is between that of the sealed hole, exp(y) = m_n A0 / A, and that outside, 0
+    sealed = math.log(mass / left)
+
+    def residual(y):
+        # exp(y) A / A0 - m_n, with the difference of small numbers by expm1
+        return left * math.expm1(y) + (left - mass) + kappa * orifice_flow(y, gamma).value
+
+    beyond = residual(sealed)
+    # no flow, up to rounding
+    if kappa == 0.0 or beyond == 0.0 or (beyond > 0.0) != (sealed > 0.0):
+        return sealed
+    return brentq(residual, *sorted((0.0, sealed)), xtol=1e-300, rtol=_PRECISION, maxiter=1000)
