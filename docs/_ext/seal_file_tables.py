@@ -4,6 +4,7 @@ from pathlib import Path
 
 from code_reference import markdown_table
 
+from seal_mdao.materials.listed import LISTS
 from seal_mdao.seals.file.edge_tables import (
     CavityTable,
     DesignTable,
@@ -15,7 +16,13 @@ from seal_mdao.seals.file.edge_tables import (
 )
 from seal_mdao.seals.file.friction_table import FrictionTable
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
-from seal_mdao.seals.file.material_table import FIT_TABLES, LAW_TABLES, LawTable
+from seal_mdao.seals.file.material_table import (
+    FIT_TABLES,
+    LAW_TABLES,
+    LawTable,
+    ShoreTable,
+    SpongeTable,
+)
 from seal_mdao.seals.file.measure_types import KINDS, MeasureTable
 from seal_mdao.seals.file.moved_table import MovedTable
 from seal_mdao.seals.file.optimize_table import Constraint, OptimizeTable
@@ -31,7 +38,8 @@ from seal_mdao.seals.file.section_table import (
 from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
 
 TABLES = {
-    "material": LawTable, "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
+    "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable,
+    "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
     "rays": RaysTable, "arc": ArcTable, "circle": CircleTable,
     "region": RegionTable, "fixed": FixedTable, "moved": MovedTable, "symmetry": SymmetryTable,
     "cavity": CavityTable,
@@ -87,6 +95,13 @@ def further_keys(kinds: dict[str, type[Table]], base: type[Table]) -> str:
     return markdown_table(["key", "value", "unless given", "meaning", "of"], rows)
 
 
+def materials_table(made) -> str:
+    """A list of materials that need no constants, with its notes."""
+    found = made()
+    title = found.title[0].upper() + found.title[1:]
+    return f"{title}:\n\n{markdown_table(found.head, found.rows)}\n\n{' '.join(found.notes)}"
+
+
 def fragments() -> dict[str, str]:
     """All fragments by their names."""
     found = {name: keys_table(kind) for name, kind in TABLES.items()}
@@ -95,6 +110,7 @@ def fragments() -> dict[str, str]:
         "fit": further_keys(FIT_TABLES, LawTable),
         "measures": measures_table(),
         "measure_keys": further_keys(KINDS, MeasureTable),
+        "materials": "\n\n".join(map(materials_table, LISTS)),
     }
     return {f"seal_file_{name}": text for name, text in found.items()}
 

@@ -17,6 +17,7 @@ COMMANDS = {
     "sweep": "vary one parameter: load-deflection curves in one figure",
     "compare": "compare seals: load-deflection, contact pressure and sections in one figure",
     "animate": "make an animation of a seal that closes",
+    "materials": "list rubbers by hardness and sponges by grade",
     "fit": "fit the constants of a rubber to tests",
     "report": "write the HTML report of a recorder file",
     "history": "draw the figures of a recorder file",

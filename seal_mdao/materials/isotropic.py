@@ -12,6 +12,7 @@ A law defines W, its derivatives and those in its constants; everything else is 
 from abc import ABC, abstractmethod
 from copy import copy
 from dataclasses import fields, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -40,9 +41,13 @@ class Isotropic(ABC):
     bulk_modulus : float
         K of the volumetric energy K/2 (J_c - 1)^2 of the projected J, which is not part of W; 0 for a
         compressible law, whose W is the complete energy.
+    valid : pair of float, or None
+        Least and largest principal stretch for which its constants are known; None where the law does
+        not say.
     """
 
     bulk_modulus: float
+    valid: ClassVar[tuple[float, float] | None] = None
 
     # ---- to be defined by a law ----
 

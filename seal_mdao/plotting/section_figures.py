@@ -6,7 +6,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from shapely import box
+from shapely import box, polygons, union_all
 
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import cell_loops, fine_grid
@@ -28,6 +28,11 @@ from seal_mdao.seals.result import SealResult
 STRESS = "von Mises stress (kPa)"
 MOST_POINTS = 6
 """Largest number of critical points in a figure; of more those with the largest displacement."""
+NAME = {
+    "ha": "center", "va": "center", "zorder": 6,
+    "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 2.0},
+}  # fmt: skip
+"""Text of a name in the figure of a section."""
 MODE_SIZE = 0.08
 """Largest displacement of a plotted mode, over the size of the section."""
 
@@ -37,7 +42,7 @@ MODE_SIZE = 0.08
 
 @styled
 def section_cloud(result: SealResult) -> Figure:
-    """Plot particles, background cells, edges by name, and the profiles at the start.
+    """Plot particles, background cells, edges and materials by name, and the profiles at the start.
 
     Parameters
     ----------
@@ -71,6 +76,7 @@ def section_cloud(result: SealResult) -> Figure:
         axes.plot(*particles[moved].T, "s", **marker, zorder=5, label="moved")
     section.draw_surroundings(axes, result, 0.0)
     _name_profiles(axes, result, low, high)
+    _name_materials(axes, result)
     section.frame(axes, low, high)
     axes.set_title(f"{len(particles)} particles, {len(seal.body.cells)} cells", loc="left")
     axes.legend(**BESIDE, title="edges", alignment="left")
@@ -83,10 +89,25 @@ def _name_profiles(axes, result, low, high) -> None:
         # buffer(0) makes the polygon valid for the intersection with the window
         body = section.profile_body(result, contact, 0.0).buffer(0.0).intersection(box(*low, *high))
         if not body.is_empty:
-            axes.text(
-                *body.representative_point().coords[0], contact.label, ha="center", va="center",
-                zorder=6, bbox={"facecolor": "white", "edgecolor": "none", "pad": 2.0},
-            )  # fmt: skip
+            axes.text(*body.representative_point().coords[0], contact.label, **NAME)
+
+
+def _name_materials(axes, result) -> None:
+    """Write the name of every material into its part of the section, and draw the lines between them."""
+    seal, regions = result.seal, result.seal.definitions[0].regions
+    if len(regions) == 1:
+        return
+    corners, parts = result.particles[seal.body.cells], seal.parts
+    shapes = []
+    for number, region in enumerate(regions):
+        shapes.append(union_all(polygons(corners[parts == number])))
+        place = shapes[-1].representative_point().coords[0]
+        axes.text(*place, region.prefix.rstrip("_"), **NAME)
+    # sides that two materials share; bodies apart have none
+    for number, shape in enumerate(shapes[:-1], 1):
+        shared = shape.boundary.intersection(union_all(shapes[number:]).boundary)
+        for line in getattr(shared, "geoms", [shared]):
+            axes.plot(*np.array(line.coords).reshape(-1, 2).T, color="black", lw=1.2, zorder=4)
 
 
 def _cloud_window(result):

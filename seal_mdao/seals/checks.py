@@ -26,6 +26,8 @@ SHALLOW_VOLUME, NO_VOLUME = 0.5, 0.1
 """det F of nearly incompressible material below which it is reported, and is not admissible."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
+FEW_CELLS = 0.01
+"""Fraction of the cells of a material that may be strained beyond its range: corners."""
 KEEPS_VOLUME = 10.0
 """Bulk modulus over the shear modulus above which a material is nearly incompressible."""
 
@@ -56,7 +58,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         samples = Samples(path)
         checks = (
             _balance, _stability, _volume, _crossing, _inside_profiles, _inside_itself, _below_base,
-            _contact_loss,
+            _contact_loss, _strains,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -118,6 +120,32 @@ def _contact_loss(samples: Samples):
     """Report profiles that the seal has slipped off before the end of a closing stage."""
     for text in contact_losses(samples.path):
         yield Finding(text, False)
+
+
+def _strains(samples: Samples):
+    """Report materials that are strained beyond the range for which their constants are known."""
+    path = samples.path
+    cells = path.discretization.body.cells
+    for region in path.problem.term("structure").definition.regions:
+        valid = region.material.valid
+        if valid is None:
+            continue
+        own = np.arange(len(cells)) if region.cells is None else region.cells
+        least, largest = samples.cell_stretches[own].T
+        outside = (least < valid[0]) | (largest > valid[1])
+        if outside.mean() <= FEW_CELLS:
+            continue
+        # the place where the larger of the two strains is largest
+        worst = int(np.maximum(-np.log(least), np.log(largest)).argmax())
+        place = samples.undeformed[cells[own[worst]]].mean(axis=0)
+        name = f" {region.prefix.rstrip('_')!r}" if region.prefix else ""
+        yield Finding(
+            f"{100.0 * outside.mean():.2g} % of the cells of the material{name} are "
+            f"strained beyond the range of its constants (stretches {valid[0]:g} to {valid[1]:g}): "
+            f"{least[worst]:.3g} to {largest[worst]:.3g} near {_at(place)}; take constants fitted to "
+            "tests that reach as far",
+            False,
+        )
 
 
 def _volume(samples: Samples):

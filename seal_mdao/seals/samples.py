@@ -94,6 +94,14 @@ class Samples:
         return 1.0 + np.concatenate([deformation_gradients(table, d)[:, 4] for table in tables])
 
     @cached_property
+    def cell_stretches(self) -> np.ndarray:
+        """Least and largest principal stretch in the middle of every cell, shape (m, 2)."""
+        gradient = deformation_gradients(self._between.table, self.path.steps[-1].d)
+        last = gradient[-len(self.path.discretization.body.cells) :]
+        # singular values of F = [[11, 12], [21, 22]], the larger one first
+        return np.linalg.svd(last[:, :4].reshape(-1, 2, 2), compute_uv=False)[:, ::-1]
+
+    @cached_property
     def wall(self) -> float:
         """Mean thickness of the undeformed body, twice its area over the length of its boundary."""
         x, outer = self.path.discretization.particles, self.sides[0]

@@ -87,6 +87,21 @@ def block(folder):
     return drawing.saved()
 
 
+def block_in_itself(folder):
+    drawing = Drawing(folder)
+    drawing.document.blocks.new("BULB").add_blockref("BULB", (0, 0))
+    drawing.model.add_blockref("BULB", (0, 0), dxfattribs=ON)
+    return drawing.saved()
+
+
+def _upright_ellipse(folder):
+    drawing = Drawing(folder).box()
+    drawing.model.add_ellipse(
+        (5, 5, 0), (0, 0, 2), 0.5, dxfattribs={"layer": "hole", "extrusion": (1, 0, 0)}
+    )
+    return drawing.saved()
+
+
 def cut(folder):
     path = Drawing(folder).box().saved()
     path.write_text(path.read_text()[:-400])
@@ -158,12 +173,21 @@ BAD = {
         "20001 segments (lines, arcs, splines), but at most 20000 are read; draw the section with",
     ),
     "a layer of no such name": (wrong_layer, "on layer 'lip/top': the name 'lip/top' has the character"),
-    "block": (block, "on layer 'seal': a reference to the block 'BULB'; explode block references"),
-    "text": (add("add_text", "R 4"), "on layer 'extra': entities of this kind are not read, only"),
-    "ellipse": (add("add_ellipse", (0, 0), (3, 0), 0.5), "ELLIPSE #"),
-    "point": (add("add_point", (3, 3)), "POINT #"),
+    "block": (block, "the contour is open: LINE of the block 'BULB' (INSERT #"),
+    "face": (
+        add("add_3dface", [(0, 0), (1, 0), (1, 1), (0, 1)]),
+        "on layer 'extra': entities of this kind are not read, only",
+    ),
+    "ellipse": (add("add_ellipse", (0, 0), (3, 0), 0.5), "crosses the outer contour"),
+    "half an ellipse": (add("add_ellipse", (0, 0), (3, 0), 0.5, 0.0, 3.0), "ELLIPSE #"),
+    "upright ellipse": (_upright_ellipse, "it does not lie in the plane of the drawing (normal"),
     "old polyline": (add("add_polyline2d", [(1, 1), (2, 2)]), "POLYLINE #"),
-    "hatch": (add("add_hatch"), "HATCH #"),
+    "mesh": (add("add_polyface"), "it is a mesh, not a polyline"),
+    "block in itself": (block_in_itself, "holds itself"),
+    "an open line on another layer": (
+        add("add_line", (2, 2), (8, 2)),
+        "(layers read as boundary: seal, extra; name those that are none in parting of",
+    ),
     "line of no length": (add("add_line", (3, 3), (3, 3)), "a line from (3, 3) to itself has no"),
     "NaN": (add("add_line", (3, 3), (3, np.nan)), "is not finite"),
     "no radius": (add("add_circle", (5, 5), 0.0), "radius of a circle must be positive, got 0"),

@@ -19,7 +19,9 @@ from seal_mdao.seals.outline.outline_seal import OutlineSeal
 HEAD = """# A design of {name} with the particles that it was computed with; for new ones put spacing
 # in place of cloud.
 """
-DRAWN = ("outer", "hole", "dxf", "units", "spacing", "layers", "rays", "cloud")
+DRAWN = (
+    "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "layers", "rays", "cloud"
+)  # fmt: skip
 """Keys of a section that the drawing and the cloud replace."""
 
 ON_CUT = 1e-6
@@ -57,13 +59,20 @@ def write_design(
     # the section as a drawing, the particles as a mesh, everything else in the seal file
     writer, folder = _writer(), Path(folder)
     paths = [folder / f"{name}.{kind}" for kind in ("toml", "dxf", "vtu")]
-    write_dxf(outline_of(file, seal, offsets), paths[1])
-    write_cloud(seal, offsets, paths[2])
     given = tomllib.loads(file.path.read_text(encoding="utf-8"))
+    # parting lines of a drawing stay lines of a drawing, on the first of their layers
+    between = given["section"].get("parting", ())[:1]
+    lines = _moved_lines(seal, offsets)
+    drawn = len(file.section.parting)
+    parting = dict.fromkeys(between, lines[:drawn])
+    write_dxf(outline_of(file, seal, offsets), paths[1], parting)
+    write_cloud(seal, offsets, paths[2])
     # drawing and cloud replace the keys of outline and filling
     section = {key: value for key, value in given["section"].items() if key not in DRAWN}
     given["section"] = section | {"dxf": paths[1].name, "cloud": paths[2].name}
-    _move_regions(section.get("region", []), seal, offsets)
+    if between:
+        given["section"]["parting"] = between
+    _move_regions(section.get("region", []), lines[drawn:], seal, offsets)
     # tests of materials stay where they are, relative to the new file
     for material in given["material"].values():
         if "data" in material:
@@ -97,17 +106,24 @@ def _from(folder, path) -> str:
         return path.as_posix()
 
 
-def _move_regions(regions, seal, offsets) -> None:
-    """Move points in regions, and the lines between them, with the particles of the design."""
+def _moved_lines(seal, offsets) -> list:
+    """Follow the lines that divide the section by the particles of the design on them."""
     particles, nominal = seal.particles(offsets), shapely.points(seal.nominal_particles)
-    cuts = iter(seal.cuts)
+    found = []
+    for cut in seal.cuts:
+        # the particles on the line, in order along it
+        line = shapely.linestrings(cut)
+        on = np.flatnonzero(shapely.distance(line, nominal) <= ON_CUT)
+        found.append(particles[on[np.argsort(shapely.line_locate_point(line, nominal[on]))]])
+    return found
+
+
+def _move_regions(regions, lines, seal, offsets) -> None:
+    """Move points in regions, and the lines between them, with the particles of the design."""
+    particles, lines = seal.particles(offsets), iter(lines)
     for number, region in enumerate(regions, 1):
         if "line" in region:
-            # the particles on the line, in order along it
-            line = shapely.linestrings(next(cuts))
-            on = np.flatnonzero(shapely.distance(line, nominal) <= ON_CUT)
-            order = np.argsort(shapely.line_locate_point(line, nominal[on]))
-            region["line"] = particles[on[order]].tolist()
+            region["line"] = next(lines).tolist()
         # the centre of a cell is inside its part
         cell = seal.body.cells[np.flatnonzero(seal.parts == number)[0]]
         region["at"] = particles[cell].mean(axis=0).tolist()

@@ -158,11 +158,14 @@ class SealFile:
         # constants have the prefix of their material where there are several
         section, several = self.section, bool(self.section.regions)
         prefix = f"{section.material}_" if several else ""
-        rest = SectionRegion(self.materials[section.material], prefix)
+        rest = SectionRegion(self.materials[section.material], prefix, lines=section.parting)
         return [rest] + [
-            SectionRegion(self.materials[own.material], f"{own.material}_", own.at, own.line)
+            SectionRegion(
+                self.materials[own.material], f"{own.material}_", own.at,
+                () if own.line is None else (own.line,),
+            )
             for own in section.regions
-        ]
+        ]  # fmt: skip
 
     @property
     def contributions(self) -> list:

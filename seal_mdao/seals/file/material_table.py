@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Annotated, get_origin
 
 from pydantic import AfterValidator, BeforeValidator
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, core_schema
 
 from seal_mdao.calibration.data import read_tests
 from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
@@ -22,10 +22,12 @@ from seal_mdao.calibration.material_stability import check_stability, require_st
 from seal_mdao.calibration.residuals import WEIGHTINGS
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.by_name import LAWS
+from seal_mdao.materials.hardness import BULK_MODULUS, LEAST_SHORE, MOST_SHORE, ShoreRubber
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.materials.sponge import GRADES, graded_sponge
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
-from seal_mdao.seals.file.schema import LINE, Table, chosen_by, key, table, table_of
+from seal_mdao.seals.file.schema import LINE, TAG, Table, chosen_by, key, table, table_of
 from seal_mdao.values import formatted
 
 MODULI = {"c10", "c01", "c20", "c30", "mu", "shear_modulus", "bulk_modulus"}
@@ -166,6 +168,60 @@ AnyLaw = Annotated[
 ]
 
 
+@table(kw_only=True)
+class ShoreTable(Table):
+    """A dense rubber by its hardness: neo-Hookean, with Young's modulus by Gent's relation (1958)."""
+
+    shore_a: number("Shore A", least=LEAST_SHORE, most=MOST_SHORE) = key(
+        "hardness, in place of a law; a parameter, which may vary"
+    )
+    bulk_modulus: number("kPa", above=0.0) = key("of dense rubber", BULK_MODULUS)
+
+    def made(self, where: str, folder: Path) -> Isotropic:
+        """Make the law, as ``LawTable.made``."""
+        return _checked_law(where, ShoreRubber, self.shore_a, self.bulk_modulus)
+
+
+@table(kw_only=True)
+class SpongeTable(Table):
+    """A sponge rubber by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
+
+    sponge: one_of(*GRADES) = key("grade, in place of a law: closed cells, such as sponge of EPDM")
+
+    def made(self, where: str, folder: Path) -> Isotropic:
+        """Make the law, as ``LawTable.made``."""
+        return graded_sponge(self.sponge)
+
+
+def _checked_law(where: str, law, *constants) -> Isotropic:
+    """Make a law; what is wrong with its constants is said of its table."""
+    try:
+        return law(*constants)
+    except ValueError as error:
+        raise SealFileError(f"{where}: {error}") from None
+
+
+SHORT = {"shore_a": ShoreTable, "sponge": SpongeTable}
+"""Tables of materials without a law, by the key that each of them has."""
+
+
+def _kind(given) -> str:
+    """Find the tag of the class of a table of a material."""
+    own = next((name for name in SHORT if isinstance(given, dict) and name in given), None)
+    return TAG + (own or "law")
+
+
+class _OrShort:
+    """Annotation of a table with a law: one of ``SHORT`` may take its place."""
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        choices = {TAG + name: handler.generate_schema(own) for name, own in SHORT.items()}
+        return core_schema.tagged_union_schema({TAG + "law": handler(source)} | choices, _kind)
+
+
+AnyMaterial = Annotated[AnyLaw, _OrShort()]
+
+
 def _named(given):
     """Refuse anything but materials with names."""
     if not isinstance(given, dict) or not given:
@@ -182,4 +238,4 @@ def _named(given):
     return given
 
 
-Materials = Annotated[dict[str, AnyLaw], BeforeValidator(_named)]
+Materials = Annotated[dict[str, AnyMaterial], BeforeValidator(_named)]

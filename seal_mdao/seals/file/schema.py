@@ -42,7 +42,7 @@ LABELS = {
 """What rows are called beside their number: the key that says it, and a word before its text."""
 NAMED = ("material", "vary")
 """Tables that hold tables with names of their own."""
-_TAG = "\0"
+TAG = "\0"
 """Before the name of a class that one of the keys of a table chooses."""
 
 _CONFIG = ConfigDict(extra="forbid", populate_by_name=True)
@@ -155,13 +155,13 @@ def chosen_by(name: str, classes: dict, tag=None):
 
     def find(given):
         if not isinstance(given, dict):  # refused by any class
-            return _TAG + next(iter(classes))
+            return TAG + next(iter(classes))
         if not isinstance(given.get(name), str) or given[name] not in texts:
             return None
-        return _TAG + (given[name] if tag is None else tag(given))
+        return TAG + (given[name] if tag is None else tag(given))
 
     # pydantic's union of tagged classes; the error names the key and the texts
-    every = (Annotated[own, Tag(_TAG + own_tag)] for own_tag, own in classes.items())
+    every = (Annotated[own, Tag(TAG + own_tag)] for own_tag, own in classes.items())
     context = {"key": name, "allowed": f"one of {', '.join(texts)}"}
     return Annotated[reduce(or_, every), Discriminator(find, CHOICE, "{allowed}", context)]
 
@@ -185,7 +185,7 @@ def checked(adapter: TypeAdapter, given: dict):
 def _line(error: dict, given: dict) -> str:
     """Write the line for one of pydantic's errors."""
     # tags of unions are no part of the place in the file
-    loc = tuple(own for own in error["loc"] if not str(own).startswith(_TAG))
+    loc = tuple(own for own in error["loc"] if not str(own).startswith(TAG))
     value, context = error["input"], error.get("ctx", {})
     names = [own for own in loc if isinstance(own, str)]
     # one table where a list is written, or none at all

@@ -9,13 +9,13 @@ import numpy as np
 from pydantic import AfterValidator, model_validator
 
 from seal_mdao.errors import GeometryError, SealFileError
-from seal_mdao.seals.file.forms import Point, Points, Text, number, one_of, whole
+from seal_mdao.seals.file.forms import Point, Points, Text, many, number, one_of, whole
 from seal_mdao.seals.file.schema import Table, key, known, rows, table
 from seal_mdao.seals.file.segment_tables import PieceTable
 from seal_mdao.seals.outline.chain import ROUNDING
 from seal_mdao.seals.outline.cloud_file import read_cloud
 from seal_mdao.seals.outline.contours import JOIN, Contour, Outline
-from seal_mdao.seals.outline.dxf import read_dxf
+from seal_mdao.seals.outline.dxf import Drawing, read_drawing
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import LAYERS, OutlineCloud
@@ -32,6 +32,9 @@ FILLINGS = ("spacing", "rays", "cloud")
 
 Edge = Annotated[Text, AfterValidator(layer_name)]
 """Drawings of designs have edges as layers."""
+
+
+Layers = many(Text, 'a list of layers, such as ["split"]')
 
 
 @table(kw_only=True)
@@ -78,10 +81,13 @@ class RegionTable(Table):
     """A part of the section of another material."""
 
     material: Text = key("name of a material, neither that of [section] nor of another region")
-    at: Point = key("any point of the part")
+    at: Point | None = key(
+        "any point of the part; left out where a drawing has the name of the material as a text in it",
+        None,
+    )
     line: Points | None = key(
         "the line that divides it from the rest, from one end of a segment of the boundary to another; "
-        "left out for a complete body",
+        "left out for a complete body, and where a drawing has parting lines",
         None,
     )
 
@@ -103,6 +109,10 @@ class WrittenSection(Table):
     hole: rows(HoleTable) | None = key("segments of holes", None)
     dxf: Text | None = key("a drawing, relative to this file; in place of outer and hole", None)
     units: one_of(*MODEL_UNITS) | None = key("of a drawing whose header has none", None)
+    parting: Layers | None = key("layers of a drawing with the lines between regions", None)
+    ignore: Layers | None = key(
+        "layers of a drawing that are not read; those with annotation alone need no mention", None
+    )
     region: rows(RegionTable) | None = key("parts of another material", None)
 
     @model_validator(mode="after")
@@ -116,6 +126,13 @@ class WrittenSection(Table):
             raise ValueError("[[section.hole]] beside dxf; the drawing has the holes")
         if not nominal and self.units is not None:
             raise ValueError("units belongs to dxf; all numbers of this file are in mm")
+        for name in ("parting", "ignore"):
+            if not nominal and getattr(self, name) is not None:
+                raise ValueError(f"{name} belongs to dxf; it names layers of a drawing")
+        if self.parting is not None and self.region is None:
+            raise ValueError(
+                "parting without [[section.region]]; give the part on one side of the lines its material"
+            )
         return self
 
     @model_validator(mode="after")
@@ -142,10 +159,15 @@ class WrittenSection(Table):
             For contours that are open or cross, a drawing or a cloud that cannot be read.
         """
         if self.dxf is None:
-            outline = self._segments()
+            drawing = Drawing(self._segments(), (), (), {})
         else:
-            outline = _other_file("dxf", read_dxf, folder / self.dxf, self.units)
-        regions = tuple(_to_joints(region, outline) for region in self.region or ())
+            layers = self.parting or (), self.ignore or ()
+            drawing = _other_file("dxf", read_drawing, folder / self.dxf, self.units, *layers)
+        outline = drawing.outline
+        regions = tuple(
+            _to_joints(_placed(f"[[section.region]] {i}", region, drawing), outline)
+            for i, region in enumerate(self.region or (), 1)
+        )
         # the largest distance of particles, the rays that they lie on, or they themselves
         filling = self.spacing
         if self.rays is not None:
@@ -155,7 +177,10 @@ class WrittenSection(Table):
         # files that designs and recorders refer to
         beside = (None if name is None else folder / name for name in (self.dxf, self.cloud))
         layers = LAYERS if self.layers is None else self.layers
-        return SectionTable(outline, self.material, filling, *beside, regions, layers)
+        return SectionTable(
+            outline, self.material, filling, *beside, regions, layers, drawing.parting,
+            drawing.notice,
+        )  # fmt: skip
 
     def _segments(self) -> Outline:
         """Make the outline of the segments of this file, body by body and hole by hole."""
@@ -192,6 +217,10 @@ class SectionTable:
     regions : tuple of RegionTable
     layers : int
         Of particles across a wall at least, where a spacing fills the section.
+    parting : tuple of ndarray, shape (k, 2)
+        Lines between regions that a drawing has, mm.
+    notice : str
+        Line that says what of the drawing was left out; empty for nothing.
     """
 
     outline: Outline
@@ -201,11 +230,14 @@ class SectionTable:
     cloud: Path | None = None
     regions: tuple[RegionTable, ...] = ()
     layers: int = LAYERS
+    parting: tuple = ()
+    notice: str = ""
 
     @property
     def cuts(self) -> list:
-        """Lines (k, 2) that divide the section."""
-        return [np.array(region.line) for region in self.regions if region.line is not None]
+        """Lines (k, 2) that divide the section: those of the drawing, then those of the regions."""
+        own = [np.array(region.line) for region in self.regions if region.line is not None]
+        return [*self.parting, *own]
 
 
 def _other_file(key_, read, *arguments):
@@ -222,6 +254,20 @@ def _contour(where, segments) -> Contour:
         return Contour(tuple(segments))
     except GeometryError as error:
         raise SealFileError(f"{where}: {error}") from None
+
+
+def _placed(where: str, region: RegionTable, drawing: Drawing) -> RegionTable:
+    """Give a region without ``at`` the place of the text in the drawing that names its material."""
+    if region.at is not None:
+        return region
+    named = [at for text, at in drawing.texts if text.casefold() == region.material.casefold()]
+    if len(named) != 1:
+        found = f"{len(named)} texts" if named else "no text"
+        raise SealFileError(
+            f"{where}: at is missing, and the drawing has {found} {region.material!r}; give a point of "
+            "the part, or write the name of its material into the part once"
+        )
+    return replace(region, at=named[0])
 
 
 def _to_joints(region: RegionTable, outline: Outline) -> RegionTable:
@@ -262,7 +308,7 @@ def check_section(file) -> None:
                 "give every part a material of its own name"
             )
         seen[region.material] = where
-        _check_region(where, region, outline)
+        _check_region(where, region, section)
 
 
 def _check_spacing(spacing, outline) -> None:
@@ -282,17 +328,17 @@ def _check_spacing(spacing, outline) -> None:
         )
 
 
-def _check_region(where, region, outline) -> None:
+def _check_region(where, region, section) -> None:
     """Refuse a region without a line in a single body, and a line that divides nothing."""
     if region.line is None:
-        if not outline.others:
+        if not (section.parting or section.outline.others):
             raise SealFileError(
                 f"{where}: line is missing, but the section is one body; draw the line that divides the "
-                "part from the rest"
+                "part from the rest, or name its layer in parting of [section]"
             )
         return
     for point in (region.line[0], region.line[-1]):
-        if _nearest_joint(point, outline)[1] > JOIN:
+        if _nearest_joint(point, section.outline)[1] > JOIN:
             raise SealFileError(
                 f"{where}: line ends at {pair(point)}, where no segments of the boundary meet; let a "
                 "segment of the boundary end there"

@@ -37,6 +37,14 @@ class _Round(Segment):
     def curvature(self, s):
         return np.full(np.size(s), np.copysign(1.0 / self.radius, self.sweep))
 
+    def divided(self, s):
+        # phi_0 to phi_0 + s sweep, and the rest; of a circle too
+        first, rest = s * self.sweep, (1.0 - s) * self.sweep
+        return (
+            Arc(self.centre, self.radius, self.angle, first, self.edge),
+            Arc(self.centre, self.radius, self.angle + first, rest, self.edge),
+        )
+
     @property
     def area(self):
         # 1/2 int x dy - y dx with x = c + r e_r: sector r^2 sweep / 2 and 1/2 c x (x_1 - x_0)

@@ -136,7 +136,7 @@ def loops(segments, names, join: float) -> list[tuple]:
     """
     # ends 2 i and 2 i + 1 are start and end of segment i
     ends = np.array([end for segment in segments for end in (segment.start, segment.end)])
-    node = _nodes(ends, join)
+    node = joined_ends(ends, join)
     at = defaultdict(list)
     for number, joint in enumerate(node):
         at[joint].append(number)
@@ -158,8 +158,8 @@ def loops(segments, names, join: float) -> list[tuple]:
     return found
 
 
-def _nodes(ends, join):
-    """Number the ends (2 n, 2) so that joined ones have equal numbers."""
+def joined_ends(ends, join: float) -> np.ndarray:
+    """Number ends (2 n, 2) so that those up to ``join`` (mm) apart have equal numbers."""
     pairs = cKDTree(ends).query_pairs(join, output_type="ndarray")
     ones = np.ones(len(pairs))
     graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(ends), len(ends)))

@@ -1,8 +1,13 @@
 """Read and write sections as DXF drawings, with the library ezdxf (extra ``dxf``)."""
 
+from collections.abc import Mapping
 from importlib import import_module
 from math import degrees
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
 
 from seal_mdao import values
 from seal_mdao.errors import GeometryError
@@ -12,19 +17,59 @@ from seal_mdao.seals.outline.chain import check_count, loops
 from seal_mdao.seals.outline.contours import JOIN, SAGITTA, Arc, Circle, Contour, Line, Outline
 from seal_mdao.seals.outline.crossings import nearest_around
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name, pieces_of
+from seal_mdao.seals.outline.dxf_layers import layer_names, sorted_entities
+from seal_mdao.seals.outline.parting import parted
 
 MILLIMETRES = 4
+NONE = MappingProxyType({})
+"""No parting lines."""
 UNITS = {1: "inch", 2: "foot", 4: "mm", 5: "cm", 6: "m", 14: "dm"}
 """Supported values of the header variable $INSUNITS."""
 
 
+class Drawing(NamedTuple):
+    """What a drawing says of a section.
+
+    Attributes
+    ----------
+    outline : Outline
+        Its boundary, mm.
+    parting : tuple of ndarray, shape (k, 2)
+        Lines across it, between regions of different rubber, mm.
+    texts : tuple of (str, (float, float))
+        Texts and their insertion points, mm.
+    left_out : dict of str to int
+        Number of entities that were not read, by layer.
+    """
+
+    outline: Outline
+    parting: tuple
+    texts: tuple
+    left_out: dict
+
+    @property
+    def notice(self) -> str:
+        """One line that says which layers and how many entities were left out; empty for none."""
+        if not self.left_out:
+            return ""
+        layers = ", ".join(f"{name!r} ({count})" for name, count in self.left_out.items())
+        count, several = sum(self.left_out.values()), "s" * (len(self.left_out) > 1)
+        return f"left out of the drawing: {count} entities on layer{several} {layers}"
+
+
 def read_dxf(path, units: str | None = None) -> Outline:
+    """Read the boundary of the section in a drawing, in mm: the outline of ``read_drawing``."""
+    return read_drawing(path, units).outline
+
+
+def read_drawing(path, units: str | None = None, parting=(), ignore=()) -> Drawing:
     """Read the section in the model space of a drawing, in mm.
 
-    Lines, arcs, circles, lightweight polylines and splines in any order and direction; ends closer
-    than 1e-3 mm are joined in one point. Layers are the names of edges; layers that are off or frozen
-    are ignored. The largest contour is the outer one; those inside it are holes, those outside of all
-    and those in holes are further bodies. Splines of degree one to three are converted exactly, others
+    Lines, arcs, circles, ellipses, polylines and splines in any order and direction; ends closer than
+    1e-3 mm are joined in one point. Layers are the names of edges; layers that are off or frozen are
+    ignored, annotation is left out (``dxf_layers.sorted_entities``), blocks are resolved. The largest
+    contour is the outer one; those inside it are holes, those outside of all and those in holes are
+    further bodies. Splines of degree one to three are converted exactly, others and ellipses
     approximated within 1e-6 mm.
 
     Parameters
@@ -32,28 +77,84 @@ def read_dxf(path, units: str | None = None) -> Outline:
     path : str or Path
     units : {"mm", "cm", "dm", "m", "inch", "foot"}, optional
         For drawings whose header has no $INSUNITS; must not contradict it.
+    parting : sequence of str
+        Layers of the lines between regions, which end on the boundary.
+    ignore : sequence of str
+        Layers that are not read.
 
     Raises
     ------
     ImportError
         Without ezdxf.
     GeometryError
-        For a file that is no drawing, no units, an entity of another kind (with handle and layer),
-        contours that are open or cross.
+        For a file that is no drawing, no units, a layer that does not exist, an entity of another kind
+        (with handle and layer), contours that are open or cross, parting lines that do not lead from
+        boundary to boundary.
     """
     document = _document(path)
     try:
         scale = MODEL_UNITS[_units(document, units)]
-        pieces = pieces_of(document, scale)
-        check_count(len(pieces))
-        if not pieces:
-            raise GeometryError("nothing is drawn in the model space on a layer that is on")
-        segments, names = zip(*pieces, strict=True)
-        contours = [Contour(chain) for chain in loops(segments, names, JOIN)]
-        contours.sort(key=lambda contour: -abs(contour.area))
-        return _nested(contours)
+        _check_layers(document, parting=parting, ignore=ignore)
+        found = sorted_entities(document, ignore)
+        # edges and parting lines are told apart by their layers
+        between = {name.casefold() for name in parting}
+        divides = [own.layer.casefold() in between for own in found.geometry]
+        boundary = [own for own, line in zip(found.geometry, divides, strict=True) if not line]
+        lines = [own for own, line in zip(found.geometry, divides, strict=True) if line]
+        outline = _outline_of(pieces_of(boundary, scale))
+        pieces = pieces_of(lines, scale)
+        outline, cuts = parted(outline, *zip(*pieces, strict=True)) if pieces else (outline, ())
+        texts = tuple((text, (scale * x, scale * y)) for text, (x, y) in found.texts)
+        return Drawing(outline, cuts, texts, dict(found.left_out))
     except GeometryError as error:
         raise GeometryError(f"{path}: {error}") from None
+
+
+def boundary_layers(path) -> list[str]:
+    """List the layers of a drawing that hold geometry, annotation left out.
+
+    Raises
+    ------
+    ImportError, GeometryError
+        As ``read_drawing`` for a file that is no drawing.
+    """
+    geometry = sorted_entities(_document(path)).geometry
+    return list(dict.fromkeys(own.layer for own in geometry))
+
+
+def _check_layers(document, **wanted) -> None:
+    """Refuse layers that the drawing does not have; ``wanted`` are by the key that names them."""
+    every = {layer.dxf.name.casefold(): layer.dxf.name for layer in document.layers}
+    every |= {name.casefold(): name for name in layer_names(document)}
+    for key, names in wanted.items():
+        for name in names:
+            if name.casefold() not in every:
+                raise GeometryError(
+                    f"{key} = {name!r}, but there is no such layer; there are "
+                    + ", ".join(every.values())
+                )
+
+
+def _outline_of(pieces) -> Outline:
+    """Chain pieces of the boundary, segments with names, to the section."""
+    check_count(len(pieces))
+    if not pieces:
+        raise GeometryError(
+            "nothing is drawn in the model space on a layer that is on, besides annotation"
+        )
+    segments, names = zip(*pieces, strict=True)
+    try:
+        contours = [Contour(chain) for chain in loops(segments, names, JOIN)]
+    except GeometryError as error:
+        layers = list(dict.fromkeys(segment.edge for segment in segments))
+        if len(layers) == 1:
+            raise
+        raise GeometryError(
+            f"{error} (layers read as boundary: {', '.join(layers)}; name those that are none in "
+            "parting of [section], for lines between rubbers, or in ignore)"
+        ) from None
+    contours.sort(key=lambda contour: -abs(contour.area))
+    return _nested(contours)
 
 
 def _nested(contours) -> Outline:
@@ -72,10 +173,17 @@ def _nested(contours) -> Outline:
     return Outline(bodies[0], holes, tuple(bodies[1:]))
 
 
-def write_dxf(outline: Outline, path) -> Path:
+def write_dxf(outline: Outline, path, parting: Mapping = NONE) -> Path:
     """Write a section as a drawing in mm, every edge on a layer of its name.
 
     Lines, arcs, circles and splines keep their type.
+
+    Parameters
+    ----------
+    outline : Outline
+    path : str or Path
+    parting : mapping of str to sequence of ndarray, shape (k, 2)
+        Lines between regions by the layer to write them on, mm.
 
     Returns
     -------
@@ -102,6 +210,11 @@ def write_dxf(outline: Outline, path) -> Path:
     for contour in outline.contours:
         for segment in contour.segments:
             add_segment(model, segment)
+    for name, lines in parting.items():
+        if name not in document.layers:
+            document.layers.add(name)
+        for line in lines:
+            model.add_lwpolyline(np.asarray(line).tolist(), dxfattribs={"layer": name})
     path = Path(path)
     document.saveas(path)
     return path

@@ -14,6 +14,9 @@ MODEL_UNITS = {"mm": 1.0, "cm": 10.0, "dm": 100.0, "m": 1000.0, "inch": 25.4, "f
 
 _LEVEL = 1e-9
 
+FRAME = 16
+"""Flag of a vertex of a POLYLINE that is a control point of a fitted spline."""
+
 FORBIDDEN = '<>/\\":;?*=`'
 """Characters not allowed in names of layers, besides control characters."""
 
@@ -29,61 +32,48 @@ def layer_name(name: str) -> str:
     return name
 
 
-def pieces_of(document, scale: float) -> list[tuple]:
-    """Convert all entities of the model space on visible layers to segments (mm) with their names.
+def pieces_of(placed, scale: float) -> list[tuple]:
+    """Convert entities of a drawing (``dxf_layers.Placed``) to segments (mm) with their names.
 
     GeometryError names the entity that cannot be converted by its kind, handle and layer.
     """
     from ezdxf import DXFError
 
     pieces = []
-    for entity in document.modelspace():
-        layer = entity.dxf.layer if entity.dxf.is_supported("layer") else "0"
-        if not _shown(document, layer):
-            continue
-        name = f"{entity.dxftype()} #{entity.dxf.handle} on layer {layer!r}"
+    for own in placed:
         try:
-            pieces += [(segment, name) for segment in _segments(entity, scale)]
+            pieces += [(segment, own.name) for segment in _segments(own, scale)]
         except (GeometryError, DXFError) as error:
-            raise GeometryError(f"{name}: {error}") from None
+            raise GeometryError(f"{own.name}: {error}") from None
     return pieces
 
 
-def _shown(document, name: str) -> bool:
-    """Return whether a layer is on and not frozen; one without an entry is."""
-    if name not in document.layers:
-        return True
-    layer = document.layers.get(name)
-    return layer.is_on() and not layer.is_frozen()
-
-
-def _segments(entity, scale) -> list:
-    kind = entity.dxftype()
-    if kind == "INSERT":
-        raise GeometryError(
-            f"a reference to the block {entity.dxf.get('name', '')!r}; explode block references before "
-            "the drawing is saved"
-        )
+def _segments(placed, scale) -> list:
+    entity, kind = placed.entity, placed.entity.dxftype()
     if kind not in _READERS:
         raise GeometryError(
-            f"entities of this kind are not read, only {', '.join(_READERS)}; explode it, or put it "
-            "on a layer that is off"
+            f"entities of this kind are not read, only {', '.join(_READERS)}; explode it, or name its "
+            "layer in ignore of [section]"
         )
-    # these have their own plane; lines and splines are in the coordinates of the drawing
-    if kind in ("ARC", "CIRCLE", "LWPOLYLINE"):
+    # these have their own plane; lines, splines and ellipses are in the coordinates of the drawing
+    if kind in ("ARC", "CIRCLE", "LWPOLYLINE") or (kind == "POLYLINE" and entity.is_2d_polyline):
         _make_upright(entity)
-    return _READERS[kind](entity, scale, layer_name(entity.dxf.layer))
+    return _READERS[kind](entity, scale, layer_name(placed.layer))
 
 
 def _make_upright(entity) -> None:
     """Transform an entity with extrusion direction -z (mirrored) to the usual coordinates."""
     from ezdxf.upright import upright
 
+    _check_normal(entity)
+    upright(entity)
+
+
+def _check_normal(entity) -> None:
     # n = (0, 0, 1) or (0, 0, -1) up to rounding
     normal = np.array(entity.dxf.extrusion)
     if np.abs(np.abs(normal) - [0.0, 0.0, 1.0]).max() > _LEVEL:
         raise GeometryError(f"it does not lie in the plane of the drawing (normal {tuple(normal)})")
-    upright(entity)
 
 
 def _planar(points, scale) -> np.ndarray:
@@ -116,18 +106,36 @@ def _arc(entity, scale, edge):
     ]
 
 
-def _polyline(entity, scale, edge):
-    vertices = np.array(entity.get_points("xyb"), float)
+def _light_polyline(entity, scale, edge):
+    return _sides(np.array(entity.get_points("xyb"), float), entity.closed, scale, edge)
+
+
+def _old_polyline(entity, scale, edge):
+    """Convert a POLYLINE, the only kind of polyline of R12, with the vertices of its curve."""
+    if not (entity.is_2d_polyline or entity.is_3d_polyline):
+        raise GeometryError("it is a mesh, not a polyline")
+    # control points of a curve that was fitted are no points of it
+    own = [vertex for vertex in entity.vertices if not vertex.dxf.flags & FRAME]
+    if own:
+        _planar([vertex.dxf.location for vertex in own], scale)
+    vertices = np.array(
+        [(*tuple(v.dxf.location)[:2], v.dxf.get("bulge", 0.0)) for v in own], float
+    )  # fmt: skip
+    return _sides(vertices, entity.is_closed, scale, edge)
+
+
+def _sides(vertices, closed: bool, scale, edge) -> list:
+    """Convert vertices (n, 3) with x, y and bulge to lines and arcs."""
     if len(vertices) < 2:
         raise GeometryError("a polyline needs at least two vertices")
-    if entity.closed:
+    if closed:
         vertices = np.vstack([vertices, vertices[:1]])
     found = []
     # the bulge of a vertex belongs to the side that begins there; 0 is a straight side
     for i, (one, other) in enumerate(pairwise(vertices), 1):
         a, b = scale * one[:2], scale * other[:2]
         if (a == b).all():
-            following = 1 if entity.closed and i == len(vertices) - 1 else i + 1
+            following = 1 if closed and i == len(vertices) - 1 else i + 1
             raise GeometryError(f"vertices {i} and {following} coincide at {pair(a)}")
         bulge = float(one[2])
         if bulge == 0.0:
@@ -135,6 +143,16 @@ def _polyline(entity, scale, edge):
         else:
             found.append(Arc.bulged(tuple(a), tuple(b), bulge, edge))
     return found
+
+
+def _ellipse(entity, scale, edge):
+    """Convert an ellipse, or a part of one, by way of its rational B-spline."""
+    from ezdxf.math import BSpline
+
+    _check_normal(entity)
+    tool = BSpline.from_ellipse(entity.construction_tool())
+    control = _planar(tool.control_points, scale)
+    return segments_of(tool.degree, tool.knots(), control, tool.weights(), edge)
 
 
 def _spline(entity, scale, edge):
@@ -160,5 +178,6 @@ def _through_fit_points(entity, scale, edge):
 
 
 _READERS = {
-    "LINE": _line, "ARC": _arc, "CIRCLE": _circle, "LWPOLYLINE": _polyline, "SPLINE": _spline
+    "LINE": _line, "ARC": _arc, "CIRCLE": _circle, "ELLIPSE": _ellipse, "SPLINE": _spline,
+    "LWPOLYLINE": _light_polyline, "POLYLINE": _old_polyline,
 }  # fmt: skip

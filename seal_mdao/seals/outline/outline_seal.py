@@ -41,14 +41,14 @@ class SectionRegion(NamedTuple):
         Prefix of the names of the material's constants.
     at : pair of float, or None
         A point of the part, mm; None for all that is in no other region.
-    line : ndarray, shape (k, 2), or None
-        Between two points of the boundary, along which the part is cut from the rest of its body, mm.
+    lines : tuple of ndarray, shape (k, 2)
+        Between two points of the boundary each, along which the section is divided, mm.
     """
 
     material: object
     prefix: str = ""
     at: tuple | None = None
-    line: np.ndarray | None = None
+    lines: tuple = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +139,7 @@ def outline_seal(
     known = stretches(boundaries)
     checked_names(supports, known, "supports")
     regions = [SectionRegion(material)] if isinstance(material, Isotropic) else material
-    cuts = tuple(np.asarray(own.line, float) for own in regions if own.line is not None)
+    cuts = tuple(np.asarray(line, float) for own in regions for line in own.lines)
     # stretches index points of the loops; edges the particles of the cloud
     filled, extend = _filled(boundaries, spacing, cuts)
     edges = {

@@ -9,6 +9,7 @@ from functools import cached_property
 from math import ceil, hypot, sqrt
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from seal_mdao.errors import GeometryError
 
@@ -92,6 +93,22 @@ class Segment:
         """
         raise NotImplementedError
 
+    def divided(self, s: float) -> tuple["Segment", "Segment"]:
+        """Divide it at a fraction 0 < ``s`` < 1 of its arc length; both parts follow the same curve."""
+        raise NotImplementedError
+
+    def nearest(self, point) -> tuple[float, float]:
+        """Find the fraction of the arc length nearest to a point, and the distance, mm."""
+        # the nearest of many points, then Brent's method between its neighbours
+        s = np.linspace(0.0, 1.0, 64 * self.sides + 1)
+        place = int(np.hypot(*(self.points(s) - point).T).argmin())
+        around = s[max(place - 1, 0)], s[min(place + 1, s.size - 1)]
+        found = minimize_scalar(
+            lambda at: float(((self.points([at])[0] - point) ** 2).sum()),
+            bounds=around, method="bounded", options={"xatol": 1e-12},
+        )  # fmt: skip
+        return float(found.x), float(np.sqrt(found.fun))
+
     def named(self, edge: str) -> "Segment":
         """Return the segment with another edge name."""
         return replace(self, edge=edge)
@@ -138,6 +155,16 @@ class Line(Segment):
 
     def between(self, start, end):
         return Line(start, end, self.edge)
+
+    def divided(self, s):
+        middle = tuple(self.points([s])[0].tolist())
+        return Line(self.first, middle, self.edge), Line(middle, self.last, self.edge)
+
+    def nearest(self, point):
+        # s = (p - a) . (b - a) / |b - a|^2, at most from end to end
+        along = np.subtract(self.last, self.first)
+        s = float(np.clip(np.subtract(point, self.first) @ along / (along @ along), 0.0, 1.0))
+        return s, float(np.hypot(*(self.points([s])[0] - point)))
 
     @property
     def area(self):

@@ -13,6 +13,9 @@ from seal_mdao.seals.outline.segments import Segment, pair, point, require
 PANELS = 8
 """Panels between consecutive points; the arc length of each is an 8-point Gauss sum."""
 
+CLOSE = 1e-9
+"""Least distance of a knot from the point at which a spline is divided, over the range of knots."""
+
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 # Newton's method on a function almost linear in a panel: two or three suffice
 _INVERSIONS = 6
@@ -191,6 +194,19 @@ class Spline(Segment):
         # a closed spline with a corner keeps it: without slopes it would be periodic
         slopes = self.end_slopes if through[0] == through[-1] else self.slopes
         return replace(self, through=through, slopes=slopes)
+
+    def divided(self, s):
+        # a spline with the knots and end slopes of a part of this one is that part
+        at, knots = float(self.parameters([s])[0]), np.array(self.parameter)
+        near = CLOSE * (knots[-1] - knots[0])
+        before, after = knots[knots < at - near].tolist(), knots[knots > at + near].tolist()
+        return tuple(
+            Spline(
+                tuple(map(tuple, self.curve(part).tolist())), self.edge, tuple(part),
+                tuple(map(tuple, self.curve([part[0], part[-1]], 1).tolist())),
+            )
+            for part in ([*before, at], [at, *after])
+        )  # fmt: skip
 
     def reversed(self):
         slopes = self.slopes
