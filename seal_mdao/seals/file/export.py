@@ -64,10 +64,10 @@ def write_design(
     section = {key: value for key, value in given["section"].items() if key not in DRAWN}
     given["section"] = section | {"dxf": paths[1].name, "cloud": paths[2].name}
     _move_regions(section.get("region", []), seal, offsets)
-    # tests of materials stay where they are, relative to the new file
-    for material in given["material"].values():
-        if "data" in material:
-            material["data"] = _from(folder, file.path.parent / material["data"])
+    # tests of materials and target curves stay where they are, relative to the new file
+    for own in (*given["material"].values(), *given.get("measure", ())):
+        if "data" in own:
+            own["data"] = _from(folder, file.path.parent / own["data"])
     # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)

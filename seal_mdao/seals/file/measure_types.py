@@ -18,6 +18,7 @@ from seal_mdao.measures.gap import (
     LargestGap,
     OpenGapSquareSum,
 )
+from seal_mdao.measures.load_deflection import LoadDeflectionError
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.reaction import TRAVEL, Reaction
 from seal_mdao.measures.section_shape import CavityArea, Displacement, SectionArea
@@ -35,6 +36,7 @@ from seal_mdao.seals.file.measure_table import (
     simple_kind,
 )
 from seal_mdao.seals.file.schema import chosen_by, key, known
+from seal_mdao.seals.file.target_curve import read_target
 
 _AXES = {"x": 0, "y": 1}
 # lists of contact points; travels and directions; orders of p-norms
@@ -43,6 +45,8 @@ Travels = Annotated[
     number(least=0.0) | many(number(least=0.0), "a list of travels"),
     Form("a travel along the path, a number of at least 0, or a list of them (mm)"),
 ]
+Forces = many(number(), "a list of numbers")
+Weights = many(number(least=0.0), "a list of numbers of at least 0")
 Order = whole(2, 1000)
 Sites = many(Point, "a list of points [[x, y], ...] (mm)")
 
@@ -213,6 +217,10 @@ class ReactionTable(OfProfile):
         """Unless there is a list of travels."""
         return not isinstance(self.travel, tuple)
 
+    @property
+    def count(self):
+        return len(self.travel) if isinstance(self.travel, tuple) else 1
+
     def settled(self, where, profiles):
         done = super().settled(where, profiles)
         own = next(p for p in profiles if p.name == done.profile)
@@ -243,6 +251,57 @@ def _main_axis(profile) -> str:
         if any(stage.translate):
             return "x" if abs(stage.translate[0]) > abs(stage.translate[1]) else "y"
     return "y"
+
+
+def _load_deflection_error(value, data=None, weight=None, **own):
+    # forces as the measure "reaction" gives them; the file of targets has been read
+    return LoadDeflectionError(_reaction(**own), value, weight)
+
+
+@kind("load_deflection_error", _load_deflection_error)
+class LoadDeflectionErrorTable(ReactionTable):
+    """Sum of the squared differences of the force from a target curve, relative to its values."""
+
+    value: Forces | None = key("target force at every travel, in the units of the force", None)
+    weight: Weights | None = key("weight of every travel in the sum; 1 unless given", None)
+    data: Text | None = key(
+        "in place of travel and value: CSV file with the columns travel_mm and force, relative to this "
+        "file",
+        None,
+    )
+
+    single = True
+    count = 1
+
+    def read(self, where, folder):
+        if self.data is None:
+            return self
+        if self.travel is not None or self.value is not None:
+            raise SealFileError(f"{where}: data beside travel and value; use one of them")
+        try:
+            travel, value = read_target(folder / self.data)
+        except SealFileError as error:
+            raise SealFileError(f"{where}: data: {error}") from None
+        return replace(self, travel=travel, value=value)
+
+    def settled(self, where, profiles):
+        if self.travel is None or self.value is None:
+            raise SealFileError(f"{where}: the target needs travel and value, or data")
+        # one number is a curve of one point
+        travel = self.travel if isinstance(self.travel, tuple) else (self.travel,)
+        for name, own in (("value", self.value), ("weight", self.weight)):
+            if own is not None and len(own) != len(travel):
+                raise SealFileError(
+                    f"{where}: {name} has {len(own)} numbers, but travel has {len(travel)}"
+                )
+        if not all(self.value):
+            raise SealFileError(
+                f"{where}: value has a target of 0, and differences are relative to the targets; leave "
+                "this travel out"
+            )
+        if self.weight is not None and not any(self.weight):
+            raise SealFileError(f"{where}: weight has nothing but zeros")
+        return replace(super().settled(where, profiles), travel=travel)
 
 
 simple_kind("profile_work", ProfileWork, OfProfile, "Work of a profile on the seal along the path.")

@@ -92,7 +92,8 @@ def _decided(written: Written, path: Path) -> SealFile:
     _check_profile_names(written.profile)
     profiles, step_tolerance = with_steps(written.profile, written.steps)
     measures = tuple(
-        own.settled(f"[[measure]] {i}", profiles) for i, own in enumerate(written.measure, 1)
+        own.read(f"[[measure]] {i}", path.parent).settled(f"[[measure]] {i}", profiles)
+        for i, own in enumerate(written.measure, 1)
     )
     # a problem may name types of measures that have no table of their own
     if written.optimize is not None:
