@@ -16,6 +16,7 @@ from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import named_in
 from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.section_cloud import LAYERS
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
@@ -43,7 +44,7 @@ def file_task(file: SealFile, nominal: SealResult) -> Task:
     seal = nominal.seal
     require_problem(file, seal)
     measures, start = optimized_measures(file, seal, nominal)
-    aim, bounds = file.optimize.minimize, design_bounds(file)
+    aim, bounds = file.optimize.minimize, design_bounds(file, seal)
     # -b <= offset <= b, scaled to [-1/2, 1/2]
     variables = {"boundary_offsets": {"lower": -bounds, "upper": bounds, "ref": 2.0 * bounds}}
     limits = tuple(
@@ -124,7 +125,9 @@ def require_problem(file: SealFile, seal: Seal) -> None:
     if file.optimize is None:
         raise SealFileError(f"{file.path}: [optimize] is missing: say what to minimize")
     if not seal.n_offsets:
-        raise SealFileError(f"{file.path}: [[design]] is missing: say which edges may move")
+        raise SealFileError(
+            f"{file.path}: [[design]] is missing: say what may change about the shape"
+        )
     for name in measure_names(file):
         if name in BESIDE:
             raise SealFileError(
@@ -168,11 +171,11 @@ def measure_names(file: SealFile) -> tuple:
     return tuple(dict.fromkeys([file.optimize.minimize, *constraints]))
 
 
-def design_bounds(file: SealFile) -> np.ndarray:
-    """Largest offset of every design parameter, mm."""
-    return np.concatenate(
-        [np.full(design.parameters * len(design.edges), design.bound) for design in file.designs]
-    )
+def design_bounds(file: SealFile, seal: OutlineSeal) -> np.ndarray:
+    """Largest value of every design parameter of the seal of a file, mm."""
+    # every design has as many parameters as its seal says
+    pairs = zip(file.designs, seal.design_sizes, strict=True)
+    return np.concatenate([np.full(size, design.bound) for design, size in pairs])
 
 
 def problem_settings(file: SealFile) -> dict:

@@ -119,10 +119,9 @@ def _begun(file: SealFile) -> OutlineSeal:
     section = file.section
     try:
         boundaries = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
-        designs = {name: own.parameters for own in file.designs for name in own.edges}
         seal = outline_seal(
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
-            contributions=file.contributions, designs=designs,
+            contributions=file.contributions, designs=[own.made() for own in file.designs],
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
