@@ -1,6 +1,7 @@
 """``[optimize]`` of a seal file: what is optimised over the parameters of its ``[[design]]``."""
 
 import hashlib
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +9,14 @@ import numpy as np
 from seal_mdao.components.rkpm_contact_comp import BESIDE
 from seal_mdao.errors import SealFileError
 from seal_mdao.measures.gap import BetweenContacts
+from seal_mdao.measures.load_deflection import ForceTarget, LoadDeflectionError
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.optimization import Limit, Task
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
+from seal_mdao.seals.file.described import named_in
 from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.section_cloud import LAYERS
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
@@ -39,21 +44,34 @@ def file_task(file: SealFile, nominal: SealResult) -> Task:
     seal = nominal.seal
     require_problem(file, seal)
     measures, start = optimized_measures(file, seal, nominal)
-    aim, bounds = file.optimize.minimize, design_bounds(file)
+    aim, bounds = file.optimize.minimize, design_bounds(file, seal)
     # -b <= offset <= b, scaled to [-1/2, 1/2]
     variables = {"boundary_offsets": {"lower": -bounds, "upper": bounds, "ref": 2.0 * bounds}}
-    limits = tuple(_limit(constraint, start) for constraint in file.optimize.constraints)
+    limits = tuple(
+        _limit(f"{file.path}: [[optimize.constraint]] {i}", constraint, start)
+        for i, constraint in enumerate(file.optimize.constraints, 1)
+    )
     chosen = {CHOSEN: chosen_for(file, seal)} if file.leaves_open else {}
     settings = problem_settings(file) | chosen
     return Task(seal, aim, float(start[aim][0]), measures, variables, limits, settings)
 
 
-def _limit(constraint, start: dict) -> Limit:
-    """The limits of a measure, scaled by the largest bound, or by the start where that is zero."""
-    name, bounds = constraint.measure, (constraint.lower, constraint.upper)
-    largest = max(abs(value) for value in bounds if value is not None)
-    size = largest or float(np.abs(start[name]).max()) or 1.0
-    return Limit(name, *bounds, ref=size)
+def _limit(where: str, constraint, start: dict) -> Limit:
+    """The limits of a measure, scaled by the largest bound, or by the start where that is zero.
+
+    Lists of bounds have a scale for every value.
+    """
+    name = constraint.measure
+    constraint.check_size(where, start[name].size)
+    given = {"lower": constraint.lower, "upper": constraint.upper}
+    bounds = {
+        side: np.array(own) if isinstance(own, tuple) else own
+        for side, own in given.items()
+        if own is not None
+    }
+    largest = np.max(np.broadcast_arrays(*map(np.abs, bounds.values())), axis=0)
+    size = np.where(largest > 0.0, largest, float(np.abs(start[name]).max()) or 1.0)
+    return Limit(name, **bounds, ref=size if size.ndim else float(size))
 
 
 def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
@@ -107,7 +125,9 @@ def require_problem(file: SealFile, seal: Seal) -> None:
     if file.optimize is None:
         raise SealFileError(f"{file.path}: [optimize] is missing: say what to minimize")
     if not seal.n_offsets:
-        raise SealFileError(f"{file.path}: [[design]] is missing: say which edges may move")
+        raise SealFileError(
+            f"{file.path}: [[design]] is missing: say what may change about the shape"
+        )
     for name in measure_names(file):
         if name in BESIDE:
             raise SealFileError(
@@ -126,26 +146,44 @@ def _require_gap(file, measures, start) -> None:
         )
 
 
+def force_targets(file: SealFile, seal: Seal) -> list[ForceTarget]:
+    """List target curves and bounds of forces at travels that the optimisation asks for."""
+    known, found = {measure.name: measure for measure in seal.standard}, []
+    aim = known[file.optimize.minimize]
+    if isinstance(aim, LoadDeflectionError):
+        found.append(ForceTarget(aim.name, aim.base, np.array(aim.targets)))
+    for constraint in file.optimize.constraints:
+        own = known[constraint.measure]
+        if (
+            isinstance(own, Reaction)
+            and own.travels is not None
+            and own.size(seal) == len(own.travels)
+        ):
+            bounds = (constraint.lower, constraint.upper)
+            every = (None if b is None else np.broadcast_to(b, len(own.travels)) for b in bounds)
+            found.append(ForceTarget(own.name, own, None, *every))
+    return found
+
+
 def measure_names(file: SealFile) -> tuple:
     """Measures that the optimisation looks at, each once."""
     constraints = (constraint.measure for constraint in file.optimize.constraints)
     return tuple(dict.fromkeys([file.optimize.minimize, *constraints]))
 
 
-def design_bounds(file: SealFile) -> np.ndarray:
-    """Largest offset of every design parameter, mm."""
-    return np.concatenate(
-        [np.full(design.parameters * len(design.edges), design.bound) for design in file.designs]
-    )
+def design_bounds(file: SealFile, seal: OutlineSeal) -> np.ndarray:
+    """Largest value of every design parameter of the seal of a file, mm."""
+    # every design has as many parameters as its seal says
+    pairs = zip(file.designs, seal.design_sizes, strict=True)
+    return np.concatenate([np.full(size, design.bound) for design, size in pairs])
 
 
 def problem_settings(file: SealFile) -> dict:
-    """What a recorder file keeps of the seal file: its text, checksums of its drawing and cloud."""
-    text = file.path.read_text(encoding="utf-8")
-    beside = {"drawing": file.section.drawing, "cloud": file.section.cloud}
+    """What a recorder file keeps of the seal file: its text, checksums of the files that it names."""
+    text, folder = file.path.read_text(encoding="utf-8"), file.path.parent
+    # drawing, cloud, tests of materials, target curves
     sums = {
-        name: hashlib.sha256(path.read_bytes()).hexdigest()
-        for name, path in beside.items()
-        if path is not None
+        name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
+        for name in named_in(tomllib.loads(text))
     }
-    return {"seal_file": text} | sums
+    return {"seal_file": text, "checksums": sums}

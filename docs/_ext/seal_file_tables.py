@@ -5,9 +5,9 @@ from pathlib import Path
 from code_reference import markdown_table
 
 from seal_mdao.materials.listed import LISTS
+from seal_mdao.seals.file.design_table import DesignTable
 from seal_mdao.seals.file.edge_tables import (
     CavityTable,
-    DesignTable,
     FixedTable,
     FluidTable,
     SelfContactTable,

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import seal_mdao as sm
+from seal_mdao import plotting
 from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     CASES,
@@ -23,6 +24,7 @@ from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
     CHOSEN,
     file_task,
+    force_targets,
     measure_names,
     on_new_cloud,
     problem_settings,
@@ -32,6 +34,7 @@ from seal_mdao.optimization import OPTIMIZERS, RunOptions
 from seal_mdao.recording.recorded_optimization import label
 from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
+from seal_mdao.report.embedded_figure import figure_section
 from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
@@ -73,8 +76,9 @@ def main(arguments) -> int:
     draw_designs(history, results, arguments.out)
     # key figures of the report
     own_figures = [*gap_figures(gaps), *penalty_figures(results[1])]
+    targets = force_section(file, seal, results, arguments.out)
     write_report(
-        cases, arguments.out / "report.html", kept=kept, figures=own_figures,
+        cases, arguments.out / "report.html", kept=kept, further=targets, figures=own_figures,
         notes=[*results[1].warnings, *gaps["unmeasured_gaps"]],
     )  # fmt: skip
     # console: run, limits, key figures, warnings
@@ -114,6 +118,19 @@ def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
             "continued with its own, so leave this argument out"
         )
     return optimizer, chosen
+
+
+def force_section(file, seal, results, out: Path) -> str:
+    """Draw targets and bounds of forces with the curves of both designs; return the section of the
+    report, empty where the file asks for no force at a travel."""
+    targets = force_targets(file, seal)
+    if not targets or not all(result.converged for result in results):
+        return ""
+    designs = dict(zip(("start", "optimum"), results, strict=True))
+    figure = plotting.force_targets(designs, targets)
+    plotting.save(figure, out / "force_targets.png")
+    note = "Targets and bounds of the seal file, with the curves of the first and the last design."
+    return figure_section(figure, "targets", "Load-deflection curve", note)
 
 
 def status(numbers: dict) -> str:

@@ -189,7 +189,11 @@ def file_seal_of(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
 def _said(limit: Limit) -> str:
     # limits in words, for the report
     sides = (("at least", limit.lower), ("at most", limit.upper))
-    words = [f"{word} {value:.4g}" for word, value in sides if value is not None]
+    words = [
+        f"{word} {', '.join(f'{own:.4g}' for own in np.ravel(value))}"
+        for word, value in sides
+        if value is not None
+    ]
     return f"{label(limit.measure)} {' and '.join(words)}"
 
 

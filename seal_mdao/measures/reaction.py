@@ -129,6 +129,19 @@ class Reaction(Measure):
         ]
         return np.concatenate(parts)
 
+    def curve(self, result) -> tuple[np.ndarray, np.ndarray]:
+        """Return the load-deflection curve: travels (n + 1,), mm, and forces (n + 1,) in the unit of the
+        value, at the start and at n nominal steps; along the first component, if there are two."""
+        motion, index = self._motion(result), result.path.place(self.profile)
+        forces = [np.asarray(s.responses[index].total) for s in result.path.nominal_steps]
+        # travel_k = sum |x_i - x_(i-1)| of the profile, counted from the first touch
+        places = [motion.coordinates(float(k))[:2] for k in range(len(forces) + 1)]
+        travels = np.append(0.0, np.cumsum(np.hypot(*np.diff(places, axis=0).T)))
+        # F_k = e_k . R_k, zero at the start
+        units = [self._directions(motion, travel)[0][0] for travel in travels[1:]]
+        values = [self.scale * (e @ force) for e, force in zip(units, forces, strict=True)]
+        return travels - result.seal.before_touch, np.append(0.0, values)
+
     def _motion(self, result):
         """Return the motion of the profile, or of the first profile that travels if it does not."""
         problem = result.path.problem

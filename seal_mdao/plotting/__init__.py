@@ -15,6 +15,7 @@ _FUNCTIONS = {
     "iteration_curves": "cost_history objective_history constraint_history",
     "derivative_errors": "sensitivity_errors step_study",
     "material_figures": "material_fit calibration_figure",
+    "force_targets": "force_targets",
     "several_seals": "load_deflection_of seals_compared",
     "animation": "save_animation",
     "sample_statistics": "distributions correlations designs_compared",

@@ -1,10 +1,8 @@
 """Designs on samples of their tolerances, as a section of the report."""
 
-import io
-from base64 import b64encode
-
 from matplotlib.figure import Figure
 
+from seal_mdao.report.embedded_figure import embedded
 from seal_mdao.report.html_tables import number, percent, table
 from seal_mdao.tolerances.sampled_designs import SampledDesign
 
@@ -42,13 +40,8 @@ def samples_section(designs: list[SampledDesign], limits, cost: str, figure: Fig
     rows.append(["samples that could not be analysed", *(str(own.failed) for own in designs)])
     heads = ["", *(design.label for design in designs)]
     caption = f"On {designs[0].samples} fresh samples of all tolerances"
-    # the figure as a data address, so that the page needs no other file
-    nominal = io.BytesIO()
-    figure.savefig(nominal, dpi=160)
-    image = b64encode(nominal.getvalue()).decode("ascii")
     return (
         '<section aria-labelledby="samples-title"><h2 id="samples-title">Scatter by tolerances</h2>'
         f'<div class="tables">{table(heads, rows, caption)}</div>'
-        f'<figure><img src="data:image/png;base64,{image}" alt="{caption}" '
-        f'style="max-width:100%"></figure><p class="note">{NOTE}</p></section>'
+        f'{embedded(figure, caption)}<p class="note">{NOTE}</p></section>'
     )

@@ -16,6 +16,7 @@ from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.file.edge_tables import FluidTable
 from seal_mdao.seals.outline.contours import Arc, Contour, Line, Outline
+from seal_mdao.seals.outline.offset_fields import OffsetDesign
 from seal_mdao.seals.outline.outline_seal import outline_seal
 
 RADIUS, WALL, CLEAR = 3.0, 3.2, 1e-3
@@ -43,7 +44,7 @@ def _seal(outline, spacing, pressure, close, steps, contacts, standard, end="end
     fluid = FluidTable(edges=("seal",), end=end, pressure=1.0, steps=steps)
     seal = outline_seal(
         *boundaries_of(outline, spacing), RUBBER, n_steps=close + steps,
-        contributions=[*contacts, fluid.on], designs={"seal": 4}, **more,
+        contributions=[*contacts, fluid.on], designs=[OffsetDesign(("seal",), 4)], **more,
     )  # fmt: skip
     seal = replace(seal, standard=standard, newton=sm.NewtonOptions(tolerance=1e-12))
     return seal.with_parameters({"fluid_pressure": pressure})

@@ -15,11 +15,12 @@ from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.section_shape import CavityArea, SectionArea
 from seal_mdao.measures.work import StrainEnergy
 from seal_mdao.seals.door.shapes import FlatDoor
+from seal_mdao.seals.outline.offset_fields import OffsetDesign
 from seal_mdao.seals.outline.outline_seal import outline_seal, reseed
 
 pytest.importorskip("netgen")
 
-DESIGNS = {"outer": 14, "cavity": 11}
+DESIGNS = (OffsetDesign(("outer",), 14), OffsetDesign(("cavity",), 11))
 
 
 MEASURES = (Reaction("door"), StrainEnergy(), CavityArea("cavity"), SectionArea())
@@ -140,11 +141,11 @@ def test_reseeded_seal_has_the_same_boundary_and_nearly_the_same_answer(pressed)
             "supports: no edge is called 'foot'; edges are base, outer",
         ),
         (
-            {"designs": {"foot": 5}},
+            {"designs": [OffsetDesign(("foot",), 5)]},
             "design: no edge is called 'foot'; edges are base, outer, cavity",
         ),
-        ({"designs": {"base": 5}}, "design: the edge 'base' is fixed"),
-        ({"designs": {"outer": 1}}, "'outer' needs at least 2 parameters"),
+        ({"designs": [OffsetDesign(("base",), 5)]}, "design: the edge 'base' is fixed"),
+        ({"designs": [OffsetDesign(("outer",), 1)]}, "'outer' needs at least 2 parameters"),
         (
             {"contributions": (lambda section: section.contact_points(("foot",)),)},
             "no edge 'foot'; its edges are: base, outer, cavity",

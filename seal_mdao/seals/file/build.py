@@ -119,10 +119,10 @@ def _begun(file: SealFile) -> OutlineSeal:
     section = file.section
     try:
         boundaries = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
-        designs = {name: own.parameters for own in file.designs for name in own.edges}
         seal = outline_seal(
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
-            contributions=file.contributions, designs=designs, moved=file.motions,
+            contributions=file.contributions, designs=[own.made() for own in file.designs],
+            moved=file.motions,
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error

@@ -82,20 +82,24 @@ def _check_supports(file) -> None:
 
 
 def _check_designs(file) -> None:
-    """Refuse edges of designs that are held, or that two designs move."""
-    # edges of [fixed] and [[symmetry]] are those with supports
+    """Refuse edges of designs that are held, or that two designs move, and planes that are no plane of
+    symmetry of the edges."""
+    # edges of [fixed] and [[symmetry]] are those with supports; parts of an edge may overlap
     seen = {}
     for number, design in enumerate(file.designs, 1):
         where = f"[[design]] {number}"
-        check_edges(where, "edges", design.edges, file.section.outline)
-        for name in design.edges:
+        for what, names in (("edges", design.edges or ()), ("opposite", design.moving[-1:])):
+            if names and getattr(design, what) is not None:
+                check_edges(where, what, names, file.section.outline)
+        for name in design.moving:
             if name in file.supports:
                 raise SealFileError(
                     f"{where}: edges has {name!r}, which {holder(file, name)} holds"
                 )
             if name in seen:
                 raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
-            seen[name] = where
+            if design.between is None:
+                seen[name] = where
 
 
 # ---- air, fluids, measures, names ----

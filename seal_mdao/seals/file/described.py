@@ -58,9 +58,9 @@ def description(file: SealFile, seal: OutlineSeal) -> dict:
 
 def named_in(tables: dict) -> list[str]:
     """List the names of files in the tables of a seal file, each once."""
-    # drawing and mesh of the section, tests of materials
+    # drawing and mesh of the section, tests of materials, target curves
     found = [tables["section"].get(key) for key in ("dxf", "cloud")]
-    found += [own.get("data") for own in tables["material"].values()]
+    found += [own.get("data") for own in (*tables["material"].values(), *tables.get("measure", ()))]
     return list(dict.fromkeys(name for name in found if isinstance(name, str)))
 
 

@@ -30,7 +30,6 @@ NEIGHBOURS = 3.0
 """Distance along the boundary, over its longest side, within which points are excluded from contact."""
 MOST_PRESSURE = 1e9
 """kPa."""
-MOST_PARAMETERS = 1000
 VENTS = ("vent_diameter", "vent_spacing", "closing_speed", "discharge_coefficient")
 """Keys of the vents of a cavity; the first three belong together."""
 # neighbouring edges, or one of them by its name alone
@@ -218,12 +217,3 @@ def _extension(name: str, made: type) -> type[TermTable]:
 
 
 AnyTerm = Annotated[TermTable, Extensible("terms", "type", _extension)]
-
-
-@table
-class DesignTable(Table):
-    """Edges that may move along their normals."""
-
-    edges: Names = key("edges that move; not at an end where the next edge stays")
-    parameters: whole(1, MOST_PARAMETERS) = key("number of parameters of each of them")
-    bound: number("mm", above=0.0) = key("largest offset")

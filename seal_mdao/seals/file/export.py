@@ -73,10 +73,11 @@ def write_design(
     if between:
         given["section"]["parting"] = between
     _move_regions(section.get("region", []), lines[drawn:], seal, offsets)
-    # tests of materials stay where they are, relative to the new file
-    for material in given["material"].values():
-        if "data" in material:
-            material["data"] = _from(folder, file.path.parent / material["data"])
+    # tests of materials and target curves stay where they are, relative to the new file
+    for own in (*given["material"].values(), *given.get("measure", ())):
+        if "data" in own:
+            own["data"] = _from(folder, file.path.parent / own["data"])
+    _move_designs(given.get("design", []), seal, offsets)
     # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
@@ -127,6 +128,20 @@ def _move_regions(regions, lines, seal, offsets) -> None:
         # the centre of a cell is inside its part
         cell = seal.body.cells[np.flatnonzero(seal.parts == number)[0]]
         region["at"] = particles[cell].mean(axis=0).tolist()
+
+
+def _move_designs(designs, seal, offsets) -> None:
+    """Move the points that designs name with the nearest boundary particles."""
+    boundary = np.concatenate(seal.loops)
+    nominal, moved = seal.nominal_particles[boundary], seal.particles(offsets)[boundary]
+    for design in designs:
+        given = [own for own in (design.get("vertex"), design.get("arc")) if own is not None]
+        for point in [*given, *design.get("between", ())]:
+            nearest = np.hypot(*(nominal - point).T).argmin()
+            # a vertex, or a point of an arc, is at a particle afterwards
+            on_particle = point in given
+            place = moved[nearest] if on_particle else point + moved[nearest] - nominal[nearest]
+            point[:] = place.tolist()
 
 
 def _with_places(rows, file, seal, offsets, measures) -> list:

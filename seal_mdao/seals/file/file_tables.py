@@ -8,10 +8,10 @@ from pydantic import BaseModel, ConfigDict
 
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.file.clearance import cleared
+from seal_mdao.seals.file.design_table import DesignTable
 from seal_mdao.seals.file.edge_tables import (
     AnyTerm,
     CavityTable,
-    DesignTable,
     FixedTable,
     FluidTable,
     SelfContactTable,
@@ -50,7 +50,7 @@ class Written(BaseModel):
     cavity: rows(CavityTable) = key("holes that keep their air", ())
     self_contact: SelfContactTable | None = key("edges that may touch each other", None)
     fluid: rows(FluidTable) = key("fluids that press on one side", ())
-    design: rows(DesignTable) = key("edges that may move", ())
+    design: rows(DesignTable) = key("what may change about the shape", ())
     measure: rows(AnyMeasure) = key("what is asked", ())
     optimize: OptimizeTable | None = key("what is made small, and what has to hold", None)
     steps: StepsTable | None = key("how exactly load steps are chosen", None)

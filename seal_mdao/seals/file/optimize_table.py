@@ -1,12 +1,20 @@
 """``[optimize]``: what is made small, and what has to hold."""
 
+from typing import Annotated
+
+import numpy as np
 from pydantic import model_validator
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.forms import Text, number
+from seal_mdao.seals.file.forms import Form, Text, many, number
 from seal_mdao.seals.file.measure_table import MeasureTable
 from seal_mdao.seals.file.measure_types import EXTENSIONS, KINDS
 from seal_mdao.seals.file.schema import Table, key, rows, suggestion, table
+
+Bound = Annotated[
+    number() | many(number(), "a list of numbers"),
+    Form("a number, or a list with one for every value of the measure"),
+]
 
 
 @table
@@ -14,17 +22,33 @@ class Constraint(Table):
     """What has to hold: a measure between bounds."""
 
     measure: Text = key("name of a measure, or a type that needs no further key")
-    lower: number() | None = key("least value, in the units of the measure", None)
-    upper: number() | None = key("largest value, in the units of the measure", None)
+    lower: Bound | None = key("least value, in the units of the measure", None)
+    upper: Bound | None = key("largest value, in the units of the measure", None)
 
     @model_validator(mode="after")
     def _bounds(self):
         # lower <= c <= upper, one of them at least
         if self.lower is None and self.upper is None:
             raise ValueError("needs lower, upper or both; it has neither")
-        if self.lower is not None and self.upper is not None and self.lower > self.upper:
-            raise ValueError(f"lower = {self.lower:g} is above upper = {self.upper:g}")
+        if self.lower is None or self.upper is None:
+            return self
+        low, high = np.atleast_1d(self.lower), np.atleast_1d(self.upper)
+        if low.size != high.size and 1 not in (low.size, high.size):
+            raise ValueError(f"lower has {low.size} numbers, but upper has {high.size}")
+        low, high = np.broadcast_arrays(low, high)
+        for above in np.flatnonzero(low > high)[:1]:
+            raise ValueError(f"lower = {low[above]:g} is above upper = {high[above]:g}")
         return self
+
+    def check_size(self, where: str, count: int) -> None:
+        """Raise SealFileError for a list of bounds that are not one for each of ``count`` values."""
+        for side in ("lower", "upper"):
+            own = getattr(self, side)
+            if isinstance(own, tuple) and len(own) != count:
+                raise SealFileError(
+                    f"{where}: {side} has {len(own)} numbers, but the measure {self.measure!r} has "
+                    f"{count} value{'s' if count != 1 else ''}"
+                )
 
 
 @table
@@ -52,7 +76,10 @@ def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> t
             "minimise a single number, such as stress_norm or gap_square_sum"
         )
     for i, constraint in enumerate(optimize.constraints, 1):
-        _implied(f"[[optimize.constraint]] {i}: measure", constraint.measure, every, profiles)
+        where = f"[[optimize.constraint]] {i}"
+        own = _implied(f"{where}: measure", constraint.measure, every, profiles)
+        if own.count is not None:
+            constraint.check_size(where, own.count)
     return tuple(every)
 
 

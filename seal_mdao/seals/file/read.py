@@ -95,7 +95,8 @@ def _decided(written: Written, path: Path) -> SealFile:
     profiles, moved, step_tolerance = with_steps(written.profile, written.moved, written.steps)
     moving = (*profiles, *moved)
     measures = tuple(
-        own.settled(f"[[measure]] {i}", moving) for i, own in enumerate(written.measure, 1)
+        own.read(f"[[measure]] {i}", path.parent).settled(f"[[measure]] {i}", moving)
+        for i, own in enumerate(written.measure, 1)
     )
     # a problem may name types of measures that have no table of their own
     if written.optimize is not None:

@@ -1,53 +1,16 @@
-"""Design velocity of a section: its boundary moves along nominal normals by B-splines of arc length, the
-inside by harmonic extension on the background cells."""
-
-from typing import NamedTuple
+"""Design velocity of a section: its boundary moves by offsets of edges, vertices and radii, the inside
+by harmonic extension on the background cells."""
 
 import numpy as np
-from scipy.interpolate import BSpline
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
 
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights, tangents
+from seal_mdao.seals.outline.offset_fields import OffsetDesign
+from seal_mdao.seals.outline.sampled_boundary import SampledBoundary
 
-DEGREE = 3
-
-
-class Stretch(NamedTuple):
-    """An edge as a range of points of its loop.
-
-    Attributes
-    ----------
-    loop : int
-    points : ndarray of int, shape (k,)
-        Indices in the loop, in order; those of a complete loop once around.
-    closed : bool
-        Whether it is a complete loop.
-    """
-
-    loop: int
-    points: np.ndarray
-    closed: bool
-
-
-def stretches(boundaries) -> dict:
-    """Find the ``Stretch`` of every edge of boundaries by name; ValueError if it is not contiguous."""
-    found = {}
-    for loop, boundary in enumerate(boundaries):
-        edges = np.asarray(boundary.edge)
-        for name in dict.fromkeys(edges.tolist()):
-            sides = np.flatnonzero(edges == name)
-            if sides.size == edges.size:
-                found[name] = Stretch(loop, sides, True)
-                continue
-            # an edge across the beginning of the loop: rotate its sides into order
-            gap = np.flatnonzero(np.diff(sides) > 1)
-            if gap.size:
-                sides = np.roll(sides, -int(gap[0]) - 1)
-            if name in found or (np.diff(sides) % edges.size != 1).any():
-                raise ValueError(f"the edge {name!r} is not one unbroken stretch of the boundary")
-            found[name] = Stretch(loop, np.append(sides, (sides[-1] + 1) % edges.size), False)
-    return found
+STILL = 1e-9
+"""Largest velocity of what stays."""
 
 
 def checked_names(names, known, what: str) -> None:
@@ -57,55 +20,65 @@ def checked_names(names, known, what: str) -> None:
             raise ValueError(f"{what}: no edge is called {name!r}; edges are {', '.join(known)}")
 
 
-def boundary_velocity(boundaries, designs, supports) -> np.ndarray:
-    """Compute the design velocity of every boundary point, shape (P, k, 2), dimensionless.
+def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]:
+    """Compute the design velocity of every boundary point, and the number of parameters of the designs.
 
-    V_p = dX / db_p for parameter b_p: B-spline N_p of arc length along the nominal normals.
+    V_p = dX / db_p for parameter b_p, shape (P, k, 2), dimensionless.
 
     Parameters
     ----------
     boundaries : sequence of Boundary
-    designs : mapping of str to int
-        Parameters of the edges that move, in this order, and along each edge.
+    designs : sequence of OffsetDesign, VertexDesign or RadiusDesign
+        Their parameters in this order.
     supports : mapping of str to tuple of int
         Straight edges with one prescribed component stay in their plane: their ends move along it with
         the adjacent edges, and the points between linearly. All other edges without a design have zero
         velocity, and that of a designed edge is zero where it meets one of them.
+
+    Raises
+    ------
+    ValueError
+        For names that no edge has, too few parameters, points that are not on the boundary, designs that
+        would move a fixed edge, or another one out of its plane.
     """
-    known = stretches(boundaries)
-    checked_names(designs, known, "design")
-    for name in designs:
-        if name in supports:
-            what = "is fixed" if len(supports[name]) == 2 else "is in a plane"
-            raise ValueError(f"design: the edge {name!r} {what}")
-    planes = {name: own[0] for name, own in supports.items() if len(own) == 1}
-    starts = np.cumsum([0, *(len(boundary.points) for boundary in boundaries)])
-    still = [known[name] for name in known if name not in designs and name not in planes]
-    fixed_points = {(stretch.loop, int(k)) for stretch in still for k in stretch.points}
-    # designed edges end at zero where an edge without velocity begins
-    columns = [np.zeros((0, starts[-1], 2))]
-    for name, count in designs.items():
-        stretch = known[name]
-        boundary = boundaries[stretch.loop]
-        ends = [(stretch.loop, int(stretch.points[end])) in fixed_points for end in (0, -1)]
-        basis = _basis(boundary, stretch, count, ends, name)
-        # V_p(X_k) = N_p(s_k) n_k
-        own = basis.T[:, :, None] * _directions(boundary, stretch)
-        column = np.zeros((count, starts[-1], 2))
-        column[:, starts[stretch.loop] + stretch.points] = own
-        columns.append(column)
+    sampled = SampledBoundary(boundaries, supports)
+    offsets = [design for design in designs if isinstance(design, OffsetDesign)]
+    for design in offsets:
+        opposite = () if design.opposite is None else (design.opposite,)
+        checked_names((*design.edges, *opposite), sampled.stretches, "design")
+        for name in (*design.edges, *opposite):
+            _require_free(name, supports)
+    moving = {name for design in designs for name in design.moving(sampled)}
+    for name in sorted(moving):
+        _require_free(name, supports)
+    sampled.hold(moving)
+    columns = [np.zeros((0, len(sampled.points), 2))]
+    for design in designs:
+        columns.append(design.columns(sampled))
+        if not isinstance(design, OffsetDesign):
+            _require_supported(sampled, columns[-1], supports)
     velocity = np.concatenate(columns)
-    for name, component in planes.items():
-        stretch = known[name]
-        points = starts[stretch.loop] + stretch.points
-        _slide(velocity, points, _along(boundaries[stretch.loop], stretch), component)
-    return velocity
+    for name, component in sampled.planes.items():
+        _slide(velocity, sampled.indices(name), sampled.path(name).along, component)
+    return velocity, tuple(len(own) for own in columns[1:])
 
 
-def _along(boundary, stretch) -> np.ndarray:
-    """Compute the arc length of the points of a stretch from its beginning, shape (k,), mm."""
-    arc = np.asarray(boundary.arc_length)[stretch.points]
-    return (arc - arc[0]) % boundary.length
+def _require_free(name, supports) -> None:
+    """Refuse a designed edge that is supported."""
+    if name in supports:
+        what = "is fixed" if len(supports[name]) == 2 else "is in a plane"
+        raise ValueError(f"design: the edge {name!r} {what}")
+
+
+def _require_supported(sampled, columns, supports) -> None:
+    """Refuse velocities of fixed edges, and of the ends of edges out of their planes."""
+    for name, components in supports.items():
+        # between their ends, edges in a plane follow these
+        which = sampled.indices(name)
+        which = which if len(components) == 2 else which[[0, -1]]
+        if np.abs(columns[:, which][..., list(components)]).max(initial=0.0) > STILL:
+            what = "is fixed" if len(components) == 2 else "stays in its plane"
+            raise ValueError(f"design: it would move the edge {name!r}, which {what}")
 
 
 def _slide(velocity, points, along, component) -> None:
@@ -116,53 +89,6 @@ def _slide(velocity, points, along, component) -> None:
     fraction = (along / along[-1])[None, :, None]
     first, last = (velocity[:, end][:, None] for end in ends)
     velocity[:, points] = first + fraction * (last - first)
-
-
-def _basis(boundary, stretch, count, fixed, name) -> np.ndarray:
-    """Evaluate the B-splines at the points of a stretch, shape (k, count).
-
-    ``fixed``: whether its first, and its last, point does not move.
-    """
-    least = DEGREE + 1
-    if count + sum(fixed) * (not stretch.closed) < least:
-        raise ValueError(
-            f"design: the edge {name!r} needs at least {least - sum(fixed)} parameters, got {count}"
-        )
-    arc = _along(boundary, stretch)
-    if stretch.closed:
-        return _periodic(arc / boundary.length, count)
-    # clamped uniform knots: only the first spline is not zero at the first point, only the last
-    # at the last one; these are left out where the ends are fixed
-    inner = np.linspace(0.0, arc[-1], count + sum(fixed) - DEGREE + 1)
-    knots = np.concatenate([[0.0] * DEGREE, inner, [arc[-1]] * DEGREE])
-    values = BSpline.design_matrix(arc, knots, DEGREE).toarray()
-    return values[:, fixed[0] : values.shape[1] - fixed[1]]
-
-
-def _periodic(s, count) -> np.ndarray:
-    """Evaluate periodic B-splines at fractions ``s`` of the loop; number j is largest at j / count."""
-    knots = np.arange(-DEGREE, count + DEGREE + 1) / count
-    values = BSpline.design_matrix(s, knots, DEGREE).toarray()
-    # splines that leave the interval at its end enter it at the beginning: add the two parts
-    found = values[:, :count].copy()
-    found[:, :DEGREE] += values[:, count:]
-    return np.roll(found, -1, axis=1)
-
-
-def _directions(boundary, stretch) -> np.ndarray:
-    """Compute the velocity of points for a unit offset, shape (k, 2): both sides of a corner by 1.
-
-    At the ends of a stretch only its own normal counts: the adjacent edge adds its own velocity.
-    """
-    before, after = (
-        np.column_stack([t[:, 1], -t[:, 0]])
-        for t in np.asarray(boundary.tangent)[stretch.points].transpose(1, 0, 2)
-    )
-    if not stretch.closed:
-        before[0], after[-1] = after[0], before[-1]
-    # v . n_1 = v . n_2 = 1 for v = (n_1 + n_2) / (1 + n_1 . n_2), bounded at sharp corners
-    denominator = 1.0 + (before * after).sum(axis=1)
-    return (before + after) / np.maximum(denominator, 0.5)[:, None]
 
 
 def stiffness(cells: np.ndarray, particles: np.ndarray):

@@ -3,21 +3,27 @@
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.arcs import Arc, Circle
 from seal_mdao.seals.outline.contours import Contour, Outline
 from seal_mdao.seals.outline.sampling import Boundary
+from seal_mdao.seals.outline.segments import Line
 from seal_mdao.seals.outline.spline import Spline
 
 SMOOTH = 1e-3
 """Largest turn of the tangent, radians, over which one spline continues into the next segment: joints
 with gaps in a drawing turn by some 1e-4."""
 
+EXACT = 1e-9
+"""Largest distance of moved points from a line or arc that they still form, over its size."""
+
 
 def shifted_outline(outline: Outline, boundaries: list[Boundary], points) -> Outline:
     """Build the section whose boundary passes through moved points.
 
-    Segments without moved points are unchanged. The others become cubic splines through their points,
-    with the nominal arc length as parameter: one spline over segments of an edge that join smoothly,
-    a corner where there was one.
+    Segments without moved points are unchanged, lines that stay straight and arcs that stay arcs remain
+    such. The others become cubic splines through their points, with the nominal arc length as
+    parameter: one spline over segments of an edge that join smoothly, a corner where there was one.
 
     Parameters
     ----------
@@ -54,10 +60,15 @@ def _moved(contour, boundary, points) -> Contour:
     # the contour returns to its first point
     arc = np.append(boundary.arc_length, boundary.length)
     closed = np.vstack([points, points[:1]])
+    # the same kind of segment through the moved points, None where it takes a spline
+    kept = [
+        _same_kind(segment, closed[a : b + 1]) if has_changed else segment
+        for segment, a, b, has_changed in zip(segments, corners, ends, changed, strict=True)
+    ]
     found = []
-    for first, last in _runs(segments, changed):
-        if not changed[first]:
-            found.append(segments[first])
+    for first, last in _runs(segments, [own is None for own in kept]):
+        if kept[first] is not None:
+            found.append(kept[first])
             continue
         here = slice(corners[first], ends[last] + 1)
         through, parameter = tuple(map(tuple, closed[here].tolist())), tuple(arc[here].tolist())
@@ -66,6 +77,45 @@ def _moved(contour, boundary, points) -> Contour:
         slopes = _end_slopes(through, parameter) if kinked else None
         found.append(Spline(through, segments[first].edge, parameter, slopes))
     return Contour(tuple(found))
+
+
+def _same_kind(segment, points):
+    """Make the line, arc or circle through moved points (k, 2); None if they lie on none."""
+    if isinstance(segment, Line) and len(points) > 2:
+        along, to = points[-1] - points[0], points - points[0]
+        # distance from the chord |t x d| / |t|
+        away = np.abs(along[0] * to[:, 1] - along[1] * to[:, 0]).max() / np.hypot(*along)
+        if away <= EXACT * np.hypot(*along):
+            return Line(tuple(points[0].tolist()), tuple(points[-1].tolist()), segment.edge)
+    if isinstance(segment, Circle) and len(points) > 4:
+        centre = _centre(points[:-1])
+        radius = points[0, 0] - centre[0]
+        circle = Circle(tuple(centre.tolist()), float(radius), segment.edge, segment.clockwise)
+        if radius > 0.0 and abs(points[0, 1] - centre[1]) <= EXACT * radius:
+            return circle if _is_on(circle, points) else None
+    if isinstance(segment, Arc) and len(points) > 3:
+        middle = len(points) // 2
+        try:
+            arc = Arc.through(points[0], points[middle], points[-1], segment.edge)
+        except GeometryError:
+            return None
+        return arc if _is_on(arc, points) else None
+    return None
+
+
+def _centre(points) -> np.ndarray:
+    """Find the centre of the circle through points by least squares."""
+    # |x - c|^2 = R^2 is linear in c and R^2 - c . c; coordinates from the mean of the points
+    mean = points.mean(axis=0)
+    x = points - mean
+    matrix = np.column_stack([2.0 * x, np.ones(len(x))])
+    return mean + np.linalg.lstsq(matrix, (x**2).sum(axis=1), rcond=None)[0][:2]
+
+
+def _is_on(round_, points) -> bool:
+    """Return whether points lie on the circle of an arc."""
+    away = np.abs(np.hypot(*(points - round_.centre).T) - round_.radius)
+    return bool(away.max() <= EXACT * round_.radius)
 
 
 def _runs(segments, changed) -> list[tuple[int, int]]:

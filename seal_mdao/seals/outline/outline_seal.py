@@ -14,12 +14,8 @@ from seal_mdao.loads.moved_edges import ImposedMotions
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
-from seal_mdao.seals.outline.design import (
-    boundary_velocity,
-    checked_names,
-    harmonic_extension,
-    stretches,
-)
+from seal_mdao.seals.outline.boundary_path import stretches
+from seal_mdao.seals.outline.design import boundary_velocity, checked_names, harmonic_extension
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
@@ -65,12 +61,15 @@ class OutlineSeal(Seal):
         Of its cloud.
     cuts : tuple of ndarray
         Lines that divide the nominal section between materials, their corners (k, 2), mm.
+    design_sizes : tuple of int
+        Number of parameters of every design.
     """
 
     loops: tuple = ()
     spacing: float | Rays | OutlineCloud = 1.0
     kernels: Kernels = field(default_factory=Kernels)
     cuts: tuple = ()
+    design_sizes: tuple = ()
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -97,7 +96,7 @@ class OutlineSeal(Seal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | OutlineCloud, material, *, n_steps: int, supports=NONE,
-    contributions=(), designs=NONE, kernels: Kernels | None = None, moved=(),
+    contributions=(), designs=(), kernels: Kernels | None = None, moved=(),
 ) -> OutlineSeal:  # fmt: skip
     """Build a seal from the boundary of its section.
 
@@ -119,9 +118,8 @@ def outline_seal(
     contributions : sequence of callable
         Functions of the ``SectionBody``, which return the definitions of further terms than the body's:
         contacts before fluids, which they keep out.
-    designs : mapping of str to int
-        Number of parameters of every edge with a variable shape: the ``boundary_offsets``, mm along the
-        nominal normals.
+    designs : sequence of OffsetDesign, VertexDesign or RadiusDesign
+        What may change about the shape; their parameters are the ``boundary_offsets``, mm.
     kernels : Kernels, optional
         If left out those of rays and of given clouds, else ``Kernels()``.
     moved : sequence of callable
@@ -153,8 +151,9 @@ def outline_seal(
     for name, components in supports.items():
         prescribed[np.ix_(edges[name].particles, components)] = True
     body = _body(filled, kernels, prescribed, edges)
-    # design velocity V = dX/db: on the boundary by B-splines, extended to the inside
-    velocity = extend(filled, boundary_velocity(boundaries, designs, supports))
+    # design velocity V = dX/db: on the boundary by the designs, extended to the inside
+    on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
+    velocity = extend(filled, on_boundary)
     elastic = ElasticBody(_regions(filled, regions))
     terms, section = [elastic], SectionBody(body, filled.loops, n_steps)
     for bind in contributions:
@@ -164,7 +163,7 @@ def outline_seal(
         section = section._replace(contacts=bound)
     return OutlineSeal(
         filled.particles, velocity, body, tuple(terms), n_steps, loops=filled.loops, spacing=spacing,
-        kernels=kernels, cuts=cuts,
+        kernels=kernels, cuts=cuts, design_sizes=sizes,
         imposed_displacements=ImposedMotions(tuple(bind(section) for bind in moved)) if moved else None,
     )  # fmt: skip
 

@@ -1,0 +1,81 @@
+"""Measure of the difference between the load-deflection curve of a profile and a target curve."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.measures.measure import Derived
+from seal_mdao.measures.reaction import Reaction
+from seal_mdao.values import numbers
+
+
+@dataclass(frozen=True)
+class LoadDeflectionError(Derived):
+    """Sum of the squared differences between forces and target forces, relative to the targets.
+
+    Attributes
+    ----------
+    base : Reaction
+        The forces, one value at every travel.
+    targets : tuple of float
+        Target force at every travel, in the units of ``base``.
+    weights : tuple of float, or None
+        Weight of every travel; 1 for all when None.
+
+    Raises
+    ------
+    ValueError
+        For targets or weights that are not one number for every travel, a target that is zero, weights
+        that are negative or all zero.
+    """
+
+    base: Reaction
+    targets: tuple
+    weights: tuple | None = None
+    name: str = "load_deflection_error"
+    units = None
+    text = "Sum of the squared differences from target forces, relative to these."
+
+    def __post_init__(self):
+        count = 1 if self.base.travels is None else len(self.base.travels)
+        if self.base.direction is None and len(self.base.components) > 1:
+            raise ValueError(f"{self.name!r} needs a force along one axis or direction")
+        given = np.ones(count) if self.weights is None else self.weights
+        for what, own in (("targets", self.targets), ("weights", given)):
+            own = numbers(f"{what} of {self.name!r}", own)
+            if own.shape != (count,) or not np.isfinite(own).all():
+                raise ValueError(
+                    f"{what} of {self.name!r} must be one number for each of {count} travels"
+                )
+            object.__setattr__(self, what, tuple(own.tolist()))
+        if not all(self.targets):
+            raise ValueError(f"a target of {self.name!r} is zero, and differences are relative")
+        if min(self.weights) < 0.0 or not any(self.weights):
+            raise ValueError(f"weights of {self.name!r} must not be negative, nor all zero")
+
+    def value(self, values):
+        # m = sum_i w_i (F_i / T_i - 1)^2,  dm/dF_i = 2 w_i (F_i / T_i - 1) / T_i
+        targets, weights = np.array(self.targets), np.array(self.weights)
+        away = values / targets - 1.0
+        return weights @ away**2, 2.0 * weights * away / targets
+
+
+class ForceTarget(NamedTuple):
+    """What is asked of the force on a profile at some travels, for figures.
+
+    Attributes
+    ----------
+    name : str
+        Name of the measure.
+    reaction : Reaction
+        With one value at every travel.
+    target, lower, upper : ndarray, shape (k,), or None
+        Target and bounds at its k travels, in its unit.
+    """
+
+    name: str
+    reaction: Reaction
+    target: np.ndarray | None = None
+    lower: np.ndarray | None = None
+    upper: np.ndarray | None = None

@@ -1,0 +1,109 @@
+"""``[[design]]``: what may change about the shape of a section."""
+
+import re
+from typing import Annotated
+
+from pydantic import AfterValidator, StringConstraints, WithJsonSchema, model_validator
+
+from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of, whole
+from seal_mdao.seals.file.schema import Table, key, table
+from seal_mdao.seals.outline.boundary_path import MirrorPlane
+from seal_mdao.seals.outline.offset_fields import OffsetDesign
+from seal_mdao.seals.outline.vertices_and_arcs import RadiusDesign, VertexDesign
+
+MOST_PARAMETERS = 1000
+KINDS = ("edges", "vertex", "arc")
+"""Keys of which a design has one."""
+BESIDE = {"parameters": "edges", "between": "edges", "opposite": "edges", "directions": "vertex"}
+"""Keys that belong to one of them."""
+_PLANE = r"^\s*([xy])\s*=\s*([-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?)\s*$"
+
+
+def _plane(text: str) -> MirrorPlane:
+    # "x = 0": the plane of this abscissa
+    axis, at = re.match(_PLANE, text).group(1, 2)
+    return MirrorPlane("xy".index(axis), float(at))
+
+
+Plane = Annotated[
+    str,
+    StringConstraints(strict=True, pattern=_PLANE, max_length=100),
+    AfterValidator(_plane),
+    WithJsonSchema({"type": "string"}),
+    Form('a plane of symmetry, such as "x = 0" (mm)'),
+]
+
+
+@table
+class DesignTable(Table):
+    """What may change about the shape: edges along their normals, a vertex, the radius of an arc."""
+
+    bound: number("mm", above=0.0) = key("largest offset, displacement or change of the radius")
+    edges: Names | None = key("edges that move; not at an end where the next edge stays", None)
+    parameters: whole(1, MOST_PARAMETERS) | None = key(
+        "beside edges: number of parameters of each of them", None
+    )
+    between: many(Point, "two points [[x, y], [x, y]] (mm)", 2, 2) | None = key(
+        "beside one edge: the part of it that moves, from the first point to the second; the outside is "
+        "walked counter-clockwise, holes clockwise",
+        None,
+    )
+    opposite: Text | None = key(
+        "beside edges: the edge on the other side of a wall; every point of it moves outwards by as "
+        "much as the nearest point of the edges, so the thickness changes by twice the offset",
+        None,
+    )
+    vertex: Point | None = key(
+        "in place of edges: an end of a segment that moves; the segments beside it follow linearly",
+        None,
+    )
+    directions: many(one_of("x", "y"), 'a list of "x", "y" or both') | None = key(
+        "beside vertex: in which it moves, a parameter for each; both unless given, in a plane of "
+        "symmetry along it",
+        None,
+    )
+    arc: Point | None = key(
+        "in place of edges: a point of an arc or circle whose radius changes; between lines that it "
+        "joins smoothly it stays tangent, elsewhere its centre stays",
+        None,
+    )
+    mirror: Plane | None = key(
+        "plane to which the change is symmetric: mirror images move too, with the same parameters",
+        None,
+    )
+
+    @model_validator(mode="after")
+    def _one_kind(self):
+        given = [name for name in KINDS if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(
+                "needs one of edges, vertex and arc; it has "
+                + (" and ".join(given) or "none of them")
+            )
+        for name, owner in BESIDE.items():
+            if getattr(self, name) is not None and given != [owner]:
+                raise ValueError(f"{name} beside {given[0]}; it belongs to {owner}")
+        if self.edges is not None and self.parameters is None:
+            raise ValueError(
+                f"the key 'parameters' is missing; it must be {self.allowed('parameters')}"
+            )
+        if self.between is not None and len(self.edges) > 1:
+            raise ValueError(
+                "between beside several edges; give every part a [[design]] of its own"
+            )
+        return self
+
+    @property
+    def moving(self) -> tuple:
+        """Edges that it names."""
+        opposite = () if self.opposite is None else (self.opposite,)
+        return (*(self.edges or ()), *opposite)
+
+    def made(self) -> OffsetDesign | VertexDesign | RadiusDesign:
+        """Make the design."""
+        if self.vertex is not None:
+            axes = None if self.directions is None else tuple(map("xy".index, self.directions))
+            return VertexDesign(self.vertex, axes, self.mirror)
+        if self.arc is not None:
+            return RadiusDesign(self.arc, self.mirror)
+        return OffsetDesign(self.edges, self.parameters, self.between, self.opposite, self.mirror)

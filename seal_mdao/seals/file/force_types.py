@@ -1,0 +1,192 @@
+"""Types of measures of the force on a profile: the force at travels, its difference from a target."""
+
+from dataclasses import replace
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import AfterValidator, model_validator
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.geometry.motion import ROUNDING
+from seal_mdao.measures.load_deflection import LoadDeflectionError
+from seal_mdao.measures.reaction import TRAVEL, Reaction
+from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of
+from seal_mdao.seals.file.measure_table import KINDS, MeasureTable, OfProfile, kind
+from seal_mdao.seals.file.schema import key, known
+from seal_mdao.seals.file.target_curve import read_target
+
+__all__ = ["KINDS", "LoadDeflectionErrorTable", "ReactionTable"]
+
+_AXES = {"x": 0, "y": 1}
+Travels = Annotated[
+    number(least=0.0) | many(number(least=0.0), "a list of travels"),
+    Form("a travel along the path, a number of at least 0, or a list of them (mm)"),
+]
+Forces = many(number(), "a list of numbers")
+Weights = many(number(least=0.0), "a list of numbers of at least 0")
+
+
+def _some_direction(given):
+    if given == (0.0, 0.0):
+        raise ValueError
+    return given
+
+
+Direction = Annotated[
+    Literal[TRAVEL] | Annotated[Point, AfterValidator(_some_direction)],
+    Form(f'a direction [x, y] that is not [0, 0], or "{TRAVEL}"'),
+]
+
+
+def _reaction(profile="", component=None, travel=None, **own):
+    # both axes for a direction, which the measure projects on
+    axes = (0, 1) if component is None else (_AXES[component],)
+    travels = (travel,) if isinstance(travel, float) else travel
+    return Reaction(profile, travels, axes, **own)
+
+
+@kind("reaction", _reaction)
+class ReactionTable(OfProfile):
+    """Force of the seal on a profile, or on fixed or moved edges."""
+
+    edges: Names | None = key(
+        "in place of a profile or [[moved]]: fixed or moved edges on which the force acts", None
+    )
+
+    component: one_of(*_AXES) | None = key(
+        "axis of the force; that along which the first travel goes, unless component or direction is "
+        "given",
+        None,
+    )
+    direction: Direction | None = key(
+        "of the force, of any length; or against the travel of the profile at that place, positive "
+        "where the seal resists",
+        None,
+    )
+    travel: Travels | None = key(
+        "how far the profile has come along its path, or a list with a value for each; for one that "
+        "stands still, the path of the first one that travels; the end unless given",
+        None,
+    )
+    length: number("mm", above=0.0) | None = key(
+        "length of the seal whose force it is, in N; N/m unless given", None
+    )
+
+    @staticmethod
+    def takes(moving) -> bool:
+        return True
+
+    @model_validator(mode="after")
+    def _one_direction(self):
+        if self.edges is not None and self.profile is not None:
+            raise ValueError("edges beside profile; use one of them")
+        # an axis, or a vector
+        if self.component is not None and self.direction is not None:
+            raise ValueError("component beside direction; use one of them")
+        return self
+
+    @property
+    def single(self) -> bool:
+        """Unless there is a list of travels."""
+        return not isinstance(self.travel, tuple)
+
+    @property
+    def count(self):
+        return len(self.travel) if isinstance(self.travel, tuple) else 1
+
+    def settled(self, where, profiles):
+        if self.edges is not None:
+            # along the axis of the first travel of what moves
+            done = MeasureTable.settled(self, where, profiles)
+            own = next((p for p in profiles if p.travel > 0.0), profiles[0])
+        else:
+            done = super().settled(where, profiles)
+            own = next(p for p in profiles if p.name == done.profile)
+        # the first travel gives the axis, and the direction where it is "travel"
+        # without a component or a direction: along the first travel of the profile
+        if done.component is None and done.direction is None:
+            done = replace(done, component=_main_axis(own))
+        if done.direction == TRAVEL and not own.travel > 0.0:
+            raise SealFileError(
+                f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not travel; give "
+                "the direction as [x, y]"
+            )
+        # travels are those of the profile, or of the first one that travels where it stands still
+        moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
+        # up to rounding, travels end with the path
+        if done.travel is not None and np.max(done.travel) > moving.travel * (1.0 + ROUNDING):
+            raise SealFileError(
+                f"{where}: travel = {np.max(done.travel):g}, but the path of the profile "
+                f"{moving.name!r} is only {moving.travel:.6g} mm long"
+            )
+        return done
+
+    def check(self, where, file):
+        # a force on an edge needs a prescribed component
+        for name in self.edges or ():
+            known(where, "edges", name, file.section.outline.edge_names, "edge")
+            if name not in file.supports:
+                raise SealFileError(
+                    f"{where}: edges has {name!r}, which is neither fixed nor moved; there are "
+                    f"{', '.join(file.supports) or 'none'}"
+                )
+
+
+def _main_axis(profile) -> str:
+    """Find the axis along which the first translation of a profile moves most; y without one."""
+    # the larger component of the first stage that is not at rest
+    for stage in profile.stages:
+        if any(stage.translate):
+            return "x" if abs(stage.translate[0]) > abs(stage.translate[1]) else "y"
+    return "y"
+
+
+def _load_deflection_error(value, data=None, weight=None, **own):
+    # forces as the measure "reaction" gives them; the file of targets has been read
+    return LoadDeflectionError(_reaction(**own), value, weight)
+
+
+@kind("load_deflection_error", _load_deflection_error)
+class LoadDeflectionErrorTable(ReactionTable):
+    """Sum of the squared differences of the force from a target curve, relative to its values."""
+
+    value: Forces | None = key("target force at every travel, in the units of the force", None)
+    weight: Weights | None = key("weight of every travel in the sum; 1 unless given", None)
+    data: Text | None = key(
+        "in place of travel and value: CSV file with the columns travel_mm and force, relative to this "
+        "file",
+        None,
+    )
+
+    single = True
+    count = 1
+
+    def read(self, where, folder):
+        if self.data is None:
+            return self
+        if self.travel is not None or self.value is not None:
+            raise SealFileError(f"{where}: data beside travel and value; use one of them")
+        try:
+            travel, value = read_target(folder / self.data)
+        except SealFileError as error:
+            raise SealFileError(f"{where}: data: {error}") from None
+        return replace(self, travel=travel, value=value)
+
+    def settled(self, where, profiles):
+        if self.travel is None or self.value is None:
+            raise SealFileError(f"{where}: the target needs travel and value, or data")
+        # one number is a curve of one point
+        travel = self.travel if isinstance(self.travel, tuple) else (self.travel,)
+        for name, own in (("value", self.value), ("weight", self.weight)):
+            if own is not None and len(own) != len(travel):
+                raise SealFileError(
+                    f"{where}: {name} has {len(own)} numbers, but travel has {len(travel)}"
+                )
+        if not all(self.value):
+            raise SealFileError(
+                f"{where}: value has a target of 0, and differences are relative to the targets; leave "
+                "this travel out"
+            )
+        if self.weight is not None and not any(self.weight):
+            raise SealFileError(f"{where}: weight has nothing but zeros")
+        return replace(super().settled(where, profiles), travel=travel)

@@ -1,0 +1,112 @@
+"""The sampled boundary of a section with its edges, segments, vertices and supports."""
+
+import numpy as np
+
+from seal_mdao.seals.outline.boundary_path import BoundaryPath, Stretch, stretches
+from seal_mdao.seals.outline.segments import pair
+
+
+class SampledBoundary:
+    """The sampled boundary of a section, as designs see it.
+
+    Parameters
+    ----------
+    boundaries : sequence of Boundary
+    supports : mapping of str to tuple of int
+        As of ``boundary_velocity``.
+
+    Attributes
+    ----------
+    stretches : dict of str to Stretch
+    points : ndarray, shape (K, 2)
+        Points of all loops in succession, mm; loop i begins at ``starts[i]``.
+    """
+
+    def __init__(self, boundaries, supports):
+        self.boundaries, self.stretches = boundaries, stretches(boundaries)
+        self.starts = np.cumsum([0, *(len(boundary.points) for boundary in boundaries)])
+        self.points = np.concatenate([np.asarray(boundary.points) for boundary in boundaries])
+        self.planes = {name: own[0] for name, own in supports.items() if len(own) == 1}
+        self._still = set()
+
+    def hold(self, moving) -> None:
+        """Note the points of all edges that are neither ``moving`` nor in a plane: they stay."""
+        still = [
+            self.stretches[name]
+            for name in self.stretches
+            if name not in moving and name not in self.planes
+        ]
+        self._still = {(stretch.loop, int(k)) for stretch in still for k in stretch.points}
+
+    def is_still(self, stretch: Stretch, end: int) -> bool:
+        """Return whether the first (0) or last (-1) point of a stretch stays."""
+        return (stretch.loop, int(stretch.points[end])) in self._still
+
+    def path(self, name: str) -> BoundaryPath:
+        """Return an edge as a curve."""
+        stretch = self.stretches[name]
+        return BoundaryPath(self.boundaries[stretch.loop], stretch)
+
+    def indices(self, name: str) -> np.ndarray:
+        """Return the indices of the points of an edge among all points."""
+        stretch = self.stretches[name]
+        return self.starts[stretch.loop] + stretch.points
+
+    def on_edge(self, name: str, point) -> float:
+        """Return the arc length, mm, of a point of an edge; ValueError if it is not on the edge."""
+        path = self.path(name)
+        s, away = path.project(np.asarray(point, float))
+        nearest = float(np.diff(path.along).max())
+        if away > nearest:
+            raise ValueError(f"design: {pair(point)} is {away:.3g} mm away from the edge {name!r}")
+        return s
+
+    def pieces(self, loop: int) -> list[np.ndarray]:
+        """List the points of every segment of a loop, both ends included."""
+        corners = np.flatnonzero(self.boundaries[loop].corner)
+        count = len(self.boundaries[loop].points)
+        ends = np.append(corners[1:], count + corners[0])
+        return [np.arange(a, b + 1) % count for a, b in zip(corners, ends, strict=True)]
+
+    def vertex(self, at, within: float) -> tuple[int, int]:
+        """Find the vertex at a point: its loop and its index there.
+
+        ValueError names the nearest one where there is none.
+        """
+        # ends of segments; a contour of one segment has no vertex
+        corner = [np.asarray(b.corner) & (np.sum(b.corner) > 1) for b in self.boundaries]
+        which = np.flatnonzero(np.concatenate(corner))
+        if not which.size:
+            raise ValueError(f"design: no vertex is at {pair(at)}; every contour is one segment")
+        away = np.hypot(*(self.points[which] - np.asarray(at, float)).T)
+        index = int(which[away.argmin()])
+        if away.min() > within:
+            raise ValueError(
+                f"design: no vertex is at {pair(at)}; the nearest one is at {pair(self.points[index])}"
+            )
+        loop = int(np.searchsorted(self.starts, index, side="right")) - 1
+        return loop, index - int(self.starts[loop])
+
+    def planes_at(self, loop: int, k: int) -> set:
+        """Return the axes across the planes of symmetry in which a point lies."""
+        return {
+            axis
+            for name, axis in self.planes.items()
+            if self.stretches[name].loop == loop and k in self.stretches[name].points
+        }
+
+    def segment_at(self, point) -> tuple[int, int]:
+        """Find the segment nearest to a point: its loop and its number there."""
+        found = []
+        for loop in range(len(self.boundaries)):
+            for number, piece in enumerate(self.pieces(loop)):
+                a = self.points[self.starts[loop] + piece]
+                # distance from the straight sides of the segment
+                to, along = np.asarray(point, float) - a[:-1], np.diff(a, axis=0)
+                t = np.clip((to * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+                found.append((np.hypot(*(to - t[:, None] * along).T).min(), loop, number))
+        away, loop, number = min(found)
+        piece = self.points[self.starts[loop] + self.pieces(loop)[number]]
+        if away > np.hypot(*np.diff(piece, axis=0).T).max():
+            raise ValueError(f"design: {pair(point)} is {away:.3g} mm away from the boundary")
+        return loop, number

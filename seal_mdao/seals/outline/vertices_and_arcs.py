@@ -1,0 +1,188 @@
+"""Design of single features of a section: displacement of a vertex, radius of an arc."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.seals.outline.boundary_path import SAME, MirrorPlane
+from seal_mdao.seals.outline.segments import pair
+
+AT_VERTEX = 5e-3
+"""Largest distance of a given point from the vertex that it means, mm; segments are longer."""
+ROUND = 1e-6
+"""Largest distance of the points of an arc from its circle, over its radius, and of those of a line from
+its chord, over its length."""
+TANGENT = 1e-3
+"""Largest turn of the tangent at a smooth joint, radians."""
+MOST_FILLET = np.radians(170.0)
+"""Largest turn of an arc whose centre follows its radius so that it stays tangent."""
+
+
+@dataclass(frozen=True)
+class VertexDesign:
+    """A vertex that moves; the segments beside it follow linearly, so lines stay straight.
+
+    Attributes
+    ----------
+    at : pair of float
+        The vertex, mm.
+    directions : tuple of int, or None
+        0 for x, 1 for y, a parameter for each; None for both, or the one in a plane of symmetry.
+    mirror : MirrorPlane or None
+        Plane to which the displacements are symmetric: the mirror image of the vertex moves too.
+    """
+
+    at: tuple
+    directions: tuple | None = None
+    mirror: MirrorPlane | None = None
+
+    def moving(self, sampled) -> set:
+        """Names of the edges that move completely."""
+        return set()
+
+    def columns(self, sampled) -> np.ndarray:
+        """Compute the velocity of the boundary points for every parameter, shape (P, K, 2)."""
+        loop, k = sampled.vertex(self.at, AT_VERTEX)
+        # a design that is written keeps the ends of segments at corners and between edges
+        boundary = sampled.boundaries[loop]
+        turn = np.hypot(*np.subtract(*np.asarray(boundary.tangent)[k]))
+        if turn < TANGENT and boundary.edge[k - 1] == boundary.edge[k]:
+            raise ValueError(
+                f"design: the edge {str(boundary.edge[k])!r} is smooth at {pair(self.at)}; move a part "
+                "of it (edges, between), or let two edges meet there"
+            )
+        image = None
+        across = sampled.planes_at(loop, k)
+        if self.mirror is not None:
+            image = sampled.vertex(self.mirror.image(self.at), AT_VERTEX)
+            # a vertex in the plane of symmetry stays in it
+            across |= {self.mirror.axis} if image == (loop, k) else set()
+        chosen = (0, 1) if self.directions is None else self.directions
+        allowed = [axis for axis in chosen if axis not in across]
+        if not allowed or (self.directions is not None and len(allowed) < len(chosen)):
+            refused = " and ".join("xy"[axis] for axis in chosen if axis in across)
+            raise ValueError(
+                f"design: the vertex {pair(self.at)} cannot move in {refused}, across the plane of "
+                "symmetry"
+            )
+        columns = []
+        for axis in allowed:
+            unit = np.eye(2)[axis]
+            own = _moved_end(sampled, loop, k, unit)
+            if image not in (None, (loop, k)):
+                sign = -1.0 if axis == self.mirror.axis else 1.0
+                own = own + _moved_end(sampled, *image, sign * unit)
+            columns.append(own)
+        return np.array(columns)
+
+
+def _moved_end(sampled, loop: int, k: int, velocity) -> np.ndarray:
+    """Compute the velocity (K, 2) of the boundary where the vertex k of a loop has a velocity (2,)."""
+    column = np.zeros((len(sampled.points), 2))
+    for piece in sampled.pieces(loop):
+        # V(X) = t V_k, t the fraction of the chords from the other end of the segment
+        if k in (piece[0], piece[-1]):
+            order = piece if piece[-1] == k else piece[::-1]
+            column[sampled.starts[loop] + order] = _fractions(sampled, loop, order) * velocity
+    return column
+
+
+def _fractions(sampled, loop: int, order) -> np.ndarray:
+    """Compute the fractions of the length of the chords up to every point of a segment, (k, 1)."""
+    points = sampled.points[sampled.starts[loop] + order]
+    chords = np.hypot(*np.diff(points, axis=0).T)
+    return (np.append(0.0, np.cumsum(chords)) / chords.sum())[:, None]
+
+
+@dataclass(frozen=True)
+class RadiusDesign:
+    """An arc whose radius changes, or a circle.
+
+    Between two lines that it joins smoothly it stays tangent to them; elsewhere its centre stays, and
+    the segments beside it follow its ends linearly.
+
+    Attributes
+    ----------
+    at : pair of float
+        Any point of the arc, mm.
+    mirror : MirrorPlane or None
+        The mirror image of the arc gets the same radius.
+    """
+
+    at: tuple
+    mirror: MirrorPlane | None = None
+
+    def moving(self, sampled) -> set:
+        """Names of the edges that move completely."""
+        return set()
+
+    def columns(self, sampled) -> np.ndarray:
+        """Compute the velocity of the boundary points for every parameter, shape (P, K, 2)."""
+        loop, number = sampled.segment_at(self.at)
+        column = _larger_radius(sampled, loop, number, self.at)
+        if self.mirror is not None:
+            image = self.mirror.image(self.at)
+            other = sampled.segment_at(image)
+            if other != (loop, number):
+                column = column + _larger_radius(sampled, *other, image)
+        return column[None]
+
+
+def _larger_radius(sampled, loop: int, number: int, at) -> np.ndarray:
+    """Compute the velocity (K, 2) of the boundary per unit of the radius of an arc."""
+    pieces, start = sampled.pieces(loop), sampled.starts[loop]
+    piece = pieces[number]
+    points = sampled.points[start + piece]
+    centre, radius = _circle(points, at)
+    away = (points - centre) / radius
+    column = np.zeros((len(sampled.points), 2))
+    if len(pieces) == 1 and piece[0] == piece[-1]:
+        column[start + piece] = away
+        return column
+    before, after = pieces[number - 1], pieces[(number + 1) % len(pieces)]
+    # V = dc/dR + (X - c) / R, dc/dR = 0 unless the arc is a fillet
+    velocity = away + _centre_velocity(sampled, loop, (before, after), away)
+    for order, end in ((before, 0), (after[::-1], -1)):
+        column[start + order] = _fractions(sampled, loop, order) * velocity[end]
+    column[start + piece] = velocity
+    return column
+
+
+def _centre_velocity(sampled, loop, beside, away) -> np.ndarray:
+    """Compute dc/dR (2,): that of an arc that stays tangent to the lines beside it, else zero."""
+    boundary, start = sampled.boundaries[loop], sampled.starts[loop]
+    ends = beside[0][-1], beside[1][0]
+    tangent = np.asarray(boundary.tangent)[list(ends)]
+    smooth = (np.hypot(*(tangent[:, 1] - tangent[:, 0]).T) < TANGENT).all()
+    straight = all(_is_straight(sampled.points[start + own]) for own in beside)
+    turn = np.arccos(np.clip(away[0] @ away[-1], -1.0, 1.0))
+    if not (smooth and straight and turn < MOST_FILLET) or turn < TANGENT:
+        return np.zeros(2)
+    # the centre is R away from both lines:  n_1 . dc/dR = n_2 . dc/dR = 1, n from the line to the centre
+    return np.linalg.solve(-away[[0, -1]], np.ones(2))
+
+
+def _circle(points, at) -> tuple[np.ndarray, float]:
+    """Find centre and radius of the circle through points; ValueError if they lie on none."""
+    # |x - c|^2 = R^2 is linear in c and R^2 - c . c
+    middle = points.mean(axis=0)
+    x = points - middle
+    matrix = np.column_stack([2.0 * x, np.ones(len(x))])
+    found, _, rank, _ = np.linalg.lstsq(matrix, (x**2).sum(axis=1), rcond=None)
+    if rank == 3 and not _is_straight(points):
+        radius = float(np.sqrt(found[2] + found[:2] @ found[:2]))
+        if np.abs(np.hypot(*(x - found[:2]).T) - radius).max() <= ROUND * radius:
+            return middle + found[:2], radius
+    raise ValueError(
+        f"design: the segment at {pair(at)} is no arc; a radius needs an arc or a circle"
+    )
+
+
+def _is_straight(points) -> bool:
+    """Return whether points lie on the line through their ends."""
+    along = points[-1] - points[0]
+    length = np.hypot(*along)
+    if length <= SAME:
+        return False
+    to = points - points[0]
+    return bool(np.abs(to[:, 0] * along[1] - to[:, 1] * along[0]).max() <= ROUND * length**2)

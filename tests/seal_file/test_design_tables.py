@@ -1,0 +1,193 @@
+"""``[[design]]`` of a seal file: derivatives, designs as files, symmetric optima, messages."""
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.cli.subcommands import main
+from seal_mdao.file_optimization import design_bounds
+from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.result import frozen_measures
+
+for library in ("ezdxf", "meshio", "netgen", "tomli_w"):
+    pytest.importorskip(library)
+
+SEAL = """[material.rubber]
+law = "mooney_rivlin"
+c10 = 80.0
+c01 = 20.0
+bulk_modulus = 80000.0
+[section]
+material = "rubber"
+spacing = 1.6
+layers = 3
+outer = [
+  { edge = "base", line = [[-5.0, 0.0], [5.0, 0.0]] },
+  { edge = "right", line = [[5.0, 0.0], [5.0, 5.0]] },
+  { edge = "crown", arc = { start = [5.0, 5.0], through = [0.0, 10.0], end = [-5.0, 5.0] } },
+  { edge = "left", line = [[-5.0, 5.0], [-5.0, 0.0]] },
+]
+hole = [{ edge = "hole", circle = { centre = [0.0, 5.0], radius = 3.0 } }]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "plate"
+friction = 0.3
+normal_penalty = 1e4
+tangent_penalty = 1e2
+contact = ["crown"]
+line = [[-30.0, 0.0], [30.0, 0.0]]
+start = [0.0, 10.1]
+[[profile.stage]]
+translate = [0.0, -1.1]
+steps = 5
+[[measure]]
+type = "reaction"
+[[measure]]
+type = "stress_norm"
+"""
+DESIGNS = """[[design]]
+edges = ["crown"]
+between = [[4.0, 8.0], [-4.0, 8.0]]
+parameters = 3
+bound = 0.3
+[[design]]
+vertex = [5.0, 5.0]
+mirror = "x = 0"
+bound = 0.2
+[[design]]
+arc = [0.0, 8.0]
+bound = 0.25
+"""
+WALL = 'edges = ["hole"]\nparameters = 4\nopposite = "NAME"'
+HALVES = """hole = [
+  { edge = "hole", arc = { start = [0.0, 2.0], through = [-3.0, 5.0], end = [0.0, 8.0] } },
+  { edge = "hole", arc = { start = [0.0, 8.0], through = [3.0, 5.0], end = [0.0, 2.0] } },
+]
+"""
+MIRRORED = """[[design]]
+edges = ["hole"]
+parameters = 6
+mirror = "x = 0.0"
+bound = 0.3
+[[design]]
+vertex = [-5.0, 5.0]
+directions = ["x"]
+mirror = "x = 0"
+bound = 0.2
+[optimize]
+minimize = "section_area"
+constraint = [{ measure = "reaction", lower = 100.0 }]
+"""
+
+
+def written(folder, text):
+    path = folder / "seal.toml"
+    path.write_text(SEAL + text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def designed(tmp_path_factory):
+    """File, seal, offsets and the analysed design."""
+    folder = tmp_path_factory.mktemp("designed")
+    file = sm.read_seal_file(written(folder, DESIGNS))
+    seal = sm.build_seal(file)
+    offsets = np.array([0.05, -0.08, 0.06, 0.04, -0.03, 0.07])
+    return file, seal, offsets, sm.analyze(seal, offsets, keep_factors=True)
+
+
+def test_every_design_has_its_bound(designed):
+    file, seal, _, _ = designed
+    assert seal.design_sizes == (3, 2, 1)
+    np.testing.assert_array_equal(design_bounds(file, seal), [0.3, 0.3, 0.3, 0.2, 0.2, 0.25])
+
+
+def test_the_derivative_of_the_area_is_exact(designed):
+    """The area is quadratic in the offsets: central differences have no truncation error."""
+    _, seal, offsets, _ = designed
+    _, gradient = seal.area(offsets)
+    for i, way in enumerate(np.eye(seal.n_offsets)):
+        plus, minus = (seal.area(offsets + s * 0.01 * way)[0] for s in (1, -1))
+        assert gradient[i] == pytest.approx((plus - minus) / 0.02, rel=1e-9)
+    # that of the hole's radius is its circumference, up to the chords of the particles
+    radius = 3.0 + offsets[5]
+    assert gradient[5] == pytest.approx(-2.0 * np.pi * radius, rel=0.05)
+
+
+def test_direct_and_adjoint_agree_and_are_the_quotients(designed):
+    _, seal, offsets, result = designed
+    direct, adjoint = (sm.differentiate(result, method=m) for m in ("direct", "adjoint"))
+    way = np.random.default_rng(3).uniform(-1.0, 1.0, seal.n_offsets)
+    for step in (1e-4, 5e-5):
+        sides = [sm.analyze(seal, offsets + k * step * way) for k in (-2, -1, 1, 2)]
+        for name in ("reaction", "stress_norm"):
+            size = np.abs(direct[name]).max()
+            np.testing.assert_allclose(direct[name], adjoint[name], rtol=0.0, atol=1e-9 * size)
+            values = [side.value(result.measure(name))[0] for side in sides]
+            quotient = np.array([1.0, -8.0, 8.0, -1.0]) @ values / (12.0 * step)
+            exact = (np.atleast_2d(direct[name])[:, : seal.n_offsets] @ way).item()
+            assert quotient == pytest.approx(exact, rel=1e-5), name
+
+
+def test_a_design_as_a_file_is_the_design_and_has_its_parameters(designed, tmp_path):
+    """Points that name a vertex, an arc or a part move along; derivatives are those of the design."""
+    file, seal, offsets, result = designed
+    paths = write_design(file, seal, offsets, frozen_measures(seal), tmp_path, "best")
+    best = sm.read_seal_file(paths[0])
+    again = sm.build_seal(best)
+    assert again.design_sizes == seal.design_sizes
+    new = sm.analyze(again)
+    for name in ("reaction", "stress_norm"):
+        expected = result.value(result.measure(name))
+        np.testing.assert_allclose(new.value(new.measure(name)), expected, rtol=1e-9)
+    np.testing.assert_allclose(best.designs[1].vertex, (5.04, 4.97), atol=1e-9)
+    # the hole is still a circle, of the new radius
+    (hole,) = best.section.outline.holes[0].segments
+    assert hole.radius == pytest.approx(3.07, rel=1e-9)
+    # displacement of the vertex, radius of the hole: the same velocity of the boundary
+    n = sum(len(loop) for loop in seal.loops)
+    np.testing.assert_allclose(again.design_velocity[5][:n], seal.design_velocity[5][:n], atol=1e-8)
+
+
+def test_a_symmetric_seal_has_a_symmetric_optimum(tmp_path):
+    # a hole of two halves has particles that are mirror images of each other
+    whole = next(line for line in SEAL.splitlines(True) if line.startswith("hole"))
+    path, out = written(tmp_path, MIRRORED), tmp_path / "out"
+    path.write_text(path.read_text().replace(whole, HALVES), encoding="utf-8")
+    main(["optimize", str(path), "--max-iterations", "4", "--out", str(out), "--quiet"])
+    outline = sm.read_seal_file(out / "optimum.toml").section.outline
+    moved = {s.edge: s for contour in outline.contours for s in contour.segments}
+    assert len(outline.holes[0].segments) == 1
+    np.testing.assert_allclose(
+        np.array(moved["left"].first) * (-1.0, 1.0), moved["right"].last, atol=1e-9
+    )
+    assert abs(moved["right"].last[0] - 5.0) > 1e-3
+    # points of the hole: the image of each is on the hole
+    hole = moved["hole"]
+    points = hole.points(np.linspace(0.0, 1.0, 400, endpoint=False))
+    assert np.abs(np.hypot(*(points - (0.0, 5.0)).T) - 3.0).max() > 1e-3
+    images = hole.points(np.linspace(0.0, 1.0, 40_001)) * (-1.0, 1.0)
+    away = np.hypot(*np.moveaxis(points[:, None] - images, -1, 0)).min(axis=1)
+    assert away.max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('edges = ["crown"]', 'edges = ["crown"]\nvertex = [5.0, 5.0]', "it has edges and vertex"),
+        ("vertex = [5.0, 5.0]\n", "", "needs one of edges, vertex and arc; it has none of them"),
+        ("parameters = 3\n", "", "the key 'parameters' is missing"),
+        ("arc = [0.0, 8.0]", "arc = [0.0, 8.0]\nparameters = 3", "parameters beside arc"),
+        ('edges = ["crown"]', 'edges = ["crown", "left"]', "between beside several edges"),
+        ('"x = 0"', '"z = 0"', 'it must be a plane of symmetry, such as "x = 0"'),
+        ('"x = 0"', '"x = 0.3"', r"no vertex is at \(-4.4, 5\)"),
+        ("arc = [0.0, 8.0]", WALL.replace("NAME", "base"), "which .fixed. holds"),
+        ("arc = [0.0, 8.0]", WALL.replace("NAME", "bse"), "did you mean 'base'"),
+        ("[5.0, 5.0]", "[5.0, 4.0]", r"no vertex is at \(5, 4\); the nearest one is at \(5, 5\)"),
+    ],
+)  # fmt: skip
+def test_wrong_designs_are_refused(tmp_path, old, new, message):
+    assert old in DESIGNS
+    with pytest.raises(sm.SealFileError, match=message):
+        sm.build_seal(sm.read_seal_file(written(tmp_path, DESIGNS.replace(old, new, 1))))
