@@ -153,7 +153,8 @@ class RunOptions:
     recorder : str, Path or CaseRecorder, optional
         Where every model evaluation is recorded, with all that figures and restarts need.
     callback : callable, optional
-        Called with every converged load step.
+        Called with every converged load step; over scenarios with the number of each that has
+        finished, and its outcome.
     kept : AnalysisCache
         Keeps the analyses for whoever looks at the designs afterwards.
     work_dir : str or Path, optional

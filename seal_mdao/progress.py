@@ -91,3 +91,64 @@ class LoadStepProgress:
 
     def __exit__(self, *exception) -> None:
         self.close()
+
+
+class SampleProgress:
+    """Progress over samples or scenarios; pass it as ``callback`` of a study or of ``ScenarioGroup``.
+
+    A bar with the time left on a terminal and in Jupyter; elsewhere a line every ten seconds. It begins
+    anew when all have finished: the next evaluation of the same scenarios.
+
+    Parameters
+    ----------
+    total : int
+        Number of samples.
+    label : str
+    finished : int
+        Samples with results of an earlier run.
+    """
+
+    def __init__(self, total: int, label: str, finished: int = 0):
+        self._total, self._label, self._runs = total, label, 0
+        self._bar = tqdm(
+            total=total, desc=label, initial=finished, unit="sample", disable=hidden(), leave=False
+        )
+        self._done, self._printed = finished, time.monotonic()
+        self._begin(finished)
+
+    def __call__(self, number: int, outcome) -> None:
+        """Count one finished sample; a ``failure`` of its outcome is counted, too."""
+        if self._done == self._total:
+            self._done, self._runs = 0, self._runs + 1
+            self._bar.reset()
+            # the first sample of the next evaluation has finished already
+            self._begin(1)
+        self._done, self._failed = self._done + 1, self._failed + bool(outcome.failure)
+        self._bar.update()
+        now = time.monotonic()
+        if self._bar.disable and sys.stderr and now - self._printed >= INTERVAL:
+            self._printed = now
+            print(self._line(now), file=sys.stderr, flush=True)
+
+    def _begin(self, first: int) -> None:
+        self._first, self._failed, self._begun = first, 0, time.monotonic()
+
+    def _line(self, now: float) -> str:
+        """Write the line: samples done, failures, time left."""
+        # t_left = t / n (N - n_done)
+        counted = self._done - self._first
+        left = (now - self._begun) / counted * (self._total - self._done) if counted else None
+        label = f"{self._label}, evaluation {self._runs + 1}" if self._runs else self._label
+        failed = f", {self._failed} failed" if self._failed else ""
+        ending = "" if left is None else f", {left / 60.0:.1f} min left"
+        return f"{label}: {self._done} of {self._total} samples{failed}{ending}"
+
+    def close(self) -> None:
+        """Remove the bar."""
+        self._bar.close()
+
+    def __enter__(self) -> "SampleProgress":
+        return self
+
+    def __exit__(self, *exception) -> None:
+        self.close()

@@ -10,10 +10,11 @@ from scipy.special import ndtr, ndtri
 from seal_mdao import values
 from seal_mdao.components.aggregate_comp import quantile_name
 from seal_mdao.components.scenario_group import ScenarioGroup
+from seal_mdao.distributions import FACTOR, SHIFT
 from seal_mdao.measures.measure import Measure
 from seal_mdao.optimization import DESIGN, DRAWING, MEAN, SHARE, Limit, RunOptions, Task
 from seal_mdao.scenarios.processes import Processes
-from seal_mdao.scenarios.variation import FACTOR, SHIFT, Scenarios
+from seal_mdao.scenarios.variation import Scenarios
 from seal_mdao.seals.seal import Seal
 from seal_mdao.tolerances.tolerance_set import Tolerances
 
@@ -135,7 +136,7 @@ class Robust:
         model = om.Group()
         group = ScenarioGroup(
             seal=task.seal, scenarios=self.scenarios, measures=task.measures,
-            quantiles=self.goal.levels, workers=self.workers,
+            quantiles=self.goal.levels, workers=self.workers, callback=run.callback,
         )  # fmt: skip
         model.add_subsystem("seal", group, promotes=["*"])
         if self.goal.minimize == MEAN_STD:

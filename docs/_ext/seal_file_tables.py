@@ -36,6 +36,7 @@ from seal_mdao.seals.file.section_table import (
     WrittenSection,
 )
 from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
+from seal_mdao.seals.file.tolerance_table import BoundaryTable, VaryTable
 
 TABLES = {
     "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable,
@@ -46,7 +47,7 @@ TABLES = {
     "self_contact": SelfContactTable, "fluid": FluidTable, "profile": ProfileTable,
     "stage": StageTable, "steps": StepsTable, "penalties": PenaltiesTable, "design": DesignTable,
     "measure": MeasureTable, "optimize": OptimizeTable, "constraint": Constraint,
-    "friction": FrictionTable, "term": TermTable,
+    "friction": FrictionTable, "term": TermTable, "vary": VaryTable, "boundary": BoundaryTable,
 }  # fmt: skip
 """Class of every table of keys on the page, by the name of its fragment."""
 

@@ -1,32 +1,29 @@
 """Sample the tolerances of a seal: recorded analyses, distributions, correlations, linear estimate."""
 
 import time
-from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.cli.arguments import (
     SAMPLES,
-    SEAL_OPTIONS,
-    WrongArgumentError,
     add_seal_arguments,
     announce,
     checked_arguments,
     design_from,
     existing_file,
     parser,
-    positive_integer,
-    seal_from,
     write_summary,
 )
 from seal_mdao.cli.executors import add_executor_arguments, executor
-from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
-from seal_mdao.progress import hidden
-from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
-from seal_mdao.tolerances.placement import with_clearance
+from seal_mdao.cli.varied_seals import (
+    add_tolerance_arguments,
+    door_with_tolerances,
+    file_with_tolerances,
+)
+from seal_mdao.progress import SampleProgress
+from seal_mdao.tolerances.record import count_finished
 from seal_mdao.tolerances.statistics import described, rank_correlations
 from seal_mdao.tolerances.study import Sampled, ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import METHODS
@@ -38,7 +35,9 @@ OF_THE_DOOR_SEAL = ("gap_square_integral", "reaction", "patch_pressure", "stress
 
 
 def main(arguments) -> int:
-    study, file = study_of(arguments), samples_file(arguments)
+    study, file = study_of(arguments), arguments.out / SAMPLES
+    if arguments.overwrite:
+        file.unlink(missing_ok=True)
     announce(study.seal)
     with checked_arguments():
         # the mean values must be valid before the samples begin
@@ -46,15 +45,18 @@ def main(arguments) -> int:
         # gradients at the mean design: J(z) ~ J(z_0) + dJ/dz (z - z_0)
         estimate = study.first_order()
     begun = time.perf_counter()
+    # every sample is recorded at once: a second start continues with those that are left
+    finished = count_finished(file)
+    if finished:
+        print(f"{finished} of {arguments.samples} samples are in {file} already")
     with (
         executor(arguments) as workers,
         checked_arguments(),
-        tqdm(total=arguments.samples, unit="sample", disable=hidden(), leave=False) as bar,
+        SampleProgress(arguments.samples, "study", finished) as progress,
     ):
-        # every sample is recorded at once, so that --resume can continue
         sampled = study.run(
             file, arguments.samples, method=arguments.method, seed=arguments.seed,
-            workers=workers, callback=lambda *_: bar.update(),
+            workers=workers, callback=progress,
         )  # fmt: skip
     wall = time.perf_counter() - begun
     # all failed: the first message says why
@@ -72,54 +74,20 @@ def main(arguments) -> int:
 def study_of(arguments) -> ToleranceStudy:
     """Set up the study: seal, tolerances and sampled measures."""
     if arguments.file is None:
-        # profiles start farther back: scattered seals begin free of contact
-        seal = with_clearance(seal_from(arguments))
-        tolerances = read_tolerances(arguments.tolerances or OF_THE_DOOR)
-        design = (None, None)
-        if arguments.design is not None:
-            # an optimised design in place of the nominal one
-            design = design_from(arguments.design, seal)
-        measures, label = OF_THE_DOOR_SEAL, ""
+        seal, tolerances = door_with_tolerances(arguments)
+        # an optimised design in place of the nominal one
+        given = arguments.design is not None
+        design = design_from(arguments.design, seal) if given else (None, None)
+        study = ToleranceStudy(seal, tolerances, OF_THE_DOOR_SEAL, *design)
     else:
-        seal, tolerances, label = of_file(arguments)
-        measures, design = None, (None, None)
-    # measures None: all of the seal file
-    study = ToleranceStudy(seal, tolerances, measures, *design, label)
+        # all measures of the file; its text identifies the study
+        _, seal, tolerances = file_with_tolerances(arguments, ("design",))
+        label = arguments.file.read_text(encoding="utf-8")
+        study = ToleranceStudy(seal, tolerances, label=label)
     with checked_arguments():
-        # tolerances must name parameters of this seal
-        tolerances.middle(seal).check(seal)
         if not study.task.measures:
             raise ValueError("the seal has no measures; its file needs a table [[measure]]")
     return study
-
-
-def of_file(arguments):
-    """Read seal, tolerances and label for a seal file."""
-    # options of the door seal have no meaning for a file
-    wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "accuracy", "design")))
-    if wrong:
-        name = wrong[0].replace("_", "-")
-        raise WrongArgumentError(f"--{name} is for the door seal, and {arguments.file} is given")
-    if arguments.tolerances is None:
-        raise WrongArgumentError("a seal file needs tolerances of its own: --tolerances FILE.toml")
-    with file_errors(arguments.file):
-        # placement of the section becomes a parameter that can vary
-        seal = seal_of(file_of(arguments.file)).with_placements()
-        label = arguments.file.read_text(encoding="utf-8")
-    return seal, read_tolerances(arguments.tolerances), label
-
-
-def samples_file(arguments) -> Path:
-    """Return the path of the sample database, after checking that this run may write it."""
-    path = arguments.out / SAMPLES
-    # never mix the samples of two studies
-    if path.exists() and not arguments.resume:
-        raise WrongArgumentError(
-            f"{path} is there already; --resume goes on with it, another --out begins anew"
-        )
-    if arguments.resume and not path.exists():
-        raise WrongArgumentError(f"--resume: there is no {path} to go on with")
-    return path
 
 
 def summarize(study: ToleranceStudy, sampled: Sampled, estimate) -> dict:
@@ -170,7 +138,7 @@ def summarize(study: ToleranceStudy, sampled: Sampled, estimate) -> dict:
     }  # fmt: skip
 
 
-def draw(study: ToleranceStudy, sampled: Sampled, estimate, out: Path) -> None:
+def draw(study: ToleranceStudy, sampled: Sampled, estimate, out) -> None:
     there = sampled.completed
     values, linear = sampled.values[there], estimate.at(sampled.scenarios)[there]
     # histograms of the samples with the linear estimate
@@ -196,7 +164,7 @@ def correlation_table(study: ToleranceStudy, sampled: Sampled, estimate):
     return names, table
 
 
-def report(summary: dict, wall: float, out: Path) -> None:
+def report(summary: dict, wall: float, out) -> None:
     # cost of the study
     print(
         f"{summary['samples']} samples, {summary['failed']} failed, {wall:.1f} s "
@@ -235,20 +203,13 @@ def report_failures(summary: dict) -> None:
 
 def arguments_parser():
     made = parser(__doc__, "out/tolerances", "[FILE]", "seal-mdao study bulb.toml --samples 1000")
-    made.add_argument(
-        "file", type=Path, nargs="?", metavar="FILE", help="seal file (TOML); the door seal without"
-    )
-    made.add_argument(
-        "--tolerances", type=existing_file, metavar="FILE",
-        help="tolerances (TOML); without, those of the door seal",
-    )  # fmt: skip
-    made.add_argument(
-        "--samples", type=positive_integer, default=1000, metavar="N", help="how many"
-    )
+    add_tolerance_arguments(made)
     # design of experiments
     made.add_argument("--method", choices=METHODS, default=METHODS[0], help="how they are spread")
     made.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples")
-    made.add_argument("--resume", action="store_true", help="go on with the samples in --out")
+    made.add_argument(
+        "--overwrite", action="store_true", help="begin anew; a study in --out is continued without"
+    )
     made.add_argument(
         "--design", type=existing_file, metavar="FILE",
         help="summary.json of an optimisation whose design is studied",

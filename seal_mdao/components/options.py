@@ -40,7 +40,7 @@ def declare_seal_options(options) -> None:
     text = "Cache of analyses; by default the last one only."
     options.declare("kept", types=AnalysisCache, desc=text, **OPTIONAL)
     text = "Called with every converged load step."
-    options.declare("callback", check_valid=_check_callable, desc=text, **OPTIONAL)
+    options.declare("callback", check_valid=check_callable, desc=text, **OPTIONAL)
 
 
 def declare_derivative_options(options) -> None:
@@ -161,5 +161,6 @@ def _check_memory(name, value):
     values.real(f"option {name!r}", value, 0.0, MOST_MEMORY)
 
 
-def _check_callable(name, value):
+def check_callable(name, value):
+    """Raise ValueError for an option that cannot be called."""
     values.callback(f"option {name!r}", value)

@@ -9,6 +9,7 @@ from seal_mdao.components.options import (
     OPTIONAL,
     add_boundary_offsets,
     add_parameters,
+    check_callable,
     check_outputs,
     check_parameters,
     declare_derivative_options,
@@ -46,6 +47,8 @@ def declare_scenario_options(options) -> None:
         "concurrent.futures.",
         **OPTIONAL,
     )
+    text = "Called with the number of every scenario that has finished, and its outcome."
+    options.declare("callback", check_valid=check_callable, desc=text, **OPTIONAL)
 
 
 class ScenarioComp(RandomDirectionsComp):
@@ -140,7 +143,12 @@ class ScenarioComp(RandomDirectionsComp):
         key = offsets.tobytes(), tuple(design.values())
         if self._last is None or self._last[0] != key:
             scenarios = self.options["scenarios"]
-            self._last = key, evaluate(self._task, scenarios, offsets, design, self._workers)
+            self._last = (
+                key,
+                evaluate(
+                    self._task, scenarios, offsets, design, self._workers, self.options["callback"]
+                ),
+            )
         return self._last[1]
 
     def _too_many(self, failures) -> str:

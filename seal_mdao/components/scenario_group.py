@@ -7,7 +7,16 @@ from seal_mdao.components.seal_group import DesignGroup
 from seal_mdao.scenarios.task import measures_with_values
 from seal_mdao.values import real
 
-SHARED = ("seal", "scenarios", "measures", "parameters", "sensitivity", "failed", "workers")
+SHARED = (
+    "seal",
+    "scenarios",
+    "measures",
+    "parameters",
+    "sensitivity",
+    "failed",
+    "workers",
+    "callback",
+)
 """Options that the group passes to its scenario component."""
 
 

@@ -1,5 +1,6 @@
 """Evaluation of all scenarios of one design."""
 
+from collections.abc import Callable
 from concurrent.futures import Executor
 from typing import NamedTuple
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import Point, run_scenarios
-from seal_mdao.scenarios.task import SealTask
+from seal_mdao.scenarios.task import Outcome, SealTask
 from seal_mdao.scenarios.variation import Scenarios
 
 
@@ -27,6 +28,7 @@ def evaluate(
     offsets: np.ndarray,
     design: dict,
     workers: int | Processes | Executor = 0,
+    callback: Callable[[int, Outcome], None] | None = None,
 ) -> Evaluated:
     """Analyse a design in all scenarios.
 
@@ -40,9 +42,14 @@ def evaluate(
         Parameters of the task in the design, including those that vary.
     workers : int, Processes or Executor
         As of ``running.run_scenarios``.
+    callback : callable, optional
+        Called with every number and outcome as they finish.
     """
-    points = points_of(scenarios, offsets, design)
-    outcomes = dict(run_scenarios(task, points, workers))
+    points, outcomes = points_of(scenarios, offsets, design), {}
+    for number, outcome in run_scenarios(task, points, workers):
+        outcomes[number] = outcome
+        if callback is not None:
+            callback(number, outcome)
     # workers finish in any order; sums over scenarios must not depend on it
     ordered = [outcomes[number] for number in range(len(scenarios))]
     gradients = None

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from seal_mdao import values
+from seal_mdao.distributions import FACTOR, KINDS, SHIFT, VALUE
 from seal_mdao.seals.seal import Seal
 
-VALUE, SHIFT, FACTOR = KINDS = ("value", "shift", "factor")
 STEP = 2.0**-100
 """Complex step: a power of two, by which products and quotients are exact."""
 

@@ -2,6 +2,7 @@
 
 import sqlite3
 import time
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -76,8 +77,8 @@ class StudyRecord:
             different = [key for key, value in settings.items() if there.get(key, value) != value]
             if different:
                 raise StudyFileError(
-                    f"{self.path} was made with another {different[0]}; resume with the same, or "
-                    "give this study a file of its own"
+                    f"{self.path} was made with another {different[0]}; continue with the same, "
+                    "take another folder, or begin anew (--overwrite)"
                 )
             for name, columns in tables.items():
                 self._file.execute(f"CREATE TABLE IF NOT EXISTS {name} ({columns})")
@@ -143,6 +144,17 @@ class StudyRecord:
 
     def __exit__(self, *exception) -> None:
         self.close()
+
+
+def count_finished(path) -> int:
+    """Count the samples with results in the file of a study; none where there is no such file."""
+    if not Path(path).is_file():
+        return 0
+    try:
+        with closing(sqlite3.connect(path)) as file:
+            return file.execute("SELECT COUNT(*) FROM results").fetchone()[0]
+    except sqlite3.DatabaseError:  # ``StudyRecord`` says what is wrong with it
+        return 0
 
 
 def _quoted(name: str) -> str:

@@ -6,14 +6,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.tolerances.statistics import described
+from seal_mdao.tolerances.statistics import CONFIDENCE, Fraction, described, fraction
 
 
 class SampledLimit(NamedTuple):
     """Limit of a measure: ``kept`` returns which rows of its values (n, m) satisfy it, (n,).
 
     ``key`` stands in summaries for the fraction of samples that satisfy it, ``text`` describes it,
-    ``entry`` is the limited entry of a measure with several values, all by default.
+    ``entry`` is the limited entry of a measure with several values, all by default; ``required`` is the
+    fraction of samples that has to satisfy the limit, None where only the mean has to.
     """
 
     key: str
@@ -21,6 +22,7 @@ class SampledLimit(NamedTuple):
     measure: str
     kept: Callable
     entry: int | None = None
+    required: float | None = None
 
     def numbers(self, values: np.ndarray) -> np.ndarray | None:
         """Return the limited entry of values (n, m), shape (n,); None for several."""
@@ -59,10 +61,29 @@ class SampledDesign:
     def samples(self) -> int:
         return len(self.costs) + self.failed
 
-    def share(self, limit: SampledLimit) -> float:
-        """Return the fraction of all samples that satisfy a limit."""
+    def fraction(self, limit: SampledLimit) -> Fraction:
+        """Return the fraction of all samples that satisfy a limit, with its confidence interval."""
         # failed samples count in the denominator only
-        return float(np.sum(limit.kept(self.values[limit.measure])) / self.samples)
+        return fraction(int(np.sum(limit.kept(self.values[limit.measure]))), self.samples)
+
+    def meets(self, limit: SampledLimit) -> bool:
+        """Return whether the fraction that satisfies a limit is as large as required."""
+        return limit.required is None or self.fraction(limit).value >= limit.required
+
+    def in_words(self, limit: SampledLimit) -> str:
+        """Write the fraction that satisfies a limit, with its confidence, and whether it suffices."""
+        own = self.fraction(limit)
+        text = (
+            f"{100.0 * own.value:.1f} % of the samples ({100.0 * own.low:.1f} to "
+            f"{100.0 * own.high:.1f} % with {100.0 * CONFIDENCE:.0f} % confidence)"
+        )
+        if limit.required is None:
+            return text
+        # the interval on one side of the required fraction decides; else more samples do
+        required, met = f"{100.0 * limit.required:g} %", self.meets(limit)
+        sure = not own.low < limit.required <= own.high
+        doubt = "" if sure else ", within the confidence of these samples"
+        return f"{text}, {required} required: {'met' if met else 'NOT MET'}{doubt}"
 
     def summary(self, limits) -> dict:
         """Summarise the samples in numbers."""
@@ -72,4 +93,7 @@ class SampledDesign:
             numbers = limit.numbers(self.values[limit.measure])
             if numbers is not None:
                 found[limit.measure] = described(numbers)
-        return found | {limit.key: self.share(limit) for limit in limits}
+        for limit in limits:
+            own = self.fraction(limit)
+            found |= {limit.key: own.value, f"{limit.key}_interval": [own.low, own.high]}
+        return found

@@ -1,8 +1,12 @@
 """Statistics of sampled measures."""
 
-import numpy as np
-from scipy.stats import rankdata
+from typing import NamedTuple
 
+import numpy as np
+from scipy.stats import binomtest, rankdata
+
+CONFIDENCE = 0.95
+"""Confidence of the interval of a fraction."""
 LEVELS = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
@@ -17,6 +21,20 @@ def described(values: np.ndarray) -> dict:
     }
     quantiles = np.quantile(values, LEVELS)
     return found | {level_name(p): q for p, q in zip(LEVELS, quantiles, strict=True)}
+
+
+class Fraction(NamedTuple):
+    """Fraction of samples, and its exact confidence interval (Clopper and Pearson, 1934)."""
+
+    value: float
+    low: float
+    high: float
+
+
+def fraction(count: int, samples: int) -> Fraction:
+    """Estimate the probability of what ``count`` of ``samples`` independent samples show."""
+    interval = binomtest(count, samples).proportion_ci(CONFIDENCE)
+    return Fraction(count / samples, float(interval.low), float(interval.high))
 
 
 def level_name(level: float) -> str:

@@ -39,30 +39,39 @@ def test_study_of_the_door_seal(studied, assert_drawn):
     assert max(shares, key=shares.get) == "hardness"
 
 
-def test_study_goes_on_with_resume_only(studied, run_script, capsys):
+def test_a_second_start_continues_the_study(studied, run_script, capsys):
     out, _, s = studied
-    with pytest.raises(SystemExit):
-        run_script("study", out, "--samples", 8, *QUICK)
-    assert "--resume goes on with it" in capsys.readouterr().err
-    code, again = run_script("study", out, "--samples", 8, "--resume", *QUICK)
+    code, again = run_script("study", out, "--samples", 8, *QUICK)
     assert code == 0
     assert again["measures"] == s["measures"]
+    assert "8 of 8 samples are in" in capsys.readouterr().out
     with pytest.raises(SystemExit):
-        run_script("study", out, "--samples", 9, "--resume", *QUICK)
-    assert "another number of samples" in capsys.readouterr().err
+        run_script("study", out, "--samples", 9, *QUICK)
+    assert "another number of samples; continue with the same" in capsys.readouterr().err
 
 
-def test_nothing_to_resume(run_script, tmp_path, capsys):
-    with pytest.raises(SystemExit):
-        run_script("study", tmp_path, "--resume", *QUICK)
-    assert "there is no" in capsys.readouterr().err
-
-
-def test_study_of_a_seal_file_needs_tolerances(run_script, tmp_path, capsys):
+def test_a_seal_file_without_tolerances(run_script, tmp_path, capsys):
     file = written(tmp_path)
-    with pytest.raises(SystemExit):
-        run_script("study", tmp_path / "out", file)
-    assert "--tolerances FILE.toml" in capsys.readouterr().err
+    for command in ("study", "robust"):
+        assert run_script(command, tmp_path / "out", file) == (2, None)
+        said = capsys.readouterr().err
+        assert "[tolerance] is missing" in said
+        assert "--tolerances FILE.toml" in said
+
+
+def test_tolerances_in_the_seal_file_are_those_of_a_file_of_their_own(run_script, tmp_path):
+    """One file is enough; the samples are the same to the last bit."""
+    pytest.importorskip("netgen")
+    own = tmp_path / "tolerances.toml"
+    own.write_text(FRICTION.replace("friction", "door_y").replace("0.2", "-0.1"))
+    two, one = written(tmp_path), tmp_path / "one.toml"
+    one.write_text(two.read_text() + own.read_text().replace("[vary", "[tolerance.vary"))
+    quick = ("--samples", 3, "--workers", 0)
+    _, separate = run_script("study", tmp_path / "two", two, "--tolerances", own, *quick)
+    code, together = run_script("study", tmp_path / "one", one, *quick)
+    assert code == 0
+    assert together["measures"] == separate["measures"]
+    assert together["measures"]["reaction"]["sampled"]["std"] > 0.0
 
 
 def test_options_of_the_door_seal_are_not_for_a_seal_file(run_script, tmp_path, capsys):
@@ -180,6 +189,7 @@ def test_robust_run_goes_on(robust, run_script, capsys):
     with pytest.raises(SystemExit):
         run_script("robust", out, "--band", 0.2, *arguments)
     assert "recorded with another problem" in capsys.readouterr().err
-    with pytest.raises(SystemExit):
-        run_script("robust", out, *arguments[2:])
-    assert "--overwrite" in capsys.readouterr().err
+    # the same folder: continued without --restart
+    code, again = run_script("robust", out, "--max-iterations", 2, *arguments[2:])
+    assert "continuing" in capsys.readouterr().out
+    assert again["compared"] == s["compared"]

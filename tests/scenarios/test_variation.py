@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.scenarios.variation import KINDS, Scenarios, Variation
+from seal_mdao.distributions import KINDS
+from seal_mdao.scenarios.variation import Scenarios, Variation
 
 DESIGN = {"c10": 80.0, "c01": 20.0, "friction": 0.25, "door_radius": 4.0}
 VARIATIONS = (

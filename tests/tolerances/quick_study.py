@@ -1,8 +1,8 @@
 """A seal that is pressed a little, and its tolerances."""
 
 import seal_mdao as sm
+from seal_mdao.distributions import Normal, Triangular, Uniform
 from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
-from seal_mdao.tolerances.distributions import Normal, Triangular, Uniform
 from seal_mdao.tolerances.study import ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import Tolerance, Tolerances
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from seal_mdao.distributions import Normal
 from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
-from seal_mdao.tolerances.distributions import Normal
 from seal_mdao.tolerances.statistics import described, rank_correlations
 from seal_mdao.tolerances.study import ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import Tolerances

@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 
 import seal_mdao as sm
+from seal_mdao.distributions import Normal, Triangular, Uniform
 from seal_mdao.materials.hardness import hardness_factor, shore_modulus
 from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.tolerances.boundary_errors import (
@@ -13,7 +14,6 @@ from seal_mdao.tolerances.boundary_errors import (
     boundary_loops,
     square_root,
 )
-from seal_mdao.tolerances.distributions import Normal, Triangular, Uniform
 from seal_mdao.tolerances.tolerance_set import METHODS, Tolerances
 
 COUNT = 4096

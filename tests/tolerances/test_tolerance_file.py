@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.distributions import Normal, Triangular
 from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
-from seal_mdao.tolerances.distributions import Normal, Triangular
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 
 FRICTION = '[vary.friction]\ndistribution = "uniform"\nlow = 0.1\nhigh = 0.3\n'
@@ -27,7 +27,7 @@ def test_those_of_the_door_fit_the_door_seal():
     ("text", "match"),
     [
         ("", "nothing varies"),
-        ("vary = 3", r"each written \[vary.name\]"),
+        ("vary = 3", r"vary = 3, but it must be tables, each written \[vary.name\]"),
         ("[vary]\na = 3", r"\[vary.a\] must be one table, got 3"),
         ("[bounds]\nx = 1", "bounds"),
         ("[vary.a", "this is not TOML"),

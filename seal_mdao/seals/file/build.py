@@ -75,6 +75,9 @@ def built(
 ) -> OutlineSeal:
     """Build the seal of a file that was read, as ``build_seal``, without its description."""
     seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
+    if file.tolerance is not None:
+        # placements of profiles are parameters that may vary
+        file.tolerance.check(f"{file.path}: [tolerance.", seal.with_placements())
     try:
         # what was chosen before takes the place of a choice
         if penalties is not None:

@@ -25,6 +25,7 @@ def check(file) -> None:
     _check_supports(file)
     check_moved(file)
     _check_designs(file)
+    _check_boundary_tolerance(file)
     _check_cavities(file)
     if file.self_contact is not None:
         check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
@@ -79,6 +80,15 @@ def _check_supports(file) -> None:
                     f"{where}: edges has {name!r}, which does not lie in one plane of constant "
                     f"{plane.normal}"
                 )
+
+
+def _check_boundary_tolerance(file) -> None:
+    """Refuse errors of a boundary of which no edge may move: they are offsets of designs."""
+    if file.tolerance is not None and file.tolerance.boundary is not None and not file.designs:
+        raise SealFileError(
+            "[tolerance]: boundary has errors of the edges that may move, but there are none; add a "
+            "[[design]] with these edges"
+        )
 
 
 def _check_designs(file) -> None:

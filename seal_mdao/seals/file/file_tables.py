@@ -27,6 +27,7 @@ from seal_mdao.seals.file.optimize_table import OptimizeTable
 from seal_mdao.seals.file.profile_table import ProfileTable
 from seal_mdao.seals.file.schema import key, rows
 from seal_mdao.seals.file.section_table import SectionTable, WrittenSection
+from seal_mdao.seals.file.tolerance_table import ToleranceTable
 from seal_mdao.seals.outline.outline_seal import SectionRegion
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE
@@ -56,6 +57,7 @@ class Written(BaseModel):
     steps: StepsTable | None = key("how exactly load steps are chosen", None)
     penalties: PenaltiesTable = key("how exactly penalties are chosen", PenaltiesTable())
     term: rows(AnyTerm) = key("terms of other packages along edges", ())
+    tolerance: ToleranceTable | None = key("what varies from car to car", None)
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,7 @@ class SealFile:
     penalty_tolerance: float = PENALTY_TOLERANCE
     terms: tuple[TermTable, ...] = ()
     moved: tuple[MovedTable, ...] = ()
+    tolerance: ToleranceTable | None = None
 
     @property
     def open_penalties(self) -> tuple:

@@ -110,7 +110,7 @@ def _decided(written: Written, path: Path) -> SealFile:
         path, materials, section, written.fixed, written.symmetry,
         _with_contact_points(profiles, section, written), written.design,
         measures, written.optimize, written.cavity, written.self_contact, written.fluid,
-        step_tolerance, written.penalties.tolerance, written.term, moved,
+        step_tolerance, written.penalties.tolerance, written.term, moved, written.tolerance,
     )  # fmt: skip
 
 

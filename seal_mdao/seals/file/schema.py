@@ -40,7 +40,7 @@ LABELS = {
     "section.outer": ("edge", "edge "), "section.hole": ("edge", "edge "),
 }  # fmt: skip
 """What rows are called beside their number: the key that says it, and a word before its text."""
-NAMED = ("material", "vary")
+NAMED = (["material"], ["vary"], ["tolerance", "vary"])
 """Tables that hold tables with names of their own."""
 TAG = "\0"
 """Before the name of a class that one of the keys of a table chooses."""
@@ -209,7 +209,8 @@ def _line(error: dict, given: dict) -> str:
     # a cross check of a table: the place is that of the table itself
     if isinstance(value, dict):
         where, name = "", _place(loc, given)
-    return f"{where}{name}: {context['error']}"
+    # what is wrong with the whole file has no place in it
+    return f"{where}{name}: {context['error']}".removeprefix(": ")
 
 
 def _no_rows(name: str, value) -> str:
@@ -232,7 +233,7 @@ def _place(loc: tuple, given) -> str:
         else:
             names.append(step)
             words.append(step if words else f"[{step}]")
-            if names[0] in NAMED and len(names) == 2:
+            if names[:-1] in NAMED:
                 words = [f"[{'.'.join(names)}]"]
     return ": ".join(words)
 

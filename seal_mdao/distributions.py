@@ -1,14 +1,20 @@
-"""Distributions of the number of a variation."""
+"""Distributions of a number that varies, and what the number does to parameters of a seal."""
 
 from dataclasses import dataclass
 from functools import cached_property
-
-from scipy import stats
+from importlib import import_module
 
 from seal_mdao import values
 
+VALUE, SHIFT, FACTOR = KINDS = ("value", "shift", "factor")
+"""What a number does: it replaces the value of a parameter, is added to it, or multiplies it."""
 CUT = 3.0
 """Default end of a normal distribution, standard deviations: parts beyond are rejected."""
+
+
+def _stats():
+    # on first use: the import takes longer than that of all of this package
+    return import_module("scipy.stats")
 
 
 @dataclass(frozen=True)
@@ -24,7 +30,7 @@ class Uniform:
 
     @cached_property
     def scipy(self):
-        return stats.uniform(self.low, self.high - self.low)
+        return _stats().uniform(self.low, self.high - self.low)
 
 
 @dataclass(frozen=True)
@@ -44,7 +50,7 @@ class Triangular:
     def scipy(self):
         # SciPy's shape parameter is the relative position of the mode
         width = self.high - self.low
-        return stats.triang((self.likely - self.low) / width, self.low, width)
+        return _stats().triang((self.likely - self.low) / width, self.low, width)
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,7 @@ class Normal:
 
     @cached_property
     def scipy(self):
-        return stats.truncnorm(-self.cut, self.cut, self.mean, self.std)
+        return _stats().truncnorm(-self.cut, self.cut, self.mean, self.std)
 
 
 DISTRIBUTIONS = {"uniform": Uniform, "triangular": Triangular, "normal": Normal}

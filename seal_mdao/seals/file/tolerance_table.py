@@ -1,0 +1,108 @@
+"""``[tolerance]`` of a seal file, and the content of a file of tolerances: what varies, and how."""
+
+from dataclasses import MISSING, fields
+
+from pydantic import field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from seal_mdao.distributions import DISTRIBUTIONS, FACTOR, KINDS, VALUE
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.forms import FORM, Names, number, one_of
+from seal_mdao.seals.file.schema import Table, chosen_by, key, known, table, table_of
+from seal_mdao.seals.seal import Seal
+from seal_mdao.values import formatted
+
+
+@table(kw_only=True)
+class VaryTable(Table):
+    """Scatter of a parameter."""
+
+    distribution: one_of(*DISTRIBUTIONS) = key("of what varies")
+    kind: one_of(*KINDS) = key("what it does to the parameters", VALUE)
+    parameters: Names = key("that vary together; that of the name of the table unless given", ())
+
+    @property
+    def law(self):
+        """Distribution with its numbers."""
+        kind = DISTRIBUTIONS[self.distribution]
+        return kind(**{own.name: getattr(self, own.name) for own in fields(kind)})
+
+    @model_validator(mode="after")
+    def _possible(self):
+        # the distribution checks its own numbers: low < high, std > 0
+        _ = self.law
+        return self
+
+
+@table
+class BoundaryTable(Table):
+    """Error of an extruded boundary."""
+
+    std: number("mm", above=0.0) = key("root mean square of its error")
+    length: number("mm", above=0.0) = key("of correlation along the boundary")
+
+
+def _vary_table(name: str) -> type[Table]:
+    """Make the table of a distribution with its numbers as keys."""
+    # one key per field of the distribution, with its default
+    keys = {"distribution": (one_of(name), key("of what varies"))}
+    for own in fields(DISTRIBUTIONS[name]):
+        default = () if own.default is MISSING else (own.default,)
+        keys[own.name] = number(), key(f"of the {name} distribution", *default)
+    return table_of(VaryTable, f"{DISTRIBUTIONS[name].__name__}Table", keys)
+
+
+VARY_TABLES = {name: _vary_table(name) for name in DISTRIBUTIONS}
+"""Classes of tables by distribution."""
+AnyVary = chosen_by("distribution", VARY_TABLES)
+
+
+@table
+class ToleranceTable(Table):
+    """What varies from car to car."""
+
+    vary: dict[str, AnyVary] = key("parameters that scatter, each a table of its own", {})
+    boundary: BoundaryTable | None = key("error of the edges that may move", None)
+
+    @field_validator("vary", mode="before")
+    @classmethod
+    def _named(cls, given):
+        """Refuse what is no table of tables, and names that cannot be printed."""
+        if not isinstance(given, dict):
+            allowed = "tables, each written [vary.name]"
+            raise PydanticCustomError(FORM, "{allowed}", {"allowed": allowed})
+        for name in given:
+            if not name.strip() or not name.isprintable():
+                raise ValueError(f"{formatted(name)} is no name; use printable characters")
+        return given
+
+    @model_validator(mode="after")
+    def _something_varies(self):
+        if not self.vary and self.boundary is None:
+            raise ValueError("nothing varies; write [vary.name] for a parameter, or [boundary]")
+        return self
+
+    def check(self, where: str, seal: Seal) -> None:
+        """Refuse parameters that a seal does not have, and factors of zero.
+
+        Parameters
+        ----------
+        where : str
+            Place of the table for messages: ``bulb.toml: [tolerance.`` or ``tolerances.toml: [``.
+        seal : Seal
+            With the placements of its profiles.
+
+        Raises
+        ------
+        SealFileError
+        """
+        for name, own in self.vary.items():
+            place = f"{where}vary.{name}]"
+            for parameter in own.parameters or (name,):
+                known(place, "parameters", parameter, list(seal.scalars), "parameter of the seal")
+                # 0 n = 0: nothing would vary
+                if own.kind == FACTOR and seal.scalars[parameter].value == 0.0:
+                    raise SealFileError(
+                        f'{place}: kind = "factor", but {parameter} is zero and a factor leaves it so; '
+                        'take kind = "shift"'
+                    )
