@@ -25,7 +25,7 @@ from seal_mdao.analysis.increment import Increment
 
 MOST_ITERATIONS = 60
 # Residual of the small problem relative to its forces.
-TOLERANCE = 1e-9
+TOLERANCE = 1e-7
 # Smallest fraction of a Newton step, and decrease of the residual relative to the fraction.
 SMALLEST, DECREASE = 0.01, 0.1
 

@@ -63,11 +63,11 @@ def test_the_body_is_linear_and_the_contact_law_is_not(folded):
         (contact,) = contacts
         deviation, _ = contact.deviation(contact.motion(found))
         scale = max(np.linalg.norm(deviation), np.linalg.norm(contact.linearization.forces))
-        if np.linalg.norm(deviation) <= 1e3 * TOLERANCE * scale:
+        if np.linalg.norm(deviation) <= 1e2 * TOLERANCE * scale:
             continue
         moved = moved_by(increment, contact, deviation)
         assert np.abs(moved).max() > 0.0
-        np.testing.assert_allclose(euler - found, moved, atol=1e-6 * np.abs(moved).max())
+        np.testing.assert_allclose(euler - found, moved, atol=1e3 * TOLERANCE * np.abs(moved).max())
         corrected += 1
     assert corrected >= 4
 
@@ -130,6 +130,15 @@ def test_stiff_walls_are_not_cut_and_the_path_is_the_same(stiff_lip, folded, mon
     assert plain.step_cuts >= 5
     assert folded.newton_iterations.sum() < 0.7 * plain.newton_iterations.sum()
     np.testing.assert_allclose(folded.reaction, plain.reaction, rtol=0.0, atol=1e-6)
+
+
+def test_ten_times_stiffer_walls_are_hardly_cut(folded):
+    """16 cuts where the small problem has to be solved to more digits than a gap has."""
+    own = {"self_contact_normal_penalty": 1e7, "self_contact_tangent_penalty": 1e6}
+    stiffer = sm.analyze(folded.seal.with_parameters(own))
+    assert stiffer.converged
+    assert stiffer.step_cuts <= 2
+    np.testing.assert_allclose(stiffer.reaction, folded.reaction, rtol=0.0, atol=0.3)
 
 
 def unsolved(result):
