@@ -2,11 +2,13 @@
 
 Every increment goes through the same list, each entry only where those before it failed:
 
-1. The predictors (``predictor.predictors``): with the points that begin to touch, then without them.
-2. From each of them the correctors (``corrected``): quasi-Newton iterations with the last factor, for
+1. Where walls of the body face each other: mixed iterations from a predictor that satisfies their
+   contact law (``linear_contact``).
+2. The predictors (``predictor.predictors``): with the points that begin to touch, then without them.
+3. From each of them the correctors (``corrected``): quasi-Newton iterations with the last factor, for
    large clouds; Newton's method; mixed iterations, for stiff contact.
-3. Half of the increment, until it is the smallest one.
-4. Another equilibrium, beyond a limit point (``limit_points.beyond``).
+4. Half of the increment, until it is the smallest one.
+5. Another equilibrium, beyond a limit point (``limit_points.beyond``).
 
 A step that was halved is solved as one from where its parts led, under friction.
 
@@ -23,6 +25,7 @@ from seal_mdao.analysis.critical_points import flagged, is_stable
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.jumps import FAR_AWAY, extent, is_far, jumped
 from seal_mdao.analysis.limit_points import beyond, shortened
+from seal_mdao.analysis.linear_contact import predicted
 from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import NewtonOptions, newton
 from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
@@ -143,7 +146,15 @@ class _Path:
 
     def _solved(self, increment: Increment, euler):
         """Try the correctors from each predictor in turn; return the solution and its predictor."""
-        tried = ()
+        tried, guess = (), predicted(increment, euler[0])
+        if guess is not None:
+            # walls face each other: mixed iterations whose linear steps satisfy the contact law
+            found = mixed_newton(increment, guess)
+            if found.converged and not is_far(increment, found.d, guess):
+                found = _judged(increment, found, guess)
+                if found.status in (Status.CONVERGED, Status.UNSTABLE):
+                    return found, guess
+            tried = found.residuals
         for guess in predictors(increment, euler, self.bend):
             found = corrected(increment, guess, self.reuse).after(tried)
             if found.converged:

@@ -7,6 +7,7 @@ import numpy as np
 from seal_mdao import values
 from seal_mdao.analysis.assembly import Assembly
 from seal_mdao.analysis.increment import Increment, Solution
+from seal_mdao.analysis.linear_contact import with_contact
 from seal_mdao.analysis.path_result import Status
 
 BRANCHES = ("stable", "primary")
@@ -93,8 +94,12 @@ def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Sol
                     Status.CONVERGED, d, tuple(residuals), now, now.factorize(check=True)
                 )
             # K dd = -r, Eq. (44)
-            d = d - increment.gather(now.factorize().solve(now.residual))
+            factor = now.factorize()
+            d = d - increment.gather(factor.solve(now.residual))
         except np.linalg.LinAlgError:
             return Solution(Status.SINGULAR, d, tuple(residuals), now)
+        if mixed:
+            contacts = increment.problem.linear_contacts(now.iteration, increment.history)
+            d = with_contact(increment, contacts, d, factor)
         iteration = now.iteration
     return Solution(Status.NOT_CONVERGED, d, tuple(residuals), now)

@@ -125,6 +125,14 @@ class PathProblem:
             term.begin_mixed(step, response, target)
         return tuple(term.iteration for term in self.terms)
 
+    def linear_contacts(self, iteration: tuple, history: tuple) -> list:
+        """List the contacts whose law a linear step has to satisfy (``analysis.linear_contact``)."""
+        found = [
+            term.linear_contact(own, before)
+            for term, own, before in zip(self.terms, iteration, history, strict=True)
+        ]
+        return [contact for contact in found if contact is not None]
+
     def assemble_at(self, step: ConvergedStep) -> Assembly:
         """Evaluate residual and tangent at a converged step."""
         return self.evaluate(step.d, step.fraction, step.before)

@@ -9,9 +9,7 @@ first, with the body linearised at the last converged step (tangent K) and the p
 a small nonlinear problem for the forces r, solved by Newton's method. Few points change their state
 after that.
 
-In self-contact a point that begins to touch loads six more, and those in contact hold K already. There
-f is the change against the linearised law, f(x) - f_n - T_n (x - x_n), at all points that are loaded,
-and the iterations are mixed (``mixed_newton``), for walls that bend.
+Walls of the body that touch each other are predicted by ``linear_contact``.
 """
 
 from typing import NamedTuple
@@ -28,34 +26,11 @@ TOLERANCE = 1e-8
 
 
 class _Points(NamedTuple):
-    """Points of one term that touch at the predictor and did not at the last converged step.
-
-    Of a term that couples points all loaded ones, with its response ``before`` at that step.
-    """
+    """Points of one term that touch at the predictor and did not at the last converged step."""
 
     term: object
     history: object
     points: np.ndarray
-    before: object = None
-
-    def law(self, increment: Increment, d, mixed: bool = False):
-        """Forces f (2 m,) of the points, and the blocks on the diagonal of df/dx."""
-        now = _respond(increment, self.term, d, self.history, mixed)
-        if self.before is None:
-            return now.force[self.points].ravel(), now.tangent[self.points]
-        # f(x) - f_n - T_n (x - x_n)
-        at, tangent = self.points, _dense(self.before)
-        linear = np.einsum("icjd,jd->ic", tangent, now.x - self.before.x)
-        change = (_dense(now) - tangent)[at][:, :, at].reshape(2 * at.size, 2 * at.size)
-        return (now.force - self.before.force - linear)[at].ravel(), [change]
-
-
-def _dense(response) -> np.ndarray:
-    """d force / d x of a coupled response, shape (k, 2, k, 2)."""
-    k = len(response.x)
-    tangent = np.zeros((k, k, 2, 2))
-    tangent[tuple(response.pairs.T)] = response.tangent
-    return tangent.transpose(0, 2, 1, 3)
 
 
 def unit_loads(problem: PathProblem, term, points: np.ndarray) -> list:
@@ -74,39 +49,34 @@ def unit_loads(problem: PathProblem, term, points: np.ndarray) -> list:
     return loads
 
 
-def _respond(increment: Increment, term, d, history, mixed: bool = False):
-    """Evaluate the response of a term; its assembled force is discarded."""
+def _respond(increment: Increment, term, d, history):
+    """Evaluate the response of a term at single points; its assembled force is discarded."""
     disc = increment.problem.discretization
     raw, force = disc.transformation.coefficients(d), np.zeros(disc.layout.force_size)
-    add = term.add_mixed if mixed else term.add
-    return add(d, raw, increment.target, history, force, np.empty(0))
+    return term.add(d, raw, increment.target, history, force, np.empty(0))
 
 
 def _new_points(increment: Increment, d) -> list[_Points]:
-    """List points that touch at ``d`` and did not at the last step, of all terms in contact."""
+    """List points that touch at ``d`` and did not at the last step, of all terms at single points."""
     found, responses = [], increment.last.responses
     for term, history, before in zip(
         increment.problem.terms, increment.history, responses, strict=True
     ):
-        if term.couples_points and not hasattr(before, "pairs"):  # the body itself
-            continue
-        term.begin()
-        now = _respond(increment, term, d, history)
-        if now is None:
-            continue
-        points = np.flatnonzero((now.branch != 0) & (before.branch == 0))
-        if points.size and term.couples_points:
-            points = np.flatnonzero(now.loaded | before.loaded)
-            found.append(_Points(term, history, points, before))
-        elif points.size:
-            found.append(_Points(term, history, points))
+        if not term.couples_points:
+            term.begin()
+            now = _respond(increment, term, d, history)
+            points = np.flatnonzero((now.branch != 0) & (before.branch == 0))
+            if points.size:
+                found.append(_Points(term, history, points))
     return found
 
 
-def _laws(increment: Increment, new: list[_Points], d, mixed: bool = False):
-    """Forces f (m,) of all points and their tangent df/dx (m, m)."""
-    forces, blocks = zip(*(own.law(increment, d, mixed) for own in new), strict=True)
-    return np.concatenate(forces), block_diag(*(block for own in blocks for block in own))
+def _laws(increment: Increment, new: list[_Points], d):
+    """Forces f (2 m,) of all points and their tangent df/dx (2 m, 2 m)."""
+    responses = [_respond(increment, own.term, d, own.history) for own in new]
+    both = list(zip(new, responses, strict=True))
+    force = np.concatenate([now.force[own.points].ravel() for own, now in both])
+    return force, block_diag(*(block for own, now in both for block in now.tangent[own.points]))
 
 
 def at_rest_where_it_touches(increment: Increment, guess: np.ndarray) -> np.ndarray:
@@ -124,12 +94,8 @@ def at_rest_where_it_touches(increment: Increment, guess: np.ndarray) -> np.ndar
     # moved = K^-1 P^T and the compliance P K^-1 P^T of the points
     moved = increment.factor.solve(np.ascontiguousarray(loads.T))
     compliance = loads @ moved
-    mixed = any(own.before is not None for own in new)
-    if mixed:
-        problem.begin_mixed(increment.last, increment.target)
-    else:
-        for own in new:
-            own.term.begin()
+    for own in new:
+        own.term.begin()
     d, r = guess, np.zeros(len(loads))
     for _ in range(MOST_ITERATIONS):
         force, tangent = _laws(increment, new, d)
@@ -137,9 +103,6 @@ def at_rest_where_it_touches(increment: Increment, guess: np.ndarray) -> np.ndar
         off = r - force
         if np.linalg.norm(off) <= TOLERANCE * max(np.linalg.norm(force), np.linalg.norm(r)):
             return d
-        if mixed:
-            force, tangent = _laws(increment, new, d, mixed)
-            off = r - force
         try:
             # with u = -K^-1 P^T r:  (1 + df/dx P K^-1 P^T) dr = -(r - f)
             r = r - np.linalg.solve(np.eye(r.size) + tangent @ compliance, off)

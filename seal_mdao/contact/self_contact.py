@@ -28,8 +28,10 @@ from seal_mdao.contact.self_friction import (
     Touch,
     forces,
     linearized,
+    resultants,
     touch,
 )
+from seal_mdao.contact.self_linear import LinearContact
 from seal_mdao.contact.self_mixed import Linearization
 from seal_mdao.errors import GeometryError
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
@@ -250,7 +252,7 @@ class SelfContactTerm(CoupledTerm):
             carried,
         )  # fmt: skip
 
-    def _law_at(self, gap) -> ContactLaw:
+    def law_at(self, gap) -> ContactLaw:
         """Return the law of one pass at gaps (m,): half of the limit at the complete pressure."""
         limits = self.complete_law.at(gap).limits
         if limits is None:
@@ -264,14 +266,15 @@ class SelfContactTerm(CoupledTerm):
 
     def respond(self, x, fraction, history) -> CoupledResponse:
         points, nodes, now = self._followed(x)
-        return self._answer(x, history, points, nodes, now, np.zeros(len(points)))
+        return self._answer(x, points, nodes, now, np.zeros(len(points)), history)[0]
 
-    def _answer(self, x, history, points, nodes, now, missed, all_stick=False) -> CoupledResponse:
-        """The law linearised at the gaps g - ``missed`` (m,): q = q(g - missed) + dq/dx missed e_n."""
+    def _answer(self, x, points, nodes, now, missed, history):
+        """The response with the law linearised at the gaps g - ``missed`` (m,),
+        q = q(g - missed) + dq/dx missed e_n, and its normal and tangential forces, linearised so."""
         normal, now = now.gap_1[:, :2], now._replace(gap=now.gap - missed)
-        before, law = self._before(points, now, history), self._law_at(now.gap)
+        before, law = self._before(points, now, history), self.law_at(now.gap)
         # trial state, Eqs. (28), (29)
-        found, made_to_stick = self._without_reversal(points, touch(law, now, before), all_stick)
+        found, made_to_stick = self._without_reversal(points, touch(law, now, before))
         closed = found.state != OPEN
         # dq/du, and rows of the history
         local = linearized(law, now, before, found, self.length[points])
@@ -284,36 +287,52 @@ class SelfContactTerm(CoupledTerm):
         loaded[nodes[closed]], branch[points] = 1, found.state
         # sum of the 7 x 7 blocks of all points in contact
         pairs, tangent = _merged(nodes[closed], local[closed][:, :N_PLACES, :N_PLACES], len(x))
-        return CoupledResponse(
+        response = CoupledResponse(
             x, force, loaded, pairs, tangent, np.empty((0, *x.shape)), np.empty(0), branch,
             self._carried_history(points, now, found), np.empty((1, 0)), made_to_stick,
         )  # fmt: skip
+        return response, (law, now.gap, before, found, self.length[points])
 
     # ---- mixed iterations ----
 
     def begin_mixed(self, step, response, target):
-        # at the step itself nothing is predicted: what slides there is known
-        known = np.zeros(len(self.where), int) if target == step.fraction else None
-        self._linearized = Linearization(response.x, *self._followed(response.x), known)
+        # linearised as in the tangent of the step; slip has no direction yet
+        x, (points, nodes, now) = response.x, self._followed(response.x)
+        missed = np.zeros(len(points))
+        _, law = self._answer(x, points, nodes, now, missed, step.before[self.place])
+        self._direction[:] = 0
+        self._linearize_at(x, points, nodes, now, missed, law)
 
     def add_mixed(self, d, raw, fraction, history, force, values):
-        """The law linearised at the gaps that the last linearisation expects. In the first iteration all
-        points in contact stick: the friction of the last step tells little of where they will slip."""
+        """The law linearised at the gaps that the last linearisation expects."""
         x, last = self.deformed(raw), self._linearized
         points, nodes, now = self._followed(x)
-        missed, all_stick = last.missed(x, points, now, self.ring), last.direction is None
-        if not all_stick:  # the forces at x were asked for since
-            self._direction[:] = last.direction
-        response = self._answer(x, history, points, nodes, now, missed, all_stick)
-        self._linearized = Linearization(x, points, nodes, now, self._direction.copy())
+        missed = last.missed(x, points, now, self.ring)
+        # the forces at x were asked for since
+        self._direction[:] = last.direction
+        response, law = self._answer(x, points, nodes, now, missed, history)
+        self._linearize_at(x, points, nodes, now, missed, law)
         return self.assembled(response, force, values)
 
-    def _without_reversal(self, points, found: Touch, all_stick):
-        """Force points to stick whose slip would reverse from one Newton iteration to the next, or all
-        of them with ``all_stick``."""
+    def _linearize_at(self, x, points, nodes, now, missed, law):
+        forces, slopes = resultants(*law)
+        # q(g - missed) + dq/dg missed
+        forces += slopes[:, :, 0] * missed[:, None]
+        self._linearized = Linearization(
+            x, points, nodes, now, self._direction.copy(), forces, slopes
+        )
+
+    def linear_contact(self, iteration, history):
+        last = iteration[1]
+        if not last.points.size:
+            return None
+        return LinearContact(self, last, self._before(last.points, last.kinematics, history))
+
+    def _without_reversal(self, points, found: Touch):
+        """Force points to stick whose slip would reverse from one Newton iteration to the next."""
         # direction of slip, 0 in stick
         way = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
-        turned = (way != 0) if all_stick else way * self._direction[points] < 0
+        turned = way * self._direction[points] < 0
         self._direction[:] = 0
         self._direction[points] = np.where(turned, 0, way)
         state = np.where(turned, STICK, found.state)
@@ -331,7 +350,7 @@ class SelfContactTerm(CoupledTerm):
 
     def linearize(self, response, fraction, history) -> LocalMap:
         points, nodes, now = self._followed(response.x)
-        before, law = self._before(points, now, history), self._law_at(now.gap)
+        before, law = self._before(points, now, history), self.law_at(now.gap)
         found = touch(law, now, before)
         local = linearized(law, now, before, found, self.length[points])
         # dq/dw = SHARED dq/dw of one pass
@@ -368,7 +387,7 @@ class SelfContactTerm(CoupledTerm):
         before = self._before(points, at, history)
         found = np.empty(points.size, np.int64)
         variables = np.column_stack([at.xi - before.way, before.size, before.carried])
-        law = self._law_at(at.gap)
+        law = self.law_at(at.gap)
         find_kinks(0.0, law, at.gap, at.xi, before.state, variables, rounding, found)
         touching = points[found == TOUCHING]
         # walls that touch are taken to slide on each other

@@ -96,6 +96,28 @@ def forces(law: ContactLaw, now: Kinematics, size_0, tau, length) -> np.ndarray:
     return length[:, None] * (normal + (tau * size_0)[:, None] * now.xi_1)
 
 
+def resultants(law: ContactLaw, gap, before: Before, found: Touch, length) -> tuple:
+    """Compute the forces N along dg/du and T along dxi/du of m points, with their derivatives.
+
+    Returns
+    -------
+    forces : ndarray, shape (m, 2)
+    slopes : ndarray, shape (m, 2, 2)
+        d(N, T) / d(g, xi).
+    """
+    m = len(gap)
+    tau_rate, carried_rate = np.zeros((2, m, 2))
+    # dtau/dg and dtau/dxi
+    gap_rate, xi_rate = np.tile([1.0, 0.0], (m, 1)), np.tile([0.0, 1.0], (m, 1))
+    _traction_rates(law, gap, gap_rate, xi_rate, before, found, tau_rate, carried_rate)
+    # N = length w_n g,  T = length |t0| tau of closed points
+    closed, slopes = np.where(found.state != OPEN, length, 0.0), np.zeros((m, 2, 2))
+    forces = np.column_stack([closed * law.normal_penalty * gap, closed * before.size * found.tau])
+    slopes[:, 0, 0] = closed * law.normal_penalty
+    slopes[:, 1] = (closed * before.size)[:, None] * tau_rate
+    return forces, slopes
+
+
 def linearized(
     law: ContactLaw, now: Kinematics, before: Before, found: Touch, length
 ) -> np.ndarray:

@@ -26,15 +26,21 @@ class Linearization(NamedTuple):
     points : ndarray of int, shape (m,)
     nodes : ndarray of int, shape (m, 7)
     kinematics : Kinematics
-    direction : ndarray of int, shape (k,), or None
-        Direction of slip of every point; None before the first iteration.
+    direction : ndarray of int, shape (k,)
+        Direction of slip of every point; 0 before the first iteration.
+    forces : ndarray, shape (m, 2)
+        Forces N, T of ``self_friction.resultants`` at the gaps g, as linearised at g^.
+    slopes : ndarray, shape (m, 2, 2)
+        Their derivatives by gap and natural coordinate.
     """
 
     x: np.ndarray
     points: np.ndarray
     nodes: np.ndarray
     kinematics: Kinematics
-    direction: np.ndarray | None
+    direction: np.ndarray
+    forces: np.ndarray
+    slopes: np.ndarray
 
     def missed(self, x, points, now: Kinematics, ring: Rings) -> np.ndarray:
         """Compute g - g^ of points (n,) with the kinematics ``now`` at positions ``x``, shape (n,).

@@ -168,6 +168,11 @@ class Term:
         """
         return self.add(d, raw, fraction, history, force, values)
 
+    def linear_contact(self, iteration, history):
+        """Return the contact of points whose law a linear step from the linearisation of a mixed
+        ``iteration`` has to satisfy (``contact.self_linear``); None without any."""
+        return None
+
     def forces(self, d) -> np.ndarray | None:
         """Compute the forces (n, 2) on all components, prescribed ones included; None for a term that
         does not act on these."""

@@ -1,7 +1,5 @@
 """Points that begin to touch: what is predicted of them, and what it spares."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from verification.differences import contact_states
@@ -13,8 +11,6 @@ from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.touching import TOLERANCE, at_rest_where_it_touches
-
-FOLDED_LIP = Path(__file__).parents[1] / "contact" / "folded_lip.toml"
 
 
 @pytest.fixture(scope="module")
@@ -90,50 +86,3 @@ def test_the_path_is_the_same_with_fewer_iterations_and_cuts(monkeypatch):
     assert found.step_cuts < plain.step_cuts
     assert found.newton_iterations.sum() < plain.newton_iterations.sum()
     np.testing.assert_allclose(found.reaction, plain.reaction, rtol=0.0, atol=1e-7)
-
-
-# ---- self-contact ----
-
-
-@pytest.fixture(scope="module")
-def folded():
-    """A lip that lays itself on its body, with stiff penalties."""
-    seal = sm.build_seal(sm.read_seal_file(FOLDED_LIP))
-    own = {"self_contact_normal_penalty": 1e5, "self_contact_tangent_penalty": 1e4}
-    return sm.analyze(seal.with_parameters(own))
-
-
-def begin_to_touch(increment, place, d):
-    """Whether points of a term that are open at the last step touch at ``d``."""
-    now = increment.evaluate(d, tangent=False).responses[place].branch
-    return bool(((now != 0) & (increment.last.responses[place].branch == 0)).any())
-
-
-def moved_by_self_contact(increment, place, euler, found):
-    """-K^-1 P^T (f(x) - f_n - T_n (x - x_n)) at ``found``.
-
-    P: shape functions of the points that are loaded at ``euler`` or at the last step.
-    """
-    before = increment.last.responses[place]
-    met, now = (increment.evaluate(d, tangent=False).responses[place] for d in (euler, found))
-    change, layout = now.force - before.force, increment.problem.discretization.layout
-    for (i, j), block in zip(before.pairs, before.tangent, strict=True):
-        change[i] -= block @ (now.x - before.x)[j]
-    load = increment.problem.terms[place].point_loads(change, met.loaded | before.loaded)
-    layout.condense_force(load)
-    return -layout.gather(increment.factor.solve(load[: layout.n_equations]))
-
-
-def test_walls_that_begin_to_touch_are_at_rest_on_a_linear_body(folded):
-    rod, own, corrected = folded.path.place("rod"), folded.path.place("self_contact"), 0
-    for step in range(20, folded.seal.n_steps):
-        euler, found, increment = predicted(folded, step)
-        touching = begin_to_touch(increment, own, euler)
-        if found is euler or not touching or begin_to_touch(increment, rod, euler):
-            continue
-        moved = moved_by_self_contact(increment, own, euler, found)
-        scale = np.abs(moved).max()
-        assert scale > 0.0
-        np.testing.assert_allclose(found - euler, moved, rtol=0.0, atol=1e3 * TOLERANCE * scale)
-        corrected += 1
-    assert corrected > 0
