@@ -1,6 +1,7 @@
 """Friction of every edge of a contact, and of pairs of edges in self-contact."""
 
 from dataclasses import replace
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,25 @@ from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.contact.friction_law import friction_law
 from seal_mdao.seals.settings import seal_of
 
-LIP = (Path(__file__).parent / "folded_lip.toml").read_text()
+# the rod slides over two edges of the back, the body touches two of the lip
+DIVIDED = {
+    "line = [[0.5, 2.0], [0.5, 8.0]]": "line = [[0.5, 2.0], [0.5, 6.5]]\n"
+    '[[section.outer]]\nedge = "upper"\nline = [[0.5, 6.5], [0.5, 8.0]]',
+    "line = [[-0.7, 8.0], [-0.7, 2.0]]": "line = [[-0.7, 8.0], [-0.7, 5.4]]\n"
+    '[[section.outer]]\nedge = "lower"\nline = [[-0.7, 5.4], [-0.7, 2.0]]',
+    '["body", "lip", "tip"]': '["body", "lip", "upper"]',
+    'contact = ["back", "tip"]': 'contact = ["back", "lower"]',
+}
+LIP = reduce(
+    lambda text, pair: text.replace(*pair),
+    DIVIDED.items(),
+    (Path(__file__).parent / "folded_lip.toml").read_text(),
+)
 ALL_PAIRS = "".join(
     f'[[self_contact.pair]]\nedges = [{names}]\nfriction = {{}}\n'
-    for names in ('"body", "tip"', '"lip", "body"', '"tip", "lip"', '"body"', '"lip"', '"tip"')
+    for names in (
+        '"body", "upper"', '"lip", "body"', '"upper", "lip"', '"body"', '"lip"', '"upper"',
+    )
 )  # fmt: skip
 OFFSETS = [0.02, 0.01, -0.01, 0.0, 0.01, 0.0]
 
@@ -47,11 +63,11 @@ def single(tmp_path_factory):
 def equal(tmp_path_factory):
     """Equal coefficients of all edges and pairs."""
     pairs = ALL_PAIRS.format(*[0.3] * 6)
-    return analyzed(file_with(tmp_path_factory.mktemp("equal"), "back = 0.05, tip = 0.05", pairs))
+    return analyzed(file_with(tmp_path_factory.mktemp("equal"), "back = 0.05, lower = 0.05", pairs))
 
 
 PAIRS = """[[self_contact.pair]]
-edges = ["body", "tip"]
+edges = ["body", "upper"]
 friction = 0.5
 """
 
@@ -59,7 +75,7 @@ friction = 0.5
 @pytest.fixture(scope="module")
 def different(tmp_path_factory):
     folder = tmp_path_factory.mktemp("different")
-    return analyzed(file_with(folder, "back = 0.02, tip = 0.2", PAIRS, "friction = 0.3\n"))
+    return analyzed(file_with(folder, "back = 0.02, lower = 0.2", PAIRS, "friction = 0.3\n"))
 
 
 def test_equal_coefficients_are_one_coefficient(single, equal):
@@ -81,7 +97,7 @@ def test_equal_coefficients_are_one_coefficient(single, equal):
 
 def test_every_point_slips_at_the_limit_of_its_edge(different):
     """|f_t| = mu v |f_n| with v = R / (R + g_n) on a circle; the corner belongs to the first edge."""
-    term, ratios = different.term("rod"), {"back": [], "tip": []}
+    term, ratios = different.term("rod"), {"back": [], "lower": []}
     edges = different.seal.body.edges
     for step in different.path.steps:
         response = step.responses[different.path.place("rod")]
@@ -92,15 +108,14 @@ def test_every_point_slips_at_the_limit_of_its_edge(different):
         limit = np.abs((across * normal).sum(axis=1)) * (1.0 + response.gap / 1.5)
         for i in np.flatnonzero(response.branch == SLIP):
             on_back = np.isin(term.where.at_particles[i], edges["back"].particles)
-            ratios["back" if on_back else "tip"].append(limit[i] / abs(along[i]))
-    for name, friction in (("back", 0.02), ("tip", 0.2)):
+            ratios["back" if on_back else "lower"].append(limit[i] / abs(along[i]))
+    for name, friction in (("back", 0.02), ("lower", 0.2)):
         assert ratios[name]
         np.testing.assert_allclose(ratios[name], friction, rtol=1e-9)
 
 
-NAMES = (
-    "rod_friction_back", "rod_friction_tip", "self_contact_friction", "self_contact_friction_body_tip",
-)  # fmt: skip
+OF_PAIR = "self_contact_friction_body_upper"
+NAMES = ("rod_friction_back", "rod_friction_lower", "self_contact_friction", OF_PAIR)
 
 
 def test_direct_and_adjoint_derivatives_agree(different):
@@ -113,7 +128,7 @@ def test_direct_and_adjoint_derivatives_agree(different):
         np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9 * np.abs(other).max())
 
 
-@pytest.mark.parametrize("name", ["rod_friction_back", "self_contact_friction_body_tip"])
+@pytest.mark.parametrize("name", ["rod_friction_back", OF_PAIR, "self_contact_friction"])
 def test_derivatives_are_those_of_difference_quotients(different, name):
     touching = [r.branch for r in different.path.responses("self_contact")]
     assert np.isin(np.hstack(touching), (STICK, SLIP)).any()
@@ -132,12 +147,14 @@ def test_derivatives_are_those_of_difference_quotients(different, name):
     assert min(errors) < 1e-5
 
 
-def test_parameters_change_and_settings_keep_them(different):
-    seal = different.seal.with_parameters({"rod_friction_tip": 0.4})
-    assert seal.scalars["rod_friction_tip"].value == 0.4
-    assert seal_of(seal.made_from(different.seal.nominal().description).settings()) is not None
-    with pytest.raises(ValueError, match="friction of 'tip'"):
-        seal.with_parameters({"rod_friction_tip": -0.1})
+def test_parameters_change_and_settings_keep_them(tmp_path):
+    path = file_with(tmp_path, "back = 0.02, lower = 0.2", PAIRS)
+    seal = sm.build_seal(path).with_parameters({"rod_friction_lower": 0.4})
+    assert seal.scalars["rod_friction_lower"].value == 0.4
+    other = seal_of(seal.settings())
+    assert other.scalars == seal.scalars
+    with pytest.raises(ValueError, match="friction of 'lower'"):
+        seal.with_parameters({"rod_friction_lower": -0.1})
 
 
 def test_laws_and_coefficients_mix():
@@ -159,34 +176,37 @@ def test_laws_and_coefficients_mix():
 
 def test_only_pairs_that_are_named_touch(tmp_path, different):
     """Without a friction of all others."""
-    path = file_with(tmp_path, "back = 0.02, tip = 0.2", PAIRS)
+    path = file_with(tmp_path, "back = 0.02, lower = 0.2", PAIRS)
     own = sm.build_seal(path).terms()[2]
-    edges = {name: different.seal.body.edge(name).particles for name in ("body", "lip", "tip")}
+    edges = {name: different.seal.body.edge(name).particles for name in ("body", "lip", "upper")}
     particles, allowed = np.concatenate(own.loops), own.may_touch()
     on_body = np.isin(particles, edges["body"])
-    on_tip = np.isin(particles, edges["tip"][1:])
-    assert allowed[np.ix_(on_body, on_tip)].any()
+    on_upper = np.isin(particles, edges["upper"][1:])
+    assert allowed[np.ix_(on_body, on_upper)].any()
     assert not allowed[np.ix_(on_body, on_body)].any()
     assert different.seal.terms()[2].may_touch()[np.ix_(on_body, on_body)].any()
 
 
 WRONG = {
     "unknown edge": (
-        ("back = 0.1, tipp = 0.2", ""),
-        "no such edge in contact (did you mean 'tip'?)",
+        ("back = 0.1, lowr = 0.2", ""),
+        "no such edge in contact (did you mean 'lower'?)",
     ),
     "no contact": (("back = 0.1, lip = 0.2", ""), "no such edge in contact"),
-    "left out": (("back = 0.1", ""), "friction has no coefficient of the edge 'tip'"),
-    "negative": (("back = 0.1, tip = -0.2", ""), "or a table of these by edge"),
+    "left out": (("back = 0.1", ""), "friction has no coefficient of the edge 'lower'"),
+    "negative": (("back = 0.1, lower = -0.2", ""), "or a table of these by edge"),
     "no such pair": (
-        ("back = 0.1, tip = 0.2", PAIRS.replace('"tip"', '"back"')),
+        ("back = 0.1, lower = 0.2", PAIRS.replace('"upper"', '"back"')),
         "no such edge in",
     ),
     "twice": (
-        ("back = 0.1, tip = 0.2", PAIRS + PAIRS),
+        ("back = 0.1, lower = 0.2", PAIRS + PAIRS),
         "edges has a pair that [[self_contact.pair]] 1",
     ),
-    "no friction": (("back = 0.1, tip = 0.2", ""), "may be left out beside [[self_contact.pair]]"),
+    "no friction": (
+        ("back = 0.1, lower = 0.2", ""),
+        "may be left out beside [[self_contact.pair]]",
+    ),
 }
 
 
