@@ -21,9 +21,12 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.compilation import inlined, internal
+from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.contact.friction_law import FrictionLaw
 from seal_mdao.terms.term import Scalar
 
+OTHER_LAWS = (FrictionLaw, FrictionByGroup)
+"""Classes of friction other than one coefficient of Coulomb's law."""
 FRICTION_HISTORIES = ("accumulated", "incremental")
 
 # Contact states; a point of UNKNOWN state was near no other boundary and touches without slip.
@@ -45,8 +48,8 @@ class ContactLaw(NamedTuple):
     ----------
     normal_penalty, tangent_penalty : float or None
         Stress per length.
-    friction : float or FrictionLaw
-        Coulomb's friction coefficient, or another law.
+    friction : float, FrictionLaw or FrictionByGroup
+        Coulomb's friction coefficient, another law, or laws of several groups of points.
     accumulated : bool
         Whether the elastic slip of a step passes to the next one.
     limits : ndarray, shape (k, 2, 2 + m), or None
@@ -56,7 +59,7 @@ class ContactLaw(NamedTuple):
 
     normal_penalty: float | None = None
     tangent_penalty: float | None = None
-    friction: float | FrictionLaw = 0.0
+    friction: float | FrictionLaw | FrictionByGroup = 0.0
     accumulated: bool = True
     limits: np.ndarray | None = None
 
@@ -70,12 +73,12 @@ class ContactLaw(NamedTuple):
     @property
     def frictionless(self) -> bool:
         """Whether there is no friction at all: Coulomb's law with a coefficient of zero."""
-        return not isinstance(self.friction, FrictionLaw) and self.friction == 0.0
+        return not isinstance(self.friction, OTHER_LAWS) and self.friction == 0.0
 
     @property
     def constants(self) -> dict:
         """Constants of the friction law by name, in the order of their columns from FRICTION on."""
-        if isinstance(self.friction, FrictionLaw):
+        if isinstance(self.friction, OTHER_LAWS):
             return self.friction.by_name
         return {"friction": self.friction}
 
@@ -86,7 +89,7 @@ class ContactLaw(NamedTuple):
             "normal_penalty": Scalar(self.normal_penalty, "kPa/mm", "Normal penalty w_n."),
             "tangent_penalty": Scalar(self.tangent_penalty, "kPa/mm", "Tangential penalty w_t."),
         }
-        if not isinstance(self.friction, FrictionLaw):
+        if not isinstance(self.friction, OTHER_LAWS):
             return found | {
                 "friction": Scalar(self.friction, None, "Coulomb friction coefficient.")
             }
@@ -99,13 +102,13 @@ class ContactLaw(NamedTuple):
         """The law with some of its ``scalars`` changed; other names are left alone."""
         own = {name: changed[name] for name in self.scalars if name in changed}
         constants = {name: own.pop(name) for name in self.constants if name in own}
-        if isinstance(self.friction, FrictionLaw):
+        if isinstance(self.friction, OTHER_LAWS):
             return self._replace(friction=self.friction.with_constants(constants), **own)
         return self._replace(**own, **constants)
 
     def at(self, gap: np.ndarray) -> "ContactLaw":
         """The law as kernels take it at points with normal gaps (k,)."""
-        if not isinstance(self.friction, FrictionLaw):
+        if not isinstance(self.friction, OTHER_LAWS):
             return self
         # p = -w_n g_n
         limits = self.friction.at(np.maximum(-self.normal_penalty * gap, 0.0))
@@ -122,7 +125,7 @@ class ContactLaw(NamedTuple):
         for name in ("normal_penalty", "tangent_penalty"):
             if name not in self.open_penalties:
                 values.real(f"{name} of {label!r}", getattr(self, name), above=0.0)
-        if not isinstance(self.friction, FrictionLaw):
+        if not isinstance(self.friction, OTHER_LAWS):
             values.real(f"friction of {label!r}", self.friction, 0.0)
 
     def require_penalties(self, label: str) -> None:
@@ -156,7 +159,7 @@ class ContactLaw(NamedTuple):
         fraction = np.where(high > 0.0, low / np.where(high > 0.0, low - high, 1.0), 1.0)
         # p = w_n |g_n|, the larger one
         pressure = -self.normal_penalty * low
-        if isinstance(self.friction, FrictionLaw):
+        if isinstance(self.friction, OTHER_LAWS):
             limit, factor = self.friction.highest(pressure), 1.0
         else:
             limit, factor = pressure, self.friction

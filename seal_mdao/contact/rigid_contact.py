@@ -9,6 +9,7 @@ from seal_mdao.contact.friction import (
     CARRIED,
     GAP,
     OPEN,
+    OTHER_LAWS,
     SLIP,
     XI,
     ContactHistory,
@@ -16,7 +17,6 @@ from seal_mdao.contact.friction import (
     no_history,
     uses_history,
 )
-from seal_mdao.contact.friction_law import FrictionLaw
 from seal_mdao.contact.kinematics import linearized_positions, normal_gaps, way_along
 from seal_mdao.contact.kinks import (
     LIMIT,
@@ -198,7 +198,7 @@ class ContactTerm(PointTerm):
 
     def _law_at(self, x, fraction) -> ContactLaw:
         """The law at points x (k, 2); Coulomb's needs no gaps."""
-        if not isinstance(self.law.friction, FrictionLaw):
+        if not isinstance(self.law.friction, OTHER_LAWS):
             return self.law
         return self.law.at(self.gaps(x, fraction))
 

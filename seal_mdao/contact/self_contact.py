@@ -62,6 +62,10 @@ class SelfContact(TermDefinition):
     law : ContactLaw
     apart : float
         Points at a smaller distance along the nominal boundary are not paired, mm.
+    edge_of : ndarray of int, shape (k,), or None
+        Edge of every particle, e for none, for friction by pairs of edges.
+    pair_of : ndarray of int, shape (e + 1, e + 1), or None
+        Group of the friction law by the edges of both sides, -1 where they do not touch each other.
 
     Raises
     ------
@@ -75,6 +79,8 @@ class SelfContact(TermDefinition):
     nominal: np.ndarray
     law: ContactLaw
     apart: float
+    edge_of: np.ndarray | None = None
+    pair_of: np.ndarray | None = None
 
     def __post_init__(self):
         self.law.check(self.label)
@@ -108,6 +114,8 @@ class SelfContact(TermDefinition):
         """Which point may touch near which, shape (k, k)."""
         # both points may touch and are not neighbours on one boundary
         found = np.outer(self.touching, self.touching)
+        if self.pair_of is not None:
+            found &= self.pair_of[np.ix_(self.edge_of, self.edge_of)] >= 0
         first = 0
         for loop in self.loops:
             side = np.linalg.norm(self.nominal[loop] - self.nominal[np.roll(loop, 1)], axis=1)
@@ -166,6 +174,7 @@ class SelfContactTerm(CoupledTerm):
             tangent_penalty=SHARED * definition.law.tangent_penalty,
         )
         self.reach, self.allowed = definition.reach(), definition.may_touch()
+        self.edge_of, self.pair_of = definition.edge_of, definition.pair_of
         self.ring = rings([len(loop) for loop in definition.loops])
         # a point opposite must be this near to be followed before it touches
         self.near = 4.0 * self.length.max()
@@ -252,9 +261,19 @@ class SelfContactTerm(CoupledTerm):
             carried,
         )  # fmt: skip
 
-    def law_at(self, gap) -> ContactLaw:
-        """Return the law of one pass at gaps (m,): half of the limit at the complete pressure."""
-        limits = self.complete_law.at(gap).limits
+    def law_at(self, gap, points, nodes) -> ContactLaw:
+        """Return the law of one pass at gaps (m,): half of the limit at the complete pressure.
+
+        Of a friction law by pairs of edges that of the points and the segments opposite.
+        """
+        law = self.complete_law
+        if self.pair_of is not None:
+            # by the particle where the segment begins, or where it ends in another edge than may touch
+            own, first, last = (self.edge_of[p] for p in (points, nodes[:, 3], nodes[:, 4]))
+            pairs = self.pair_of[own, first]
+            pairs = np.where(pairs < 0, self.pair_of[own, last], pairs)
+            law = law._replace(friction=law.friction.among(pairs))
+        limits = law.at(gap).limits
         if limits is None:
             return self.law
         # d limit/dp stays: half of the limit by half of the pressure
@@ -272,7 +291,7 @@ class SelfContactTerm(CoupledTerm):
         """The response with the law linearised at the gaps g - ``missed`` (m,),
         q = q(g - missed) + dq/dx missed e_n, and its normal and tangential forces, linearised so."""
         normal, now = now.gap_1[:, :2], now._replace(gap=now.gap - missed)
-        before, law = self._before(points, now, history), self.law_at(now.gap)
+        before, law = self._before(points, now, history), self.law_at(now.gap, points, nodes)
         # trial state, Eqs. (28), (29)
         found, made_to_stick = self._without_reversal(points, touch(law, now, before))
         closed = found.state != OPEN
@@ -350,7 +369,7 @@ class SelfContactTerm(CoupledTerm):
 
     def linearize(self, response, fraction, history) -> LocalMap:
         points, nodes, now = self._followed(response.x)
-        before, law = self._before(points, now, history), self.law_at(now.gap)
+        before, law = self._before(points, now, history), self.law_at(now.gap, points, nodes)
         found = touch(law, now, before)
         local = linearized(law, now, before, found, self.length[points])
         # dq/dw = SHARED dq/dw of one pass
@@ -383,11 +402,11 @@ class SelfContactTerm(CoupledTerm):
         now, state = response.history.variables, response.history.state
         if not ((state > OPEN) | ((state == OPEN) & (np.abs(now[:, 2]) <= rounding))).any():
             return no_kinks(k)
-        points, _, at = self._followed(response.x)
+        points, nodes, at = self._followed(response.x)
         before = self._before(points, at, history)
         found = np.empty(points.size, np.int64)
         variables = np.column_stack([at.xi - before.way, before.size, before.carried])
-        law = self.law_at(at.gap)
+        law = self.law_at(at.gap, points, nodes)
         find_kinks(0.0, law, at.gap, at.xi, before.state, variables, rounding, found)
         touching = points[found == TOUCHING]
         # walls that touch are taken to slide on each other

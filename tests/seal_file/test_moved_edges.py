@@ -188,6 +188,7 @@ def test_a_design_is_written_with_its_moved_edges(tmp_path):
     seal, offsets = sm.build_seal(file), [0.1, 0.05, 0.1]
     paths = write_design(file, seal, np.array(offsets), seal.standard, tmp_path, "design")
     other = sm.build_seal(paths[0])
+    assert sm.read_seal_file(paths[0]).step_tolerance is None
     for measure in seal.standard:
         again = sm.analyze(other).value(other.measures((measure.name,))[0])
         np.testing.assert_allclose(again, sm.analyze(seal, offsets).value(measure), rtol=1e-9)

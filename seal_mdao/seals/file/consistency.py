@@ -6,10 +6,17 @@ the file, as messages name it.
 
 import numpy as np
 
+from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING, check_start
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
-from seal_mdao.seals.file.held_edges import check_edges, check_moved, holder
+from seal_mdao.seals.file.held_edges import (
+    check_edges,
+    check_friction_by_edge,
+    check_moved,
+    check_pairs,
+    holder,
+)
 from seal_mdao.seals.file.section_table import check_section
 from seal_mdao.seals.outline.contours import Contour, Outline
 from seal_mdao.seals.outline.section_cloud import OutlineCloud
@@ -29,6 +36,7 @@ def check(file) -> None:
     _check_cavities(file)
     if file.self_contact is not None:
         check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
+        check_pairs(file.self_contact)
     for number, term in enumerate(file.terms, 1):
         check_edges(f"[[term]] {number}", "edges", term.edges, file.section.outline)
     # what refers to profiles, steps and names
@@ -282,6 +290,8 @@ def _check_contact(where: str, profile, file) -> None:
         if len(file.supports.get(name, ())) == 2:
             owner = holder(file, name)
             raise SealFileError(f"{where}: contact = {name!r}, but {owner} holds this edge")
+    if isinstance(profile.friction, FrictionByGroup):
+        check_friction_by_edge(where, profile)
     if _stretch(profile.contact, file.section.outline)[0] is None:
         raise SealFileError(
             f"{where}: contact = {', '.join(profile.contact)} is not one stretch of the boundary; give "

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import AfterValidator, model_validator
 
 from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import step_fractions
 from seal_mdao.loads.fluid_pressure import ENDS, SHARE, FluidPressure
@@ -19,7 +20,7 @@ from seal_mdao.seals.file.extensions import Extensible, arguments, extension_tab
 from seal_mdao.seals.file.forms import Form, Name, Names, Penalty, Text, many, number, one_of, whole
 from seal_mdao.seals.file.friction_table import Friction
 from seal_mdao.seals.file.load_steps import MOST_STEPS
-from seal_mdao.seals.file.schema import Table, key, table
+from seal_mdao.seals.file.schema import Table, key, rows, table
 from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.terms.points import edge_points
 from seal_mdao.terms.term import TermDefinition
@@ -163,15 +164,41 @@ class FluidTable(Table):
 
 
 @table
+class PairTable(Table):
+    """Two edges that may touch each other, or one that may touch itself, with their own friction."""
+
+    edges: many(Text, 'one name of an edge, or two, such as ["left", "right"]', 1, 2) = key(
+        "both edges, or one for itself"
+    )
+    friction: Friction = key("Coulomb coefficient, or another law")
+
+    @property
+    def name(self) -> str:
+        """Put behind the names of its constants."""
+        return "_".join(self.edges)
+
+
+@table
 class SelfContactTable(Table):
     """Edges that may touch each other or themselves, as far as they are not neighbours."""
 
     edges: Names = key("edges; those that do not touch only cost time")
-    friction: Friction = key("Coulomb coefficient, or another law")
+    friction: Friction | None = key(
+        "Coulomb coefficient, or another law; without it only the pairs may touch", None
+    )
     normal_penalty: Penalty | None = key("normal penalty; chosen unless given", None)
     tangent_penalty: Penalty | None = key("tangential penalty; chosen unless given", None)
+    pairs: rows(PairTable) = key("pairs of edges with a friction of their own", (), alias="pair")
 
     name = SELF_CONTACT
+
+    @model_validator(mode="after")
+    def _some_friction(self):
+        if self.friction is None and not self.pairs:
+            raise ValueError(
+                "the key 'friction' is missing; it may be left out beside [[self_contact.pair]]"
+            )
+        return self
 
     def on(self, section: SectionBody) -> SelfContact:
         """Bind the contact to the loops that contain the edges."""
@@ -182,8 +209,34 @@ class SelfContactTable(Table):
         first, last = section.sides(self.edges).T
         longest = np.hypot(*(nominal[last] - nominal[first]).T).max()
         touching = np.isin(np.concatenate(own), particles)
-        law = ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, True)
-        return SelfContact(SELF_CONTACT, own, touching, nominal, law, NEIGHBOURS * longest)
+        friction, edge_of, pair_of = self.friction, None, None
+        if self.pairs:
+            friction, pair_of = self._by_pairs()
+            edge_of = self._edges_of(section, np.concatenate(own))
+        law = ContactLaw(self.normal_penalty, self.tangent_penalty, friction, True)
+        apart = NEIGHBOURS * longest
+        return SelfContact(SELF_CONTACT, own, touching, nominal, law, apart, edge_of, pair_of)
+
+    def _by_pairs(self) -> tuple[FrictionByGroup, np.ndarray]:
+        """Return the laws of the pairs, that of all others last, and the pair of both edges."""
+        count = len(self.edges)
+        others = [] if self.friction is None else [("", self.friction)]
+        pair_of = np.full((count + 1, count + 1), -1)
+        if others:
+            pair_of[:count, :count] = len(self.pairs)
+        for group, pair in enumerate(self.pairs):
+            one, other = (self.edges.index(name) for name in (pair.edges[0], pair.edges[-1]))
+            pair_of[one, other] = pair_of[other, one] = group
+        named = [(pair.name, pair.friction) for pair in self.pairs] + others
+        return FrictionByGroup(*zip(*named, strict=True)), pair_of
+
+    def _edges_of(self, section: SectionBody, particles: np.ndarray) -> np.ndarray:
+        """Return the place in ``edges`` of every particle, their number for none, shape (k,)."""
+        found = np.full(len(particles), len(self.edges))
+        # a corner belongs to the first of two edges
+        for place, name in reversed(list(enumerate(self.edges))):
+            found[np.isin(particles, section.body.edge(name).particles)] = place
+        return found
 
 
 TERM_NAME = "put before the names of its parameters; its type unless given"

@@ -7,6 +7,7 @@ from pydantic import Field, TypeAdapter
 from pydantic_core import core_schema
 
 from seal_mdao import registry
+from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.contact.friction_law import (
     FrictionLaw,
     constant_defaults,
@@ -72,7 +73,7 @@ class _OrLaw:
     @staticmethod
     def _read(given, coefficient):
         # ``dataclasses.replace`` of a table that has been read gives the law itself
-        if isinstance(given, FrictionLaw):
+        if isinstance(given, FrictionLaw | FrictionByGroup):
             return given
         return _LAW.validate_python(given).made() if isinstance(given, dict) else coefficient(given)
 
@@ -81,6 +82,32 @@ class _OrLaw:
         names = (COULOMB, *registry.installed("friction_laws"))
         return {"anyOf": [handler(schema), named("law", names)]}
 
+
+class _OrByEdge(_OrLaw):
+    """Annotation of a coefficient or law that may also be a table of these by the names of edges."""
+
+    @staticmethod
+    def _read(given, coefficient):
+        if not isinstance(given, dict) or "law" in given:
+            return _OrLaw._read(given, coefficient)
+        # every entry is a coefficient or a law
+        laws = tuple(_OrLaw._read(own, coefficient) for own in given.values())
+        return FrictionByGroup(tuple(given), laws)
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        one = super().__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [*one["anyOf"], {"type": "object", "additionalProperties": one}]}
+
+
+FrictionByEdge = Annotated[
+    Number,
+    Field(ge=0.0, le=MOST_FRICTION),
+    Form(
+        f"a number of at least 0 and at most {MOST_FRICTION:g}, a table {{ law, and its constants }}, "
+        "or a table of these by edge"
+    ),
+    _OrByEdge(),
+]
 
 # Coulomb's coefficient by itself, or a table: ``{ law = "coulomb", friction = 0.3 }``
 Friction = Annotated[

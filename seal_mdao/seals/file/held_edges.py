@@ -82,3 +82,32 @@ def _program(own: tuple, component: int) -> tuple:
         return (pivot, *((stage.translate, stage.rotate, stage.steps) for stage in stages))
     moved = tuple((stage.translate[component], stage.steps) for stage in stages)
     return moved if any(travel for travel, _ in moved) else ()
+
+
+def check_friction_by_edge(where: str, profile) -> None:
+    """Refuse friction of edges that the profile does not touch, or that leaves one out."""
+    for name in profile.friction.names:
+        known(where, "friction", name, profile.contact, "edge in contact")
+        if not name.isidentifier():
+            raise SealFileError(
+                f"{where}: friction of the edge {name!r}, whose name no parameter can have; rename it"
+            )
+    missing = [name for name in profile.contact if name not in profile.friction.names]
+    if missing:
+        raise SealFileError(f"{where}: friction has no coefficient of the edge {missing[0]!r}")
+
+
+def check_pairs(self_contact) -> None:
+    """Refuse pairs of other edges than those of self-contact, and pairs that are given twice."""
+    seen = {}
+    for number, pair in enumerate(self_contact.pairs, 1):
+        where = f"[[self_contact.pair]] {number}"
+        for name in pair.edges:
+            known(where, "edges", name, self_contact.edges, "edge in [self_contact]")
+            if not name.isidentifier():
+                raise SealFileError(
+                    f"{where}: the name of the edge {name!r} no parameter can have; rename it"
+                )
+        if frozenset(pair.edges) in seen:
+            raise SealFileError(f"{where}: edges has a pair that {seen[frozenset(pair.edges)]} has")
+        seen[frozenset(pair.edges)] = where

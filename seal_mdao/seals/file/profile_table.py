@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import WrapValidator, model_validator
 
 from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.curve import ARC, CUBIC, LINE
 from seal_mdao.geometry.motion import Motion, Stage, staged_motion
@@ -15,7 +16,7 @@ from seal_mdao.geometry.shape import GivenShape, Shape
 from seal_mdao.loads.moved_edges import MovedEdges
 from seal_mdao.seals.file.extensions import Extensible, arguments, extension_table, keys_of
 from seal_mdao.seals.file.forms import Name, Names, Penalty, Text, number, one_of, point
-from seal_mdao.seals.file.friction_table import Friction
+from seal_mdao.seals.file.friction_table import FrictionByEdge
 from seal_mdao.seals.file.load_steps import Steps
 from seal_mdao.seals.file.schema import Table, key, rows, table
 from seal_mdao.seals.file.segment_tables import KINDS, PieceTable, SegmentTable
@@ -77,7 +78,9 @@ class ProfileTable(SegmentTable):
     """A rigid body; it lies on the left of its curve when the curve is walked, in its own frame."""
 
     name: Name = key("put before the names of its parameters: door_friction")
-    friction: Friction = key("Coulomb coefficient, or another law")
+    friction: FrictionByEdge = key(
+        "Coulomb coefficient, or another law; or those of every edge: { seal = 0.2, lip = 0.6 }"
+    )
     contact: Names = key("edges that may touch it, neighbours on the boundary")
     glued: Names | None = key("edges that are bonded to it and follow its motion", None)
     segment: rows(PieceTable) | None = key("pieces of its curve, where it is a chain of them", None)
@@ -145,7 +148,10 @@ class ProfileTable(SegmentTable):
         # contact points, shape, motion and law of the term; constants with the name of the profile
         where = section.contact_points(self.contact, self.contact_points)
         shape = GivenShape(rigid_profile_of(self)) if self.shape is None else self.shape.made
-        law = ContactLaw(self.normal_penalty, self.tangent_penalty, self.friction, True)
+        friction = self.friction
+        if isinstance(friction, FrictionByGroup):
+            friction = friction.among(section.edge_numbers(friction.names, where))
+        law = ContactLaw(self.normal_penalty, self.tangent_penalty, friction, True)
         motion = motion_of(self, section.n_steps)
         return RigidContact(self.name, where, shape, motion, law, f"{self.name}_")
 

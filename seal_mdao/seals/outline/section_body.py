@@ -49,6 +49,17 @@ class SectionBody(NamedTuple):
         every = np.concatenate([self.body.edge(name).particles for name in edges])
         return np.array(list(dict.fromkeys(every.tolist())), int)
 
+    def edge_numbers(self, edges, where: MaterialPoints) -> np.ndarray:
+        """Find the edge at which every point lies, as its place in ``edges``, shape (k,).
+
+        The first one that has all particles of the point; a corner belongs to two.
+        """
+        found = np.full(len(where), -1)
+        for number, name in reversed(list(enumerate(edges))):
+            own = np.isin(where.points.anchors, self.body.edge(name).particles).all(axis=1)
+            found[own] = number
+        return found
+
     def contact_points(self, edges, at: str = "particles") -> MaterialPoints:
         """Return contact points of neighbouring edges.
 
