@@ -5,75 +5,23 @@ from pathlib import Path
 from code_reference import markdown_table
 
 from seal_mdao.materials.listed import LISTS
-from seal_mdao.seals.file.design_table import DesignTable
-from seal_mdao.seals.file.edge_tables import (
-    CavityTable,
-    FixedTable,
-    FluidTable,
-    PairTable,
-    SelfContactTable,
-    SymmetryTable,
-    TermTable,
-)
-from seal_mdao.seals.file.friction_table import FrictionTable
-from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
-from seal_mdao.seals.file.material_table import (
-    FIT_TABLES,
-    LAW_TABLES,
-    LawTable,
-    ShoreTable,
-    SpongeTable,
-)
+from seal_mdao.seals.file.material_table import FIT_TABLES, LAW_TABLES, LawTable
 from seal_mdao.seals.file.measure_types import KINDS, MeasureTable
-from seal_mdao.seals.file.moved_table import MovedTable
-from seal_mdao.seals.file.optimize_table import Constraint, OptimizeTable
-from seal_mdao.seals.file.profile_table import ProfileTable, StageTable
+from seal_mdao.seals.file.reference import HEADER, TABLES, further_rows, key_rows, summary
 from seal_mdao.seals.file.schema import Table
-from seal_mdao.seals.file.section_table import (
-    HoleTable,
-    OuterTable,
-    RaysTable,
-    RegionTable,
-    WrittenSection,
-)
-from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
-from seal_mdao.seals.file.tolerance_table import BoundaryTable, VaryTable
 
-TABLES = {
-    "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable,
-    "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
-    "rays": RaysTable, "arc": ArcTable, "circle": CircleTable,
-    "region": RegionTable, "fixed": FixedTable, "moved": MovedTable, "symmetry": SymmetryTable,
-    "cavity": CavityTable,
-    "self_contact": SelfContactTable, "pair": PairTable, "fluid": FluidTable, "profile": ProfileTable,
-    "stage": StageTable, "steps": StepsTable, "penalties": PenaltiesTable, "design": DesignTable,
-    "measure": MeasureTable, "optimize": OptimizeTable, "constraint": Constraint,
-    "friction": FrictionTable, "term": TermTable, "vary": VaryTable, "boundary": BoundaryTable,
-}  # fmt: skip
-"""Class of every table of keys on the page, by the name of its fragment."""
+
+def _marked(row) -> list[str]:
+    """Mark keys and defaults of a row as code."""
+    name, allowed, default, meaning = row
+    if default:
+        default = f"**{default}**" if default == "required" else f"`{default}`"
+    return [f"`{name}`", allowed, default, meaning]
 
 
 def keys_table(kind: type[Table]) -> str:
     """Keys of a table: form and bounds with units, default, meaning."""
-    rows = [
-        [f"`{name}`", kind.allowed(name), _default(own), own.description]
-        for name, own in kind.entries().items()
-    ]
-    return markdown_table(["key", "value", "unless given", "meaning"], rows)
-
-
-def _default(own) -> str:
-    if own.is_required():
-        return "**required**"
-    return "" if own.default in (None, ()) else f"`{_toml(own.default)}`"
-
-
-def _toml(value) -> str:
-    if isinstance(value, tuple | list):
-        return f"[{', '.join(map(_toml, value))}]"
-    if isinstance(value, str):
-        return f'"{value}"'
-    return f"{value:.9g}"
+    return markdown_table([*HEADER], [_marked(row) for row in key_rows(kind)])
 
 
 def measures_table() -> str:
@@ -81,20 +29,17 @@ def measures_table() -> str:
     rows = []
     for name, kind in KINDS.items():
         own = ", ".join(f"`{key}`" for key in kind.entries() if key not in MeasureTable.entries())
-        rows.append([f"`{name}`", own, kind.__doc__.splitlines()[0]])
+        rows.append([f"`{name}`", own, summary(kind)])
     return markdown_table(["type", "further keys", "meaning"], rows)
 
 
 def further_keys(kinds: dict[str, type[Table]], base: type[Table]) -> str:
     """Keys of several tables that their base does not have, with the names of the tables."""
-    found = {}
-    for name, kind in kinds.items():
-        for key, own in kind.entries().items():
-            if key not in base.entries():
-                row = kind.allowed(key), _default(own), own.description
-                found.setdefault((key, *row), []).append(f"`{name.partition(':')[0]}`")
-    rows = [[f"`{key}`", *rest, ", ".join(of)] for (key, *rest), of in found.items()]
-    return markdown_table(["key", "value", "unless given", "meaning", "of"], rows)
+    rows = [
+        [*_marked(row), ", ".join(f"`{name}`" for name in of)]
+        for *row, of in further_rows(kinds, base)
+    ]
+    return markdown_table([*HEADER, "of"], rows)
 
 
 def materials_table(made) -> str:

@@ -9,12 +9,13 @@ from seal_mdao._version import __version__
 
 COMMANDS = {
     "new": "write a seal file to start from, with comments, or from a drawing",
+    "keys": "list tables of seal files, laws and measures, and their keys with units",
     "check": "read a seal file, fill its section, draw it, estimate the time of an analysis",
     "analyze": "analyse a seal: forces, contact, stresses, figures, CSV files",
     "optimize": "optimise the shape of a seal",
     "study": "sample the tolerances of a seal: distributions and correlations",
     "robust": "optimise a seal over its tolerances, compare with the nominal optimum",
-    "sweep": "vary one parameter: load-deflection curves in one figure",
+    "sweep": "vary one number: load-deflection curves in one figure, measures over it",
     "compare": "compare seals: load-deflection, contact pressure and sections in one figure",
     "animate": "make an animation of a seal that closes",
     "materials": "list rubbers by hardness and sponges by grade",

@@ -1,4 +1,4 @@
-"""Vary one parameter of a seal: load-deflection curves in one figure, every measure in a CSV file."""
+"""Vary one number of a seal: load-deflection curves in one figure, every measure in a CSV file."""
 
 import argparse
 import csv
@@ -11,10 +11,11 @@ from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao import plotting
-from seal_mdao.cli.arguments import WrongArgumentError, announce, parser, write_summary
-from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
+from seal_mdao.cli.arguments import announce, parser, write_summary
+from seal_mdao.cli.seal_files import file_errors, file_of
+from seal_mdao.cli.varied import Varied, varied
+from seal_mdao.export.csv_tables import write_sweep_curves
 from seal_mdao.progress import hidden
-from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import frozen_measures
 
@@ -34,63 +35,61 @@ class Values(NamedTuple):
 
 def main(arguments) -> int:
     file = file_of(arguments.file)
-    with file_errors(file.path):
-        # before steps and penalties are chosen, which takes some analyses
-        parameter_of(unchosen_seal(file), arguments.vary[0])
-    seal = seal_of(file)
-    name = parameter_of(seal, arguments.vary[0])
-    # one analysis per value: report the time of one
-    announce(seal)
-    values, results = arguments.vary[1].array(), {}
-    with file_errors(file.path):
-        # scalar measures only: one column each in the table
-        measures = tuple(measure for measure in frozen_measures(seal) if measure.size(seal) == 1)
-    with tqdm(values, desc=name, unit="analysis", disable=hidden(), leave=False) as bar:
-        for value in bar:
+    own, values = varied(file, arguments.vary[0]), arguments.vary[1].array()
+    results, rows, measures = {}, [], None
+    with tqdm(values, desc=own.name, unit="analysis", disable=hidden(), leave=False) as bar:
+        for value, (seal, parameters) in zip(bar, own.seals(file, values), strict=True):
+            if not results:
+                # the time of one analysis
+                announce(seal)
             with file_errors(file.path):
-                result = sm.analyze(seal, parameters={name: float(value)})
+                if parameters and measures is None:
+                    measures = measures_of(seal)
+                result = sm.analyze(seal, parameters=parameters)
+                # a file with another number is a nominal seal of its own
+                chosen = measures if parameters else measures_of(seal, result)
+            rows.append(row(float(value), result, chosen))
             results[float(value)] = result
             # after every analysis, so that an interrupted sweep leaves what was computed
-            rows = [row(value, result, measures) for value, result in results.items()]
-            write_table(arguments.out / "sweep.csv", name, rows)
-    write_summary(arguments.out, {"parameter": name, "unit": unit_of(seal, name), "values": rows})
-    # curves of all analyses with at least one converged load step
-    nominal = {f"{v:.6g}": r for v, r in results.items() if len(r.path.nominal_steps)}
-    if nominal and contacts(seal):
-        figure = plotting.load_deflection_of(
-            nominal, f"{name} ({unit_of(seal, name)})".replace(" ()", "")
-        )
-        plotting.save(figure, arguments.out / "sweep.png")
-    for own in rows:
+            write_table(arguments.out / "sweep.csv", own.name, rows)
+            write_sweep_curves(own.name, results, arguments.out / "curves.csv")
+    write_summary(arguments.out, {"parameter": own.name, "unit": own.unit, "values": rows})
+    draw(own, results, rows, arguments.out)
+    for line in rows:
         # "value" is the parameter in the printed line
-        numbers = {name if key == "value" else key: value for key, value in own.items()}
+        numbers = {own.name if key == "value" else key: value for key, value in line.items()}
         print(", ".join(f"{key} = {shown(value)}" for key, value in numbers.items()))
-    print(f"sweep.png, sweep.csv and summary.json in {arguments.out}")
+    print(f"sweep.png, measures.png, sweep.csv, curves.csv and summary.json in {arguments.out}")
     return 0 if all(result.converged for result in results.values()) else 1
 
 
-def parameter_of(seal, name: str) -> str:
-    """Find a parameter of the seal by its name or the end of it.
+def measures_of(seal, nominal=None) -> tuple:
+    """Return the measures of a seal that are one number, with their points on the nominal seal.
 
-    Raises
-    ------
-    WrongArgumentError
-        For a name that no parameter or more than one ends with.
+    None of them where the path of the analysed nominal seal was not completed.
     """
-    # complete name
-    if name in seal.scalars:
-        return name
-    # a unique ending is enough: friction for plate_friction
-    found = [known for known in seal.scalars if known.endswith(f"_{name}")]
-    if len(found) == 1:
-        return found[0]
-    several = f"{name!r} may be {', '.join(found)}" if found else f"there is no parameter {name!r}"
-    raise WrongArgumentError(f"--vary: {several}; the parameters are {', '.join(seal.scalars)}")
+    if nominal is not None and not nominal.converged:
+        return ()
+    frozen = frozen_measures(seal, None, None if nominal is None else lambda _: nominal)
+    return tuple(measure for measure in frozen if measure.size(seal) == 1)
 
 
-def unit_of(seal, name: str) -> str:
-    """Return the unit of a parameter; empty for a pure number."""
-    return seal.scalars[name].units or ""
+def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
+    """Draw the load-deflection curves, and all numbers at the end of the path over the varied one."""
+    label = f"{own.name} ({own.unit})".replace(" ()", "")
+    # curves of all analyses with at least one converged load step
+    nominal = {f"{v:.6g}": r for v, r in results.items() if len(r.path.nominal_steps)}
+    if nominal and contacts(next(iter(nominal.values())).seal):
+        plotting.save(plotting.load_deflection_of(nominal, label), out / "sweep.png")
+    done = [line for line in rows if line["converged"]]
+    if done:
+        columns = {
+            name: [line[name] for line in done]
+            for name in done[0]
+            if name not in ("value", "converged")
+        }
+        at = [line["value"] for line in done]
+        plotting.save(plotting.numbers_over(label, at, columns), out / "measures.png")
 
 
 def row(value: float, result, measures) -> dict:
@@ -113,15 +112,18 @@ def shown(value) -> str:
 
 
 def write_table(path: Path, name: str, rows: list[dict]) -> None:
-    """Write the rows as CSV, the parameter by its name."""
+    """Write the rows as CSV, the varied number by its name."""
+    # all columns of a completed analysis
+    columns = max(rows, key=len)
     with path.open("w", newline="", encoding="utf-8") as file:
         # empty fields for failed analyses
         writer = csv.writer(file)
-        writer.writerow([name if key == "value" else key for key in rows[0]])
-        writer.writerows(
-            ["" if v is None else f"{v:.12g}" if isinstance(v, float) else v for v in own.values()]
-            for own in rows
-        )
+        writer.writerow([name if key == "value" else key for key in columns])
+        for own in rows:
+            found = [own.get(key) for key in columns]
+            writer.writerow(
+                ["" if v is None else f"{v:.12g}" if isinstance(v, float) else v for v in found]
+            )
 
 
 def vary(text: str) -> Values:
@@ -158,7 +160,10 @@ def arguments_parser():
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
         "--vary", nargs=2, action=_Vary, required=True, metavar=("NAME", "FROM:TO:COUNT"),
-        help="parameter, or the end of its name (friction, c10, ...), and its values, evenly spread; "
-        "moduli in kPa, lengths in mm",
+        help="what varies, and its values, evenly spread: a parameter of the seal or the end of its "
+        "name (friction, c10), the travel of a profile in mm (travel: that of its first stage, others "
+        "in proportion), or a number of the file by its path (material.rubber.c10, section.spacing, "
+        "profile.door.start.2; rows by their names or numbers). A wrong name lists what there is; "
+        "`seal-mdao keys` has all keys with their units; negative values begin with a space: ' -2:-1:3'",
     )  # fmt: skip
     return made

@@ -27,7 +27,7 @@ EDGE_HEADER = (
 )  # fmt: skip
 """``pressure_kPa`` is the nominal pressure, force over undeformed length."""
 
-
+SWEEP_HEADER = ("profile", "step", "stage", "travel_mm", "Fx_N_per_m", "Fy_N_per_m")
 STATE_NAMES = {OPEN: "open", SLIP: "slip"}
 
 
@@ -86,6 +86,28 @@ def write_boundary(seal, offsets, path) -> Path:
         rows += [(name, *nominal, *now) for nominal, now in
                  zip(seal.nominal_particles[ring], particles[ring], strict=True)]  # fmt: skip
     return _write(Path(path), ("edge", "drawn_x_mm", "drawn_y_mm", "x_mm", "y_mm"), rows)
+
+
+def write_sweep_curves(name: str, results, path) -> Path:
+    """Write the load-deflection curves of a sweep: a row for every value, profile and nominal step.
+
+    Parameters
+    ----------
+    name : str
+        Of the number that varies.
+    results : mapping of float to SealResult
+        By its value; complete, or up to where the path ended.
+    path : str or Path
+    """
+    rows = [
+        (value, own.label, step, *numbers)
+        for value, result in results.items()
+        for own in profile_histories(result)
+        for step, numbers in enumerate(
+            np.column_stack([own.stage, own.travel, own.force]).tolist(), 1
+        )
+    ]
+    return _write(Path(path), (name, *SWEEP_HEADER), rows)
 
 
 def travel_table(result) -> np.ndarray:

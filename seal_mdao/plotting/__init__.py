@@ -17,6 +17,7 @@ _FUNCTIONS = {
     "material_figures": "material_fit calibration_figure",
     "force_targets": "force_targets",
     "several_seals": "load_deflection_of seals_compared",
+    "swept_numbers": "numbers_over",
     "animation": "save_animation",
     "sample_statistics": "distributions correlations designs_compared",
 }

@@ -100,7 +100,7 @@ def test_ctrl_c_while_modules_are_imported(monkeypatch, capsys):
 
 
 def test_a_wrong_parameter_is_refused_before_any_analysis(bulb, tmp_path, monkeypatch):
-    monkeypatch.setattr("seal_mdao.cli.sweep.seal_of", None)
+    monkeypatch.setattr("seal_mdao.cli.varied.seal_of", None)
     with pytest.raises(SystemExit):
         main(["sweep", str(bulb), "--vary", "frixion", "0.1:0.2:2", "--out", str(tmp_path / "out")])
 
@@ -168,6 +168,103 @@ def test_sweep_is_the_analyses_one_by_one(bulb, tmp_path):
         )
         assert float(row["contact_width"]) == pytest.approx(result.contact_width, rel=1e-9)
     assert (out / "sweep.png").is_file()
+
+
+def swept(out):
+    """Rows of the table of a sweep."""
+    with (out / "sweep.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_sweep_of_the_travel_is_that_of_files_with_other_travels(bulb, tmp_path):
+    """The first stage goes down, the second back up in proportion."""
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(bulb), "--vary", "travel", "0.9:1.5:2", "--out", str(out)]) == 0
+    text = bulb.read_text(encoding="utf-8")
+    for row, (down, up) in zip(swept(out), ((0.9, 0.3), (1.5, 0.5)), strict=True):
+        bulb.write_text(
+            text.replace("[0.0, -1.2]", f"[0.0, -{down}]").replace("[0.0, 0.4]", f"[0.0, {up}]")
+        )
+        result = sm.analyze(sm.build_seal(sm.read_seal_file(bulb)))
+        assert float(row["door_travel"]) == pytest.approx(down)
+        assert float(row["door_Fy_N_per_m"]) == pytest.approx(
+            result.path.reaction("door")[-1, 1], rel=1e-9
+        )
+    with (out / "curves.csv").open(newline="") as file:
+        curves = list(csv.DictReader(file))
+    # six steps of two seals
+    assert len(curves) == 12
+    assert float(curves[3]["travel_mm"]) == pytest.approx(0.9)
+    assert json.loads((out / "summary.json").read_text())["unit"] == "mm"
+    assert (out / "measures.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("path", "values", "old", "new", "unit"),
+    [
+        ("material.rubber.c10", "90:90:1", "c10 = 80.0", "c10 = 90.0", "kPa"),
+        ("section.spacing", "1.5:1.5:1", "spacing = 1.8", "spacing = 1.5", "mm"),
+        ("profile.door.stage.1.translate.2", " -1.1:-1.1:1", "[0.0, -1.2]", "[0.0, -1.1]", "mm"),
+        ("section.hole.1.circle.radius", "4.6:4.6:1", "radius = 4.5", "radius = 4.6", "mm"),
+        ("section.layers", "5:5:1", "spacing = 1.8", "spacing = 1.8\nlayers = 5", ""),
+    ],
+)
+def test_a_sweep_of_a_number_of_the_file_is_that_of_a_changed_file(
+    bulb, tmp_path, path, values, old, new, unit
+):
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(bulb), "--vary", path, values, "--out", str(out)]) == 0
+    (row,) = swept(out)
+    text = bulb.read_text(encoding="utf-8")
+    assert old in text
+    bulb.write_text(text.replace(old, new))
+    result = sm.analyze(sm.build_seal(sm.read_seal_file(bulb)))
+    # the table has 12 digits
+    assert float(row["door_Fy_N_per_m"]) == pytest.approx(
+        result.path.reaction("door")[-1, 1], rel=1e-11
+    )
+    assert float(row["contact_width"]) == pytest.approx(result.contact_width, rel=1e-11)
+    assert json.loads((out / "summary.json").read_text())["unit"] == unit
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("frixion", "(did you mean 'friction'?); the parameters are "),
+        (
+            "frixion",
+            "door_travel; numbers of the file are material.rubber.c10, material.rubber.c01",
+        ),
+        ("material.rubber.c1", "[material.rubber]: unknown key 'c1' (did you mean 'c10'?)"),
+        ("material.rubber.law", "the file has no number 'material.rubber.law'"),
+        ("profile.lid.friction", "(did you mean 'profile.door.friction'?)"),
+        ("profile.door.start.3", "the file has no number 'profile.door.start.3'"),
+        ("section.spacings", "unknown key 'spacings' (did you mean 'spacing'?)"),
+    ],
+)
+def test_what_cannot_vary_is_told_before_any_analysis(bulb, tmp_path, capsys, name, message):
+    try:
+        code = main(["sweep", str(bulb), "--vary", name, "1:2:2", "--out", str(tmp_path / "out")])
+    except SystemExit as ended:
+        code = ended.code
+    assert code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_keys_are_those_of_the_page(capsys):
+    """Tables, laws and measures by their names; keys with forms, units, defaults and meanings."""
+    assert main(["keys"]) == 0
+    said = capsys.readouterr().out
+    assert all(f"  {name} " in said for name in ("design", "gent", "load_deflection_error"))
+    assert main(["keys", "cavity"]) == 0
+    said = capsys.readouterr().out
+    assert "  pressure [101.325]: a number above 0 (kPa)" in said
+    assert "absolute pressure outside, and inside at the start" in said
+    assert main(["keys", "hyperfoam"]) == 0
+    assert "law hyperfoam, fitted to tests" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main(["keys", "profil"])
+    assert "did you mean 'profile'?" in capsys.readouterr().err
 
 
 def test_a_parameter_that_may_be_two_is_refused(bulb, tmp_path, capsys):

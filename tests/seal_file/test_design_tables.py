@@ -6,6 +6,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.cli.subcommands import main
 from seal_mdao.file_optimization import design_bounds
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.result import frozen_measures
 
@@ -170,6 +171,26 @@ def test_a_symmetric_seal_has_a_symmetric_optimum(tmp_path):
     images = hole.points(np.linspace(0.0, 1.0, 40_001)) * (-1.0, 1.0)
     away = np.hypot(*np.moveaxis(points[:, None] - images, -1, 0)).min(axis=1)
     assert away.max() < 1e-3
+
+
+def test_an_optimisation_is_continued_with_its_own_designs_only(tmp_path):
+    path, out = written(tmp_path, MIRRORED), tmp_path / "out"
+    cases = out / "cases.sql"
+    main(["optimize", str(path), "--quiet", "--max-iterations", "1", "--out", str(out)])
+    before = read_optimization(cases).design["boundary_offsets"]
+    assert before.shape[1] == 4 + 1
+    assert (
+        main(["optimize", str(path), "--quiet", "--max-iterations", "2", "--restart", str(cases)])
+        < 2
+    )
+    after = read_optimization(cases).design["boundary_offsets"]
+    assert len(after) > len(before)
+    np.testing.assert_array_equal(after[: len(before)], before)
+    # without the plane of symmetry the parameters are others
+    written(tmp_path, MIRRORED.replace('mirror = "x = 0.0"\n', ""))
+    with pytest.raises(SystemExit) as ended:
+        main(["optimize", str(path), "--quiet", "--restart", str(cases)])
+    assert ended.value.code == 2
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Read a seal file: TOML, every table checked, then all of them against each other."""
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -39,6 +40,29 @@ def read_seal_file(path) -> SealFile:
         file = _read(_parsed(path), path)
         note_contents(file)
         return file
+    except SealFileError as error:
+        raise SealFileError(f"{path}: {error}") from None
+
+
+def read_changed(path, change: Callable[[dict], None]) -> SealFile:
+    """Read a seal file whose tables are changed before they are checked, as ``read_seal_file``.
+
+    Parameters
+    ----------
+    path : str or Path
+    change : callable
+        Called with the tables as they are written, which it changes.
+
+    Raises
+    ------
+    SealFileError
+        As of ``read_seal_file``.
+    """
+    path = Path(path)
+    try:
+        tables = _parsed(path)
+        change(tables)
+        return _read(tables, path)
     except SealFileError as error:
         raise SealFileError(f"{path}: {error}") from None
 

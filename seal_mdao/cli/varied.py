@@ -1,0 +1,180 @@
+"""What a sweep may vary: a parameter of the seal, the travel of a profile, any number of its file."""
+
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.cli.arguments import WrongArgumentError
+from seal_mdao.cli.seal_files import file_errors, seal_of
+from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.file.read import read_changed
+from seal_mdao.seals.file.reference import unit_of_key
+from seal_mdao.seals.file.schema import suggestion
+from seal_mdao.seals.seal import Seal
+
+TRAVEL = "travel"
+"""Ending of the names of travels: ``door_travel``."""
+MOST_LISTED = 60
+"""Numbers of a file that are listed in an error."""
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A number that varies.
+
+    Attributes
+    ----------
+    name, unit : str
+        The unit is empty for pure numbers.
+    change : callable, or None
+        ``change(tables, value)`` sets the number in the tables of the file, which then is read again;
+        None for a parameter of the seal.
+    """
+
+    name: str
+    unit: str
+    change: Callable | None = None
+
+    def files(self, file: SealFile, values) -> list[SealFile]:
+        """Read the file with every value; all are read before anything is analysed.
+
+        Raises
+        ------
+        SealFileError
+            For a value that the file cannot have.
+        """
+        if self.change is None:
+            return [file] * len(values)
+        return [read_changed(file.path, lambda own, v=v: self.change(own, v)) for v in values]
+
+    def seals(self, file: SealFile, values) -> Iterator[tuple[Seal, dict]]:
+        """Return the seal of every value, built when it is asked for, with its changed parameters.
+
+        Load steps and penalties that the file leaves open are chosen once for a parameter, anew for a
+        number of the file.
+        """
+        files = self.files(file, values)
+        seal = seal_of(file) if self.change is None else None
+        for own, value in zip(files, values, strict=True):
+            if seal is not None:
+                yield seal, {self.name: float(value)}
+            else:
+                yield seal_of(own), {}
+
+
+def varied(file: SealFile, name: str) -> Varied:
+    """Find what a name means: a parameter or the end of its name, a travel, a number of the file.
+
+    Raises
+    ------
+    WrongArgumentError
+        For a name of nothing, or of more than one; it lists what there is.
+    SealFileError
+        For a file whose section cannot be filled.
+    """
+    tables = tomllib.loads(file.path.read_text(encoding="utf-8"))
+    if "." in name:
+        return _number_of(tables, name)
+    with file_errors(file.path):
+        scalars = unchosen_seal(file).scalars
+    travels = {f"{own.name}_{TRAVEL}": own.name for own in file.profiles if own.travel}
+    known = [*scalars, *travels]
+    # a unique ending is enough: friction for plate_friction
+    found = [name] if name in known else [own for own in known if own.endswith(f"_{name}")]
+    if len(found) > 1:
+        raise WrongArgumentError(
+            f"--vary: {name!r} may be {', '.join(found)}; the parameters are {', '.join(known)}"
+        )
+    if not found:
+        close = suggestion(name, [*known, *(own.rpartition("_")[2] for own in known)])
+        raise WrongArgumentError(
+            f"--vary: there is no parameter {name!r}{close}; the parameters are "
+            f"{', '.join(known)}; numbers of the file are {_listed(tables)}"
+        )
+    (own,) = found
+    if own in travels and own not in scalars:
+        profile = travels[own]
+        return Varied(own, "mm", lambda given, value: _set_travel(given, profile, value))
+    return Varied(own, scalars[own].units or "")
+
+
+def _set_travel(tables: dict, profile: str, travel: float) -> None:
+    """Set the travel (mm) of the first stage of a profile that travels, others in proportion."""
+    rows = next(own for own in tables["profile"] if own["name"] == profile)["stage"]
+    stages = [stage for stage in rows if any(stage.get("translate", ()))]
+    # t_i <- t_i travel / |t_1|
+    factor = travel / float(np.hypot(*stages[0]["translate"]))
+    for stage in stages:
+        stage["translate"] = [factor * own for own in stage["translate"]]
+
+
+# ---- numbers of a file by their paths ----
+
+
+def _number_of(tables: dict, path: str) -> Varied:
+    """Find a number of a file by its dotted path: ``material.rubber.c10``, ``profile.door.start.2``."""
+    *before, last = path.split(".")
+    place = tables
+    for step in before:
+        place = _within(place, step)
+        if place is None:
+            raise _unknown(tables, path)
+    value = _within(place, last)
+    # a key that is not written may be one that holds a default
+    is_new_key = isinstance(place, dict) and last not in place
+    if not is_new_key and (isinstance(value, bool) or not isinstance(value, int | float)):
+        raise _unknown(tables, path)
+    return Varied(path, unit_of_key(tables, path), lambda own, v: _set(own, path, v))
+
+
+def _unknown(tables, path) -> WrongArgumentError:
+    return WrongArgumentError(
+        f"--vary: the file has no number {path!r}{suggestion(path, _numbers(tables))}; its numbers are "
+        f"{_listed(tables)}"
+    )
+
+
+def _within(place, step: str):
+    """Take one step of a path: a key, the name of a row, or a number of a list from 1; None if it leads
+    nowhere."""
+    if isinstance(place, dict):
+        return place.get(step)
+    if not isinstance(place, list):
+        return None
+    named = [own for own in place if isinstance(own, dict) and own.get("name") == step]
+    if named:
+        return named[0]
+    number = int(step) if step.isdecimal() else 0
+    return place[number - 1] if 1 <= number <= len(place) else None
+
+
+def _set(tables: dict, path: str, value: float) -> None:
+    """Set a number of a file; a whole one is an integer, which every number may be."""
+    *before, last = path.split(".")
+    place = tables
+    for step in before:
+        place = _within(place, step)
+    value = int(value) if float(value).is_integer() else float(value)
+    place[int(last) - 1 if isinstance(place, list) else last] = value
+
+
+def _numbers(place, path=()) -> Iterator[str]:
+    """List the paths of the numbers that keys of a file have; coordinates and lists are left out."""
+    for name, value in place.items():
+        if isinstance(value, dict):
+            yield from _numbers(value, (*path, name))
+        elif isinstance(value, list):
+            for number, row in enumerate(value, 1):
+                if isinstance(row, dict):
+                    yield from _numbers(row, (*path, name, str(row.get("name", number))))
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield ".".join((*path, name))
+
+
+def _listed(tables) -> str:
+    every = list(_numbers(tables))
+    more = f", and {len(every) - MOST_LISTED} more" if len(every) > MOST_LISTED else ""
+    return ", ".join(every[:MOST_LISTED]) + more
