@@ -9,10 +9,6 @@ from seal_mdao.components.spline_geometry_comp import SplineGeometryComp
 from seal_mdao.openmdao_access import RunOnce
 from seal_mdao.seals.seal import SETTINGS_OPTION
 
-PIECE = 4000
-"""Characters of a piece of the settings. OpenMDAO leaves options of more than 10 kB out of its files, as
-``sys.getsizeof`` counts; a drawing has more, a list of pieces less."""
-
 
 class DesignGroup(om.Group):
     """Base class of groups whose components share the inputs of one seal; it records its settings."""
@@ -22,14 +18,14 @@ class DesignGroup(om.Group):
             SETTINGS_OPTION,
             default=[],
             types=list,
-            desc="The seal's attributes as JSON in pieces, filled in by setup for recorder files.",
+            desc="The seal's attributes, one text in JSON, filled in by setup for recorder files.",
         )
 
     def setup(self):
         seal = self.options["seal"]
-        # recorders store options that are lists of texts: a report rebuilds the seal from them
-        text = seal.settings()
-        self.options[SETTINGS_OPTION] = [text[i : i + PIECE] for i in range(0, len(text), PIECE)]
+        # recorders store options that are text: a report rebuilds the seal from them. OpenMDAO drops
+        # values of more than 10 kB by ``sys.getsizeof``, which does not count the entries of a list
+        self.options[SETTINGS_OPTION] = [seal.settings()]
         # no feedback between the components: each runs once
         self.nonlinear_solver = RunOnce()
         # several components promote these inputs: one default for all

@@ -142,7 +142,7 @@ def read_model(database: PlainDatabase) -> RecordedModel:
 
 
 def _text_options(tree: dict) -> dict[str, dict[str, str]]:
-    """Collect the text options of all systems of a tree by path; lists of texts are their pieces."""
+    """Collect the text options of all systems of a tree by path; those of a list are joined."""
     # depth first, without recursion: a file may nest its tree arbitrarily deep
     found, waiting = {}, [("", tree)]
     while waiting:
