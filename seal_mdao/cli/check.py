@@ -38,6 +38,8 @@ def main(arguments) -> int:
         "n_cells": len(seal.body.cells),
         "area_mm2": seal.area(seal.check_offsets(None))[0],
         "edges": {name: len(edge.particles) for name, edge in seal.body.edges.items()},
+        "materials": [own.prefix.rstrip("_") for own in seal.definitions[0].regions if own.prefix],
+        "left_out": file.section.notice,
         "profiles": [contact.label for contact in contacts(seal)],
         "measures": [measure.name for measure in seal.standard],
         "design_parameters": seal.n_offsets,
@@ -55,12 +57,14 @@ def main(arguments) -> int:
 def report(summary: dict, steps: int, picture: Path) -> None:
     """Print what the file describes."""
     edges = ", ".join(f"{name} ({count} particles)" for name, count in summary["edges"].items())
+    if summary["left_out"]:
+        print(summary["left_out"])
     print(
         f"{summary['n_particles']} particles, {summary['n_cells']} cells, area "
         f"{summary['area_mm2']:.4g} mm²\nedges: {edges}"
     )
     # empty lists are not printed
-    for key in ("profiles", "measures", "to_be_chosen"):
+    for key in ("materials", "profiles", "measures", "to_be_chosen"):
         if summary[key]:
             print(f"{key.replace('_', ' ')}: {', '.join(map(str, summary[key]))}")
     if summary["design_parameters"]:

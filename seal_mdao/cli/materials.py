@@ -19,4 +19,4 @@ def main(arguments) -> int:
 
 
 def arguments_parser():
-    return parser(__doc__, ".", "", "seal-mdao materials")
+    return parser(__doc__, ".", "", "seal-mdao materials > rubbers.txt")

@@ -1,17 +1,9 @@
 """Write a seal file to start from: a commented bulb, or the section of a drawing under a plate."""
 
-import shutil
-from pathlib import Path
-
-import numpy as np
-
 from seal_mdao.cli.arguments import WrongArgumentError, checked_arguments, existing_file, parser
-from seal_mdao.seals.outline.dxf import read_dxf
+from seal_mdao.cli.new_from_drawing import from_drawing
+from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
 
-SQUEEZE = 0.2
-"""Travel of the plate after first contact, as a fraction of the height of the drawing."""
-CLEARANCE = 0.02
-"""Initial clearance of the plate, as a fraction of the height of the drawing."""
 RUBBER = """\
 # Rubber of about 45 Shore A (Mooney-Rivlin, kPa). Other laws: neo_hookean, yeoh, gent, ogden,
 # hyperfoam (sponge); from tests: law = "ogden", data = "tests.csv"
@@ -64,44 +56,6 @@ bound = 0.4
 minimize = "section_area"
 constraint = [{{ measure = "reaction", lower = 450.0 }}]
 """
-DRAWING = """\
-# {name}: the section of {drawing}, pressed by a plate. Lengths in mm, stresses in kPa, forces in N/m.
-# Edges (layers of the drawing): {edges}.
-# Look at section.png of `seal-mdao check {name}.toml`, then change what is fixed, which edges the
-# plate touches, its start and its travel.
-{rubber}
-[section]
-material = "rubber"
-spacing = {spacing:.3g}
-dxf = "{drawing}"
-
-[fixed]
-edges = ["{lowest}"]
-
-# A rigid profile: its solid side lies on the left of the line.
-[[profile]]
-name = "plate"
-friction = 0.3
-contact = [{contact}]
-line = [[{left:.5g}, 0.0], [{right:.5g}, 0.0]]
-start = [0.0, {start:.5g}]
-[[profile.stage]]
-translate = [0.0, {travel:.5g}]
-
-[[measure]]
-type = "contact_width"
-[[measure]]
-type = "von_mises"
-
-# To optimise the shape, take the "#" away and name the edges that may move.
-# [[design]]
-# edges = ["{lowest}"]
-# parameters = 6
-# bound = 0.4  # mm
-# [optimize]
-# minimize = "section_area"
-# constraint = [{{ measure = "reaction", lower = 100.0 }}]  # force on the plate, N/m
-"""
 
 
 def main(arguments) -> int:
@@ -116,52 +70,13 @@ def main(arguments) -> int:
     else:
         with checked_arguments():
             # section, edges and plate by the bounding box of the drawing
-            text = from_drawing(name, arguments.drawing, path.parent)
+            text = from_drawing(
+                name, arguments.drawing, path.parent, arguments.units, arguments.parting or [],
+                arguments.ignore or [],
+            )  # fmt: skip
     path.write_text(text, encoding="utf-8")
     print(f"{path}; next: seal-mdao check {path}")
     return 0
-
-
-def from_drawing(name: str, drawing: Path, folder: Path) -> str:
-    """Write the seal file of a drawing: lowest edge fixed, the others pressed by a plate from above.
-
-    Raises
-    ------
-    ImportError, GeometryError
-        As ``read_dxf``.
-    """
-    outline = read_dxf(drawing)
-    # bounding box, mm
-    low, high = np.array(outline.box)
-    width, height = high - low
-    reach: dict[str, list] = {}  # lowest and highest ordinate of every edge
-    for contour in (outline.outer, *outline.others):
-        for segment in contour.segments:
-            # nine points find the extent of a line or arc well enough
-            ordinates = segment.points(np.linspace(0.0, 1.0, 9))[:, 1]
-            own = reach.setdefault(segment.edge, [np.inf, -np.inf])
-            own[:] = min(own[0], ordinates.min()), max(own[1], ordinates.max())
-    # the edge whose highest point is lowest is the foot
-    lowest = min(reach, key=lambda edge: reach[edge][1])
-    # edges that reach the upper half may touch the plate
-    touched = [
-        edge for edge, (_, top) in reach.items() if edge != lowest and top > low[1] + 0.5 * height
-    ]
-    if not touched:
-        raise WrongArgumentError(
-            f"--from: {drawing} has one edge only, {lowest!r}; draw what is fixed and what is "
-            "pressed on layers of their own"
-        )
-    if not (folder / drawing.name).exists():  # a seal file names files beside it
-        shutil.copy(drawing, folder / drawing.name)
-    # at least twelve particles across; a plate seven times as wide
-    return DRAWING.format(
-        name=name, drawing=drawing.name, rubber=RUBBER, edges=", ".join(outline.edge_names),
-        spacing=min(width, height) / 12.0, lowest=lowest,
-        contact=", ".join(f'"{edge}"' for edge in touched),
-        left=low[0] - 3.0 * width, right=high[0] + 3.0 * width,
-        start=high[1] + CLEARANCE * height, travel=-(SQUEEZE + CLEARANCE) * height,
-    )  # fmt: skip
 
 
 def arguments_parser():
@@ -170,5 +85,16 @@ def arguments_parser():
     made.add_argument(
         "--from", dest="drawing", type=existing_file, metavar="DRAWING.dxf",
         help="take the section from a drawing whose layers are the edges",
+    )  # fmt: skip
+    made.add_argument(
+        "--units", choices=tuple(MODEL_UNITS), help="of a drawing whose header has none"
+    )
+    made.add_argument(
+        "--parting", nargs="+", metavar="LAYER",
+        help="layers of lines between rubbers; a single one is found without",
+    )  # fmt: skip
+    made.add_argument(
+        "--ignore", nargs="+", metavar="LAYER",
+        help="layers that are no boundary; annotation is left out without",
     )  # fmt: skip
     return made

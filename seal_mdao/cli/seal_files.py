@@ -47,6 +47,8 @@ def seal_of(file: SealFile, chosen: dict | None = None) -> OutlineSeal:
     LoadPathError
         When the path on which they are to be chosen cannot be completed.
     """
+    if file.section.notice:
+        print(file.section.notice)
     with file_errors(file.path):
         if not file.leaves_open or chosen is not None:
             # nothing to choose, or chosen in an earlier run

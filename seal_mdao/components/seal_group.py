@@ -16,15 +16,16 @@ class DesignGroup(om.Group):
     def initialize(self):
         self.options.declare(
             SETTINGS_OPTION,
-            default="",
-            types=str,
-            desc="The seal's attributes as JSON, filled in by setup for recorder files.",
+            default=[],
+            types=list,
+            desc="The seal's attributes, one text in JSON, filled in by setup for recorder files.",
         )
 
     def setup(self):
         seal = self.options["seal"]
-        # recorders store options that are text: a report rebuilds the seal from them
-        self.options[SETTINGS_OPTION] = seal.settings()
+        # recorders store options that are text: a report rebuilds the seal from them. OpenMDAO drops
+        # values of more than 10 kB by ``sys.getsizeof``, which does not count the entries of a list
+        self.options[SETTINGS_OPTION] = [seal.settings()]
         # no feedback between the components: each runs once
         self.nonlinear_solver = RunOnce()
         # several components promote these inputs: one default for all

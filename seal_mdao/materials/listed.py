@@ -28,9 +28,8 @@ class MaterialList(NamedTuple):
 
 def _range(law) -> str:
     least, largest = law.valid
-    return (
-        f"Range of the constants: stretches from {least:g} to {largest:g}; a warning tells of more."
-    )
+    between = f"stretches from {least:g} to {largest:g}"
+    return f"Range of the constants: {between}; strains beyond it are reported."
 
 
 def dense_rubbers() -> MaterialList:

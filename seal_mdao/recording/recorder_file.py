@@ -142,13 +142,18 @@ def read_model(database: PlainDatabase) -> RecordedModel:
 
 
 def _text_options(tree: dict) -> dict[str, dict[str, str]]:
-    """Collect the text options of all systems of a tree by path."""
+    """Collect the text options of all systems of a tree by path; those of a list are joined."""
     # depth first, without recursion: a file may nest its tree arbitrarily deep
     found, waiting = {}, [("", tree)]
     while waiting:
         path, system = waiting.pop()
         options = system.get("options") or {}
         found[path] = {name: value for name, value in options.items() if isinstance(value, str)}
+        found[path] |= {
+            name: "".join(value)
+            for name, value in options.items()
+            if isinstance(value, list) and all(isinstance(piece, str) for piece in value)
+        }
         inner = [child for child in system.get("children") or () if child["type"] == "subsystem"]
         prefix = f"{path}." if path else ""
         waiting += [(prefix + child["name"], child) for child in reversed(inner)]

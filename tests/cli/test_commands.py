@@ -136,6 +136,70 @@ def test_new_from_a_drawing(tmp_path, monkeypatch):
     assert main(["check", "strip.toml"]) == 0
 
 
+DOOR_LAYERS = (
+    "left out of the drawing: 10 entities on layers 'centre' (2), 'dimensions' (4), 'hatch' (1), "
+    "'notes' (3)"
+)
+
+
+def test_new_from_a_drawing_of_two_rubbers(tmp_path, monkeypatch, capsys):
+    """The parting layer is found, materials have the names of the texts in their parts, the comment
+    says what was left out; the file is checked as it is."""
+    pytest.importorskip("netgen")
+    pytest.importorskip("ezdxf")
+    monkeypatch.chdir(tmp_path)
+    drawing = examples.examples_folder() / "car_door_seal.dxf"
+    assert main(["new", "door", "--from", str(drawing)]) == 0
+    text = (tmp_path / "door.toml").read_text(encoding="utf-8")
+    assert (
+        "# Layers of the drawing: edges base, foot_right, seal_surface, foot_left, cavity;" in text
+    )
+    assert "# lines between rubbers on parting; left out centre (2 entities), dimensions (4" in text
+    seal = sm.read_seal_file("door.toml")
+    assert list(seal.materials) == ["bulb", "foot"]
+    assert seal.section.material == "bulb"
+    assert seal.section.regions[0].at == pytest.approx((0.0, 1.25))
+    assert seal.fixed_edges == ("base",)
+    capsys.readouterr()
+    assert main(["check", "door.toml", "--out", "look"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == DOOR_LAYERS
+    assert "materials: bulb, foot" in said
+    summary = json.loads((tmp_path / "look" / "summary.json").read_text())
+    assert summary["materials"] == ["bulb", "foot"]
+    assert summary["warnings"] == []
+
+
+def test_layers_and_units_of_new_are_those_of_the_file(tmp_path, monkeypatch, capsys):
+    """A drawing without units, with a frame; the names of the layers need quotes."""
+    ezdxf = pytest.importorskip("ezdxf")
+    monkeypatch.chdir(tmp_path)
+    document = ezdxf.new("R2010", units=0)
+    model = document.modelspace()
+    corners = [(0, 0), (2, 0), (2, 1), (0, 1)]
+    for name, i in (("base", 0), ("right", 1), ("top", 2), ("left", 3)):
+        model.add_line(corners[i], corners[(i + 1) % 4], {"layer": name})
+    model.add_lwpolyline([(-9, -9), (9, -9), (9, 9), (-9, 9)], close=True,
+                         dxfattribs={"layer": "frame 1"})  # fmt: skip
+    document.saveas("box.dxf")
+    with pytest.raises(SystemExit):
+        main(["new", "box", "--from", "box.dxf"])
+    assert "the drawing has no units" in capsys.readouterr().err
+    with_units = ["new", "box", "--from", "box.dxf", "--units", "cm", "--ignore", "frame 1"]
+    assert main(with_units) == 0
+    section = sm.read_seal_file("box.toml").section
+    assert section.outline.area == pytest.approx(200.0)
+    assert 'units = "cm"\nignore = ["frame 1"]\n' in Path("box.toml").read_text()
+
+
+def test_materials_are_listed(capsys):
+    assert main(["materials"]) == 0
+    said = capsys.readouterr().out
+    assert "       60     3605            600.8" in said
+    assert "    2A3                               62 to 90       130.0" in said
+    assert "law = neo_hookean, mooney_rivlin" in said
+
+
 def test_examples_are_copied_with_their_files(tmp_path, capsys):
     assert main(["examples"]) == 0
     listed = {line.split()[0] for line in capsys.readouterr().out.splitlines()}

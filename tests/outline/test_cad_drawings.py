@@ -219,12 +219,12 @@ def test_layers_that_the_drawing_does_not_have_are_refused(tmp_path, key):
 
 
 def test_an_ignored_frame_is_no_outline(tmp_path):
-    drawing = Drawing(tmp_path).box().box(100.0, "frame", (-20.0, -20.0))
+    drawing = Drawing(tmp_path).box().box(100.0, "Frame", (-20.0, -20.0))
     path = drawing.saved()
-    assert read_dxf(path).outer.edge_names == ("frame",)
-    found = read_drawing(path, ignore=["frame"])
+    assert read_dxf(path).outer.edge_names == ("Frame",)
+    found = read_drawing(path, ignore=["FRAME"])
     assert found.outline.edge_names == ("seal",)
-    assert found.left_out == {"frame": 1}
+    assert found.left_out == {"Frame": 1}
 
 
 def test_parting_lines_are_written_and_read_again(tmp_path):
@@ -240,3 +240,13 @@ def test_parting_lines_are_written_and_read_again(tmp_path):
         len(c.segments) for c in found.outline.contours
     ]
     assert min(s.length for s in again.outline.outer.segments) > SHORTEST * JOIN
+
+
+def test_control_points_of_a_fitted_polyline_are_no_points_of_it(tmp_path):
+    """R12 keeps the frame of a spline among the vertices of its curve."""
+    drawing = Drawing(tmp_path, 4, "R12")
+    polyline = drawing.model.add_polyline2d(
+        [(0, 0), (10, 0), (10, 5), (0, 5)], close=True, dxfattribs={"layer": "seal"}
+    )
+    polyline.append_vertices([(30, 30), (-20, 40)], {"flags": 16})
+    assert read_dxf(drawing.saved(), "mm").area == pytest.approx(50.0, rel=1e-12)

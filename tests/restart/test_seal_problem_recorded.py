@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 import openmdao.api as om
@@ -44,6 +45,25 @@ def test_every_setting_of_the_problem_is_recorded(tmp_path):
         other = again.driver._cons[name]
         for side in ("lower", "upper"):
             assert np.array_equal(limit[side], other[side])  # those of the nominal seal
+
+
+def test_a_seal_file_of_many_bytes_is_recorded(tmp_path):
+    """OpenMDAO drops options of more than 10 kB, as those of a seal file with a CAD drawing are."""
+    pytest.importorskip("netgen")
+    text = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text(encoding="utf-8")
+    path = tmp_path / "bulb.toml"
+    path.write_text(f"# {'a long drawing ' * 2000}\n{text}", encoding="utf-8")
+    seal = sm.build_seal(
+        sm.read_seal_file(path), penalties={"door_normal_penalty": 1e4, "door_tangent_penalty": 1e2}
+    )
+    assert len(seal.settings()) > 3e4
+    group = sm.SealGroup(seal=seal, measures=("section_area",))
+    problem = om.Problem(group, reports=None, work_dir=tmp_path)
+    problem.driver.add_recorder(om.SqliteRecorder(tmp_path / "cases.sql"))
+    problem.setup()
+    problem.final_setup()
+    problem.cleanup()
+    assert recorded_problem(open_model(tmp_path / "cases.sql")).seal.key == seal.key
 
 
 def test_another_problem_is_not_continued(tmp_path):

@@ -1,0 +1,199 @@
+"""Write the seal file of a drawing: edges, regions and plate from its layers, texts and size."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from seal_mdao.cli.arguments import WrongArgumentError
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.dxf import Drawing, boundary_layers, read_drawing
+
+SQUEEZE = 0.2
+"""Travel of the plate after first contact, as a fraction of the height of the drawing."""
+CLEARANCE = 0.02
+"""Initial clearance of the plate, as a fraction of the height of the drawing."""
+MATERIAL = """\
+[material.{name}]
+shore_a = 60
+"""
+REGION = """\
+[[section.region]]
+material = "{name}"
+at = [{x:.5g}, {y:.5g}]
+"""
+FILE = """\
+# {name}: the section of {drawing}, pressed by a plate. Lengths in mm, stresses in kPa, forces in N/m.
+# Layers of the drawing: edges {edges};
+# {layers}.
+# Look at section.png of `seal-mdao check {name}.toml`, then change what is fixed, which edges the
+# plate touches, its start and its travel.
+
+# Rubber by its hardness; or sponge = "2A3", a grade of ASTM D1056 (`seal-mdao materials` lists all); or
+# a law with constants, law = "mooney_rivlin", or fitted to tests, law = "ogden", data = "tests.csv".
+{materials}
+[section]
+material = "{rest}"
+spacing = {spacing:.3g}
+layers = 5  # of particles across walls, at least
+dxf = {file}
+{keys}{regions}
+[fixed]
+edges = [{lowest}]
+
+# A rigid profile: its solid side lies on the left of the line.
+[[profile]]
+name = "plate"
+friction = 0.3
+contact = [{contact}]
+line = [[{left:.5g}, 0.0], [{right:.5g}, 0.0]]
+start = [0.0, {start:.5g}]
+[[profile.stage]]
+translate = [0.0, {travel:.5g}]
+
+[[measure]]
+type = "contact_width"
+[[measure]]
+type = "von_mises"
+
+# To optimise the shape, take the "#" away and name the edges that may move.
+# [[design]]
+# edges = [{contact}]
+# parameters = 6
+# bound = 0.4  # mm
+# [optimize]
+# minimize = "section_area"
+# constraint = [{{ measure = "reaction", lower = 100.0 }}]  # force on the plate, N/m
+"""
+
+
+def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) -> str:
+    """Write the seal file of a drawing: lowest edge fixed, the others pressed by a plate from above.
+
+    Parameters
+    ----------
+    name : str
+        Of the seal file, without its ending.
+    path : Path
+        The drawing, which is copied into ``folder`` unless it is there.
+    folder : Path
+        That of the seal file.
+    units, parting, ignore
+        As of ``read_drawing``; without ``parting`` a layer of lines between rubbers is looked for.
+
+    Raises
+    ------
+    ImportError, GeometryError
+        As ``read_drawing``.
+    WrongArgumentError
+        For a drawing with one edge only.
+    """
+    drawing, parting = _read(path, units, parting, ignore)
+    # bounding box, mm
+    low, high = np.array(drawing.outline.box)
+    width, height = high - low
+    lowest, touched = _fixed_and_touched(drawing, low[1] + 0.5 * height)
+    if not touched:
+        raise WrongArgumentError(
+            f"--from: {path} has one edge only, {lowest!r}; draw what is fixed and what is pressed on "
+            "layers of their own"
+        )
+    rest, *others = _parts(drawing)
+    if not (folder / path.name).exists():  # a seal file names files beside it
+        shutil.copy(path, folder / path.name)
+    # at least twelve particles across; a plate seven times as wide
+    return FILE.format(
+        name=name, drawing=path.name, edges=", ".join(drawing.outline.edge_names),
+        layers=_described(drawing, parting), rest=rest[0],
+        materials="".join(MATERIAL.format(name=own) for own, _ in (rest, *others)),
+        keys=_keys(units, parting, ignore), file=_quoted(path.name),
+        regions="".join(REGION.format(name=own, x=at[0], y=at[1]) for own, at in others),
+        spacing=min(width, height) / 12.0, lowest=_quoted(lowest),
+        contact=", ".join(map(_quoted, touched)),
+        left=low[0] - 3.0 * width, right=high[0] + 3.0 * width,
+        start=high[1] + CLEARANCE * height, travel=-(SQUEEZE + CLEARANCE) * height,
+    )  # fmt: skip
+
+
+def _read(path, units, parting, ignore) -> tuple[Drawing, list]:
+    """Read a drawing with its parting layers, given or found."""
+    try:
+        return read_drawing(path, units, parting, ignore), parting
+    except GeometryError:
+        found = [] if parting else _readable(path, units, ignore)
+        # several layers, or none, with which the others are a section: the first error says more
+        if len(found) != 1:
+            raise
+    return found[0]
+
+
+def _readable(path, units, ignore) -> list[tuple]:
+    """List the readings of a drawing in which a single layer holds parting lines."""
+    found = []
+    for layer in boundary_layers(path):
+        try:
+            found.append((read_drawing(path, units, [layer], ignore), [layer]))
+        except GeometryError:
+            continue
+    return found
+
+
+def _fixed_and_touched(drawing: Drawing, middle: float) -> tuple[str, list[str]]:
+    """Find the edge that lies lowest, and those that reach above the middle of the section."""
+    reach: dict[str, list] = {}  # lowest and highest ordinate of every edge
+    for contour in (drawing.outline.outer, *drawing.outline.others):
+        for segment in contour.segments:
+            # nine points find the extent of a line or arc well enough
+            ordinates = segment.points(np.linspace(0.0, 1.0, 9))[:, 1]
+            own = reach.setdefault(segment.edge, [np.inf, -np.inf])
+            own[:] = min(own[0], ordinates.min()), max(own[1], ordinates.max())
+    # the edge whose highest point is lowest is the foot
+    lowest = min(reach, key=lambda edge: reach[edge][1])
+    return lowest, [e for e, (_, top) in reach.items() if e != lowest and top > middle]
+
+
+def _parts(drawing: Drawing) -> list[tuple]:
+    """List names of materials and points of the parts between parting lines, the largest part first."""
+    if not drawing.parting:
+        return [("rubber", None)]
+    boundaries = [np.vstack([p, p[:1]]) for p in drawing.outline.polyline()]
+    lines = shapely.union_all([shapely.LineString(own) for own in (*boundaries, *drawing.parting)])
+    body = shapely.union_all([
+        shapely.Polygon(own[0].polyline(1e-3)[0], [c.polyline(1e-3)[0] for c in own[1:]])
+        for own in drawing.outline.bodies
+    ])  # fmt: skip
+    # faces between all lines, holes left out
+    faces = [f for f in shapely.polygonize([lines]).geoms if body.covers(f.representative_point())]
+    faces.sort(key=lambda face: -face.area)
+    names: list[str] = []
+    for number, face in enumerate(faces, 1):
+        # a single word in the part is the name of its material
+        words = [text for text, at in drawing.texts if face.covers(shapely.Point(at))]
+        words = [own for own in words if re.fullmatch(r"[A-Za-z_]\w*", own) and own not in names]
+        names.append(words[0] if len(words) == 1 else f"rubber_{number}")
+    points = [face.representative_point().coords[0] for face in faces]
+    return list(zip(names, points, strict=True))
+
+
+def _described(drawing: Drawing, parting) -> str:
+    """Say which layers are parting lines, and which were left out."""
+    said = [f"lines between rubbers on {', '.join(parting)}"] if parting else []
+    left = ", ".join(f"{name} ({count} entities)" for name, count in drawing.left_out.items())
+    return "; ".join(said + ([f"left out {left}"] if left else [])) or "nothing was left out"
+
+
+def _keys(units, parting, ignore) -> str:
+    """Write the keys of [section] that the reading of the drawing needs."""
+    lines = [f"units = {_quoted(units)}\n"] if units else []
+    for key, layers in (("parting", parting), ("ignore", ignore)):
+        if layers:
+            lines.append(f"{key} = [{', '.join(map(_quoted, layers))}]\n")
+    return "".join(lines)
+
+
+def _quoted(text: str) -> str:
+    """Write a text as TOML does."""
+    return json.dumps(text, ensure_ascii=False)
