@@ -1,4 +1,4 @@
-"""The bulb of the examples with its hole sealed and open."""
+"""The bulb of the examples with its hole sealed, open and with vents."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -10,22 +10,27 @@ from figures.drawing import picture
 from figures.seal_files import example
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
-from seal_mdao.plotting.style import BLUE, GREY, VERMILION
+from seal_mdao.plotting.style import BLUE, GREEN, GREY, VERMILION
 
 
 def make(out: Path, reduced: bool) -> dict:
     """The picture, and what the air does."""
     file = example("sealed_bulb", reduced)
-    sealed, vented = (sm.analyze(sm.build_seal(f)) for f in (file, without_air(file)))
-    for result in (sealed, vented):
+    files = file, without_air(file), example("vented_bulb", reduced)
+    sealed, opened, vented = (sm.analyze(sm.build_seal(f)) for f in files)
+    for result in (sealed, opened, vented):
         result.require_converged()
-    _picture(out / "trapped_air.png", sealed, vented)
+    _picture(out / "trapped_air.png", sealed, opened)
+    _vents(out / "vented_air.png", {"sealed": sealed, "vents": vented, "open": opened})
     pressure, area = sealed.response("air").outputs[0]
-    forces = [abs(result.path.reaction("door")[-1, 1]) for result in (sealed, vented)]
+    left, _ = vented.response("air").outputs[0]
+    forces = [abs(result.path.reaction("door")[-1, 1]) for result in (sealed, opened, vented)]
     nominal = sealed.term("air").nominal_area
     return {
         "pressure": f"{pressure:.1f}", "area": f"{100 * (1 - area / nominal):.0f}",
-        "sealed": f"{forces[0]:.0f}", "vented": f"{forces[1]:.0f}",
+        "sealed": f"{forces[0]:.0f}", "open": f"{forces[1]:.0f}", "vented": f"{forces[2]:.0f}",
+        "vented_pressure": f"{left:.1f}",
+        "lost": f"{100.0 * (1.0 - vented.response('air').history.mass):.0f}",
     }  # fmt: skip
 
 
@@ -35,9 +40,9 @@ def without_air(file):
     return replace(file, cavities=(), measures=measures)
 
 
-def _picture(path: Path, sealed, vented) -> None:
+def _picture(path: Path, sealed, opened) -> None:
     """Both deformed shapes over the undeformed one, and the curves."""
-    grids = fine_grid(sealed), fine_grid(vented)
+    grids = fine_grid(sealed), fine_grid(opened)
     low, high = section.window([grids[0].undeformed(), *(fine.deformed() for fine in grids)])
     looks = ("sealed", VERMILION), ("open", BLUE)
     ratios = {"width_ratios": [1.0, 1.0, 1.1]}
@@ -48,17 +53,39 @@ def _picture(path: Path, sealed, vented) -> None:
             section.draw_section(axes, fine, -1, facecolor=color, alpha=0.35, edgecolor=color)
             section.frame(axes, low, high)
             axes.set_title(f"hole {name}")
-        _curves(panels[2], sealed, vented)
+        _curves(panels[2], sealed, opened)
 
 
-def _curves(axes, sealed, vented):
+def _vents(path: Path, results: dict) -> None:
+    """Pressure and force over travel for a sealed hole, one with vents and an open one."""
+    with picture(path, 1, 2, width=9.0, height=3.5) as (pressures, forces):
+        for (name, result), colour in zip(results.items(), (VERMILION, GREEN, BLUE), strict=True):
+            travel = _travel(result)
+            if name != "open":
+                found = [response.outputs[0, 0] for response in result.path.at_nominal("air")]
+                pressures.plot(travel, [0.0, *found], color=colour, label=name)
+            force = np.append(0.0, result.path.reaction("door")[:, 1])
+            forces.plot(travel, force, color=colour, label=name)
+        pressures.set(xlabel="travel (mm)", ylabel="pressure of the air (kPa)")
+        forces.set(xlabel="travel (mm)", ylabel="force (N/m)")
+        for axes in (pressures, forces):
+            axes.set(xlim=(0.0, None), ylim=(0.0, None))
+            axes.legend(loc="upper left")
+
+
+def _travel(result) -> list:
+    """Of the door, at the start and after every nominal step, mm."""
+    motion = result.term("door").motion
+    fractions = [0.0, *(step.fraction for step in result.path.nominal_steps)]
+    return [motion.pose(0.0).position[1] - motion.pose(f).position[1] for f in fractions]
+
+
+def _curves(axes, sealed, opened):
     """Force and pressure over the door's travel."""
-    motion = sealed.term("door").motion
-    fractions = [0.0, *(step.fraction for step in sealed.path.nominal_steps)]
-    travel = [motion.pose(0.0).position[1] - motion.pose(f).position[1] for f in fractions]
+    travel = _travel(sealed)
     for result, name, colour in (
         (sealed, "force, sealed", VERMILION),
-        (vented, "force, open", BLUE),
+        (opened, "force, open", BLUE),
     ):
         force = np.append(0.0, result.path.reaction("door")[:, 1])
         axes.plot(travel, force, color=colour, label=name)
