@@ -102,7 +102,7 @@ def write_sweep_curves(name: str, results, path) -> Path:
     rows = [
         (value, own.label, step, *numbers)
         for value, result in results.items()
-        for own in profile_histories(result)
+        for own in moving_histories(result)
         for step, numbers in enumerate(
             np.column_stack([own.stage, own.travel, own.force]).tolist(), 1
         )

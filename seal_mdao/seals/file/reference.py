@@ -37,10 +37,12 @@ from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
 from seal_mdao.seals.file.tolerance_table import BoundaryTable, VaryTable
 
 TABLES = {
-    "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable, "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
+    "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable,
+    "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
     "rays": RaysTable, "arc": ArcTable, "circle": CircleTable,
     "region": RegionTable, "fixed": FixedTable, "moved": MovedTable, "symmetry": SymmetryTable,
-    "cavity": CavityTable, "self_contact": SelfContactTable, "pair": PairTable, "fluid": FluidTable, "profile": ProfileTable,
+    "cavity": CavityTable, "self_contact": SelfContactTable, "pair": PairTable,
+    "fluid": FluidTable, "profile": ProfileTable,
     "stage": StageTable, "steps": StepsTable, "penalties": PenaltiesTable, "design": DesignTable,
     "measure": MeasureTable, "optimize": OptimizeTable, "constraint": Constraint,
     "friction": FrictionTable, "term": TermTable, "vary": VaryTable, "boundary": BoundaryTable,
