@@ -30,6 +30,7 @@ from seal_mdao.cli.robust_subject import Subject, subject_of
 from seal_mdao.cli.running_optimization import judged, optimize, report_run
 from seal_mdao.cli.varied_seals import add_tolerance_arguments
 from seal_mdao.door_optimization import FORCE_BAND
+from seal_mdao.drivers.optimizer_driver import INTERRUPTED
 from seal_mdao.optimization import OPTIMIZERS, RunOptions, continue_run, optimization_problem
 from seal_mdao.progress import LoadStepProgress, SampleProgress
 from seal_mdao.recording.recorded_optimization import read_optimization
@@ -105,7 +106,14 @@ def optimize_robustly(
             robust = Robust(subject.goal, scenarios, workers, label_of(scenarios, nominal))
             problem = optimization_problem(subject.task, options, robust)
             begin(problem, nominal, cases if arguments.restart else None)
-        return optimize(problem)
+        return not_interrupted(optimize(problem))
+
+
+def not_interrupted(numbers: dict) -> dict:
+    """Raise KeyboardInterrupt for a run that Ctrl-C has ended: no samples of a design half done."""
+    if numbers["message"].startswith(INTERRUPTED):
+        raise KeyboardInterrupt
+    return numbers
 
 
 def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np.ndarray, dict]:
@@ -122,7 +130,9 @@ def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np
         with LoadStepProgress(subject.seal, "nominal optimisation, analysis") as progress:
             driver = OPTIMIZERS[arguments.optimizer]()
             options = RunOptions(driver, recorded, progress, kept, arguments.out)
-            numbers = optimize(optimization_problem(subject.nominal_task(options), options))
+            numbers = not_interrupted(
+                optimize(optimization_problem(subject.nominal_task(options), options))
+            )
         # a nominal run that does not converge is a warning only
         if not numbers["success"]:
             print(f"WARNING (nominal optimum): {numbers['message']}")
