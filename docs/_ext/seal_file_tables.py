@@ -28,7 +28,12 @@ from seal_mdao.seals.file.section_table import (
     WrittenSection,
 )
 from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
-from seal_mdao.seals.file.tolerance_table import BoundaryTable, VaryTable
+from seal_mdao.seals.file.tolerance_table import (
+    VARY_TABLES,
+    BoundaryTable,
+    ToleranceTable,
+    VaryTable,
+)
 
 TABLES = {
     "material": LawTable, "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
@@ -37,7 +42,8 @@ TABLES = {
     "self_contact": SelfContactTable, "fluid": FluidTable, "profile": ProfileTable,
     "stage": StageTable, "steps": StepsTable, "penalties": PenaltiesTable, "design": DesignTable,
     "measure": MeasureTable, "optimize": OptimizeTable, "constraint": Constraint,
-    "friction": FrictionTable, "term": TermTable, "vary": VaryTable, "boundary": BoundaryTable,
+    "friction": FrictionTable, "term": TermTable, "tolerance": ToleranceTable, "vary": VaryTable,
+    "boundary": BoundaryTable,
 }  # fmt: skip
 """Class of every table of keys on the page, by the name of its fragment."""
 
@@ -54,7 +60,7 @@ def keys_table(kind: type[Table]) -> str:
 def _default(own) -> str:
     if own.is_required():
         return "**required**"
-    return "" if own.default in (None, ()) else f"`{_toml(own.default)}`"
+    return "" if own.default in (None, (), {}) else f"`{_toml(own.default)}`"
 
 
 def _toml(value) -> str:
@@ -92,6 +98,7 @@ def fragments() -> dict[str, str]:
     found |= {
         "constants": further_keys(LAW_TABLES, LawTable),
         "fit": further_keys(FIT_TABLES, LawTable),
+        "distributions": further_keys(VARY_TABLES, VaryTable),
         "measures": measures_table(),
         "measure_keys": further_keys(KINDS, MeasureTable),
     }

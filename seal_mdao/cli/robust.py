@@ -99,14 +99,18 @@ def optimize_robustly(
     with SampleProgress(len(scenarios), "robust optimisation") as progress:
         with checked_arguments():
             # robust problem: statistics of the measures over all scenarios
-            limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
             recorder = None if arguments.restart else cases
-            driver = OPTIMIZERS[arguments.optimizer](*limit)
-            options = RunOptions(driver, recorder, progress, work_dir=arguments.out)
+            options = RunOptions(driver_of(arguments), recorder, progress, work_dir=arguments.out)
             robust = Robust(subject.goal, scenarios, workers, label_of(scenarios, nominal))
             problem = optimization_problem(subject.task, options, robust)
             begin(problem, nominal, cases if arguments.restart else None)
         return not_interrupted(optimize(problem))
+
+
+def driver_of(arguments):
+    """Make the driver of one of the two optimisations, with the limit of iterations if given."""
+    limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
+    return OPTIMIZERS[arguments.optimizer](*limit)
 
 
 def not_interrupted(numbers: dict) -> dict:
@@ -128,8 +132,7 @@ def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np
     else:
         # otherwise optimise the nominal seal first
         with LoadStepProgress(subject.seal, "nominal optimisation, analysis") as progress:
-            driver = OPTIMIZERS[arguments.optimizer]()
-            options = RunOptions(driver, recorded, progress, kept, arguments.out)
+            options = RunOptions(driver_of(arguments), recorded, progress, kept, arguments.out)
             numbers = not_interrupted(
                 optimize(optimization_problem(subject.nominal_task(options), options))
             )
@@ -199,7 +202,12 @@ def arguments_parser():
     )  # fmt: skip
     names = list(OPTIMIZERS)
     add("--optimizer", choices=names, default=names[0], help="method")
-    add("--max-iterations", type=int, metavar="N", help="largest number of iterations")
+    add(
+        "--max-iterations",
+        type=int,
+        metavar="N",
+        help="largest number of iterations, nominal and robust",
+    )
     add(
         "--nominal", type=existing_file, metavar="FILE",
         help="summary.json of the nominal optimum; found first when left out "
