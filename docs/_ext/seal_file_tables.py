@@ -9,6 +9,7 @@ from seal_mdao.seals.file.material_table import FIT_TABLES, LAW_TABLES, LawTable
 from seal_mdao.seals.file.measure_types import KINDS, MeasureTable
 from seal_mdao.seals.file.reference import HEADER, TABLES, further_rows, key_rows, summary
 from seal_mdao.seals.file.schema import Table
+from seal_mdao.seals.file.tolerance_table import VARY_TABLES, VaryTable
 
 
 def _marked(row) -> list[str]:
@@ -55,6 +56,7 @@ def fragments() -> dict[str, str]:
     found |= {
         "constants": further_keys(LAW_TABLES, LawTable),
         "fit": further_keys(FIT_TABLES, LawTable),
+        "distributions": further_keys(VARY_TABLES, VaryTable),
         "measures": measures_table(),
         "measure_keys": further_keys(KINDS, MeasureTable),
         "materials": "\n\n".join(map(materials_table, LISTS)),

@@ -20,6 +20,7 @@ from seal_mdao.cli.arguments import (
 )
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export import vtu
+from seal_mdao.export.abaqus import require_exportable, write_abaqus
 from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_curves
 from seal_mdao.mesh_files import library
 from seal_mdao.progress import LoadStepProgress
@@ -40,7 +41,11 @@ def main(arguments) -> int:
     with file_errors(arguments.file):
         if arguments.vtu:
             library()
-    result, wall = analyzed(file_of(arguments.file))
+    file = file_of(arguments.file)
+    # so does a material that Abaqus does not have
+    if arguments.abaqus:
+        require_exportable(file)
+    result, wall = analyzed(file)
     # the summary is written first: drawing may still fail
     summary = summarize(result) | {"wall_s": wall}
     write_summary(arguments.out, summary)
@@ -50,6 +55,8 @@ def main(arguments) -> int:
         write_contact(result, arguments.out)
         draw(result, arguments.out)
     report(result, summary, write_series(result, arguments), arguments.out)
+    if arguments.abaqus:
+        export_to_abaqus(file, result.seal, arguments.out / "seal.inp")
     return 0 if result.converged else 1
 
 
@@ -196,6 +203,13 @@ def write_series(result: SealResult, arguments) -> str:
         return "; no VTU files: pip install seal_mdao[vtk]"
 
 
+def export_to_abaqus(file, seal, path: Path) -> None:
+    """Write the input file of Abaqus; print what it does not have."""
+    for text in write_abaqus(file, seal, path):
+        print(f"WARNING: not in {path.name}: {text}")
+    print(f"{path}: section, contact and motion for Abaqus (mm, kPa; forces in N/m)")
+
+
 def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
     # size of the model and cost of the path
     print(
@@ -247,4 +261,9 @@ def arguments_parser():
         "--vtu", action=argparse.BooleanOptionalAction, default=None,
         help="VTU series for ParaView; written when left out if meshio is there",
     )  # fmt: skip
+    made.add_argument(
+        "--abaqus",
+        action="store_true",
+        help="write seal.inp, section, contact and motion for Abaqus",
+    )
     return made

@@ -30,6 +30,7 @@ from seal_mdao.cli.robust_subject import Subject, subject_of
 from seal_mdao.cli.running_optimization import judged, optimize, report_run
 from seal_mdao.cli.varied_seals import add_tolerance_arguments
 from seal_mdao.door_optimization import FORCE_BAND
+from seal_mdao.drivers.optimizer_driver import INTERRUPTED
 from seal_mdao.optimization import OPTIMIZERS, RunOptions, continue_run, optimization_problem
 from seal_mdao.progress import LoadStepProgress, SampleProgress
 from seal_mdao.recording.recorded_optimization import read_optimization
@@ -98,14 +99,25 @@ def optimize_robustly(
     with SampleProgress(len(scenarios), "robust optimisation") as progress:
         with checked_arguments():
             # robust problem: statistics of the measures over all scenarios
-            limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
             recorder = None if arguments.restart else cases
-            driver = OPTIMIZERS[arguments.optimizer](*limit)
-            options = RunOptions(driver, recorder, progress, work_dir=arguments.out)
+            options = RunOptions(driver_of(arguments), recorder, progress, work_dir=arguments.out)
             robust = Robust(subject.goal, scenarios, workers, label_of(scenarios, nominal))
             problem = optimization_problem(subject.task, options, robust)
             begin(problem, nominal, cases if arguments.restart else None)
-        return optimize(problem)
+        return not_interrupted(optimize(problem))
+
+
+def driver_of(arguments):
+    """Make the driver of one of the two optimisations, with the limit of iterations if given."""
+    limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
+    return OPTIMIZERS[arguments.optimizer](*limit)
+
+
+def not_interrupted(numbers: dict) -> dict:
+    """Raise KeyboardInterrupt for a run that Ctrl-C has ended: no samples of a design half done."""
+    if numbers["message"].startswith(INTERRUPTED):
+        raise KeyboardInterrupt
+    return numbers
 
 
 def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np.ndarray, dict]:
@@ -120,9 +132,10 @@ def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np
     else:
         # otherwise optimise the nominal seal first
         with LoadStepProgress(subject.seal, "nominal optimisation, analysis") as progress:
-            driver = OPTIMIZERS[arguments.optimizer]()
-            options = RunOptions(driver, recorded, progress, kept, arguments.out)
-            numbers = optimize(optimization_problem(subject.nominal_task(options), options))
+            options = RunOptions(driver_of(arguments), recorded, progress, kept, arguments.out)
+            numbers = not_interrupted(
+                optimize(optimization_problem(subject.nominal_task(options), options))
+            )
         # a nominal run that does not converge is a warning only
         if not numbers["success"]:
             print(f"WARNING (nominal optimum): {numbers['message']}")
@@ -189,7 +202,12 @@ def arguments_parser():
     )  # fmt: skip
     names = list(OPTIMIZERS)
     add("--optimizer", choices=names, default=names[0], help="method")
-    add("--max-iterations", type=int, metavar="N", help="largest number of iterations")
+    add(
+        "--max-iterations",
+        type=int,
+        metavar="N",
+        help="largest number of iterations, nominal and robust",
+    )
     add(
         "--nominal", type=existing_file, metavar="FILE",
         help="summary.json of the nominal optimum; found first when left out "

@@ -65,6 +65,14 @@ def report_comparison(designs: list[SampledDesign], subject: Subject) -> None:
         )
         for limit in subject.limits:
             print(f"  {limit.text}: {design.in_words(limit)}")
+    # a band that no design can keep to, however it is placed in it
+    for limit in subject.limits:
+        width = designs[-1].too_wide(limit)
+        if width is not None:
+            print(
+                f"WARNING: {limit.text}: {100.0 * limit.required:g} % of the samples scatter over "
+                f"{width:.3g}, and the limit leaves {limit.band:.3g}: widen it, or narrow the tolerances"
+            )
 
 
 def write_comparison(

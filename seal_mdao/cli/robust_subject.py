@@ -100,7 +100,7 @@ def _door(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
         ),
         SampledLimit(
             "share_in_reaction_band", f"reaction within {low:.3g} to {high:.3g} N/m",
-            "reaction", reaction.kept, reaction.entry, goal.share,
+            "reaction", reaction.kept, reaction.entry, goal.share, high - low,
         ),
     )  # fmt: skip
     said = {"reaction_band_N_per_m": band, "pressure_floor_kPa": pressure.lower}
@@ -121,11 +121,16 @@ def _of_file(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
     limits = tuple(
         SampledLimit(
             f"share_{own.measure}_{number}", _in_words(own, subject.measure(own.measure).units),
-            own.measure, own.kept, required=goal.share,
+            own.measure, own.kept, required=goal.share, band=_band(own),
         )
         for number, own in enumerate(task.sampled, 1)
     )  # fmt: skip
     return Subject(seal, tolerances, goal, task, limits, said, file)
+
+
+def _band(limit: Limit) -> float | None:
+    """Return the distance of the bounds of a limit; None for one alone."""
+    return None if limit.lower is None or limit.upper is None else limit.upper - limit.lower
 
 
 def _in_words(limit: Limit, unit: str | None) -> str:

@@ -14,7 +14,8 @@ class SampledLimit(NamedTuple):
 
     ``key`` stands in summaries for the fraction of samples that satisfy it, ``text`` describes it,
     ``entry`` is the limited entry of a measure with several values, all by default; ``required`` is the
-    fraction of samples that has to satisfy the limit, None where only the mean has to.
+    fraction of samples that has to satisfy the limit, None where only the mean has to; ``band`` is the
+    distance of its two bounds, None for one alone.
     """
 
     key: str
@@ -23,6 +24,7 @@ class SampledLimit(NamedTuple):
     kept: Callable
     entry: int | None = None
     required: float | None = None
+    band: float | None = None
 
     def numbers(self, values: np.ndarray) -> np.ndarray | None:
         """Return the limited entry of values (n, m), shape (n,); None for several."""
@@ -69,6 +71,18 @@ class SampledDesign:
     def meets(self, limit: SampledLimit) -> bool:
         """Return whether the fraction that satisfies a limit is as large as required."""
         return limit.required is None or self.fraction(limit).value >= limit.required
+
+    def too_wide(self, limit: SampledLimit) -> float | None:
+        """Return the width of the band in which the required fraction lies, where the limit is narrower.
+
+        A limit with two bounds that is not met: no design with this scatter meets it.
+        """
+        if limit.band is None or self.meets(limit):
+            return None
+        numbers = limit.numbers(self.values[limit.measure])
+        # between the quantiles (1 - f)/2 and (1 + f)/2
+        low, high = np.quantile(numbers, [0.5 - 0.5 * limit.required, 0.5 + 0.5 * limit.required])
+        return high - low if high - low > limit.band else None
 
     def in_words(self, limit: SampledLimit) -> str:
         """Write the fraction that satisfies a limit, with its confidence, and whether it suffices."""

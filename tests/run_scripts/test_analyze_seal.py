@@ -257,3 +257,24 @@ def test_file_that_is_not_there(tmp_path, run_script, capsys):
     assert code == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "there is no such file" in line
+
+
+def test_input_file_of_abaqus(tmp_path, run_script, capsys):
+    path = written(tmp_path, {"[fixed]": "[[cavity]]\nhole = 1\n[fixed]"})
+    code, _ = run_script("analyze", tmp_path / "out", path, "--abaqus", "--no-vtu")
+    assert code == 0
+    said = capsys.readouterr().out
+    assert "WARNING: not in seal.inp: [[cavity]] of hole 1: trapped air" in said
+    text = (tmp_path / "out" / "seal.inp").read_text()
+    assert text.count("*STEP, NAME=STAGE_") == 2
+    # as many increments as load steps
+    assert "*STATIC\n0.25, 1." in text
+
+
+def test_a_law_that_abaqus_does_not_have_is_refused_before_the_analysis(
+    tmp_path, run_script, monkeypatch, capsys
+):
+    path = written(tmp_path, LIMITED)
+    monkeypatch.setattr(sm, "analyze", lambda *a, **k: pytest.fail("analysed"))
+    assert run_script("analyze", tmp_path / "out", path, "--abaqus") == (2, None)
+    assert "[material.rubber]: the law Gent has no counterpart in Abaqus" in capsys.readouterr().err

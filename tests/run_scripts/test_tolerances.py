@@ -10,6 +10,8 @@ import pytest
 from coarse_seal import written
 
 import seal_mdao as sm
+from seal_mdao.cli import robust as robust_command
+from seal_mdao.drivers.optimizer_driver import INTERRUPTED
 
 QUICK = ("--n-steps", 21, "--depth", 8.0, "--workers", 0)
 FRICTION = '[vary.friction]\ndistribution = "uniform"\nlow = 0.2\nhigh = 0.3\n'
@@ -135,6 +137,18 @@ def test_failed_samples_are_reported_with_what_they_do(run_script, tmp_path, cap
         change = found["effect_of_failures"]["mean"]
         assert abs(change) == pytest.approx(slope * missed, rel=1e-6)
         assert f"changes of {name} the mean by {change:+.3g}, std by" in printed
+
+
+def test_ctrl_c_in_the_optimisation_begins_no_samples(run_script, tmp_path, monkeypatch, capsys):
+    """The same command continues later; a design half done is not sampled."""
+    nominal = tmp_path / "nominal.json"
+    nominal.write_text(json.dumps({"boundary_offsets": [0.0] * 25, "door_radius": 4.0}))
+    ended = {"success": False, "message": f"{INTERRUPTED}the best point is kept"}
+    monkeypatch.setattr(robust_command, "optimize", lambda problem: ended)
+    monkeypatch.setattr(robust_command, "read_optimization", lambda cases: pytest.fail("goes on"))
+    quick = ("--nominal", nominal, "--scenarios", 3, "--samples", 6, *QUICK)
+    assert run_script("robust", tmp_path / "out", *quick) == (130, None)
+    assert "interrupted" in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")

@@ -61,3 +61,15 @@ def test_the_report_has_fractions_with_intervals():
     page = samples_section([design()], (floor(5.0),), "area", figure)
     low, high = (percent(value) for value in design().fraction(floor(5.0))[1:])
     assert f"<td>{percent(0.95)} ({low} to {high})</td>" in page
+
+
+def test_a_band_that_is_narrower_than_the_scatter():
+    """Nine tenths of 0, 1, ..., 99 lie between 4.95 and 94.05."""
+    inside = lambda values: np.abs(values[:, 0] - 49.5) <= 40.0  # noqa: E731
+    band = SampledLimit("share_force_1", "force", "force", inside, required=0.9, band=80.0)
+    assert design().too_wide(band) == pytest.approx(89.1)
+    # one bound alone, or a band that is wide enough but in another place: not the scatter is at fault
+    assert design().too_wide(band._replace(band=None)) is None
+    assert design().too_wide(band._replace(band=95.0)) is None
+    # met: nothing to say
+    assert design().too_wide(band._replace(required=0.8)) is None

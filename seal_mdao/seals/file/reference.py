@@ -34,7 +34,7 @@ from seal_mdao.seals.file.section_table import (
     WrittenSection,
 )
 from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
-from seal_mdao.seals.file.tolerance_table import BoundaryTable, VaryTable
+from seal_mdao.seals.file.tolerance_table import BoundaryTable, ToleranceTable, VaryTable
 
 TABLES = {
     "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable,
@@ -45,7 +45,8 @@ TABLES = {
     "fluid": FluidTable, "profile": ProfileTable,
     "stage": StageTable, "steps": StepsTable, "penalties": PenaltiesTable, "design": DesignTable,
     "measure": MeasureTable, "optimize": OptimizeTable, "constraint": Constraint,
-    "friction": FrictionTable, "term": TermTable, "vary": VaryTable, "boundary": BoundaryTable,
+    "friction": FrictionTable, "term": TermTable, "tolerance": ToleranceTable,
+    "vary": VaryTable, "boundary": BoundaryTable,
 }  # fmt: skip
 """Class of every table of keys, by its name."""
 HEADER = ("key", "value", "unless given", "meaning")
@@ -63,7 +64,7 @@ def default_of(own) -> str:
     """Write what holds unless a key is given: "required", nothing, or a value as in TOML."""
     if own.is_required():
         return "required"
-    return "" if own.default in (None, ()) else _toml(own.default)
+    return "" if own.default in (None, (), {}) else _toml(own.default)
 
 
 def _toml(value) -> str:

@@ -1,0 +1,220 @@
+"""Export of a seal file's section, contact and motion to Abaqus, for a second opinion.
+
+Lengths are in mm, stresses in kPa and the thickness is 1 mm, so forces are in mN per mm, which is N/m.
+"""
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from seal_mdao.contact.friction_law import FrictionLaw
+from seal_mdao.errors import SealFileError
+from seal_mdao.export.abaqus_materials import element_type, material_lines
+from seal_mdao.export.abaqus_mesh import QuadraticMesh, quadratic_mesh
+from seal_mdao.export.abaqus_profiles import has_cubic, surface_lines
+from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
+from seal_mdao.seals.profiles import contacts, self_contacts
+
+PER_LINE = 16
+"""Numbers in a line of a set."""
+LEAST_INCREMENT = 1e-6
+MOST_INCREMENTS = 10_000
+
+
+def require_exportable(file: SealFile) -> None:
+    """Refuse a file with a material that Abaqus does not have.
+
+    Raises
+    ------
+    SealFileError
+    """
+    for name, law in file.materials.items():
+        try:
+            material_lines(law)
+        except ValueError as error:
+            raise SealFileError(f"{file.path}: [material.{name}]: {error}") from None
+
+
+def write_abaqus(file: SealFile, seal: OutlineSeal, path: Path) -> list[str]:
+    """Write the nominal seal of a file as an input file of Abaqus/Standard.
+
+    The cells between particles are divided into quadratic triangles; edges are sets of nodes, rigid
+    profiles analytical surfaces with a reference node at their pivot, stages of their motion steps.
+
+    Parameters
+    ----------
+    file : SealFile
+    seal : OutlineSeal
+        That of the file.
+    path : Path
+
+    Returns
+    -------
+    list of str
+        What is not exported, also written as comments.
+
+    Raises
+    ------
+    SealFileError
+        As of ``require_exportable``.
+    """
+    require_exportable(file)
+    mesh = quadratic_mesh(seal.nominal_particles, seal.body.cells, seal.parts)
+    left_out = not_exported(file, seal)
+    lines = [
+        "*HEADING",
+        f"Seal of {file.path.name}: mm, kPa, thickness 1 mm, forces in N/m",
+        *(f"** NOT EXPORTED: {text}" for text in left_out),
+        *_mesh_lines(seal, mesh), *_material_lines(seal, mesh), *_profile_lines(file, seal, mesh),
+        *_self_contact_lines(file, seal, mesh), *_fixed_lines(file), *_step_lines(seal),
+    ]  # fmt: skip
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return left_out
+
+
+def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
+    """List what the input file does not have."""
+    found = [f"[[cavity]] of hole {own.hole}: trapped air" for own in file.cavities]
+    found += [f"[[fluid]] {own.name!r}: fluid pressure" for own in file.fluids]
+    found += [f"[[term]] {own.name!r}" for own in file.terms]
+    for contact in (*contacts(seal), *self_contacts(seal)):
+        if isinstance(contact.law.friction, FrictionLaw):
+            found.append(
+                f"friction law of {contact.label!r}: its contact has no friction in the file"
+            )
+    for contact in contacts(seal):
+        if has_cubic(contact.shape.profile()):
+            found.append(
+                f"splines of the profile {contact.label!r}: straight segments in their place"
+            )
+    return found
+
+
+def name_of(*words: str) -> str:
+    """Make a name that Abaqus takes: letters, digits and underscores, with capitals alone."""
+    return re.sub(r"\W", "_", "_".join(words), flags=re.ASCII).upper()
+
+
+def _set(keyword: str, numbers) -> list[str]:
+    """Write a set of nodes or elements, counted from 1."""
+    rows = np.asarray(numbers, int) + 1
+    cut = [rows[i : i + PER_LINE] for i in range(0, len(rows), PER_LINE)]
+    return [keyword, *(", ".join(map(str, row)) for row in cut)]
+
+
+def _mesh_lines(seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
+    """Write nodes, elements by material, and the sets of nodes of all edges."""
+    # reference nodes after those of the section; the pivot is the origin of their displacements
+    poses = [contact.motion.pose(0.0) for contact in contacts(seal)]
+    points = [*mesh.points.tolist(), *(pose.position + pose.pivot for pose in poses)]
+    lines = ["*NODE", *(f"{n}, {x:.12g}, {y:.12g}" for n, (x, y) in enumerate(points, 1))]
+    for number, region in enumerate(seal.definitions[0].regions):
+        kind = element_type(region.material)
+        lines.append(f"*ELEMENT, TYPE={kind}, ELSET=REGION_{number + 1}")
+        own = np.flatnonzero(mesh.regions == number)
+        lines += [", ".join(map(str, [e + 1, *(mesh.triangles[e] + 1)])) for e in own.tolist()]
+    for name, edge in seal.body.edges.items():
+        lines += _set(f"*NSET, NSET={name_of('EDGE', name)}", mesh.nodes(edge.sides))
+    return lines
+
+
+def _material_lines(seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
+    """Write section and material of every region."""
+    lines = []
+    for number, region in enumerate(seal.definitions[0].regions, 1):
+        name = name_of("MATERIAL", region.prefix.rstrip("_") or "1")
+        lines += [f"*SOLID SECTION, ELSET=REGION_{number}, MATERIAL={name}", "1.,"]
+        lines += [f"*MATERIAL, NAME={name}", *material_lines(region.material)]
+    return lines
+
+
+def _surface(seal: OutlineSeal, mesh: QuadraticMesh, name: str, edges) -> list[str]:
+    """Write the surface of the section along edges, by the sides of its triangles."""
+    sides = np.concatenate([seal.body.edge(edge).sides for edge in edges])
+    faces, lines, data = mesh.faces(sides), [], []
+    for side in range(3):
+        own = [element for element, number in faces if number == side]
+        if own:
+            elements = f"{name}_S{side + 1}"
+            lines += _set(f"*ELSET, ELSET={elements}", own)
+            data.append(f"{elements}, S{side + 1}")
+    return [*lines, f"*SURFACE, TYPE=ELEMENT, NAME={name}", *data]
+
+
+def _interaction(name: str, law) -> list[str]:
+    """Write the contact law: hard contact, Coulomb's friction."""
+    lines = [f"*SURFACE INTERACTION, NAME={name}", "1.,"]
+    if not isinstance(law.friction, FrictionLaw) and law.friction:
+        lines += ["*FRICTION", f"{law.friction:.12g},"]
+    return lines
+
+
+def _profile_lines(file: SealFile, seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
+    """Write every profile with its reference node, surface and contact."""
+    lines, edges = [], {own.name: own.contact for own in file.profiles}
+    for number, contact in enumerate(contacts(seal), len(mesh.points) + 1):
+        label, pose = contact.label, contact.motion.pose(0.0)
+        reference, rigid, rubber, law = (
+            name_of(word, label) for word in ("REFERENCE", "RIGID", "RUBBER", "CONTACT")
+        )
+        lines += _set(f"*NSET, NSET={reference}", [number - 1])
+        lines += ["** outward normal on the left of the segments"]
+        lines += [f"*SURFACE, TYPE=SEGMENTS, NAME={rigid}"]
+        lines += surface_lines(contact.shape.profile(), pose)
+        lines += [f"*RIGID BODY, ANALYTICAL SURFACE={rigid}, REF NODE={number}"]
+        lines += _surface(seal, mesh, rubber, edges[label])
+        lines += _interaction(law, contact.law)
+        lines += [
+            f"*CONTACT PAIR, INTERACTION={law}, TYPE=SURFACE TO SURFACE",
+            f"{rubber}, {rigid}",
+        ]
+    return lines
+
+
+def _self_contact_lines(file: SealFile, seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
+    """Write the contact of the section with itself."""
+    lines = []
+    for contact in self_contacts(seal):
+        surface, law = (name_of(word, contact.label) for word in ("RUBBER", "CONTACT"))
+        lines += _surface(seal, mesh, surface, file.self_contact.edges)
+        lines += _interaction(law, contact.law)
+        lines += [f"*CONTACT PAIR, INTERACTION={law}", f"{surface},"]
+    return lines
+
+
+def _fixed_lines(file: SealFile) -> list[str]:
+    """Write prescribed displacements of edges: all of fixed ones, those across planes of symmetry."""
+    rows = [
+        f"{name_of('EDGE', name)}, {component + 1}, {component + 1}"
+        for name, components in file.supports.items()
+        for component in components
+    ]
+    return ["*BOUNDARY", *rows] if rows else []
+
+
+def _step_lines(seal: OutlineSeal) -> list[str]:
+    """Write a step for every stage, with total displacements and rotations of the reference nodes."""
+    motions = {own.label: own.motion for own in contacts(seal)}
+    # stages of all profiles, by the load steps at their ends
+    ends = sorted({0, *(int(end) for m in motions.values() for end in np.cumsum(m.steps))})
+    lines = []
+    for number, (first, last) in enumerate(pairwise(ends), 1):
+        lines += [f"*STEP, NAME=STAGE_{number}, NLGEOM=YES, INC={MOST_INCREMENTS}", "*STATIC"]
+        # as many increments as load steps, shorter ones where Abaqus wants them
+        increment = 1.0 / (last - first)
+        lines += [f"{increment:.12g}, 1., {LEAST_INCREMENT:g}, {increment:.12g}", "*BOUNDARY"]
+        for label, motion in motions.items():
+            change = motion.coordinates(last) - motion.coordinates(0)
+            rows = zip((1, 2, 6), change.tolist(), strict=True)
+            lines += [f"{name_of('REFERENCE', label)}, {c}, {c}, {own:.12g}" for c, own in rows]
+        lines += ["*OUTPUT, FIELD, VARIABLE=PRESELECT", "*OUTPUT, HISTORY"]
+        for label in motions:
+            lines += [
+                f"*NODE OUTPUT, NSET={name_of('REFERENCE', label)}",
+                "RF1, RF2, RM3, U1, U2, UR3",
+            ]
+        lines.append("*END STEP")
+    return lines
