@@ -18,6 +18,7 @@ from seal_mdao.cli.arguments import (
     print_warnings,
     write_summary,
 )
+from seal_mdao.cli.force_table import print_forces
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export import vtu
 from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_curves
@@ -41,15 +42,19 @@ def main(arguments) -> int:
         if arguments.vtu:
             library()
     result, wall = analyzed(file_of(arguments.file))
+    # forces are on the screen before derivatives and figures are computed
+    print_forces(result)
     # the summary is written first: drawing may still fail
     summary = summarize(result) | {"wall_s": wall}
     write_summary(arguments.out, summary)
+    report(result, summary)
     # figures need at least one converged load step
     if len(result.path.nominal_steps):
         write_curves(result, arguments.out)
         write_contact(result, arguments.out)
         draw(result, arguments.out)
-    report(result, summary, write_series(result, arguments), arguments.out)
+    series = write_series(result, arguments)
+    print(f"figures, CSV and summary.json in {arguments.out}{series}")
     return 0 if result.converged else 1
 
 
@@ -191,7 +196,8 @@ def write_series(result: SealResult, arguments) -> str:
         return "; no VTU files: pip install seal_mdao[vtk]"
 
 
-def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
+def report(result: SealResult, summary: dict) -> None:
+    """Print the results of the end of the path, and the warnings."""
     # size of the model and cost of the path
     print(
         f"{summary['n_particles']} particles, {summary['n_steps']} load steps, "
@@ -228,7 +234,6 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
     else:
         print_penalty_errors(result)
         print_warnings(result)
-    print(f"figures, CSV and summary.json in {out}{series}")
 
 
 def arguments_parser():

@@ -26,7 +26,12 @@ from seal_mdao.cli.arguments import (
 from seal_mdao.cli.executors import add_executor_arguments, executor
 from seal_mdao.cli.history_figures import history_rows
 from seal_mdao.cli.recorded_runs import continued_file, recorder_file
-from seal_mdao.cli.running_optimization import judged, optimize, report_run
+from seal_mdao.cli.running_optimization import (
+    add_optimization_arguments,
+    judged,
+    optimize,
+    report_run,
+)
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.door_optimization import FORCE_BAND, DoorProblem, door_task, robust_door_task
 from seal_mdao.file_optimization import file_task, require_problem
@@ -94,7 +99,7 @@ def main(arguments) -> int:
     compared = compare(designs, task, subject.limits)
     write_summary(arguments.out, numbers | settings_of(arguments) | compared | subject.said | ends)
     write_comparison(arguments.out, cases, designs, subject, kept)
-    report_run(arguments.optimizer, numbers, arguments.restart)
+    report_run(arguments.optimizer, numbers, arguments)
     print(f"report.html, comparison.png, summary.json, cases.sql and samples in {arguments.out}")
     return 0 if numbers["success"] else 1
 
@@ -386,20 +391,15 @@ def arguments_parser():
         "--widen", type=float, default=goal.widen, metavar="FACTOR",
         help="how many times as far as the tolerances the scenarios scatter",
     )  # fmt: skip
-    names = list(OPTIMIZERS)
-    add("--optimizer", choices=names, default=names[0], help="method")
-    add("--max-iterations", type=int, metavar="N", help="largest number of iterations")
     add(
         "--nominal", type=existing_file, metavar="FILE",
         help="summary.json of the nominal optimum; found first when left out "
         f"(reaction within {100 * FORCE_BAND:.0f} %%, pressure floor)",
     )  # fmt: skip
-    add(
-        "--restart", type=existing_file, metavar="CASES.sql",
-        help="continue the run recorded here, with the nominal optimum beside it; without --out in its "
+    add_optimization_arguments(
+        made, "continue the run recorded here, with the nominal optimum beside it; without --out in its "
         "folder, samples included",
     )  # fmt: skip
-    add("--overwrite", action="store_true", help="replace the recorder file of an earlier run")
     add_executor_arguments(made)
     add_seal_arguments(made)
     return made

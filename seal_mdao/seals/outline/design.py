@@ -4,7 +4,7 @@ inside by harmonic extension on the background cells."""
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
+import scipy
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
 
@@ -135,14 +135,14 @@ def _basis(boundary, stretch, count, fixed, name) -> np.ndarray:
     # at the last one; these are left out where the ends are fixed
     inner = np.linspace(0.0, arc[-1], count + sum(fixed) - DEGREE + 1)
     knots = np.concatenate([[0.0] * DEGREE, inner, [arc[-1]] * DEGREE])
-    values = BSpline.design_matrix(arc, knots, DEGREE).toarray()
+    values = scipy.interpolate.BSpline.design_matrix(arc, knots, DEGREE).toarray()
     return values[:, fixed[0] : values.shape[1] - fixed[1]]
 
 
 def _periodic(s, count) -> np.ndarray:
     """Evaluate periodic B-splines at fractions ``s`` of the loop; number j is largest at j / count."""
     knots = np.arange(-DEGREE, count + DEGREE + 1) / count
-    values = BSpline.design_matrix(s, knots, DEGREE).toarray()
+    values = scipy.interpolate.BSpline.design_matrix(s, knots, DEGREE).toarray()
     # splines that leave the interval at its end enter it at the beginning: add the two parts
     found = values[:, :count].copy()
     found[:, :DEGREE] += values[:, count:]
