@@ -46,6 +46,6 @@ def test_several_load_cases_are_analysed_and_improved(run_short, capsys):
     prob, start = found["prob"], found["start"]
     forces = prob.get_val("reaction_scenarios")
     assert forces.shape == (3, 2)
-    assert prob.get_val("reaction_highest")[1] == forces[:, 1].max()
+    assert prob.get_val("reaction_highest")[1] == pytest.approx(forces[:, 1].max(), rel=1e-6)
     assert prob.get_val("gap_square_sum_mean")[0] < start.gap_square_sum
     assert said.count("friction 0.") == 3
