@@ -7,7 +7,6 @@ from seal_mdao.cli.arguments import (
     CASES,
     add_seal_arguments,
     checked_arguments,
-    existing_file,
     parser,
     print_warnings,
     run,
@@ -16,9 +15,13 @@ from seal_mdao.cli.arguments import (
 )
 from seal_mdao.cli.history_figures import draw_history, end_numbers, gap_warnings, report_end
 from seal_mdao.cli.recorded_runs import recorded_run
-from seal_mdao.cli.running_optimization import report_run, run_optimization
+from seal_mdao.cli.running_optimization import (
+    add_optimization_arguments,
+    report_run,
+    run_optimization,
+)
 from seal_mdao.door_optimization import DoorProblem, door_task
-from seal_mdao.optimization import OPTIMIZERS, RunOptions
+from seal_mdao.optimization import RunOptions
 from seal_mdao.report.write import write_report
 
 PROBLEM_FLAGS = {
@@ -52,7 +55,7 @@ def main(arguments) -> int:
     write_summary(arguments.out, run_numbers | summary | numbers)
     draw_history(history, initial, final, arguments.out)
     write_report(cases, arguments.out / "report.html", kept=kept)
-    report_run(optimizer, run_numbers, arguments.restart)
+    report_run(optimizer, run_numbers, arguments)
     report_end(history, numbers)
     print_warnings(initial, " (first design)")
     print_warnings(final, " (last design)", gap_warnings(history, final))
@@ -63,23 +66,13 @@ def main(arguments) -> int:
 def arguments_parser():
     made = parser(__doc__, "out/optimization")
     add_seal_arguments(made)
-    names = list(OPTIMIZERS)
-    made.add_argument("--optimizer", choices=names, default=names[0], help="method")
     for name, text in PROBLEM_FLAGS.items():
         flag = f"--{name.replace('_', '-')}"
         made.add_argument(flag, action="store_true", help=text.replace("%", "%%"))
-    made.add_argument(
-        "--max-iterations", type=int, metavar="N",
-        help="largest number of iterations, those before a restart included",
-    )  # fmt: skip
-    made.add_argument(
-        "--restart", type=existing_file, metavar="CASES.sql",
-        help="continue the run recorded in this file, with its seal, problem and optimiser; without "
+    add_optimization_arguments(
+        made, "continue the run recorded in this file, with its seal, problem and optimiser; without "
         "--out in its folder",
     )  # fmt: skip
-    made.add_argument(
-        "--overwrite", action="store_true", help="replace the recorder file of an earlier run"
-    )
     return made
 
 

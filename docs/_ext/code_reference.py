@@ -211,12 +211,16 @@ def commands() -> str:
 
 
 def run_scripts(folder: Path = ROOT / "run_scripts") -> str:
-    """A section for every script with its ``--help``."""
+    """A section for every script with its ``--help``, or its text where it takes no arguments."""
     parts = []
     for path in sorted(folder.glob("[!_]*.py")):
-        summary = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        text = path.read_text(encoding="utf-8")
+        summary = ast.get_docstring(ast.parse(text)) or ""
         parts += [f"### {path.name}\n", summary.split("\n\n")[0] + "\n"]
-        parts += ["```text", help_of(str(path)).rstrip(), "```\n"]
+        if "arguments_parser" in text:
+            parts += ["```text", help_of(str(path)).rstrip(), "```\n"]
+        else:
+            parts += ["```python", text.rstrip(), "```\n"]
     return "\n".join(parts)
 
 

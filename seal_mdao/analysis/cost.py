@@ -134,7 +134,10 @@ def require_means(cost: Cost, body: Body, n_steps: int) -> None:
     """
     there, hours = machine_memory(), most_hours()
     what = f"the analysis of {body.n_particles} particles in {n_steps} load steps would take about"
-    fewer = "use fewer particles (rays, layers), Gauss points (n_gauss) or load steps (n_steps)"
+    fewer = (
+        "use fewer particles (rays, layers), Gauss points (n_gauss) or load steps (steps of a seal "
+        "file, n_steps in Python)"
+    )
     if cost.memory > there:
         raise TooLargeError(
             f"{what} {cost.memory:.3g} GiB, and this machine has {there:.3g} GiB; {fewer}, or a smaller "

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import least_squares, lsq_linear
+import scipy
 
 from seal_mdao.calibration.data import MaterialDataError, MaterialTests
 from seal_mdao.calibration.families import Family, family
@@ -208,7 +208,7 @@ def _best_moduli(template, unknowns, values, differences, scale):
     value, slope = differences(law, names)
     if not (np.isfinite(value).all() and np.isfinite(slope).all()):
         return None
-    found = lsq_linear(slope, slope @ some - value, (lower, upper), method="bvls")
+    found = scipy.optimize.lsq_linear(slope, slope @ some - value, (lower, upper), method="bvls")
     # strictly inside the bounds, where least_squares has to begin
     inside = np.clip(found.x, lower + INSIDE * scale, upper - INSIDE * scale)
     return found.cost, {**values, **dict(zip(names, inside.tolist(), strict=True))}
@@ -231,7 +231,7 @@ def _descend(template, unknowns, values, differences, scale):
         return differences(law_of(x), names)
 
     try:
-        found = least_squares(
+        found = scipy.optimize.least_squares(
             lambda x: both(*x)[0], start, lambda x: both(*x)[1] * units, bounds=bounds,
             x_scale="jac", max_nfev=EVALUATIONS, xtol=1e-12, ftol=1e-12, gtol=1e-12,
         )  # fmt: skip

@@ -10,7 +10,7 @@ and yet fail by necking.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from seal_mdao.calibration.loading_modes import MODES, Mode, is_compressible, lateral_stretch
 from seal_mdao.materials.isotropic import Isotropic
@@ -126,7 +126,7 @@ def _begin(law, mode, end: float) -> float | None:
     def value(log):
         return smallest_stiffness(law, mode, np.exp([log]))[0]
 
-    return float(np.exp(brentq(value, low, high)))
+    return float(np.exp(scipy.optimize.brentq(value, low, high)))
 
 
 def check_stability(law: Isotropic, ranges: dict, margin: float = MARGIN) -> dict:

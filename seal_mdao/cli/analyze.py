@@ -18,6 +18,7 @@ from seal_mdao.cli.arguments import (
     print_warnings,
     write_summary,
 )
+from seal_mdao.cli.force_table import print_forces
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export import vtu
 from seal_mdao.export.abaqus import require_exportable, write_abaqus
@@ -46,15 +47,19 @@ def main(arguments) -> int:
     if arguments.abaqus:
         require_exportable(file)
     result, wall = analyzed(file)
+    # forces are on the screen before derivatives and figures are computed
+    print_forces(result)
     # the summary is written first: drawing may still fail
     summary = summarize(result) | {"wall_s": wall}
     write_summary(arguments.out, summary)
+    report(result, summary)
     # figures need at least one converged load step
     if len(result.path.nominal_steps):
         write_curves(result, arguments.out)
         write_contact(result, arguments.out)
         draw(result, arguments.out)
-    report(result, summary, write_series(result, arguments), arguments.out)
+    series = write_series(result, arguments)
+    print(f"figures, CSV and summary.json in {arguments.out}{series}")
     if arguments.abaqus:
         export_to_abaqus(file, result.seal, arguments.out / "seal.inp")
     return 0 if result.converged else 1
@@ -210,7 +215,8 @@ def export_to_abaqus(file, seal, path: Path) -> None:
     print(f"{path}: section, contact and motion for Abaqus (mm, kPa; forces in N/m)")
 
 
-def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
+def report(result: SealResult, summary: dict) -> None:
+    """Print the results of the end of the path, and the warnings."""
     # size of the model and cost of the path
     print(
         f"{summary['n_particles']} particles, {summary['n_steps']} load steps, "
@@ -249,7 +255,6 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
     else:
         print_penalty_errors(result)
         print_warnings(result)
-    print(f"figures, CSV and summary.json in {out}{series}")
 
 
 def arguments_parser():

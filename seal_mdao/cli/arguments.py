@@ -16,6 +16,7 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
+from seal_mdao.cli.one_line_parser import OneLineParser
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.door.door_options import DoorOptions
 from seal_mdao.seals.door.door_seal import ACCURACIES
@@ -65,7 +66,7 @@ def parser(
     errors take one line, an example of use ends the help."""
     # usage in one line: positional arguments, then options
     usage = " ".join(["%(prog)s", *positional.split(), "[options]"])
-    made = argparse.ArgumentParser(
+    made = OneLineParser(
         description=description, formatter_class=_HelpFormatter, usage=usage,
         epilog=f"example: {example}" if example else None,
     )  # fmt: skip
@@ -167,8 +168,10 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     """
     make_writable()
     if gc.get_freeze_count() == 0:
-        # what is imported is no garbage, and to look at it again and again takes half a second
+        # what is imported is no garbage, and to look at it again and again takes half a second; nor
+        # are most of the objects of a run, hence ten times as many new ones before a collection
         gc.freeze()
+        gc.set_threshold(10 * gc.get_threshold()[0])
     # parse, then note which options were given explicitly
     arguments = made.parse_args(argv)
     arguments.given = _given(made, argv)

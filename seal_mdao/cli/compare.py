@@ -7,7 +7,7 @@ from seal_mdao.cli.analyze import analyzed, summarize
 from seal_mdao.cli.arguments import WrongArgumentError, parser, write_summary
 from seal_mdao.cli.seal_files import file_of
 from seal_mdao.export.csv_tables import write_curves
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import contacts, moves
 
 KEYS = (
     "area_mm2", "true_peak_pressure_kPa", "deformed_contact_width_mm", "largest_gap_mm",
@@ -36,7 +36,11 @@ def main(arguments) -> int:
     nominal = {name: result for name, result in results.items() if len(result.path.nominal_steps)}
     if nominal:
         plotting.save(plotting.seals_compared(nominal), arguments.out / "comparison.png")
-    print_table(summary)
+    moving = {
+        name: [own.label for own in contacts(result.seal) if moves(own.motion)]
+        for name, result in results.items()
+    }
+    print_table(summary, moving)
     print(f"comparison.png, curves of every seal and summary.json in {arguments.out}")
     return 0 if all(result.converged for result in results.values()) else 1
 
@@ -53,13 +57,19 @@ def names_of(paths) -> list[str]:
     return names
 
 
-def print_table(summary: dict) -> None:
-    """Print the numbers of all seals, a line each."""
+def print_table(summary: dict, moving: dict) -> None:
+    """Print the numbers of all seals, a line each.
+
+    ``moving`` has the labels of the profiles that move, by the name of the seal.
+    """
     width = max(map(len, summary))
     for name, own in summary.items():
-        # force of the first profile with contact
-        force = [end["force_N_per_m"] for end in own["profiles"].values() if end]
-        parts = [f"force {force[0][0]:.2f}, {force[0][1]:.2f} N/m"] if force else []
+        # force on every profile that moves
+        parts = [
+            "force on {} {:.2f}, {:.2f} N/m".format(label, *own["profiles"][label]["force_N_per_m"])
+            for label in moving[name]
+            if own["profiles"][label]
+        ]
         parts += [f"{key} {own[key]:.4g}" for key in KEYS if own[key] is not None]
         if not own["converged"]:
             parts.append(f"NOT CONVERGED: {own['failure']}")

@@ -9,7 +9,6 @@ from seal_mdao.cli.arguments import (
     CASES,
     WrongArgumentError,
     checked_arguments,
-    existing_file,
     largest_penalty_error,
     parser,
     penalty_table,
@@ -18,7 +17,11 @@ from seal_mdao.cli.arguments import (
 )
 from seal_mdao.cli.history_figures import draw_designs, history_rows, limit_numbers, report_limits
 from seal_mdao.cli.recorded_runs import recorded_optimizer
-from seal_mdao.cli.running_optimization import report_run, run_optimization
+from seal_mdao.cli.running_optimization import (
+    add_optimization_arguments,
+    report_run,
+    run_optimization,
+)
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
@@ -30,7 +33,7 @@ from seal_mdao.file_optimization import (
     problem_settings,
     require_problem,
 )
-from seal_mdao.optimization import OPTIMIZERS, RunOptions
+from seal_mdao.optimization import RunOptions
 from seal_mdao.recording.recorded_optimization import label
 from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
@@ -82,7 +85,7 @@ def main(arguments) -> int:
         notes=[*results[1].warnings, *gaps["unmeasured_gaps"]],
     )  # fmt: skip
     # console: run, limits, key figures, warnings
-    report_run(optimizer, numbers, arguments.restart)
+    report_run(optimizer, numbers, arguments)
     report_limits(history, ends, numbers["kkt"])
     for name, value, text in own_figures:
         print(f"{name}: {value} {text}")
@@ -216,21 +219,11 @@ def report_anew(ends: dict, anew: dict | None) -> None:
 
 def arguments_parser():
     made = parser(__doc__, "out/seal_optimization", "FILE", "seal-mdao optimize bulb.toml")
-    add = made.add_argument
-    add("file", type=Path, metavar="FILE", help="seal file (TOML) with [[design]] and [optimize]")
-    names = list(OPTIMIZERS)
-    add(
-        "--optimizer", type=str.upper, choices=names, default=names[0],
-        metavar="|".join(names).lower(), help="method",
-    )  # fmt: skip
-    add(
-        "--max-iterations", type=int, metavar="N",
-        help="largest number of iterations, those before a restart included",
-    )  # fmt: skip
-    add(
-        "--restart", type=existing_file, metavar="CASES.sql",
-        help="continue the run of the same FILE recorded here, with its load steps, penalties and "
+    made.add_argument(
+        "file", type=Path, metavar="FILE", help="seal file (TOML) with [[design]] and [optimize]"
+    )
+    add_optimization_arguments(
+        made, "continue the run of the same FILE recorded here, with its load steps, penalties and "
         "optimiser; without --out in its folder",
     )  # fmt: skip
-    add("--overwrite", action="store_true", help="replace the recorder file of an earlier run")
     return made

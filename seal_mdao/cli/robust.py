@@ -27,7 +27,12 @@ from seal_mdao.cli.robust_comparison import (
     write_comparison,
 )
 from seal_mdao.cli.robust_subject import Subject, subject_of
-from seal_mdao.cli.running_optimization import judged, optimize, report_run
+from seal_mdao.cli.running_optimization import (
+    add_optimization_arguments,
+    judged,
+    optimize,
+    report_run,
+)
 from seal_mdao.cli.varied_seals import add_tolerance_arguments
 from seal_mdao.door_optimization import FORCE_BAND
 from seal_mdao.drivers.optimizer_driver import INTERRUPTED
@@ -74,7 +79,7 @@ def main(arguments) -> int:
     found = compared(designs, subject)
     write_summary(arguments.out, numbers | settings_of(arguments) | found | subject.said | ends)
     write_comparison(arguments.out, cases, designs, subject, kept)
-    report_run(arguments.optimizer, numbers, arguments.restart)
+    report_run(arguments.optimizer, numbers, arguments)
     report_comparison(designs, subject)
     print(f"report.html, comparison.png, summary.json, cases.sql and samples in {arguments.out}")
     # neither is an optimum whose fresh samples fail too often
@@ -200,25 +205,15 @@ def arguments_parser():
         "--widen", type=float, default=goal.widen, metavar="FACTOR",
         help="how many times as far as the tolerances the scenarios scatter",
     )  # fmt: skip
-    names = list(OPTIMIZERS)
-    add("--optimizer", choices=names, default=names[0], help="method")
-    add(
-        "--max-iterations",
-        type=int,
-        metavar="N",
-        help="largest number of iterations, nominal and robust",
-    )
     add(
         "--nominal", type=existing_file, metavar="FILE",
         help="summary.json of the nominal optimum; found first when left out "
         f"(reaction within {100 * FORCE_BAND:.0f} %%, pressure floor)",
     )  # fmt: skip
-    add(
-        "--restart", type=existing_file, metavar="CASES.sql",
-        help="continue the run recorded here, with the nominal optimum beside it; without --out in its "
+    add_optimization_arguments(
+        made, "continue the run recorded here, with the nominal optimum beside it; without --out in its "
         "folder, samples included; a run in --out is continued without",
     )  # fmt: skip
-    add("--overwrite", action="store_true", help="begin anew")
     add_executor_arguments(made)
     add_seal_arguments(made)
     return made

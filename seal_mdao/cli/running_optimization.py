@@ -7,7 +7,14 @@ from collections.abc import Callable
 import openmdao.api as om
 
 import seal_mdao as sm
-from seal_mdao.cli.arguments import WrongArgumentError, announce, checked_arguments
+from seal_mdao.cli.arguments import (
+    CASES,
+    WrongArgumentError,
+    announce,
+    checked_arguments,
+    existing_file,
+    positive_integer,
+)
 from seal_mdao.cli.recorded_runs import continued_file, recorder_file
 from seal_mdao.drivers.optimality import Optimality, measure_optimality
 from seal_mdao.optimization import (
@@ -92,6 +99,7 @@ def optimize(problem: om.Problem) -> dict:
     problem.cleanup()
     return {
         "success": bool(success),
+        "limited": getattr(problem.driver, "limited", False),
         "iterations": iterations,
         "model_evaluations": problem.driver.result.model_evals,
         "reused_evaluations": getattr(problem.driver, "reused_evaluations", 0),
@@ -124,14 +132,38 @@ def judged(run_numbers: dict, history) -> dict:
     }
 
 
-def report_run(optimizer: str, numbers: dict, restarted) -> None:
-    """Print the status of the optimiser, and the number of evaluations reused from ``restarted``."""
-    state = "converged" if numbers["success"] else "NOT CONVERGED"
+def report_run(optimizer: str, numbers: dict, arguments: argparse.Namespace) -> None:
+    """Print the status of the optimiser, how to continue after a limit, and the number of evaluations
+    reused from the file of ``--restart``."""
+    state = "converged in" if numbers["success"] else "NOT CONVERGED in"
+    if numbers["limited"]:
+        state = "stopped after"
     print(
-        f"{optimizer} {state} in {numbers['iterations']} iterations, "
+        f"{optimizer} {state} {numbers['iterations']} iterations, "
         f"{numbers['model_evaluations']} analyses, {numbers['wall_s']:.1f} s: {numbers['message']}"
     )
+    restarted = arguments.restart
+    if numbers["limited"]:
+        print(f"continue with --restart {arguments.out / CASES} and a larger --max-iterations")
     if restarted:
         print(
             f"continued {restarted}: {numbers['reused_evaluations']} recorded evaluations used again"
         )
+
+
+def add_optimization_arguments(made: argparse.ArgumentParser, restart: str) -> None:
+    """Add the options of a run of an optimiser; ``restart`` is the help of ``--restart``."""
+    names = list(OPTIMIZERS)
+    group = made.add_argument_group("optimisation")
+    add = group.add_argument
+    add(
+        "--optimizer", type=str.upper, choices=names, default=names[0],
+        metavar="|".join(names).lower(), help="method",
+    )  # fmt: skip
+    add(
+        "--max-iterations", type=positive_integer, metavar="N",
+        help="largest number of iterations, those before a restart included; a run that reaches it is "
+        "saved and can be continued",
+    )  # fmt: skip
+    add("--restart", type=existing_file, metavar="CASES.sql", help=restart)
+    add("--overwrite", action="store_true", help="replace the recorder file of an earlier run")

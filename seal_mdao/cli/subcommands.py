@@ -1,11 +1,13 @@
 """Dispatch of the command ``seal-mdao``: subcommands, general help, version."""
 
 import argparse
+import gc
 import sys
 from difflib import get_close_matches
 from importlib import import_module
 
 from seal_mdao._version import __version__
+from seal_mdao.cli.one_line_parser import OneLineParser
 
 COMMANDS = {
     "new": "write a seal file to start from, with comments, or from a drawing",
@@ -64,10 +66,15 @@ def main(argv=None) -> int:
 
 def _run(name: str, argv) -> int:
     """Run a subcommand, with usage and errors under its name."""
-    # the numerics are imported only after the subcommand is known
-    from seal_mdao.cli.arguments import run
+    # the numerics are imported only after the subcommand is known; modules are no garbage, and the
+    # collector would traverse them repeatedly
+    gc.disable()
+    try:
+        from seal_mdao.cli.arguments import run
 
-    command = import_module(f"seal_mdao.cli.{name}")
+        command = import_module(f"seal_mdao.cli.{name}")
+    finally:
+        gc.enable()
     made = command.arguments_parser()
     made.prog = f"seal-mdao {name}"
     return run(made, command.main, argv)
@@ -76,7 +83,7 @@ def _run(name: str, argv) -> int:
 def _general_parser() -> argparse.ArgumentParser:
     width = max(map(len, COMMANDS))
     listed = "\n".join(f"  {name:{width}}  {text}" for name, text in COMMANDS.items())
-    made = argparse.ArgumentParser(
+    made = OneLineParser(
         prog="seal-mdao", formatter_class=argparse.RawDescriptionHelpFormatter,
         usage="%(prog)s COMMAND [options]",
         description="Design rubber seals: analysis, sensitivities and optimisation of seal files.",

@@ -61,6 +61,8 @@ class OptimizerDriver(access.DriverHooks):
         Options of the optimiser; they override those of the driver.
     fail : bool
         Whether the last run failed.
+    limited : bool
+        Whether a limit of iterations or time ended the last run.
     failed_analyses : int
         Number of points of the last run at which the analysis or its derivatives failed.
     reused_evaluations : int
@@ -78,7 +80,7 @@ class OptimizerDriver(access.DriverHooks):
             self.supports[feature] = True
         self.supports["integer_design_vars"] = self.supports["distributed_design_vars"] = False
         self.opt_settings: dict = {}
-        self.fail = False
+        self.fail = self.limited = False
         self._forget_run()
 
     def prepare(self, callbacks: SolverCallbacks) -> Callable[[NDArray], SolverEnd]:
@@ -197,7 +199,7 @@ class OptimizerDriver(access.DriverHooks):
     def _forget_run(self) -> None:
         self.exit_message = "NOT_RUN"
         self.iterations = self.failed_analyses = self.reused_evaluations = 0
-        self.repeated_case = self.kink = None
+        self.repeated_case, self.kink, self.limited = None, None, False
         self._next_header = 1
 
     def _finish(self, end: SolverEnd, callbacks: SolverCallbacks, optimal: str) -> None:
@@ -205,6 +207,7 @@ class OptimizerDriver(access.DriverHooks):
         stopped = callbacks.interrupted or callbacks.stalled
         # stopped or unsuccessful, and the optimality conditions do not hold
         self.fail = (stopped or not end.success) and not optimal
+        self.limited = end.limited and not stopped
         self.exit_message = optimal or self._describe(end, callbacks)
         evaluator = callbacks.evaluator
         # the model is left at the result, so that outputs and derivatives belong to it
@@ -219,7 +222,9 @@ class OptimizerDriver(access.DriverHooks):
                 f"Infeasible: constraint(s) {constants} are violated and do not depend on any "
                 "design variable"
             )
-        if self.fail:
+        if self.limited:
+            self._print(f"Optimization stopped.\n{self.exit_message}\n{'-' * 35}")
+        elif self.fail:
             self._print(f"Optimization FAILED.\n{self.exit_message}\n{'-' * 35}")
         elif self._next_header > 1:
             self._print(f"Optimization Complete\n{self.exit_message}\n{'-' * 35}")
@@ -233,7 +238,9 @@ class OptimizerDriver(access.DriverHooks):
                 "Stopped: failed analyses leave no way forward from the best point found. "
                 f"Last failure: {callbacks.evaluator.last_failure}"
             )
-        if end.success or end.limited or not self.failed_analyses:
+        if end.limited:
+            return f"{end.message}; {BEST_KEPT if callbacks.feasible else LEAST_KEPT}"
+        if end.success or not self.failed_analyses:
             return end.message
         return (
             f"{end.message}; {self.failed_analyses} analyses failed, "

@@ -12,6 +12,7 @@ from collections import deque
 from contextlib import suppress
 from functools import cached_property
 from importlib import import_module
+from pathlib import Path
 from threading import Lock, local
 
 import numpy as np
@@ -52,6 +53,10 @@ def import_pypardiso():
     for name in WITH_BLAS:
         with suppress(ImportError):
             import_module(name)
+    # pip puts MKL beside Python's libraries; pypardiso would start programs and search all folders
+    beside = sorted((Path(sys.prefix) / "lib").glob("libmkl_rt*"))
+    if beside:
+        os.environ.setdefault(LIBRARY, str(beside[0]))
     try:
         import pypardiso
     except ImportError as error:

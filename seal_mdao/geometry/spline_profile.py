@@ -1,7 +1,7 @@
 """Rigid profiles of cubic pieces: given by coefficients, or as a C2 spline through points."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from seal_mdao.geometry.curve import CUBIC
 from seal_mdao.geometry.profile import PieceRates, Pieces, RigidProfile, rigid_profile
@@ -98,7 +98,9 @@ def spline_profile(points, rates=None, closed: bool = False, parameter=None) -> 
     values = np.concatenate([points[np.newaxis], rates]).transpose(1, 0, 2)
     if closed:
         values = np.concatenate([values, values[:1]])
-    spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
+    spline = scipy.interpolate.CubicSpline(
+        knots, values, bc_type="periodic" if closed else "not-a-knot"
+    )
     # from (power, piece, column, component), highest power first
     coefficients = spline.c[::-1].transpose(2, 1, 0, 3)
     return cubic_profile(knots, coefficients[0], coefficients[1:], closed)

@@ -24,7 +24,7 @@ class FineGrid:
     ----------
     result : SealResult
     table : PointTable
-        Points, bilinear in the corners of the background cells, and their shape functions.
+        Points, bilinear in the corners of the background cells, and their raw shape functions.
     region : ndarray of int, shape (k,)
         Number of the material of every point; between two materials points lie twice.
     quads : ndarray of int, shape (q, 4)
@@ -52,10 +52,16 @@ class FineGrid:
 
     def deformed(self, step: int = -1) -> np.ndarray:
         """Compute deformed coordinates after a nominal step, shape (k, 2), mm."""
-        # x = X + sum_I Phi_I(X) d_I
+        # x = X + sum_I Phi_I(X) c_I
         u = np.empty((len(self.points.anchors), 2))
-        interpolate(self.table.table, self.result.path.nominal_steps[step].d, u)
+        interpolate(self.table.raw, self._coefficients(step), u)
         return self.undeformed() + u
+
+    def _coefficients(self, step: int) -> np.ndarray:
+        """Compute the coefficients c of the raw shape functions after a nominal step, (n, 2), mm."""
+        # Phi T d = Phi (T d): to transform the coefficients is faster than to transform the table
+        transformation = self.result.path.discretization.transformation
+        return transformation.coefficients(self.result.path.nominal_steps[step].d)
 
     def von_mises(self, step: int = -1) -> np.ndarray:
         """Compute the von Mises stress after a nominal step, shape (k,), kPa.
@@ -64,7 +70,7 @@ class FineGrid:
         stress; they get the highest stress of all other points.
         """
         # |F|^2 = F_ij F_ij and J of every point, then the law of its region
-        f = deformation_gradients(self.table.table, self.result.path.nominal_steps[step].d)
+        f = deformation_gradients(self.table.raw, self._coefficients(step))
         square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
         for number, region in enumerate(self.result.term("structure").definition.regions):
             at = self.region == number
@@ -87,7 +93,7 @@ def fine_grid(result: SealResult, divisions: int | None = None) -> FineGrid:
     body = result.term("structure").definition
     region = body.per_cell(range(len(body.regions)), len(cells), int)
     points, of_cell, of_point = _refined(cells, region, divisions)
-    quads, table = _quads(of_cell), build_table(disc.cloud, points, disc.transformation)
+    quads, table = _quads(of_cell), build_table(disc.cloud, points)
     loops = boundary_loops(cells, of_cell)
     return FineGrid(result, table, of_point, quads, _triangles(quads), loops)
 

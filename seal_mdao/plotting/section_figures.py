@@ -18,6 +18,7 @@ from seal_mdao.plotting.style import (
     GREY,
     LIGHT_GREY,
     VERMILION,
+    mark_failure,
     panels,
     styled,
     subplots,
@@ -55,9 +56,8 @@ def section_cloud(result: SealResult) -> Figure:
     width, height = section.panel_size(low, high)
     figure, axes = subplots(width=1.35 * width + 2.2, height=1.35 * height + 0.6)
     section.draw_cells(axes, particles, seal.body.cells, color=CELL_GREY, linewidth=0.5, zorder=2)
-    fine = fine_grid(result, 1)
     section.fill_outline(
-        axes, fine.undeformed(), fine.loops, facecolor=LIGHT_GREY, alpha=0.25, lw=0
+        axes, particles, cell_loops(seal.body), facecolor=LIGHT_GREY, alpha=0.25, lw=0
     )
     # smaller dots for more particles
     size = float(np.clip(60.0 / np.sqrt(len(particles)), 0.8, 3.0))
@@ -156,6 +156,7 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
         section.frame(axes, low, high)
         axes.set_title(result.caption(step))
         axes.label_outer()
+    mark_failure(figure, result)
     figure.legend(*panel[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     figure.colorbar(contours, ax=every, shrink=0.7, aspect=30, pad=0.02, label=STRESS)
     return figure

@@ -6,7 +6,7 @@ A row of panels for each profile, a column for each load-unload segment.
 import numpy as np
 from matplotlib.figure import Figure
 
-from seal_mdao.plotting.style import BLUE, VERMILION, signed, styled, subplots
+from seal_mdao.plotting.style import BLUE, VERMILION, mark_failure, signed, styled, subplots
 from seal_mdao.seals.profiles import moving_histories, profile_histories
 from seal_mdao.seals.result import SealResult
 
@@ -146,8 +146,7 @@ def _segment_panels(histories, result: SealResult, text: str):
         for segment, axes in zip(history.load_segments, row, strict=False):
             _label(axes, history, segment)
             panels.append((history, segment, axes, segment is history.load_segments[-1]))
-    if not result.converged:
-        figure.suptitle("path not completed: up to the last converged step", fontsize=10.5)
+    mark_failure(figure, result)
     return figure, panels
 
 

@@ -207,8 +207,8 @@ class SealResult:
         )
 
     advice = (
-        "Use more load steps (n_steps), a shorter motion, a smaller normal penalty, or a design nearer "
-        "to the nominal seal"
+        "Use more load steps (steps of a seal file, n_steps in Python), a shorter motion, a smaller "
+        "normal penalty, or a design nearer to the nominal seal"
     )
 
     @property

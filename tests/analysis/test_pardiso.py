@@ -24,6 +24,26 @@ def test_missing_pypardiso_is_an_error_of_one_line(monkeypatch):
     assert "\n" not in str(raised.value)
 
 
+SEARCHING = """
+import ctypes.util, glob
+
+def search(*given, **more):
+    raise AssertionError("MKL is searched for")
+
+glob.glob = ctypes.util.find_library = search
+from seal_mdao.equilibrium.pardiso import import_pypardiso
+import_pypardiso()
+"""
+
+
+def test_mkl_beside_python_is_not_searched_for():
+    """The search starts programs and walks through all folders of the environment."""
+    pytest.importorskip("pypardiso")
+    if not glob.glob(f"{sys.prefix}/lib/libmkl_rt*"):
+        pytest.skip("MKL is elsewhere")
+    subprocess.run([sys.executable, "-c", SEARCHING], check=True, timeout=120)
+
+
 def test_factors_solve_and_outlive_the_next_factorisation(rng):
     pytest.importorskip("pypardiso")
     disc = square(rng, solver="pardiso")

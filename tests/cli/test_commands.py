@@ -4,6 +4,7 @@ import csv
 import json
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from PIL import Image
 import seal_mdao as sm
 from seal_mdao.cli import examples
 from seal_mdao.cli.arguments import WrongArgumentError
-from seal_mdao.cli.compare import names_of
+from seal_mdao.cli.compare import KEYS, names_of, print_table
 from seal_mdao.cli.subcommands import COMMANDS, main
 from seal_mdao.plotting.animation import check_format
 
@@ -79,8 +80,21 @@ def test_wrong_use_is_one_line_with_status_two(wrong, tmp_path, monkeypatch, cap
     except SystemExit as ended:
         code = ended.code
     assert code == 2
-    said = [line for line in capsys.readouterr().err.splitlines() if "usage:" not in line]
-    assert len([line for line in said if "error:" in line or "seal-mdao" in line]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "seal-mdao" in line
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_unknown_option_of_any_command_is_one_line_with_status_two(
+    name, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main([name, "--nonsense"])
+    assert ended.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"seal-mdao {name}: error: ")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_misspelt_command_is_named(capsys):
@@ -97,6 +111,31 @@ def test_ctrl_c_while_modules_are_imported(monkeypatch, capsys):
     monkeypatch.setattr("seal_mdao.cli.subcommands.import_module", interrupted)
     assert main(["check", "bulb.toml"]) == 130
     assert capsys.readouterr().err == "seal-mdao check: interrupted\n"
+
+
+ENOUGH = {
+    "examples": (), "new": ("mine",), "fit": ("tests.csv", "--law", "yeoh"),
+    "compare": ("bulb.toml", "bulb.toml"), "sweep": ("bulb.toml", "--vary", "friction", "0.1:0.2:2"),
+}  # fmt: skip
+"""Arguments with which a subcommand starts, where they are not one file."""
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_ctrl_c_in_any_command_is_one_line_with_status_130(name, tmp_path, monkeypatch, capsys):
+    """What an earlier stage wrote is there, and named."""
+    monkeypatch.chdir(tmp_path)
+    Path("bulb.toml").touch()
+
+    def interrupted(arguments):
+        (arguments.out / "summary.json").write_text("{}", encoding="utf-8")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(import_module(f"seal_mdao.cli.{name}"), "main", interrupted)
+    assert main([name, *ENOUGH.get(name, ("bulb.toml",)), "--out", "out"]) == 130
+    assert capsys.readouterr().err == (
+        f"seal-mdao {name}: interrupted; summary.json in out is as written last\n"
+    )
+    assert Path("out", "summary.json").read_text(encoding="utf-8") == "{}"
 
 
 def test_a_wrong_parameter_is_refused_before_any_analysis(bulb, tmp_path, monkeypatch):
@@ -351,7 +390,15 @@ def test_compare_draws_both_and_writes_their_curves(bulb, tmp_path, capsys):
         assert (out / name / "curve_door.csv").is_file()
     with Image.open(out / "comparison.png") as picture:
         assert min(picture.size) > 600
-    assert "stiffer  force" in capsys.readouterr().out
+    assert "stiffer  force on door" in capsys.readouterr().out
+
+
+def test_compare_prints_the_force_on_profiles_that_move(capsys):
+    """Not on the ground, which comes first in the file."""
+    ends = {"ground": {"force_N_per_m": [0.0, -5.0]}, "door": {"force_N_per_m": [1.0, 5.0]}}
+    own = {"profiles": ends, "converged": True, **dict.fromkeys(KEYS)}
+    print_table({"seal": own}, {"seal": ["door"]})
+    assert capsys.readouterr().out == "seal  force on door 1.00, 5.00 N/m\n"
 
 
 def test_names_of_files_of_one_stem():

@@ -1,15 +1,18 @@
 """What is drawn is what was computed."""
 
 import sys
+from dataclasses import replace
 
 import matplotlib.image
 import numpy as np
 import pytest
 import shapely
 from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting import style
 from seal_mdao.plotting.contact_curves import arc_length
@@ -33,6 +36,25 @@ def test_no_window_system_is_touched(nominal, tmp_path):
     assert matplotlib.image.imread(path).std() > 0.01
     pyplot = sys.modules.get("matplotlib.pyplot")
     assert pyplot is None or pyplot.get_fignums() == []
+
+
+def test_a_figure_is_drawn_once(nominal, tmp_path, monkeypatch):
+    """``savefig`` draws those with a layout engine twice."""
+    drawn, real = [], Figure.draw
+    monkeypatch.setattr(Figure, "draw", lambda *given: (drawn.append(1), real(*given)))
+    plotting.save(plotting.load_deflection(nominal), tmp_path / "reaction.png", dpi=50)
+    assert drawn == [1]
+
+
+def test_figures_of_a_path_that_stopped_say_where(nominal):
+    done = len(nominal.path.steps) // 2
+    part = replace(nominal.path, steps=nominal.path.steps[:done], status=Status.NOT_CONVERGED)
+    stopped = replace(nominal, path=part)
+    last = len(stopped.path.nominal_steps) - 1
+    for figure in (plotting.deformed_shapes, plotting.load_deflection):
+        title = figure(stopped).get_suptitle()
+        assert title == f"path stopped at {nominal.caption(last)}"
+        assert figure(nominal).get_suptitle() == ""
 
 
 def test_deformed_shapes_share_one_scale_and_equal_aspect(nominal):

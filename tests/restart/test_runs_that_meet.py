@@ -4,9 +4,11 @@ import os
 import signal
 import sqlite3
 from contextlib import suppress
+from pathlib import Path
 
 import openmdao.api as om
 import pytest
+from filelock import FileLock
 from valley import designs, record, valley_problem
 
 import seal_mdao as sm
@@ -71,6 +73,31 @@ def test_lock_ends_with_its_process():
         os.kill(os.getpid(), signal.SIGKILL)
     os.waitpid(child, 0)
     claim("cases.sql").release()
+
+
+def test_lock_leaves_no_file():
+    claim("cases.sql").release()
+    assert not Path(".cases.sql.lock").exists()
+
+
+def test_lock_on_a_deleted_file_is_not_taken(monkeypatch):
+    """Another run deletes the file between opening and locking it: this lock would exclude nobody."""
+    cases, real, taken = Path("cases.sql").absolute(), FileLock.acquire, []
+    name = cases.with_name(".cases.sql.lock")
+
+    def acquire(lock, *given, **more):
+        real(lock, *given, **more)
+        taken.append(lock)
+        if len(taken) == 1:
+            name.unlink()
+
+    monkeypatch.setattr("seal_mdao.recording.claim.FileLock.acquire", acquire)
+    lock = claim(cases)
+    assert len(taken) == 2
+    assert not taken[0].is_locked
+    with pytest.raises(RecorderBusyError):
+        claim(cases)
+    lock.release()
 
 
 def test_copy_does_not_replace_a_file_that_a_run_writes(finished):

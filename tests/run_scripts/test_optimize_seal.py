@@ -154,8 +154,15 @@ def test_a_continued_run_has_the_load_steps_that_were_chosen(
 ):
     """And so has the best design as a file."""
     path = written(tmp_path, OPEN)
-    run_script("optimize", tmp_path, path, "--max-iterations", 1)
-    assert "load steps, chosen within" in capsys.readouterr().out
+    code, s = run_script("optimize", tmp_path, path, "--max-iterations", 1)
+    said = capsys.readouterr().out
+    assert "load steps, chosen within" in said
+    # a limit is no failure, but not an optimum either
+    assert (code, s["limited"]) == (1, True)
+    assert "FAILED" not in said
+    assert "UNO stopped after 1 iterations" in said
+    assert f"continue with --restart {tmp_path / 'cases.sql'}" in said
+    assert not list(tmp_path.glob(".*.lock"))
 
     def refusing(*_, **__):
         raise AssertionError("load steps are chosen again")

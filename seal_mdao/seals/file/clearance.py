@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from seal_mdao.contact.kinematics import closest_point
 from seal_mdao.errors import SealFileError
@@ -95,6 +95,8 @@ def _nearest_of(segment, gap, sagitta) -> Nearest:
     fractions = segment.chords(sagitta)
     k = int(np.argmin([at(s) for s in fractions]))
     beside = fractions[max(k - 1, 0)], fractions[min(k + 1, len(fractions) - 1)]
-    between = minimize_scalar(at, bounds=beside, method="bounded", options={"xatol": 1e-10}).x
+    between = scipy.optimize.minimize_scalar(
+        at, bounds=beside, method="bounded", options={"xatol": 1e-10}
+    ).x
     best = min(fractions[k], between, key=at)
     return Nearest(at(best), segment.points([best])[0], segment.edge)

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
+import scipy
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.segments import Line
@@ -71,7 +71,7 @@ class _Curve:
             if not (weights > 0.0).all():
                 raise GeometryError("the weights of a spline must be positive")
             columns = np.column_stack([control * weights[:, None], weights])
-        self.value = BSpline(knots, columns, degree)
+        self.value = scipy.interpolate.BSpline(knots, columns, degree)
         self.slope = self.value.derivative()
 
     def at(self, u):
@@ -104,7 +104,7 @@ class _Curve:
         while True:
             # at a kink the tangent is that of this side
             points, ends = self.at(u), self.slopes(np.array([u[0], np.nextafter(u[-1], -np.inf)]))
-            fit = CubicSpline(u, points, bc_type=((1, ends[0]), (1, ends[1])))
+            fit = scipy.interpolate.CubicSpline(u, points, bc_type=((1, ends[0]), (1, ends[1])))
             # accuracy is checked at 0.2, 0.5 and 0.8 of every interval; all are halved until it holds
             between = (u[:-1, None] + np.diff(u)[:, None] * [0.2, 0.5, 0.8]).ravel()
             if self.degree <= 3 and not self.rational:
@@ -120,7 +120,7 @@ class _Curve:
 def b_spline_of(spline: Spline) -> tuple[np.ndarray, np.ndarray]:
     """Compute knots (n + 4,) and control points (n, 2) of the cubic B-spline of the same curve."""
     ends = spline.end_slopes
-    found = make_interp_spline(
+    found = scipy.interpolate.make_interp_spline(
         spline.parameter, np.array(spline.through), k=3, bc_type=([(1, ends[0])], [(1, ends[1])])
     )
     return found.t, found.c

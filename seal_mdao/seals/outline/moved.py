@@ -1,7 +1,7 @@
 """Section of a design: moved segments are replaced by splines through their points."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.arcs import Arc, Circle
@@ -141,5 +141,5 @@ def _turn(one, other) -> float:
 
 def _end_slopes(through, parameter) -> tuple:
     """Compute end slopes of a not-a-knot spline whose ends coincide without a smooth joint."""
-    curve = CubicSpline(parameter, np.array(through))
+    curve = scipy.interpolate.CubicSpline(parameter, np.array(through))
     return tuple(map(tuple, curve([parameter[0], parameter[-1]], 1).tolist()))

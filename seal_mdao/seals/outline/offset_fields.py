@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
+import scipy
 
 from seal_mdao.seals.outline.boundary_path import SAME, BoundaryPath, MirrorPlane
 from seal_mdao.seals.outline.segments import pair
@@ -182,14 +182,14 @@ def _basis(part: _Part, path: BoundaryPath, count: int, along=None) -> np.ndarra
     inside = (s >= -SAME) & (s <= size + SAME)
     values = np.zeros((s.size, count + before + after))
     at = np.clip(s[inside], 0.0, size)
-    values[inside] = BSpline.design_matrix(at, knots, DEGREE).toarray()
+    values[inside] = scipy.interpolate.BSpline.design_matrix(at, knots, DEGREE).toarray()
     return values[:, int(before) : values.shape[1] - int(after)]
 
 
 def _periodic(s, count) -> np.ndarray:
     """Evaluate periodic B-splines at fractions ``s`` of the loop; number j is largest at j / count."""
     knots = np.arange(-DEGREE, count + DEGREE + 1) / count
-    values = BSpline.design_matrix(s, knots, DEGREE).toarray()
+    values = scipy.interpolate.BSpline.design_matrix(s, knots, DEGREE).toarray()
     # splines that leave the interval at its end enter it at the beginning: add the two parts
     found = values[:, :count].copy()
     found[:, :DEGREE] += values[:, count:]

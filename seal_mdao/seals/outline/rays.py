@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.contours import JOIN, SAGITTA, Boundary, Outline
@@ -127,7 +127,7 @@ def _radius(segment, rays, ray, low, high) -> float:
         return along[0] * y - along[1] * x
 
     if off(low) * off(high) < 0.0:
-        s = brentq(off, low, high, xtol=1e-16)
+        s = scipy.optimize.brentq(off, low, high, xtol=1e-16)
     else:  # an end of the chord is on the ray
         s = min(low, high, key=lambda end: abs(off(end)))
     return float((segment.points(np.array([s]))[0] - rays.centre) @ along)

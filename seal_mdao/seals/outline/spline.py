@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.spline_profile import chord_length
@@ -88,7 +88,7 @@ class Spline(Segment):
         return parameter
 
     @cached_property
-    def curve(self) -> CubicSpline:
+    def curve(self) -> "scipy.interpolate.CubicSpline":
         """The spline as a function of its parameter, with its end conditions."""
         # end conditions: given slopes x'(u), periodic, or a continuous third derivative
         points = np.array(self.through)
@@ -96,7 +96,7 @@ class Spline(Segment):
             ends = tuple((1, np.array(slope)) for slope in self.slopes)
         else:
             ends = "periodic" if self.through[0] == self.through[-1] else "not-a-knot"
-        return CubicSpline(self.parameter, points, bc_type=ends)
+        return scipy.interpolate.CubicSpline(self.parameter, points, bc_type=ends)
 
     @property
     def end_slopes(self) -> tuple:

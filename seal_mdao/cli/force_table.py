@@ -1,0 +1,53 @@
+"""Load-deflection curves as text: force on every moving profile over its travel."""
+
+import numpy as np
+
+from seal_mdao.seals.profiles import contacts, moves, profile_histories
+
+MOST_ROWS = 10
+"""Largest number of rows for a load-unload segment; the last load step is always one of them."""
+BAR = 30
+"""Characters of the longest bar: the largest force on the profile."""
+
+
+def print_forces(result) -> None:
+    """Print the table of every profile that moves, complete or up to where the path ended."""
+    # flushed: the tables are there to read while figures are drawn
+    for line in force_lines(result):
+        print(line, flush=True)
+
+
+def force_lines(result) -> list[str]:
+    """Tabulate the force on every moving profile over its travel, with a bar for its size.
+
+    Parameters
+    ----------
+    result : SealResult
+
+    Returns
+    -------
+    list of str
+        For each load-unload segment a heading with units and at most ``MOST_ROWS`` rows; empty without
+        a moving profile or a converged load step.
+    """
+    found = []
+    for contact, history in zip(contacts(result.seal), profile_histories(result), strict=True):
+        if not moves(contact.motion) or not len(history.stage):
+            continue
+        size = np.hypot(*history.force.T)
+        for segment in history.load_segments:
+            along = "turn (deg)" if segment.turns else "travel (mm)"
+            stages = ", ".join(map(str, segment.stages))
+            found.append(
+                f"{history.label}, stage {stages}: {along}, horizontal and vertical force (N/m)"
+            )
+            # evenly distributed load steps up to the last one
+            first, last = segment.steps.start, segment.steps.stop - 1
+            rows = np.unique(np.linspace(first, last, MOST_ROWS + 1).round().astype(int)[1:])
+            for step in rows:
+                # |F| / max |F|
+                bar = "#" * round(BAR * size[step] / max(size.max(), 1e-300))
+                across, up = history.force[step]
+                here = segment.along[step - first]
+                found.append(f"{here:9.3f} {across:10.2f} {up:10.2f}  {bar}".rstrip())
+    return found
