@@ -60,6 +60,7 @@ bound = 0.2
 arc = [0.0, 8.0]
 bound = 0.25
 """
+RAYS = "# on rays\n"
 WALL = 'edges = ["hole"]\nparameters = 4\nopposite = "NAME"'
 HALVES = """hole = [
   { edge = "hole", arc = { start = [0.0, 2.0], through = [-3.0, 5.0], end = [0.0, 8.0] } },
@@ -205,10 +206,17 @@ def test_an_optimisation_is_continued_with_its_own_designs_only(tmp_path):
         ('"x = 0"', '"x = 0.3"', r"no vertex is at \(-4.4, 5\)"),
         ("arc = [0.0, 8.0]", WALL.replace("NAME", "base"), "which .fixed. holds"),
         ("arc = [0.0, 8.0]", WALL.replace("NAME", "bse"), "did you mean 'base'"),
+        ("[[design]]", RAYS + "[[design]]", "1: between beside rays; fill .section. with a spacing"),
         ("[5.0, 5.0]", "[5.0, 4.0]", r"no vertex is at \(5, 4\); the nearest one is at \(5, 5\)"),
     ],
 )  # fmt: skip
 def test_wrong_designs_are_refused(tmp_path, old, new, message):
     assert old in DESIGNS
+    path = written(tmp_path, DESIGNS.replace(old, new, 1))
+    if RAYS in new:
+        filled = path.read_text().replace(
+            "spacing = 1.6\nlayers = 3", "rays = { rays = 24, layers = 4 }"
+        )
+        path.write_text(filled, encoding="utf-8")
     with pytest.raises(sm.SealFileError, match=message):
-        sm.build_seal(sm.read_seal_file(written(tmp_path, DESIGNS.replace(old, new, 1))))
+        sm.build_seal(sm.read_seal_file(path))

@@ -19,6 +19,7 @@ from seal_mdao.seals.file.held_edges import (
 )
 from seal_mdao.seals.file.section_table import check_section
 from seal_mdao.seals.outline.contours import Contour, Outline
+from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import OutlineCloud
 
 TOUCHING = 1e-9
@@ -106,6 +107,10 @@ def _check_designs(file) -> None:
     seen = {}
     for number, design in enumerate(file.designs, 1):
         where = f"[[design]] {number}"
+        # boundaries on rays have no arc length and no tangents
+        for what in ("between", "arc"):
+            if getattr(design, what) is not None and isinstance(file.section.spacing, Rays):
+                raise SealFileError(f"{where}: {what} beside rays; fill [section] with a spacing")
         for what, names in (("edges", design.edges or ()), ("opposite", design.moving[-1:])):
             if names and getattr(design, what) is not None:
                 check_edges(where, what, names, file.section.outline)
