@@ -381,7 +381,7 @@ BAD = {
     # measure
     "no type": (*without('type = "contact_width"\n'), "[[measure]] 1: the key 'type' is missing; it m"),
     "unknown type": ('"contact_width"', '"width"', "[[measure]] 1: type = 'width', but it must be one"),
-    "type a number": ('"contact_width"', "3", "[[measure]] 1: type = 3, but it must be one of section"),
+    "type a number": ('"contact_width"', "3", "[[measure]] 1: type = 3, but it must be one of reaction"),
     "unknown profile": ('profile = "door"', 'profile = "dor"', "[[measure]] 1: profile = 'dor', but "
                         "there is no such profile (did you mean 'door'?); there is door"),
     "argument of another type": (WIDTH, WIDTH + "\norder = 4", "[[measure]] 1: unknown key 'order'"),
