@@ -69,7 +69,8 @@ def main(arguments) -> int:
         robust = history.design_at(-1)
         # both designs on the same fresh samples
         pairs = (("nominal optimum", nominal), ("robust optimum", robust))
-        designs = [sampled(subject, name, own, arguments, workers) for name, own in pairs]
+        with checked_arguments():
+            designs = [sampled(subject, name, own, arguments, workers) for name, own in pairs]
     # a run that ends infeasible is not a success
     numbers = judged(numbers, history)
     ends = {
@@ -105,17 +106,13 @@ def optimize_robustly(
         with checked_arguments():
             # robust problem: statistics of the measures over all scenarios
             recorder = None if arguments.restart else cases
-            options = RunOptions(driver_of(arguments), recorder, progress, work_dir=arguments.out)
+            limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
+            driver = OPTIMIZERS[arguments.optimizer](*limit)
+            options = RunOptions(driver, recorder, progress, work_dir=arguments.out)
             robust = Robust(subject.goal, scenarios, workers, label_of(scenarios, nominal))
             problem = optimization_problem(subject.task, options, robust)
             begin(problem, nominal, cases if arguments.restart else None)
         return not_interrupted(optimize(problem))
-
-
-def driver_of(arguments):
-    """Make the driver of one of the two optimisations, with the limit of iterations if given."""
-    limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
-    return OPTIMIZERS[arguments.optimizer](*limit)
 
 
 def not_interrupted(numbers: dict) -> dict:
@@ -137,7 +134,8 @@ def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np
     else:
         # otherwise optimise the nominal seal first
         with LoadStepProgress(subject.seal, "nominal optimisation, analysis") as progress:
-            options = RunOptions(driver_of(arguments), recorded, progress, kept, arguments.out)
+            driver = OPTIMIZERS[arguments.optimizer]()
+            options = RunOptions(driver, recorded, progress, kept, arguments.out)
             numbers = not_interrupted(
                 optimize(optimization_problem(subject.nominal_task(options), options))
             )

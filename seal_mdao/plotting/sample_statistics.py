@@ -8,6 +8,8 @@ from seal_mdao.plotting.style import BLUE, GREY, VERMILION, panels, signed, styl
 BINS = 30
 SMALLEST = 1e-4
 """Lower limit of the cost axis over the largest cost."""
+DECADES = 1e-2
+"""Smallest over largest cost below which its axis is logarithmic."""
 STRONG = 0.6
 """Correlation above which numbers are white."""
 DESIGN_COLOURS = (GREY, BLUE, VERMILION)
@@ -109,22 +111,24 @@ def designs_compared(
 
 def _draw_cumulative(axes, samples: dict) -> None:
     """Plot the fraction of samples below a cost for every design, with the 95 % quantile."""
+    # a logarithmic axis for costs of several decades, such as a gap that nearly closes
+    lowest, largest = (end(np.concatenate([*samples.values()])) for end in (np.min, np.max))
+    decades = 0.0 <= lowest < DECADES * largest
     # a closed gap has cost zero: costs far below the largest are drawn at the left end
-    least = SMALLEST * max(values.max() for values in samples.values())
+    least = SMALLEST * largest if decades else -np.inf
     for (label, values), color in zip(
         samples.items(), DESIGN_COLOURS[-len(samples) :], strict=True
     ):
         # i-th smallest of S samples: fraction (i - 1/2) / S below
         fraction = (np.arange(values.size) + 0.5) / values.size
-        shown = np.sort(values) if values.min() < 0.0 else np.maximum(np.sort(values), least)
-        axes.plot(shown, 100.0 * fraction, color=color, label=label)
+        axes.plot(np.maximum(np.sort(values), least), 100.0 * fraction, color=color, label=label)
         axes.plot(max(np.quantile(values, 0.95), least), 95.0, "o", color=color)
     axes.axhline(95.0, color=GREY, linewidth=0.8, linestyle=":")
     axes.set(ylabel="fraction of samples below (%)", ylim=(0.0, 100.0))
-    if least > 0.0 and min(values.min() for values in samples.values()) >= 0.0:
+    if decades:
         axes.set_xscale("log")
         axes.set_xlim(left=least)
-    axes.legend(loc="lower right")
+    axes.legend(loc="lower right" if decades else "lower center")
 
 
 def _draw_limited(axes, limited: dict, band) -> None:

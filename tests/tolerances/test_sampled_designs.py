@@ -73,3 +73,14 @@ def test_a_band_that_is_narrower_than_the_scatter():
     assert design().too_wide(band._replace(band=95.0)) is None
     # met: nothing to say
     assert design().too_wide(band._replace(required=0.8)) is None
+
+
+@pytest.mark.parametrize(
+    ("power", "scale"), [(0.1, "linear"), (6.0, "log")], ids=["area", "gap that nearly closes"]
+)
+def test_the_axis_of_the_cost_is_logarithmic_over_decades_only(power, scale):
+    values = np.linspace(0.01, 1.0, 50) ** power
+    figure = designs_compared(
+        {"nominal optimum": values, "robust optimum": 0.9 * values}, "a", "mm"
+    )
+    assert figure.axes[0].get_xscale() == scale
