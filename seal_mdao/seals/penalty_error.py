@@ -108,7 +108,7 @@ class PenaltyError:
         return float(np.abs(np.sum(own, axis=0)).max(initial=0.0) / self.scale)
 
 
-def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
+def penalty_errors(result, measures=None, scales=None) -> dict[str, PenaltyError]:
     """Estimate the penalty errors of measures at the end of a completed path.
 
     Parameters
@@ -118,6 +118,8 @@ def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
     measures : sequence of Measure, optional
         With frozen evaluation points. When left out: the standard ones of the seal, with points
         selected on this result, and the force on every profile.
+    scales : dict of str to float, optional
+        Reference values of the measures by name; when left out, those of this result.
 
     Returns
     -------
@@ -137,9 +139,8 @@ def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
     for measure, slopes in zip(measures, wanted.by_name(rates).values(), strict=True):
         # m(w) - m(infinity) = -w dm/dw
         parts = {p.name: -p.value * slopes[:, i] for i, p in enumerate(own)}
-        found[measure.name] = PenaltyError(
-            np.sum(list(parts.values()), axis=0), parts, scale_of(measure, result)
-        )
+        scale = scale_of(measure, result) if scales is None else scales[measure.name]
+        found[measure.name] = PenaltyError(np.sum(list(parts.values()), axis=0), parts, scale)
     return found
 
 
