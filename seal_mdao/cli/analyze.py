@@ -24,6 +24,7 @@ from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_cu
 from seal_mdao.mesh_files import library
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
+from seal_mdao.seals.local_states import stress_peak
 from seal_mdao.seals.profiles import ProfileHistory, profile_histories
 from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
@@ -31,6 +32,8 @@ from seal_mdao.structure.deformation import lowest_jacobian
 END_KEYS = (
     "true_peak_pressure_kPa", "deformed_contact_width_mm", "nominal_peak_pressure_kPa",
     "nominal_contact_width_mm", "largest_gap_mm", "largest_von_mises_kPa", "largest_von_mises_at_mm",
+    "largest_von_mises_singular_at", "largest_von_mises_elsewhere_kPa",
+    "largest_von_mises_elsewhere_at_mm",
 )  # fmt: skip
 """Keys of summary.json for all profiles together and for the section at the end of the path."""
 
@@ -50,7 +53,7 @@ def main(arguments) -> int:
         write_contact(result, arguments.out)
         draw(result, arguments.out)
     report(result, summary, write_series(result, arguments), arguments.out)
-    return 0 if result.converged else 1
+    return 0 if result.trustworthy else 1
 
 
 def analyzed(file) -> tuple[SealResult, float]:
@@ -75,6 +78,9 @@ def summarize(result: SealResult) -> dict:
     histories, steps = profile_histories(result), result.path.nominal_steps
     summary = {
         "converged": result.converged,
+        "trustworthy": result.trustworthy,
+        "failure": result.failure or None,
+        "warnings": result.warnings if result.converged else None,
         "n_particles": len(result.particles),
         "n_steps": len(steps),
         "area_mm2": result.seal.area(result.boundary_offsets)[0],
@@ -85,8 +91,6 @@ def summarize(result: SealResult) -> dict:
         "newton_iterations": result.newton_iterations,
         "step_cuts": result.step_cuts,
         "critical_points": critical_table(result),
-        "failure": result.failure or None,
-        "warnings": result.warnings if result.converged else None,
         "penalty_error": penalty_table(result),
         "profiles": {history.label: at_profile(result, history) for history in histories},
     }
@@ -96,15 +100,16 @@ def summarize(result: SealResult) -> dict:
         ends = [history for history in histories if len(history.stage)]
         # gaps of all contact points at the end
         gaps = [result.response(history.label).gap.min() for history in ends]
-        # von Mises stress over the section at the end
-        places, stress = result.section_stress()
+        # von Mises stress over the section at the end, and away from singular points
+        peak = stress_peak(result)
         # in the order of END_KEYS: largest over profiles, contact widths summed
         values = (
             max([0.0, *(history.peak[-1] for history in ends)]),
             sum(history.width[-1] for history in ends),
             max([0.0, *(history.nominal_peak[-1] for history in ends)]),
             sum(history.nominal_width[-1] for history in ends),
-            max([0.0, *largest_gaps(result).values()]), stress.max(), places[stress.argmax()],
+            max([0.0, *largest_gaps(result).values()]), peak.stress, peak.place,
+            peak.singular or None, *(peak.elsewhere or (None, None)),
         )  # fmt: skip
         summary |= dict(zip(END_KEYS, values, strict=True))
         # penetration is -g_n where g_n < 0
@@ -192,6 +197,12 @@ def write_series(result: SealResult, arguments) -> str:
 
 
 def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
+    # warnings first: numbers below may mean nothing
+    print_critical_points(result)
+    if result.converged:
+        print_warnings(result)
+    else:
+        print(f"NOT CONVERGED: {summary['failure']}")
     # size of the model and cost of the path
     print(
         f"{summary['n_particles']} particles, {summary['n_steps']} load steps, "
@@ -211,24 +222,35 @@ def report(result: SealResult, summary: dict, series: str, out: Path) -> None:
             )
     # stress, with its location in the undeformed section
     if summary["largest_von_mises_kPa"] is not None:
-        x, y = summary["largest_von_mises_at_mm"]
-        print(
-            f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at x = {x:.3g}, y = "
-            f"{y:.3g} undeformed"
-        )
+        print(stress_line(summary))
     # one line for each measure
     for name, found in summary["measures"].items():
         if found:
             value = ", ".join(f"{v:.6g}" for v in np.atleast_1d(found["value"]))
             print(f"{name} = {value} {found['unit'] or ''}".rstrip())
-    # warnings come last so that they are seen
-    print_critical_points(result)
-    if not result.converged:
-        print(f"NOT CONVERGED: {summary['failure']}")
-    else:
+    if result.converged:
         print_penalty_errors(result)
-        print_warnings(result)
     print(f"figures, CSV and summary.json in {out}{series}")
+
+
+def stress_line(summary: dict) -> str:
+    """Describe the largest stress and its place; where it is singular, that elsewhere too."""
+    x, y = summary["largest_von_mises_at_mm"]
+    text = (
+        f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at x = {x:.3g}, y = "
+        f"{y:.3g} undeformed"
+    )
+    where = summary["largest_von_mises_singular_at"]
+    if where is None:
+        return text
+    text += f": {where}, where stress is singular and grows under refinement"
+    if summary["largest_von_mises_elsewhere_kPa"] is not None:
+        x, y = summary["largest_von_mises_elsewhere_at_mm"]
+        text += (
+            f"; elsewhere {summary['largest_von_mises_elsewhere_kPa']:.1f} kPa, at x = {x:.3g}, y = "
+            f"{y:.3g}"
+        )
+    return text
 
 
 def arguments_parser():

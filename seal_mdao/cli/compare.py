@@ -7,7 +7,6 @@ from seal_mdao.cli.analyze import analyzed, summarize
 from seal_mdao.cli.arguments import WrongArgumentError, parser, write_summary
 from seal_mdao.cli.seal_files import file_of
 from seal_mdao.export.csv_tables import write_curves
-from seal_mdao.seals.profiles import contacts
 
 KEYS = (
     "area_mm2", "true_peak_pressure_kPa", "deformed_contact_width_mm", "largest_gap_mm",
@@ -20,12 +19,13 @@ def main(arguments) -> int:
     names = names_of(arguments.files)
     # read all files before the first analysis: errors come early
     files = {name: file_of(path) for name, path in zip(names, arguments.files, strict=True)}
+    for file in files.values():
+        if not file.profiles:
+            raise WrongArgumentError(f"{file.path} has no profile, so it has no curve to compare")
     results, summary = {}, {}
     for name, file in files.items():
         print(f"{name}: {file.path}")
         results[name], _ = analyzed(file)
-        if not contacts(results[name].seal):
-            raise WrongArgumentError(f"{file.path} has no profile, so it has no curve to compare")
         summary[name] = summarize(results[name])
         # after every seal, so that an interruption loses one analysis at most
         write_summary(arguments.out, summary)
@@ -38,7 +38,7 @@ def main(arguments) -> int:
         plotting.save(plotting.seals_compared(nominal), arguments.out / "comparison.png")
     print_table(summary)
     print(f"comparison.png, curves of every seal and summary.json in {arguments.out}")
-    return 0 if all(result.converged for result in results.values()) else 1
+    return 0 if all(result.trustworthy for result in results.values()) else 1
 
 
 def names_of(paths) -> list[str]:
@@ -61,6 +61,8 @@ def print_table(summary: dict) -> None:
         force = [end["force_N_per_m"] for end in own["profiles"].values() if end]
         parts = [f"force {force[0][0]:.2f}, {force[0][1]:.2f} N/m"] if force else []
         parts += [f"{key} {own[key]:.4g}" for key in KEYS if own[key] is not None]
+        for text in own["warnings"] or ():
+            print(f"WARNING ({name}): {text}")
         if not own["converged"]:
             parts.append(f"NOT CONVERGED: {own['failure']}")
         print(f"{name:{width}}  {', '.join(parts)}")

@@ -56,6 +56,8 @@ NOMINAL = "nominal.sql"
 
 def main(arguments) -> int:
     kept = AnalysisCache()
+    # an existing recorder file is refused before load steps are chosen
+    recorder_file(arguments)
     subject = subject_of(arguments, kept)
     seal, tolerances, task, goal = subject.seal, subject.tolerances, subject.task, subject.goal
     with checked_arguments():

@@ -38,7 +38,8 @@ OF_THE_DOOR_SEAL = ("gap_square_integral", "reaction", "patch_pressure", "stress
 
 
 def main(arguments) -> int:
-    study, file = study_of(arguments), samples_file(arguments)
+    # an existing file is refused before load steps are chosen
+    file, study = samples_file(arguments), study_of(arguments)
     announce(study.seal)
     with checked_arguments():
         # the mean values must be valid before the samples begin

@@ -256,6 +256,12 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
         f"{name} {100.0 * abs(found.relative):.2g} % too {'small' if found.relative < 0.0 else 'large'}"
         for name, found in large.items()
     )
+    said = f"the contact gives way to its pressure, which makes {changes}, as estimated"
+    if chosen_penalties(result.seal):
+        return (
+            f"{said}: with higher penalties than those chosen the iterations converge badly; use less "
+            "travel, smaller load steps or a finer spacing where the contact presses"
+        )
     cures = []
     # error ~ 1/w: w_new = w (error / CURED)
     for penalty in penalties_of(result.seal):
@@ -263,7 +269,9 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
         if part > CURED:
             wanted = penalty.value * part / CURED
             cures.append(f"{penalty.name} = {penalty.value:.2g} (at least {wanted:.1g})")
-    return (
-        f"the contact gives way to its pressure, which makes {changes}, as estimated; use larger "
-        f"penalties, in kPa/mm: {', '.join(cures)}"
-    )
+    return f"{said}; use larger penalties, in kPa/mm: {', '.join(cures)}"
+
+
+def chosen_penalties(seal) -> dict[str, float]:
+    """Return the penalties that were chosen for the seal of a file, kPa/mm by name."""
+    return (seal.description or {}).get("chosen", {}).get("penalties", {})

@@ -105,6 +105,13 @@ class SealResult:
         found = (finding.text for finding in findings(self.path))
         return (*found, *penalty_error.warnings_of(self), *self.seal.warnings)
 
+    @property
+    def trustworthy(self) -> bool:
+        """Whether the path was completed and its end has no fault by which results mean nothing."""
+        return self.converged and not any(
+            found.impossible or found.meaningless for found in findings(self.path)
+        )
+
     @cached_property
     def penalty_error(self) -> dict:
         """Estimated errors by the contact penalties, ``PenaltyError`` by the name of the measure: the
