@@ -4,6 +4,7 @@ import csv
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -309,3 +310,21 @@ def test_samples_that_exist_are_refused_before_load_steps_are_chosen(bulb, tmp_p
     with pytest.raises(SystemExit) as ended:
         main(["study", str(bulb), "--out", str(tmp_path)])
     assert ended.value.code == 2
+
+
+def test_a_recorder_file_is_refused_before_a_robust_optimisation(bulb, tmp_path, monkeypatch):
+    monkeypatch.setattr("seal_mdao.cli.robust.subject_of", None)
+    (tmp_path / "cases.sql").write_bytes(b"")
+    with pytest.raises(SystemExit) as ended:
+        main(["robust", str(bulb), "--out", str(tmp_path)])
+    assert ended.value.code == 2
+
+
+def test_a_seal_without_profiles_is_not_compared(bulb, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("seal_mdao.cli.compare.analyzed", None)
+    file = replace(sm.read_seal_file(bulb), profiles=())
+    monkeypatch.setattr("seal_mdao.cli.compare.file_of", lambda path: file)
+    with pytest.raises(SystemExit) as ended:
+        main(["compare", str(bulb), "--out", str(tmp_path)])
+    assert ended.value.code == 2
+    assert "has no profile" in capsys.readouterr().err
