@@ -26,6 +26,7 @@ from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_cu
 from seal_mdao.mesh_files import library
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
+from seal_mdao.seals.local_states import stress_peak
 from seal_mdao.seals.profiles import ProfileHistory, contacts, profile_histories
 from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
@@ -33,6 +34,8 @@ from seal_mdao.structure.deformation import lowest_jacobian
 END_KEYS = (
     "true_peak_pressure_kPa", "deformed_contact_width_mm", "nominal_peak_pressure_kPa",
     "nominal_contact_width_mm", "largest_gap_mm", "largest_von_mises_kPa", "largest_von_mises_at_mm",
+    "largest_von_mises_singular_at", "largest_von_mises_elsewhere_kPa",
+    "largest_von_mises_elsewhere_at_mm",
 )  # fmt: skip
 """Keys of summary.json for all profiles together and for the section at the end of the path."""
 
@@ -47,7 +50,8 @@ def main(arguments) -> int:
     if arguments.abaqus:
         require_exportable(file)
     result, wall = analyzed(file)
-    # forces are on the screen before derivatives and figures are computed
+    # warnings and forces are on the screen before figures are computed
+    report_faults(result)
     print_forces(result)
     # the summary is written first: drawing may still fail
     summary = summarize(result) | {"wall_s": wall}
@@ -62,7 +66,7 @@ def main(arguments) -> int:
     print(f"figures, CSV and summary.json in {arguments.out}{series}")
     if arguments.abaqus:
         export_to_abaqus(file, result.seal, arguments.out / "seal.inp")
-    return 0 if result.converged else 1
+    return 0 if result.trustworthy else 1
 
 
 def analyzed(file) -> tuple[SealResult, float]:
@@ -87,6 +91,9 @@ def summarize(result: SealResult) -> dict:
     histories, steps = profile_histories(result), result.path.nominal_steps
     summary = {
         "converged": result.converged,
+        "trustworthy": result.trustworthy,
+        "failure": result.failure or None,
+        "warnings": result.warnings if result.converged else None,
         "n_particles": len(result.particles),
         "n_steps": len(steps),
         "area_mm2": result.seal.area(result.boundary_offsets)[0],
@@ -97,8 +104,6 @@ def summarize(result: SealResult) -> dict:
         "newton_iterations": result.newton_iterations,
         "step_cuts": result.step_cuts,
         "critical_points": critical_table(result),
-        "failure": result.failure or None,
-        "warnings": result.warnings if result.converged else None,
         "penalty_error": penalty_table(result),
         "profiles": {history.label: at_profile(result, history) for history in histories},
     }
@@ -108,15 +113,16 @@ def summarize(result: SealResult) -> dict:
         ends = [history for history in histories if len(history.stage)]
         # gaps of all contact points at the end
         gaps = [result.response(history.label).gap.min() for history in ends]
-        # von Mises stress over the section at the end
-        places, stress = result.section_stress()
+        # von Mises stress over the section at the end, and away from singular points
+        peak = stress_peak(result)
         # in the order of END_KEYS: largest over profiles, contact widths summed
         values = (
             max([0.0, *(history.peak[-1] for history in ends)]),
             sum(history.width[-1] for history in ends),
             max([0.0, *(history.nominal_peak[-1] for history in ends)]),
             sum(history.nominal_width[-1] for history in ends),
-            max([0.0, *largest_gaps(result).values()]), stress.max(), places[stress.argmax()],
+            max([0.0, *largest_gaps(result).values()]), peak.stress, peak.place,
+            peak.singular or None, *(peak.elsewhere or (None, None)),
         )  # fmt: skip
         summary |= dict(zip(END_KEYS, values, strict=True))
         # penetration is -g_n where g_n < 0
@@ -215,8 +221,17 @@ def export_to_abaqus(file, seal, path: Path) -> None:
     print(f"{path}: section, contact and motion for Abaqus (mm, kPa; forces in N/m)")
 
 
+def report_faults(result: SealResult) -> None:
+    """Print what may make the numbers of a result meaningless, before them."""
+    print_critical_points(result)
+    if result.converged:
+        print_warnings(result)
+    else:
+        print(f"NOT CONVERGED: {result.failure}")
+
+
 def report(result: SealResult, summary: dict) -> None:
-    """Print the results of the end of the path, and the warnings."""
+    """Print the results of the end of the path."""
     # size of the model and cost of the path
     print(
         f"{summary['n_particles']} particles, {summary['n_steps']} load steps, "
@@ -236,11 +251,7 @@ def report(result: SealResult, summary: dict) -> None:
             )
     # stress, with its location in the undeformed section
     if summary["largest_von_mises_kPa"] is not None:
-        x, y = summary["largest_von_mises_at_mm"]
-        print(
-            f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at x = {x:.3g}, y = "
-            f"{y:.3g} undeformed"
-        )
+        print(stress_line(summary))
     # one line for each measure
     for name, found in summary["measures"].items():
         if found:
@@ -248,13 +259,28 @@ def report(result: SealResult, summary: dict) -> None:
             x, y = found.get("at_mm", (None, None))
             at = "" if x is None else f", at x = {x:.3g}, y = {y:.3g} undeformed"
             print(f"{name} = {value} {found['unit'] or ''}".rstrip() + at)
-    # warnings come last so that they are seen
-    print_critical_points(result)
-    if not result.converged:
-        print(f"NOT CONVERGED: {summary['failure']}")
-    else:
+    if result.converged:
         print_penalty_errors(result)
-        print_warnings(result)
+
+
+def stress_line(summary: dict) -> str:
+    """Describe the largest stress and its place; where it is singular, that elsewhere too."""
+    x, y = summary["largest_von_mises_at_mm"]
+    text = (
+        f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at x = {x:.3g}, y = "
+        f"{y:.3g} undeformed"
+    )
+    where = summary["largest_von_mises_singular_at"]
+    if where is None:
+        return text
+    text += f": {where}, where stress is singular and grows under refinement"
+    if summary["largest_von_mises_elsewhere_kPa"] is not None:
+        x, y = summary["largest_von_mises_elsewhere_at_mm"]
+        text += (
+            f"; elsewhere {summary['largest_von_mises_elsewhere_kPa']:.1f} kPa, at x = {x:.3g}, y = "
+            f"{y:.3g}"
+        )
+    return text
 
 
 def arguments_parser():

@@ -20,12 +20,13 @@ def main(arguments) -> int:
     names = names_of(arguments.files)
     # read all files before the first analysis: errors come early
     files = {name: file_of(path) for name, path in zip(names, arguments.files, strict=True)}
+    for file in files.values():
+        if not file.profiles:
+            raise WrongArgumentError(f"{file.path} has no profile, so it has no curve to compare")
     results, summary = {}, {}
     for name, file in files.items():
         print(f"{name}: {file.path}")
         results[name], _ = analyzed(file)
-        if not contacts(results[name].seal):
-            raise WrongArgumentError(f"{file.path} has no profile, so it has no curve to compare")
         summary[name] = summarize(results[name])
         # after every seal, so that an interruption loses one analysis at most
         write_summary(arguments.out, summary)
@@ -42,7 +43,7 @@ def main(arguments) -> int:
     }
     print_table(summary, moving)
     print(f"comparison.png, curves of every seal and summary.json in {arguments.out}")
-    return 0 if all(result.converged for result in results.values()) else 1
+    return 0 if all(result.trustworthy for result in results.values()) else 1
 
 
 def names_of(paths) -> list[str]:
@@ -71,6 +72,8 @@ def print_table(summary: dict, moving: dict) -> None:
             if own["profiles"][label]
         ]
         parts += [f"{key} {own[key]:.4g}" for key in KEYS if own[key] is not None]
+        for text in own["warnings"] or ():
+            print(f"WARNING ({name}): {text}")
         if not own["converged"]:
             parts.append(f"NOT CONVERGED: {own['failure']}")
         print(f"{name:{width}}  {', '.join(parts)}")

@@ -16,7 +16,7 @@ from seal_mdao.cli.arguments import (
     write_summary,
 )
 from seal_mdao.cli.history_figures import draw_designs, history_rows, limit_numbers, report_limits
-from seal_mdao.cli.recorded_runs import recorded_optimizer
+from seal_mdao.cli.recorded_runs import recorded_optimizer, recorder_file
 from seal_mdao.cli.running_optimization import (
     add_optimization_arguments,
     report_run,
@@ -39,7 +39,8 @@ from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.report.embedded_figure import figure_section
 from seal_mdao.report.write import write_report
-from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.file.export import require_writers, write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
 from seal_mdao.seals.result import frozen_measures
 
@@ -50,12 +51,12 @@ def main(arguments) -> int:
     # a continued run uses its own optimiser, load steps and penalties
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
+    require_means(arguments, file)
     seal, kept = seal_of(file, chosen), AnalysisCache()
 
     def task_of(run: RunOptions):
         with file_errors(arguments.file):
             # the task is built inside, with analyses that report progress
-            require_problem(file, seal)
             return file_task(file, run.analyze(seal))
 
     history, numbers = run_optimization(arguments, seal, task_of, optimizer, kept)
@@ -80,9 +81,10 @@ def main(arguments) -> int:
     # key figures of the report
     own_figures = [*gap_figures(gaps), *penalty_figures(results[1])]
     targets = force_section(file, seal, results, arguments.out)
+    # the page has the warnings of both designs itself
     write_report(
         cases, arguments.out / "report.html", kept=kept, further=targets, figures=own_figures,
-        notes=[*results[1].warnings, *gaps["unmeasured_gaps"]],
+        notes=gaps["unmeasured_gaps"],
     )  # fmt: skip
     # console: run, limits, key figures, warnings
     report_run(optimizer, numbers, arguments)
@@ -94,6 +96,24 @@ def main(arguments) -> int:
     print_warnings(results[1], " (last design)", gaps["unmeasured_gaps"])
     print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
     return 0 if numbers["success"] else 1
+
+
+def require_means(arguments, file) -> None:
+    """Check what needs no analysis before load steps are chosen: the problem and the recorder file.
+
+    Libraries that are missing to write the optimum are reported.
+
+    Raises
+    ------
+    SealFileError, WrongArgumentError
+    """
+    with file_errors(file.path):
+        require_problem(file, unchosen_seal(file))
+    recorder_file(arguments)
+    try:
+        require_writers()
+    except ImportError as error:
+        print(f"WARNING: the optimum will not be written as a seal file: {error}")
 
 
 def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:

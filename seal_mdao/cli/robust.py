@@ -51,6 +51,8 @@ WRITTEN = (CASES, NOMINAL, "nominal.sqlite", "robust.sqlite")
 def main(arguments) -> int:
     begin_anew_or_continue(arguments)
     kept = AnalysisCache()
+    # an existing recorder file is refused before load steps are chosen
+    recorder_file(arguments)
     subject = subject_of(arguments, kept)
     with checked_arguments():
         # fixed sample of tolerances: the same in every iteration

@@ -75,5 +75,7 @@ def chosen_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
     penalties = chosen_for(file, seal).get("penalties", {})
     if penalties:
         listed = ", ".join(f"{name} = {value:g}" for name, value in penalties.items())
-        lines.append(f"penalties chosen within {file.penalty_tolerance:.2%}: {listed} kPa/mm")
+        lines.append(
+            f"penalties chosen, {file.penalty_tolerance:.2%} of error allowed: {listed} kPa/mm"
+        )
     return lines

@@ -39,7 +39,7 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
     radius : ndarray, shape (n,)
         Support radii.
     """
-    sides = _sides(cells)
+    sides = _sides(cells).tolist()
     around = _cells_at_particles(cells, len(particles))
     tree = cKDTree(particles)
     near = tree.query_ball_point(particles, MARGIN * radius, return_sorted=True)
@@ -52,7 +52,7 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
             continue
         ends = cells[nearby], np.roll(cells[nearby], -1, axis=1)
         reach = side_distances(particles[particle], *(particles[end] for end in ends))
-        joined = _joined_within(sides, own, dict(zip(nearby, reach, strict=True)))
+        joined = _joined_within(sides, own, dict(zip(nearby.tolist(), reach.tolist(), strict=True)))
         for other in candidates:
             # hidden: joined only beyond the support radius and the straight distance
             least = min((joined.get(cell, np.inf) for cell in around[other]), default=0.0)
@@ -83,8 +83,11 @@ def _cells_at_particles(cells: np.ndarray, n: int) -> list:
     return [np.array(at, int) for at in found]
 
 
-def _joined_within(beyond: np.ndarray, own: np.ndarray, reach: dict) -> dict:
-    """Find the least radius at which each cell of ``reach`` (side distances) is joined to ``own``."""
+def _joined_within(beyond: list, own: np.ndarray, reach: dict) -> dict:
+    """Find the least radius at which each cell of ``reach`` (side distances) is joined to ``own``.
+
+    ``beyond`` has the neighbour cell across every side.
+    """
     least, heap = {}, [(0.0, int(cell)) for cell in own]
     while heap:
         # Dijkstra with the largest distance on a path in place of its length
@@ -94,5 +97,5 @@ def _joined_within(beyond: np.ndarray, own: np.ndarray, reach: dict) -> dict:
         least[cell] = radius
         for distance, other in zip(reach[cell], beyond[cell], strict=True):
             if other >= 0 and other in reach and other not in least:
-                heapq.heappush(heap, (max(radius, float(distance)), int(other)))
+                heapq.heappush(heap, (max(radius, distance), other))
     return least

@@ -16,6 +16,7 @@ from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.seals.contact_loss import contact_losses
+from seal_mdao.seals.local_states import CURE, meaningless_states
 from seal_mdao.seals.samples import Samples
 
 SLIGHT, DEEP = 0.01, 0.1
@@ -42,10 +43,13 @@ class Finding:
         One line: fault, location, size, and advice.
     impossible : bool
         The state is not admissible, so its measures are no result.
+    meaningless : bool
+        Local values, such as the largest stress, mean nothing.
     """
 
     text: str
     impossible: bool
+    meaningless: bool = False
 
 
 _KNOWN = WeakKeyDictionary()
@@ -57,8 +61,8 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     if path not in _KNOWN:
         samples = Samples(path)
         checks = (
-            _balance, _stability, _volume, _crossing, _inside_profiles, _inside_itself, _below_base,
-            _contact_loss, _strains,
+            _balance, _stability, _volume, _local, _crossing, _inside_profiles, _inside_itself,
+            _below_base, _contact_loss, _strains,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -159,13 +163,19 @@ def _volume(samples: Samples):
     worst = int(np.argmin(np.where(np.isnan(change), -np.inf, change)))
     if not change[worst] > slight:
         # det F <= 0: inverted
-        how = "turned inside out" if not change[worst] > 0.0 else "squeezed"
+        how = "inverted" if not change[worst] > 0.0 else "compressed"
         yield Finding(
             f"material is {how} between the quadrature points: det F = {change[worst]:.2g} where "
-            f"{_at(samples.undeformed[worst])} undeformed, so the stress there means nothing; use more "
-            "particles (rays, layers) or a smaller depth",
+            f"{_at(samples.undeformed[worst])} undeformed, so the stress there means nothing; {CURE}",
             not change[worst] > none,
+            meaningless=True,
         )
+
+
+def _local(samples: Samples):
+    """Report stretches and stresses at single points that no rubber has."""
+    for text in meaningless_states(samples):
+        yield Finding(text, False, meaningless=True)
 
 
 def _crossing(samples: Samples):

@@ -108,7 +108,7 @@ class PenaltyError:
         return float(np.abs(np.sum(own, axis=0)).max(initial=0.0) / self.scale)
 
 
-def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
+def penalty_errors(result, measures=None, scales=None) -> dict[str, PenaltyError]:
     """Estimate the penalty errors of measures at the end of a completed path.
 
     Parameters
@@ -118,6 +118,8 @@ def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
     measures : sequence of Measure, optional
         With frozen evaluation points. When left out: the standard ones of the seal, with points
         selected on this result, and the force on every profile.
+    scales : dict of str to float, optional
+        Reference values of the measures by name; when left out, those of this result.
 
     Returns
     -------
@@ -137,9 +139,8 @@ def penalty_errors(result, measures=None) -> dict[str, PenaltyError]:
     for measure, slopes in zip(measures, wanted.by_name(rates).values(), strict=True):
         # m(w) - m(infinity) = -w dm/dw
         parts = {p.name: -p.value * slopes[:, i] for i, p in enumerate(own)}
-        found[measure.name] = PenaltyError(
-            np.sum(list(parts.values()), axis=0), parts, scale_of(measure, result)
-        )
+        scale = scale_of(measure, result) if scales is None else scales[measure.name]
+        found[measure.name] = PenaltyError(np.sum(list(parts.values()), axis=0), parts, scale)
     return found
 
 
@@ -255,6 +256,12 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
         f"{name} {100.0 * abs(found.relative):.2g} % too {'small' if found.relative < 0.0 else 'large'}"
         for name, found in large.items()
     )
+    said = f"the contact gives way to its pressure, which makes {changes}, as estimated"
+    if chosen_penalties(result.seal):
+        return (
+            f"{said}: with higher penalties than those chosen the iterations converge badly; use less "
+            "travel, smaller load steps or a finer spacing where the contact presses"
+        )
     cures = []
     # error ~ 1/w: w_new = w (error / CURED)
     for penalty in penalties_of(result.seal):
@@ -262,7 +269,9 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
         if part > CURED:
             wanted = penalty.value * part / CURED
             cures.append(f"{penalty.name} = {penalty.value:.2g} (at least {wanted:.1g})")
-    return (
-        f"the contact gives way to its pressure, which makes {changes}, as estimated; use larger "
-        f"penalties, in kPa/mm: {', '.join(cures)}"
-    )
+    return f"{said}; use larger penalties, in kPa/mm: {', '.join(cures)}"
+
+
+def chosen_penalties(seal) -> dict[str, float]:
+    """Return the penalties that were chosen for the seal of a file, kPa/mm by name."""
+    return (seal.description or {}).get("chosen", {}).get("penalties", {})

@@ -12,7 +12,7 @@ from seal_mdao.analysis.cost import Cost, analysis_cost, announce, require_means
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.equilibrium.discretization import Discretization, discretize
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.measure import Derived, Measure
@@ -104,6 +104,13 @@ class SealResult:
         # inadmissible states, penalty errors, warnings known before the analysis
         found = (finding.text for finding in findings(self.path))
         return (*found, *penalty_error.warnings_of(self), *self.seal.warnings)
+
+    @property
+    def trustworthy(self) -> bool:
+        """Whether the path was completed and its end has no fault by which results mean nothing."""
+        return self.converged and not any(
+            found.impossible or found.meaningless for found in findings(self.path)
+        )
 
     @cached_property
     def penalty_error(self) -> dict:
@@ -445,11 +452,19 @@ def unloaded(seal: Seal) -> SealResult:
 
 
 def analyze_particles(
-    seal: Seal, particles, boundary_offsets=None, *, factor_memory=0.0, callback=None
+    seal: Seal,
+    particles,
+    boundary_offsets=None,
+    *,
+    factor_memory=0.0,
+    callback=None,
+    discretization: Discretization | None = None,
 ) -> SealResult:
     """Analyse a seal with given particles (n, 2), mm; otherwise as ``analyze``.
 
-    Factors of converged tangents are cached up to ``factor_memory`` (GiB).
+    Factors of converged tangents are cached up to ``factor_memory`` (GiB). The ``discretization`` may
+    be that of a seal with the same particles and points of its terms, in other load steps and with
+    other penalties.
     """
     # the choice of steps and penalties has solved this path already
     path = take_path(seal, particles)
@@ -465,6 +480,8 @@ def analyze_particles(
     announce(cost, seal.body, seal.n_steps)
     terms = seal.terms()
     # r(d, lambda) = 0 of all terms, solved along lambda
-    problem = PathProblem(discretize(seal.body, particles, terms), terms, seal.imposed())
+    if discretization is None:
+        discretization = discretize(seal.body, particles, terms)
+    problem = PathProblem(discretization, terms, seal.imposed())
     path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback)
     return SealResult(seal, path, boundary_offsets)

@@ -26,7 +26,7 @@ from seal_mdao.seals.penalty_error import (
     standard_measures,
 )
 from seal_mdao.seals.profiles import contacts, motions, moved_edges
-from seal_mdao.seals.result import SealResult, analyze
+from seal_mdao.seals.result import FACTOR_MEMORY, SealResult, analyze_particles
 from seal_mdao.seals.seal import Seal
 
 STEP_TOLERANCE = 5e-3
@@ -72,10 +72,13 @@ class Choice(NamedTuple):
 
 
 class _Analyses:
-    """Analyses in a row, whose number is reported to a callback with a method ``begin_analysis``."""
+    """Analyses of a seal in other steps and with other penalties, in a row, with one discretisation.
+
+    Their number is reported to a callback with a method ``begin_analysis``.
+    """
 
     def __init__(self, callback: Callable | None):
-        self.callback, self.number = callback, 0
+        self.callback, self.number, self.discretization = callback, 0, None
         self.report = getattr(callback, "begin_analysis", None)
 
     def __call__(self, seal: Seal, more: int) -> SealResult:
@@ -83,7 +86,13 @@ class _Analyses:
         self.number += 1
         if self.report is not None:
             self.report(self.number, self.number + more, seal.n_steps)
-        return analyze(seal, keep_factors=True, callback=self.callback)
+        result = analyze_particles(
+            seal, seal.nominal_particles, np.zeros(seal.n_offsets), factor_memory=FACTOR_MEMORY,
+            callback=self.callback, discretization=self.discretization,
+        )  # fmt: skip
+        # steps and penalties do not change the discretised body
+        self.discretization = result.path.discretization
+        return result
 
 
 def choose(
@@ -206,7 +215,7 @@ def relative_error(result: SealResult, names) -> float:
     Measures whose error is not estimable, because contact is about to open, are left out where there
     are others.
     """
-    errors = penalty_errors(result).values()
+    errors = result.penalty_error.values()
     # all of them where none is estimable
     errors = [error for error in errors if error.estimable] or errors
     return max(compliance(result, names), *(error.part(names) for error in errors))
@@ -376,8 +385,10 @@ def measure_difference(coarse: SealResult, fine: SealResult, by_penalties: bool 
     worst, measures = 0.0, standard_measures(fine)
     # expected change c/w_coarse - c/w_fine
     known = _changes_by_penalties(coarse, fine, measures) if by_penalties else {}
+    # a seal without contacts has no penalty errors
+    errors = fine.penalty_error
     for measure in measures:
-        scale = scale_of(measure, fine)
+        scale = errors[measure.name].scale if errors else scale_of(measure, fine)
         if scale > 0.0:
             # (m_coarse - m_fine - expected) / scale
             apart = coarse.value(measure) - fine.value(measure) - known.get(measure.name, 0.0)
@@ -387,7 +398,10 @@ def measure_difference(coarse: SealResult, fine: SealResult, by_penalties: bool 
 
 def _changes_by_penalties(coarse: SealResult, fine: SealResult, measures) -> dict:
     """Estimate the effect of penalties on measures: c/w of ``coarse`` minus c/w of ``fine``."""
-    one, other = (penalty_errors(result, measures) for result in (coarse, fine))
+    other = fine.penalty_error
+    # over the same reference values
+    scales = {name: found.scale for name, found in other.items()}
+    one = penalty_errors(coarse, measures, scales)
     return {
         name: one[name].error - other[name].error
         for name in one

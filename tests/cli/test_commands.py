@@ -4,6 +4,7 @@ import csv
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from PIL import Image
 
 import seal_mdao as sm
 from seal_mdao.cli import examples
+from seal_mdao.cli.analyze import stress_line
 from seal_mdao.cli.arguments import WrongArgumentError
 from seal_mdao.cli.compare import KEYS, names_of, print_table
 from seal_mdao.cli.subcommands import COMMANDS, main
@@ -466,3 +468,71 @@ def test_progress_is_printed_where_there_is_no_terminal(bulb, tmp_path, monkeypa
     ]
     assert main(["analyze", str(bulb), "--out", str(tmp_path / "out"), "--no-vtu", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_state_that_means_nothing_is_said_first_and_by_the_exit_status(
+    bulb, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr("seal_mdao.seals.local_states.LARGEST_STRETCH", 1.0)
+    out = tmp_path / "out"
+    assert main(["analyze", str(bulb), "--out", str(out), "--no-vtu"]) == 1
+    said = capsys.readouterr().out
+    assert 0 <= said.index("WARNING: a principal stretch") < said.index("particles,")
+    summary = json.loads((out / "summary.json").read_text())
+    assert (summary["converged"], summary["trustworthy"]) == (True, False)
+    assert list(summary).index("warnings") < list(summary).index("reaction_N_per_m")
+
+
+def test_largest_stress_names_a_singular_point():
+    summary = {
+        "largest_von_mises_kPa": 9.0, "largest_von_mises_at_mm": [1.0, 2.0],
+        "largest_von_mises_singular_at": None, "largest_von_mises_elsewhere_kPa": 5.0,
+        "largest_von_mises_elsewhere_at_mm": [3.0, 4.0],
+    }  # fmt: skip
+    plain = "largest von Mises stress 9.0 kPa, at x = 1, y = 2 undeformed"
+    assert stress_line(summary) == plain
+    assert stress_line(summary | {"largest_von_mises_singular_at": "a re-entrant corner"}) == (
+        f"{plain}: a re-entrant corner, where stress is singular and grows under refinement; "
+        "elsewhere 5.0 kPa, at x = 3, y = 4"
+    )
+
+
+def test_what_an_optimisation_lacks_is_said_before_load_steps_are_chosen(
+    bulb, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr("seal_mdao.cli.optimize.seal_of", None)
+    text = bulb.read_text(encoding="utf-8")
+    (tmp_path / "cases.sql").write_bytes(b"")
+    with pytest.raises(SystemExit) as ended:
+        main(["optimize", str(bulb), "--out", str(tmp_path)])
+    assert ended.value.code == 2
+    assert "holds another run" in capsys.readouterr().err
+    bulb.write_text(text[: text.index("[optimize]")], encoding="utf-8")
+    assert main(["optimize", str(bulb), "--out", str(tmp_path / "out")]) == 2
+    assert "[optimize] is missing" in capsys.readouterr().err
+
+
+def test_samples_that_exist_are_refused_before_load_steps_are_chosen(bulb, tmp_path, monkeypatch):
+    monkeypatch.setattr("seal_mdao.cli.study.study_of", None)
+    (tmp_path / "samples.sqlite").write_bytes(b"")
+    with pytest.raises(SystemExit) as ended:
+        main(["study", str(bulb), "--out", str(tmp_path)])
+    assert ended.value.code == 2
+
+
+def test_a_recorder_file_is_refused_before_a_robust_optimisation(bulb, tmp_path, monkeypatch):
+    monkeypatch.setattr("seal_mdao.cli.robust.subject_of", None)
+    (tmp_path / "cases.sql").write_bytes(b"")
+    with pytest.raises(SystemExit) as ended:
+        main(["robust", str(bulb), "--out", str(tmp_path)])
+    assert ended.value.code == 2
+
+
+def test_a_seal_without_profiles_is_not_compared(bulb, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("seal_mdao.cli.compare.analyzed", None)
+    file = replace(sm.read_seal_file(bulb), profiles=())
+    monkeypatch.setattr("seal_mdao.cli.compare.file_of", lambda path: file)
+    with pytest.raises(SystemExit) as ended:
+        main(["compare", str(bulb), "--out", str(tmp_path)])
+    assert ended.value.code == 2
+    assert "has no profile" in capsys.readouterr().err

@@ -1,6 +1,7 @@
 """seal-mdao optimize: an optimum, stopped and continued, as numbers, pictures and a drawing."""
 
 import csv
+import re
 from importlib import import_module
 
 import numpy as np
@@ -35,6 +36,15 @@ def test_run_that_stops_early_is_written_as_far_as_it_went(stopped):
     assert code == 1
     assert (s["status"], s["optimizer"], s["iterations"]) == ("not converged", "UNO", 3)
     assert len(s["history"]) == 4
+
+
+def test_a_report_has_every_warning_once(stopped):
+    out, *_ = stopped
+    text = (out / "report.html").read_text(encoding="utf-8")
+    found = re.findall(r'<p class="warning">(.*?)</p>', text)
+    # the same text may hold for the first and for the last design
+    assert sum("Last design" in line and "gives way" in line for line in found) == 1
+    assert all("design of" in line for line in found)
 
 
 def test_continued_run_ends_at_an_optimum(stopped, continued, assert_drawn):

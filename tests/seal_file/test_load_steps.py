@@ -9,9 +9,11 @@ from test_build import COARSE, read
 
 import seal_mdao as sm
 from seal_mdao.analysis.path_result import ConvergedStep, Status
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.seals.file.chosen import chosen_ends, chosen_for
 from seal_mdao.seals.file.export import write_design
-from seal_mdao.seals.result import frozen_measures
+from seal_mdao.seals.penalty_error import penalty_errors
+from seal_mdao.seals.result import analyze_particles, frozen_measures
 from seal_mdao.seals.steps_and_penalties import COARSE as COARSE_STEPS
 from seal_mdao.seals.steps_and_penalties import difference, divided
 
@@ -41,6 +43,19 @@ from = "end"
 pressure = 4.0
 """
 BESIDE = OPEN[: OPEN.index("[optimize]")].replace("[[design]]", f"{WALL}[[design]]")
+
+
+class Begun:
+    """A callback with the load steps of the paths that begin."""
+
+    def __init__(self, paths: list):
+        self.paths = paths
+
+    def begin_analysis(self, number, of, steps):
+        self.paths.append(steps)
+
+    def __call__(self, step):
+        pass
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +124,25 @@ def test_the_last_path_of_the_choice_is_the_analysis_of_the_nominal_seal(text, t
     rates = [sm.differentiate(r, ("c10",), measures, "adjoint").rows for r in (one, other)]
     for measure in measures:
         np.testing.assert_array_equal(*(found[measure.name] for found in rates))
+
+
+def test_a_choice_discretises_the_body_once(tmp_path, monkeypatch):
+    """And evaluates the errors by the penalties of a path once."""
+    calls, paths = {"discretize": 0, "errors": 0}, []
+
+    def discretized(*given):
+        calls["discretize"] += 1
+        return discretize(*given)
+
+    def errors(result, *given):
+        calls["errors"] += not given
+        return penalty_errors(result, *given)
+
+    monkeypatch.setattr("seal_mdao.seals.result.discretize", discretized)
+    monkeypatch.setattr("seal_mdao.seals.penalty_error.penalty_errors", errors)
+    sm.build_seal(read(tmp_path, OPEN), Begun(paths))
+    assert len(paths) > 1
+    assert calls == {"discretize": 1, "errors": len(paths)}
 
 
 def test_they_are_the_seal_s_own_whatever_its_design(bulb, tmp_path):
@@ -213,12 +247,12 @@ def test_a_path_that_ends_early_is_told_with_what_was_computed(tmp_path, monkeyp
 def test_where_a_path_fails_more_load_steps_are_tried(tmp_path, monkeypatch):
     tried = []
 
-    def failing(seal, **options):
+    def failing(seal, *design, **options):
         tried.append(seal.n_steps)
-        result = sm.analyze(seal, **options)
+        result = analyze_particles(seal, *design, **options)
         return cut_short(result) if len(tried) < 3 else result
 
-    monkeypatch.setattr("seal_mdao.seals.steps_and_penalties.analyze", failing)
+    monkeypatch.setattr("seal_mdao.seals.steps_and_penalties.analyze_particles", failing)
     assert sm.build_seal(read(tmp_path, OPEN)).n_steps == 96
     # twice cut short; then the penalties are raised and the steps are halved
     assert tried == [12, 24, 48, 96]

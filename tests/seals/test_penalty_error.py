@@ -267,3 +267,15 @@ def test_designs_of_other_files_keep_them(tmp_path):
     assert {name: other.scalars[name].value for name in chosen} == chosen
     with pytest.raises(sm.SealFileError, match="penalties are given of"):
         sm.build_seal(file, penalties={"plate_normal_penalty": 1e5})
+
+
+def test_larger_penalties_are_not_asked_for_where_they_were_chosen():
+    seal = sm.door_seal(n_steps=8, depth=2.0, normal_penalty=100.0)
+    (asked,) = [line for line in sm.analyze(seal).warnings if "gives way" in line]
+    assert "use larger penalties" in asked
+    (term,) = [penalty.name for penalty in penalties_of(seal) if penalty.kind == "normal_penalty"]
+    result = sm.analyze(seal)
+    result.seal.__dict__["description"] = {"chosen": {"penalties": {term: 100.0}}}
+    (told,) = [line for line in result.warnings if "gives way" in line]
+    assert "larger penalties" not in told
+    assert "than those chosen" in told

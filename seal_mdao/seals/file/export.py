@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from seal_mdao.mesh_files import library
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import places_of
 from seal_mdao.seals.outline.cloud_file import write_cloud
-from seal_mdao.seals.outline.dxf import write_dxf
+from seal_mdao.seals.outline.dxf import drawing_library, write_dxf
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 HEAD = """# A design of {name} with the particles that it was computed with; for new ones put spacing
@@ -26,6 +27,19 @@ DRAWN = (
 
 ON_CUT = 1e-6
 """Largest distance of a particle from a line between two materials on which it lies, mm."""
+
+
+def require_writers() -> None:
+    """Import the libraries with which designs are written.
+
+    Raises
+    ------
+    ImportError
+        Without ezdxf, meshio or tomli-w.
+    """
+    _writer()
+    library()
+    drawing_library()
 
 
 def write_design(

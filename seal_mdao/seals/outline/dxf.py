@@ -201,7 +201,7 @@ def write_dxf(outline: Outline, path, parting: Mapping = NONE) -> Path:
     values.instance("outline", outline, Outline)
     for name in outline.edge_names:
         layer_name(name)
-    ezdxf = _library()
+    ezdxf = drawing_library()
     document = ezdxf.new("R2010", units=MILLIMETRES)
     for number, name in enumerate(outline.edge_names):
         if name not in document.layers:
@@ -245,7 +245,14 @@ def _degrees(angle: float) -> float:
     return degrees(angle) % 360.0
 
 
-def _library():
+def drawing_library():
+    """Import ezdxf.
+
+    Raises
+    ------
+    ImportError
+        Where ezdxf is not installed.
+    """
     try:
         return import_module("ezdxf")
     except ImportError as error:
@@ -255,7 +262,7 @@ def _library():
 
 
 def _document(path):
-    ezdxf = _library()
+    ezdxf = drawing_library()
     # ezdxf parses tags and header; foreign files are bounded before
     path = Path(path)
     if not path.is_file():

@@ -1,0 +1,79 @@
+"""Local states that mean nothing are reported, and singular points of stress are named."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.seals import local_states
+from seal_mdao.seals.local_states import meaningless_states, singular_points, stress_peak
+from seal_mdao.seals.samples import Samples
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    return sm.analyze(sm.door_seal(door="flat", depth=2.0, n_steps=8))
+
+
+def l_shape():
+    """Nine particles of three square cells around a re-entrant corner; the lowest side is fixed."""
+    particles = np.array([[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1], [0, 2], [1, 2]], float)
+    cells = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6]])
+    fixed = np.zeros((8, 2), bool)
+    fixed[:3] = True
+    return SimpleNamespace(cells=cells, fixed=fixed), particles
+
+
+def test_an_ordinary_state_is_trustworthy(pressed):
+    assert not list(meaningless_states(Samples(pressed.path)))
+    assert pressed.trustworthy
+
+
+@pytest.mark.parametrize(
+    ("limit", "text"),
+    [("LARGEST_STRETCH", "principal stretch is"), ("LARGEST_STRESS", "von Mises stress is")],
+)
+def test_a_state_beyond_any_rubber_is_named_with_its_cure(pressed, monkeypatch, limit, text):
+    monkeypatch.setattr(local_states, limit, 1e-3)
+    monkeypatch.setattr(local_states, "ABOVE_NEIGHBOURS", 1e-3)
+    again = replace(pressed, path=replace(pressed.path))
+    (found,) = [line for line in again.warnings if text in line]
+    assert "undeformed" in found
+    assert local_states.CURE in found
+    assert again.converged
+    assert not again.trustworthy
+
+
+def test_a_high_stress_all_around_is_not_that_of_a_point(pressed, monkeypatch):
+    monkeypatch.setattr(local_states, "LARGEST_STRESS", 1e-3)
+    monkeypatch.setattr(local_states, "ABOVE_NEIGHBOURS", 1e3)
+    assert not list(meaningless_states(Samples(pressed.path)))
+
+
+def test_ends_of_fixed_edges_and_reentrant_corners_are_singular():
+    found = singular_points(*l_shape())
+    assert sorted((*point.place, point.kind) for point in found) == [
+        (0.0, 0.0, "the end of a fixed edge"), (1.0, 1.0, "a re-entrant corner"),
+        (2.0, 0.0, "the end of a fixed edge"),
+    ]  # fmt: skip
+    assert all(point.spacing == 1.0 for point in found)
+
+
+def test_largest_stress_at_a_singular_point_is_named_with_that_elsewhere():
+    body, particles = l_shape()
+    particles = 3.0 * particles
+    places = np.vstack([particles, [[3.1, 3.1], [6.0, 100.0]]])
+    stress = np.append(np.linspace(1.0, 2.0, len(particles)), [9.0, 5.0])
+    result = SimpleNamespace(
+        particles=particles, path=SimpleNamespace(discretization=SimpleNamespace(body=body)),
+        section_stress=lambda: (places, stress),
+    )  # fmt: skip
+    peak = stress_peak(result)
+    assert (peak.stress, peak.singular) == (9.0, "a re-entrant corner")
+    assert peak.elsewhere[0] == 5.0
+    assert peak.elsewhere[1].tolist() == [6.0, 100.0]
+    stress[-1] = 10.0
+    peak = stress_peak(result)
+    assert (peak.stress, peak.singular) == (10.0, "")
