@@ -46,15 +46,15 @@ def main(arguments) -> int:
         with checked_arguments():
             return door_task(run.analyze(seal), DoorProblem(**settings))
 
-    kept = AnalysisCache()
-    history, run_numbers = run_optimization(arguments, seal, task_of, optimizer, kept)
+    cache = AnalysisCache()
+    history, run_numbers = run_optimization(arguments, seal, task_of, optimizer, cache)
     cases = (arguments.out / CASES).absolute()
-    initial, final = kept.analyze(seal), kept.analyze(seal, *history.design_at(-1))
+    initial, final = cache.analyze(seal), cache.analyze(seal, *history.design_at(-1))
     numbers = end_numbers(history, initial, final)
     summary = {"optimizer": optimizer, **settings, "recorded_evaluations": history.evaluations}
     write_summary(arguments.out, run_numbers | summary | numbers)
     draw_history(history, initial, final, arguments.out)
-    write_report(cases, arguments.out / "report.html", kept=kept)
+    write_report(cases, arguments.out / "report.html", cache=cache)
     report_run(optimizer, run_numbers, arguments)
     report_end(history, numbers)
     print_warnings(initial, " (first design)")

@@ -121,7 +121,7 @@ def _require_gap(nominal: SealResult) -> None:
     largest = float(np.abs(nominal.gap).max(initial=0.0))
     if not largest > NEGLIGIBLE_GAP:
         raise ValueError(
-            "no contact point of the nominal seal stands open between others in contact by more than "
+            "no contact point of the nominal seal has a gap between others in contact of more than "
             f"{NEGLIGIBLE_GAP} mm (largest gap {largest:.1g} mm), so no gap to minimise; choose a "
             "larger depth or another door"
         )

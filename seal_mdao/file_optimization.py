@@ -113,7 +113,7 @@ def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple
     if empty:
         raise SealFileError(
             f"{file.path}: [optimize]: the measure {empty[0]!r} has no value: at the end of the drawn "
-            "seal's path nothing stands open between points in contact"
+            "seal's path there is no gap between points in contact"
         )
     start = {measure.name: nominal.value(measure) for measure in measures}
     _require_gap(file, measures, start)
@@ -142,7 +142,7 @@ def _require_gap(file, measures, start) -> None:
     if isinstance(aim, BetweenContacts) and not start[aim.name].any():
         raise SealFileError(
             f"{file.path}: [optimize]: the measure {aim.name!r} is zero at the start: at the end of the "
-            "nominal seal's path nothing stands open between points in contact; minimise something else"
+            "nominal seal's path there is no gap between points in contact; minimise something else"
         )
 
 

@@ -94,7 +94,7 @@ class Limit:
         more = {"ref": float(largest) or 1.0 if self.ref is None else self.ref}
         return more if self.entry is None else more | {"indices": [self.entry]}
 
-    def kept(self, values: np.ndarray) -> np.ndarray:
+    def satisfied(self, values: np.ndarray) -> np.ndarray:
         """In which samples of values (n, m) the limits are kept, shape (n,)."""
         own = values if self.entry is None else values[:, [self.entry]]
         # l <= m <= u, without a bound always
@@ -155,7 +155,7 @@ class RunOptions:
     callback : callable, optional
         Called with every converged load step; over scenarios with the number of each that has
         finished, and its outcome.
-    kept : AnalysisCache
+    cache : AnalysisCache
         Keeps the analyses for whoever looks at the designs afterwards.
     work_dir : str or Path, optional
         Folder of OpenMDAO's own output; the current one when left out.
@@ -166,7 +166,7 @@ class RunOptions:
     driver: Driver | None = None
     recorder: object = None
     callback: Callable | None = None
-    kept: AnalysisCache = field(default_factory=AnalysisCache)
+    cache: AnalysisCache = field(default_factory=AnalysisCache)
     work_dir: str | Path | None = None
     reports: object = None
 
@@ -178,7 +178,7 @@ class RunOptions:
         LoadPathError
             When its path cannot be completed.
         """
-        nominal = self.kept.analyze(seal, keep_factors=True, callback=self.callback)
+        nominal = self.cache.analyze(seal, keep_factors=True, callback=self.callback)
         nominal.require_converged()
         return nominal
 
@@ -194,7 +194,7 @@ class Nominal:
     def model(self, task: Task, run: RunOptions) -> om.Group:
         """Build the group that gives objective and measures."""
         return SealGroup(
-            seal=task.seal, callback=run.callback, measures=task.measures, kept=run.kept
+            seal=task.seal, callback=run.callback, measures=task.measures, cache=run.cache
         )
 
     def objective(self, task: Task) -> str:

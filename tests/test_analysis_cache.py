@@ -24,24 +24,24 @@ def factors(result):
 
 
 @pytest.fixture(scope="module")
-def kept():
+def cache():
     """The nominal seal and one more design, with factors as far as they stay."""
-    kept = AnalysisCache()
-    kept.analyze(SEAL, keep_factors=True)
-    kept.analyze(SEAL, OFFSETS, RADIUS, keep_factors=True)
-    return kept
+    cache = AnalysisCache()
+    cache.analyze(SEAL, keep_factors=True)
+    cache.analyze(SEAL, OFFSETS, RADIUS, keep_factors=True)
+    return cache
 
 
-def test_kept_is_what_a_new_one_would_be(kept):
-    new, made = sm.analyze(SEAL, OFFSETS, RADIUS), kept.made
-    again = kept.analyze(SEAL, OFFSETS, RADIUS)
+def test_kept_is_what_a_new_one_would_be(cache):
+    new, made = sm.analyze(SEAL, OFFSETS, RADIUS), cache.made
+    again = cache.analyze(SEAL, OFFSETS, RADIUS)
     assert same_bits(new, again)
     assert np.array_equal(again.boundary_offsets, OFFSETS)
     assert again.measures() == new.measures()
-    assert kept.made == made == 2
+    assert cache.made == made == 2
 
 
-def test_another_seal_or_radius_is_another_analysis(kept):
+def test_another_seal_or_radius_is_another_analysis(cache):
     one = AnalysisCache()
     first = one.analyze(SEAL)
     other = one.analyze(with_options(SEAL, friction=0.3))
@@ -51,10 +51,10 @@ def test_another_seal_or_radius_is_another_analysis(kept):
     assert one.made == 3
 
 
-def test_only_the_newest_has_factors_and_the_others_give_the_same_sensitivities(kept):
-    nominal = kept.analyze(SEAL)
+def test_only_the_newest_has_factors_and_the_others_give_the_same_sensitivities(cache):
+    nominal = cache.analyze(SEAL)
     assert not any(factors(nominal))
-    assert all(factors(kept.analyze(SEAL, OFFSETS, RADIUS)))
+    assert all(factors(cache.analyze(SEAL, OFFSETS, RADIUS)))
     fresh = sm.analyze(SEAL, keep_factors=True)
     found, expected = (
         particle_gradient(result, (), result.measures(("gap_square_sum",)))["particles"]
@@ -65,39 +65,39 @@ def test_only_the_newest_has_factors_and_the_others_give_the_same_sensitivities(
 
 def test_an_array_that_goes_on_changing_does_not_change_what_was_found_with_it():
     """OpenMDAO gives a component views of its own vectors."""
-    kept, particles = AnalysisCache(), SEAL.moved(OFFSETS)
-    found = kept.analyze_particles(SEAL, particles)
+    cache, particles = AnalysisCache(), SEAL.moved(OFFSETS)
+    found = cache.analyze_particles(SEAL, particles)
     particles += SEAL.moved(-2.0 * OFFSETS) - SEAL.nominal_particles
     assert np.array_equal(found.particles, SEAL.moved(OFFSETS))
     assert same_bits(found, sm.analyze(SEAL, OFFSETS))
 
 
-def pressed(kept, radius):
+def pressed(cache, radius):
     """The nominal particles under a door of another radius, alone."""
-    kept.analyze_particles(SEAL.with_parameters({"door_radius": radius}), SEAL.nominal_particles)
+    cache.analyze_particles(SEAL.with_parameters({"door_radius": radius}), SEAL.nominal_particles)
 
 
 def test_memory_holds_what_was_looked_at_last():
     room_for_two = 2.5 * held_bytes(sm.analyze(SEAL).path) / 2**30
-    kept = AnalysisCache(memory=room_for_two)
-    kept.analyze(SEAL)
+    cache = AnalysisCache(memory=room_for_two)
+    cache.analyze(SEAL)
     for radius in (4.1, 4.0, 4.2, 4.0):  # 4.0 is the nominal one
-        pressed(kept, radius)
-    assert kept.made == 3
-    pressed(kept, 4.1)
-    assert kept.made == 4
+        pressed(cache, radius)
+    assert cache.made == 3
+    pressed(cache, 4.1)
+    assert cache.made == 4
 
 
 def test_newest_stays_without_any_memory():
-    kept = AnalysisCache(memory=0.0)
+    cache = AnalysisCache(memory=0.0)
     for radius, made in ((4.0, 1), (4.0, 1), (4.1, 2), (4.0, 3)):
-        pressed(kept, radius)
-        assert kept.made == made
+        pressed(cache, radius)
+        assert cache.made == made
 
 
 def test_path_that_failed_is_tried_again():
     newton = sm.NewtonOptions(damped_iterations=10)
-    kept, seal = AnalysisCache(), with_options(SEAL, friction=0.0, newton=newton)
+    cache, seal = AnalysisCache(), with_options(SEAL, friction=0.0, newton=newton)
     for made in (1, 2):
-        assert not kept.analyze(seal).converged
-        assert kept.made == made
+        assert not cache.analyze(seal).converged
+        assert cache.made == made

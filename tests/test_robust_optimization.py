@@ -130,9 +130,9 @@ def test_limits_hold_where_they_are_asked_for():
         ("norm_scenarios", {"upper": 3.0, "ref": 3.0, "indices": [0]})
     ]
     values = np.array([[0.0, 50.0], [60.0, 90.0], [60.0, 40.0]])
-    assert both.kept(values).tolist() == [True, False, True]
+    assert both.satisfied(values).tolist() == [True, False, True]
     floors = Limit("pressure", np.array([1.0, 45.0]), over=MEAN)
-    assert floors.kept(values).tolist() == [False, True, False]
+    assert floors.satisfied(values).tolist() == [False, True, False]
 
 
 def test_an_output_that_is_limited_twice_has_two_names(seal, tolerances, tmp_path):

@@ -17,15 +17,15 @@ OPTIMIZER = next(iter(OPTIMIZERS))
 
 def make(out: Path, reduced: bool) -> dict:
     """Pictures of the optimisation; two iterations in the reduced mode."""
-    kept, driver = AnalysisCache(), OPTIMIZERS[OPTIMIZER](2 if reduced else 50)
+    cache, driver = AnalysisCache(), OPTIMIZERS[OPTIMIZER](2 if reduced else 50)
     with tempfile.TemporaryDirectory() as folder:
         recorder = Path(folder) / "cases.sql"
-        run = RunOptions(driver, recorder=recorder, kept=kept, work_dir=folder)
+        run = RunOptions(driver, recorder=recorder, cache=cache, work_dir=folder)
         problem = optimization_problem(door_task(run.analyze(sm.door_seal())), run)
         problem.run_driver()
         problem.cleanup()
         history = read_optimization(recorder)
-    initial, final = (kept.analyze(history.seal, *history.design_at(i)) for i in (0, -1))
+    initial, final = (cache.analyze(history.seal, *history.design_at(i)) for i in (0, -1))
     save(cost_history(history), out / "cost_history.png")
     figure = constraint_history(history, initial.measure("von_mises").points)
     save(figure, out / "constraint_history.png")

@@ -55,10 +55,10 @@ class CriticalPoint:
     released: float
 
 
-def critical_mode(problem: PathProblem, factor, way, negative: bool) -> np.ndarray:
-    """Compute the mode (n, 2) of the eigenvalue nearest to zero, largest component 1, sign of ``way``.
+def critical_mode(problem: PathProblem, factor, moved, negative: bool) -> np.ndarray:
+    """Compute the mode (n, 2) of the eigenvalue nearest to zero, largest component 1, sign of ``moved``.
 
-    Where the increment ``way`` (n, 2) of the path is orthogonal to it, as in symmetric bodies, its sign
+    Where the increment ``moved`` (n, 2) is orthogonal to it, as in symmetric bodies, its sign
     makes the sum of x positive, else that of y, else the rotation counter-clockwise.
     """
     layout, x = problem.discretization.layout, problem.discretization.particles
@@ -67,7 +67,7 @@ def critical_mode(problem: PathProblem, factor, way, negative: bool) -> np.ndarr
     mode = layout.gather(mode / np.abs(mode).max())
     # infinitesimal rotation (-y, x)
     turn = np.column_stack([-x[:, 1], x[:, 0]])
-    for sense in (way, np.array([1.0, 0.0]), np.array([0.0, 1.0]), turn):
+    for sense in (moved, np.array([1.0, 0.0]), np.array([0.0, 1.0]), turn):
         sense = np.broadcast_to(sense, mode.shape)
         # phi . v, compared with SENSELESS |phi| |v|
         along = float(np.sum(mode * sense))
@@ -78,7 +78,7 @@ def critical_mode(problem: PathProblem, factor, way, negative: bool) -> np.ndarr
 
 def is_stable(problem: PathProblem, factor, at_any_cost: bool = False) -> bool:
     """Return whether a factorised tangent is stable; True where an unsymmetric one costs much."""
-    if problem.symmetric or problem.discretization.layout.storage.tells_sign:
+    if problem.symmetric or problem.discretization.layout.storage.has_sign:
         return factor.positive
     return factor.exact().positive if at_any_cost else True
 

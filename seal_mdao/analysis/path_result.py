@@ -128,18 +128,18 @@ class PathResult:
                 running = 0
         return np.array(counts, int)
 
-    def place(self, label: str) -> int:
+    def index_of(self, label: str) -> int:
         """Return the index of the term ``label`` among the responses of a step."""
         return self.problem.terms.index(self.problem.term(label))
 
     def responses(self, label: str) -> list:
         """List the responses of one term at all converged steps, cut ones included."""
-        index = self.place(label)
+        index = self.index_of(label)
         return [step.responses[index] for step in self.steps]
 
     def at_nominal(self, label: str) -> list:
         """List the responses of one term at the nominal steps."""
-        index = self.place(label)
+        index = self.index_of(label)
         return [step.responses[index] for step in self.nominal_steps]
 
     def reaction(self, label: str) -> np.ndarray:

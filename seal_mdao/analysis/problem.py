@@ -101,7 +101,7 @@ class PathProblem:
                 return None
             # f~ = N^T f
             layout.condense_force(force)
-            responses.append(response.kept())
+            responses.append(response.copied())
         if tangent:
             # K~ = N^T K N, Eq. (44)
             layout.condense_tangent(values)

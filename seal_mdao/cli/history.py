@@ -32,8 +32,8 @@ def main(arguments) -> int:
         history = read_optimization(arguments.cases)
         ends = history.design_at(0), history.design_at(-1)
     # the recorded seal; the options only for files without settings
-    seal, kept = history.seal or seal_from(arguments), AnalysisCache()
-    initial, final = (kept.analyze(seal, *end) for end in ends)
+    seal, cache = history.seal or seal_from(arguments), AnalysisCache()
+    initial, final = (cache.analyze(seal, *end) for end in ends)
     # run of a seal file: objective and constraints of its own
     if FILE in history.settings:
         return show_seal_file(history, (initial, final), arguments.out)

@@ -52,28 +52,28 @@ def main(arguments) -> int:
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
     require_means(arguments, file)
-    seal, kept = seal_of(file, chosen), AnalysisCache()
+    seal, cache = seal_of(file, chosen), AnalysisCache()
 
     def task_of(run: RunOptions):
         with file_errors(arguments.file):
             # the task is built inside, with analyses that report progress
             return file_task(file, run.analyze(seal))
 
-    history, numbers = run_optimization(arguments, seal, task_of, optimizer, kept)
+    history, numbers = run_optimization(arguments, seal, task_of, optimizer, cache)
     cases = (arguments.out / CASES).absolute()
     # last design; both analyses are usually in the cache
     offsets = history.design["boundary_offsets"][-1]
-    results = kept.analyze(seal), kept.analyze(seal, offsets)
+    results = cache.analyze(seal), cache.analyze(seal, offsets)
     # objective and constraints at first and last design
     ends = limit_numbers(history)
-    gaps = gap_numbers(seal, file, results, kept)
+    gaps = gap_numbers(seal, file, results, cache)
     how = {"optimizer": optimizer, "status": status(numbers)} | numbers
     designs = {"boundary_offsets": offsets, "history": history_rows(history)}
     # summary before the new cloud, whose analysis may fail or take long
     write_summary(arguments.out, how | ends | {"on_new_cloud": None} | designs)
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
     # seal file of the optimum, analysed with new particles
-    drawing, anew = write_best(file, seal, offsets, kept, arguments.out)
+    drawing, anew = write_best(file, seal, offsets, cache, arguments.out)
     # second time, complete
     penalties = {"penalty_error": penalty_table(results[1])}
     write_summary(arguments.out, how | ends | gaps | penalties | {"on_new_cloud": anew} | designs)
@@ -83,7 +83,7 @@ def main(arguments) -> int:
     targets = force_section(file, seal, results, arguments.out)
     # the page has the warnings of both designs itself
     write_report(
-        cases, arguments.out / "report.html", kept=kept, further=targets, figures=own_figures,
+        cases, arguments.out / "report.html", cache=cache, further=targets, figures=own_figures,
         notes=gaps["unmeasured_gaps"],
     )  # fmt: skip
     # console: run, limits, key figures, warnings
@@ -161,12 +161,12 @@ def status(numbers: dict) -> str:
     return "converged" if numbers["success"] else "not converged"
 
 
-def gap_numbers(seal, file, results, kept: AnalysisCache) -> dict:
+def gap_numbers(seal, file, results, cache: AnalysisCache) -> dict:
     """Collect the largest gap of every profile at first and last design, and the gaps outside the range
     of the measures of the optimisation, for summary.json."""
     first, last = map(largest_gaps, results)
     # evaluation points frozen at the nominal seal
-    measures = frozen_measures(seal, measure_names(file), kept.analyze)
+    measures = frozen_measures(seal, measure_names(file), cache.analyze)
     return {
         "largest_gap_mm": {label: (first[label], last[label]) for label in first},
         "unmeasured_gaps": unmeasured_gaps(results[1], measures),
@@ -194,7 +194,7 @@ def penalty_figures(result) -> list[tuple[str, str, str]]:
     return [("error by penalties", f"{largest[1]:.2%}", text)]
 
 
-def write_best(file, seal, offsets, kept: AnalysisCache, out: Path) -> tuple[str, dict | None]:
+def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[str, dict | None]:
     """Write a design as a seal file with drawing and cloud, and analyse it with a new cloud.
 
     Returns
@@ -206,7 +206,7 @@ def write_best(file, seal, offsets, kept: AnalysisCache, out: Path) -> tuple[str
     """
     try:
         # limits in the new file refer to the frozen measures
-        measures = frozen_measures(seal, None, kept.analyze)
+        measures = frozen_measures(seal, None, cache.analyze)
         paths = write_design(file, seal, offsets, measures, out, "optimum")
     except (sm.GeometryError, sm.SealFileError, ImportError) as error:
         return f" (no seal file: {error})", None

@@ -82,7 +82,7 @@ def recorder_file(arguments: argparse.Namespace) -> Path:
     continues = source is not None and cases.exists() and cases.samefile(source)
     if cases.exists() and not continues and not arguments.overwrite:
         raise WrongArgumentError(
-            f"{cases} holds another run; take another folder (--out), go on with that run "
+            f"{cases} holds another run; take another folder (--out), continue that run "
             f"(--restart {cases}), or replace it (--overwrite)"
         )
     return cases

@@ -50,10 +50,10 @@ WRITTEN = (CASES, NOMINAL, "nominal.sqlite", "robust.sqlite")
 
 def main(arguments) -> int:
     begin_anew_or_continue(arguments)
-    kept = AnalysisCache()
+    cache = AnalysisCache()
     # an existing recorder file is refused before load steps are chosen
     recorder_file(arguments)
-    subject = subject_of(arguments, kept)
+    subject = subject_of(arguments, cache)
     with checked_arguments():
         # fixed sample of tolerances: the same in every iteration
         scenarios = subject.goal.scenarios(
@@ -63,7 +63,7 @@ def main(arguments) -> int:
     # recorder file of the robust run
     cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
     # start of the robust run and base of the comparison
-    nominal = nominal_design(subject, arguments, kept)
+    nominal = nominal_design(subject, arguments, cache)
     with executor(arguments) as workers:
         numbers = optimize_robustly(subject, scenarios, nominal, arguments, cases, workers)
         # the last design, from the recorder
@@ -81,7 +81,7 @@ def main(arguments) -> int:
     }  # fmt: skip
     found = compared(designs, subject)
     write_summary(arguments.out, numbers | settings_of(arguments) | found | subject.said | ends)
-    write_comparison(arguments.out, cases, designs, subject, kept)
+    write_comparison(arguments.out, cases, designs, subject, cache)
     report_run(arguments.optimizer, numbers, arguments)
     report_comparison(designs, subject)
     print(f"report.html, comparison.png, summary.json, cases.sql and samples in {arguments.out}")
@@ -124,7 +124,7 @@ def not_interrupted(numbers: dict) -> dict:
     return numbers
 
 
-def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np.ndarray, dict]:
+def nominal_design(subject: Subject, arguments, cache: AnalysisCache) -> tuple[np.ndarray, dict]:
     """Return boundary offsets and parameters of the optimum without tolerances: read or computed."""
     if arguments.nominal is not None:
         # given as the summary of an earlier optimisation
@@ -137,7 +137,7 @@ def nominal_design(subject: Subject, arguments, kept: AnalysisCache) -> tuple[np
         # otherwise optimise the nominal seal first
         with LoadStepProgress(subject.seal, "nominal optimisation, analysis") as progress:
             driver = OPTIMIZERS[arguments.optimizer]()
-            options = RunOptions(driver, recorded, progress, kept, arguments.out)
+            options = RunOptions(driver, recorded, progress, cache, arguments.out)
             numbers = not_interrupted(
                 optimize(optimization_problem(subject.nominal_task(options), options))
             )

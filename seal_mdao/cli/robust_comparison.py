@@ -76,7 +76,7 @@ def report_comparison(designs: list[SampledDesign], subject: Subject) -> None:
 
 
 def write_comparison(
-    out: Path, cases: Path, designs: list[SampledDesign], subject: Subject, kept
+    out: Path, cases: Path, designs: list[SampledDesign], subject: Subject, cache
 ) -> None:
     """Write ``comparison.png``, and the report with the same table and figure."""
     figure = _figure(designs, subject)
@@ -84,7 +84,7 @@ def write_comparison(
     # statistics of the samples as a section of the report
     cost = subject.described(subject.task.minimize)
     section = samples_section(designs, subject.limits, cost, figure)
-    write_report(cases, out / "report.html", kept=kept, further=section)
+    write_report(cases, out / "report.html", cache=cache, further=section)
 
 
 def _figure(designs: list[SampledDesign], subject: Subject):

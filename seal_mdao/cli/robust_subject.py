@@ -71,7 +71,7 @@ class Subject:
         return door_task(run.analyze(self.seal), flags)
 
 
-def subject_of(arguments, kept: AnalysisCache) -> Subject:
+def subject_of(arguments, cache: AnalysisCache) -> Subject:
     """Set up the problem of the door seal or of a seal file, with its nominal analysis."""
     with checked_arguments():
         # mean + K std, or smooth maximum over the scenarios
@@ -80,15 +80,15 @@ def subject_of(arguments, kept: AnalysisCache) -> Subject:
             arguments.widen,
         )  # fmt: skip
     of = _door if arguments.file is None else _of_file
-    return of(arguments, goal, kept)
+    return of(arguments, goal, cache)
 
 
-def _door(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
+def _door(arguments, goal: RobustGoal, cache: AnalysisCache) -> Subject:
     """Set up problem (71) of the door seal."""
     seal, tolerances = door_with_tolerances(arguments)
     with checked_arguments():
         # limits relative to the nominal seal's pressure and reaction
-        task = robust_door_task(_nominal_result(seal, kept), goal)
+        task = robust_door_task(_nominal_result(seal, cache), goal)
     pressure, reaction = task.sampled
     # the reaction stays in a band, the pressure above a floor
     low, high = band = reaction.lower, reaction.upper
@@ -96,32 +96,32 @@ def _door(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
     limits = (
         SampledLimit(
             "share_above_pressure_floor", f"contact pressure of at least {least} kPa",
-            "patch_pressure", pressure.kept,
+            "patch_pressure", pressure.cache,
         ),
         SampledLimit(
             "share_in_reaction_band", f"reaction within {low:.3g} to {high:.3g} N/m",
-            "reaction", reaction.kept, reaction.entry, goal.share, high - low,
+            "reaction", reaction.cache, reaction.entry, goal.share, high - low,
         ),
     )  # fmt: skip
     said = {"reaction_band_N_per_m": band, "pressure_floor_kPa": pressure.lower}
     return Subject(seal, tolerances, goal, task, limits, said)
 
 
-def _of_file(arguments, goal: RobustGoal, kept: AnalysisCache) -> Subject:
+def _of_file(arguments, goal: RobustGoal, cache: AnalysisCache) -> Subject:
     """Set up the problem of table ``[optimize]`` of a seal file."""
     file, seal, tolerances = file_with_tolerances(arguments, ("band", "nominal"))
     # profiles start farther back: scattered seals begin free of contact
     seal = with_clearance(seal)
     with file_errors(arguments.file):
         require_problem(file, seal)
-        task = file_task(file, _nominal_result(seal, kept))
+        task = file_task(file, _nominal_result(seal, cache))
     said = {"limits": [[own.measure, own.lower, own.upper] for own in task.sampled]}
     subject = Subject(seal, tolerances, goal, task, (), said, file)
     # fraction of samples that satisfies each limit
     limits = tuple(
         SampledLimit(
             f"share_{own.measure}_{number}", _in_words(own, subject.measure(own.measure).units),
-            own.measure, own.kept, required=goal.share, band=_band(own),
+            own.measure, own.cache, required=goal.share, band=_band(own),
         )
         for number, own in enumerate(task.sampled, 1)
     )  # fmt: skip
@@ -146,9 +146,9 @@ def _in_words(limit: Limit, unit: str | None) -> str:
     )
 
 
-def _nominal_result(seal, kept) -> sm.SealResult:
+def _nominal_result(seal, cache) -> sm.SealResult:
     """Analyse the nominal seal with a progress bar."""
     with LoadStepProgress(seal) as progress:
-        nominal = kept.analyze(seal, callback=progress)
+        nominal = cache.analyze(seal, callback=progress)
     nominal.require_converged()
     return nominal

@@ -34,7 +34,7 @@ FEASIBLE = 1e-3
 
 
 def run_optimization(
-    arguments: argparse.Namespace, seal: sm.Seal, task_of: Callable, optimizer: str, kept
+    arguments: argparse.Namespace, seal: sm.Seal, task_of: Callable, optimizer: str, cache
 ) -> tuple[RecordedOptimization, dict]:
     """Run the optimisation of any seal, from its start or continued by ``--restart``.
 
@@ -44,7 +44,7 @@ def run_optimization(
         ``task_of(run)`` gives the ``Task``, with analyses by the ``RunOptions``.
     optimizer : str
         One of ``OPTIMIZERS``.
-    kept : AnalysisCache
+    cache : AnalysisCache
 
     Returns
     -------
@@ -63,7 +63,7 @@ def run_optimization(
     with LoadStepProgress(seal) as progress:
         # a restart continues the recorder file below
         recorder = None if arguments.restart else cases
-        run = RunOptions(driver, recorder, progress, kept, arguments.out)
+        run = RunOptions(driver, recorder, progress, cache, arguments.out)
         problem = optimization_problem(task_of(run), run)
         if arguments.restart:
             with checked_arguments():

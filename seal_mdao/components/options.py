@@ -12,7 +12,7 @@ from seal_mdao.seals.result import FACTOR_MEMORY
 from seal_mdao.seals.seal import Seal
 
 CONTACT_OPTIONS = (
-    "seal", "measures", "parameters", "sensitivity", "factor_memory", "kept", "callback",
+    "seal", "measures", "parameters", "sensitivity", "factor_memory", "cache", "callback",
 )  # fmt: skip
 """Options that a group passes to its contact component."""
 OPTIONAL = {"default": None, "allow_none": True, "recordable": False}
@@ -38,7 +38,7 @@ def declare_seal_options(options) -> None:
         desc="GiB for factors of converged tangents; those beyond are computed again for the partials.",
     )
     text = "Cache of analyses; by default the last one only."
-    options.declare("kept", types=AnalysisCache, desc=text, **OPTIONAL)
+    options.declare("cache", types=AnalysisCache, desc=text, **OPTIONAL)
     text = "Called with every converged load step."
     options.declare("callback", check_valid=check_callable, desc=text, **OPTIONAL)
 

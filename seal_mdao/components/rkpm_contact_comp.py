@@ -32,7 +32,7 @@ class RkpmContactComp(RandomDirectionsComp):
     """Frictional contact of a seal: particles and scalar parameters in, measures of the path out.
 
     The load path always starts from the undeformed state. The last converged path is cached, or more of
-    them with the option ``kept``; partials at any other point first solve the path again.
+    them with the option ``cache``; partials at any other point first solve the path again.
 
     A design that cannot be analysed, and inadmissible values (a radius that is not positive, NaN),
     raise ``AnalysisError`` and leave NaN in all outputs, and in the partials at that point: a driver
@@ -47,11 +47,11 @@ class RkpmContactComp(RandomDirectionsComp):
     def setup(self):
         seal = self.options["seal"]
         check_parameters(seal, self.options["parameters"])
-        kept = self.options["kept"]
+        cache = self.options["cache"]
         self._failed = self._result = None
         # a cache without memory still holds the newest analysis, with its factors
-        self._kept = AnalysisCache(memory=0.0) if kept is None else kept
-        analysis = analyze if kept is None else kept.analyze
+        self._cache = AnalysisCache(memory=0.0) if cache is None else cache
+        analysis = analyze if cache is None else cache.analyze
         measures = frozen_measures(seal, self.options["measures"], analysis)
         # inputs that the seal always has, then those of the option, each once
         self._parameters = tuple(dict.fromkeys((*seal.inputs, *self.options["parameters"])))
@@ -125,7 +125,7 @@ class RkpmContactComp(RandomDirectionsComp):
             seal = self.options["seal"].with_parameters(values)
             _check_finite(inputs["particles"])
         with analysis_errors():
-            result = self._kept.analyze_particles(
+            result = self._cache.analyze_particles(
                 seal,
                 inputs["particles"],
                 factor_memory=self.options["factor_memory"],

@@ -53,15 +53,15 @@ class Rings(NamedTuple):
         first = self.first[points]
         return first + (points - first + by) % self.size[points]
 
-    def way(self, xi: np.ndarray, before: np.ndarray) -> np.ndarray:
+    def coordinate_change(self, xi: np.ndarray, before: np.ndarray) -> np.ndarray:
         """xi - xi0 the shorter way round; nan from one ring to another."""
         k = len(self.first)
         own, its = (np.minimum(value.astype(int), k - 1) for value in (xi, before))
         size = self.size[own]
-        way = xi - before
+        change = xi - before
         # the shorter way round the ring
-        way = way - size * np.round(way / size)
-        return np.where(self.first[own] == self.first[its], way, np.nan)
+        change = change - size * np.round(change / size)
+        return np.where(self.first[own] == self.first[its], change, np.nan)
 
 
 def rings(sizes) -> Rings:

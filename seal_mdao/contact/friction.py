@@ -197,15 +197,15 @@ def uses_history(speed_varies: bool, state: np.ndarray) -> np.ndarray:
 
 
 @inlined
-def elastic_slip(g_n, way, state_0, size_0, carried):
-    """Slip g_t of Eq. (19) plus what is carried, as if the point stuck; ``way`` is xi - xi0.
+def elastic_slip(g_n, change, state_0, size_0, carried):
+    """Slip g_t of Eq. (19) plus what is carried, as if the point stuck; ``change`` is xi - xi0.
 
     A point that was open slides only over the share g_n / (g_n - g_n0) of the step after it touched.
     """
     if state_0 == UNKNOWN:
         return 0.0
     # g_t = |t0| (xi - xi0)   Eq. (19)
-    slid = size_0 * way
+    slid = size_0 * change
     if state_0 == OPEN:
         # after the touch: g_t g_n / (g_n - g_n0)
         return slid * g_n / (g_n - carried)
@@ -214,14 +214,14 @@ def elastic_slip(g_n, way, state_0, size_0, carried):
 
 
 @inlined
-def elastic_slip_rate(column, g_n, gap_r, way, way_r, state_0, size_0, carried):
+def elastic_slip_rate(column, g_n, gap_r, change, change_r, state_0, size_0, carried):
     """Derivative of ``elastic_slip`` with respect to the input ``column``, Eq. (60)."""
     if state_0 == UNKNOWN:
         return 0.0
     # g_t' = |t0|' (xi - xi0) + |t0| (xi' - xi0')   Eq. (60)
-    slid, slid_r = size_0 * way, size_0 * way_r
+    slid, slid_r = size_0 * change, size_0 * change_r
     if column == SIZE_0:
-        slid_r = way
+        slid_r = change
     carried_r = 1.0 if column == SLIP_0 else 0.0
     if state_0 != OPEN:
         return slid_r + carried_r

@@ -163,7 +163,7 @@ def whole_turns(profile, xi, xi_0):
 
 
 @inlined
-def way_along(profile, xi, xi_0):
+def coordinate_change(profile, xi, xi_0):
     """xi - xi0, round a closed profile the shorter way."""
     return xi - xi_0 - whole_turns(profile, xi, xi_0) * profile.period
 

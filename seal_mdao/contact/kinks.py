@@ -86,10 +86,10 @@ def find_kinks(period, law, gap, xi, state_0, variables_0, rounding, found):
             found[i] = TOUCHING
         elif gap[i] < 0.0:
             # xi - xi0, the shorter way round
-            way = xi[i] - variables_0[i, 0]
+            change = xi[i] - variables_0[i, 0]
             if period > 0.0:
-                way -= period * np.floor(way / period + 0.5)
-            slip = elastic_slip(gap[i], way, state_0[i], variables_0[i, 1], variables_0[i, 2])
+                change -= period * np.floor(change / period + 0.5)
+            slip = elastic_slip(gap[i], change, state_0[i], variables_0[i, 1], variables_0[i, 2])
             # limit - w_t |g_t|, with Coulomb's law mu w_n |g_n| - w_t |g_t|
             limit = friction_limit(law.limits, law, i, gap[i], slip)
             margin = limit - law.tangent_penalty * abs(slip)

@@ -17,7 +17,7 @@ from seal_mdao.contact.friction import (
     no_history,
     uses_history,
 )
-from seal_mdao.contact.kinematics import linearized_positions, normal_gaps, way_along
+from seal_mdao.contact.kinematics import coordinate_change, linearized_positions, normal_gaps
 from seal_mdao.contact.kinks import (
     LIMIT,
     SLIGHT,
@@ -107,10 +107,10 @@ class RigidContact(TermDefinition):
         """The points that may touch."""
         return self.where.points
 
-    def on(self, discretization, place) -> "ContactTerm":
+    def on(self, discretization, index) -> "ContactTerm":
         """The term on one design."""
         self.law.require_penalties(self.label)
-        return ContactTerm(self, discretization, place)
+        return ContactTerm(self, discretization, index)
 
 
 class ContactResponse(PointResponse):
@@ -135,16 +135,16 @@ class ContactTerm(PointTerm):
     history_size = 3
     output_names = ("gap",)
 
-    def __init__(self, definition: RigidContact, discretization, place: int):
+    def __init__(self, definition: RigidContact, discretization, index: int):
         super().__init__(
-            definition.label, definition.scalars, definition.where, discretization, place
+            definition.label, definition.scalars, definition.where, discretization, index
         )
         self.profile = definition.shape.profile()
         self.curve = self.profile.curve
         self.motion, self.law = definition.motion, definition.law
         k = len(self.where)
         self._force, self._tangent = np.empty((k, 2)), np.empty((k, 2, 2))
-        self._state, self._kept = np.empty(k, np.int64), np.empty((k, 3))
+        self._state, self._variables = np.empty(k, np.int64), np.empty((k, 3))
         self._gap, self._direction = np.empty((k, 1)), np.zeros(k, np.int64)
         # both sweeps come back to the steps of the path
         self.pose, self.motion_rates = cache(self.motion.pose), cache(self.motion.rates_at)
@@ -187,13 +187,13 @@ class ContactTerm(PointTerm):
 
     def respond(self, x, fraction, history) -> ContactResponse:
         # forces, tangents and states of all points, Eqs. (28), (29), (35), (36)
-        made_to_stick = contact_points(
+        forced_to_stick = contact_points(
             self.curve, self._law_at(x, fraction), self.pose(fraction), x, self.length, history,
-            self._direction, self._force, self._tangent, self._state, self._kept, self._gap[:, 0],
+            self._direction, self._force, self._tangent, self._state, self._variables, self._gap[:, 0],
         )  # fmt: skip
         return ContactResponse(
-            x, self._force, self._tangent, self._state, ContactHistory(self._state, self._kept),
-            self._gap, made_to_stick,
+            x, self._force, self._tangent, self._state, ContactHistory(self._state, self._variables),
+            self._gap, forced_to_stick,
         )  # fmt: skip
 
     def _law_at(self, x, fraction) -> ContactLaw:
@@ -266,10 +266,10 @@ class ContactTerm(PointTerm):
     def _slid(self, response, history) -> np.ndarray:
         """|t0| (xi - xi0) of all points in a step, mm."""
         # |t0| (xi - xi0)   Eq. (19)
-        way = response.history.variables[:, 0] - history.variables[:, 0]
+        change = response.history.variables[:, 0] - history.variables[:, 0]
         if self.curve.period:
-            way -= self.curve.period * np.floor(way / self.curve.period + 0.5)
-        return history.variables[:, 1] * way
+            change -= self.curve.period * np.floor(change / self.curve.period + 0.5)
+        return history.variables[:, 1] * change
 
     # ---- history carried to the next step ----
 
@@ -323,7 +323,7 @@ class ContactTerm(PointTerm):
         for i in np.flatnonzero(np.minimum(*gaps) < 0.0) if self.history_dependent else ():
             now, then = response.history.variables[i], before.history.variables[i]
             # |t0| (xi - xi0)   Eq. (19)
-            slip[i] = then[1] * way_along(self.curve, now[0], then[0])
+            slip[i] = then[1] * coordinate_change(self.curve, now[0], then[0])
         lost = self.law.most_friction_work(slip, gaps, self.length)
         return min(works) - change - lost, max(map(abs, works))
 

@@ -31,7 +31,13 @@ from seal_mdao.contact.friction import (
     traction,
     traction_rate,
 )
-from seal_mdao.contact.kinematics import closest_point, contact_frame, rates, way_along, whole_turns
+from seal_mdao.contact.kinematics import (
+    closest_point,
+    contact_frame,
+    coordinate_change,
+    rates,
+    whole_turns,
+)
 from seal_mdao.geometry.curve import curve_velocity
 from seal_mdao.geometry.pose import in_frame, turned
 
@@ -60,10 +66,10 @@ def slip_slopes(profile, points, history, xi, gap, local, out):
         state_0, before = history.state[i], history.variables[i]
         # xi0, |t0|, s0 or g_n0 that the step began with
         xi_0, size_0, carried = before[0], before[1], before[2]
-        way = way_along(profile, xi[i], xi_0)
+        change = coordinate_change(profile, xi[i], xi_0)
         # dg_t/dxi0 and dg_t/ds0   Eq. (60)
-        by_xi = elastic_slip_rate(XI_0, gap[i], 0.0, way, -1.0, state_0, size_0, carried)
-        by_carried = elastic_slip_rate(SLIP_0, gap[i], 0.0, way, 0.0, state_0, size_0, carried)
+        by_xi = elastic_slip_rate(XI_0, gap[i], 0.0, change, -1.0, state_0, size_0, carried)
+        by_carried = elastic_slip_rate(SLIP_0, gap[i], 0.0, change, 0.0, state_0, size_0, carried)
         scale = 0.0
         for c in range(2):
             # dg_t/dx_(n-1) = (dg_t/dxi0) dxi0/dx + (dg_t/ds0) ds0/dx
@@ -74,12 +80,12 @@ def slip_slopes(profile, points, history, xi, gap, local, out):
 
 
 @internal
-def _fill_column(column, way_r, moved, frame, now, then, law, i, length, out):
+def _fill_column(column, change_r, moved, frame, now, then, law, i, length, out):
     """One column of ``linearize_contact_point``.
 
     Parameters
     ----------
-    way_r : float
+    change_r : float
         Rate of xi - xi0, without that of xi.
     moved : tuple of pairs
         w, V_c,xi, V_c,xixi of ``rates``.
@@ -89,7 +95,7 @@ def _fill_column(column, way_r, moved, frame, now, then, law, i, length, out):
     """
     e_t, e_n, size, alpha, beta, gamma, c = frame
     g_n, state, tau, nu = now
-    state_0, size_0, way, carried = then
+    state_0, size_0, change, carried = then
     w, v1, v2 = moved
     # xi', g_n', e_t' = turn e_n, |t|', c'  Eqs. (52)-(55), with dx alone (23)-(26)
     xi_r, gap_r, turn, size_r, c_r = rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2)
@@ -99,7 +105,9 @@ def _fill_column(column, way_r, moved, frame, now, then, law, i, length, out):
         out[CARRIED, column] = gap_r
         return
     # g_t' of Eq. (60), tau' = w_t g_t' in stick and +-(mu w_n |g_n|)' in slip
-    slip_r = elastic_slip_rate(column, g_n, gap_r, way, xi_r + way_r, state_0, size_0, carried)
+    slip_r = elastic_slip_rate(
+        column, g_n, gap_r, change, xi_r + change_r, state_0, size_0, carried
+    )
     tau_r, slip_r = traction_rate(law, i, column, state, tau, g_n, gap_r, slip_r)
     pressure, shear = law.normal_penalty * g_n, tau * nu
     pressure_r = law.normal_penalty * gap_r
@@ -126,8 +134,8 @@ def _fill_columns(first, end, frame, now, then, law, i, length, out):
     for column in range(first, end):
         # w = dx, a unit vector for the places and zero for the others
         w = (1.0 if column == X else 0.0, 1.0 if column == Y else 0.0)
-        way_r = -1.0 if column == XI_0 else 0.0
-        _fill_column(column, way_r, (w, zero, zero), frame, now, then, law, i, length, out)
+        change_r = -1.0 if column == XI_0 else 0.0
+        _fill_column(column, change_r, (w, zero, zero), frame, now, then, law, i, length, out)
 
 
 @inlined
@@ -161,10 +169,10 @@ def linearize_contact_point(
     first, end = columns
     e_t, e_n, size, alpha, beta, gamma, c = contact_frame(profile, piece, xi, g_n)
     frame = turned(pose, e_t), turned(pose, e_n), size, alpha, beta, gamma, c
-    way = way_along(profile, xi, carried[0])
+    change = coordinate_change(profile, xi, carried[0])
     # nu = |t||t0|/c   Eq. (22)
     now = g_n, state, tau, size * carried[1] / c if state != OPEN else 0.0
-    then = state_0, carried[1], way, carried[2]
+    then = state_0, carried[1], change, carried[2]
     if state == OPEN:
         # history, length and law matter in contact only
         out[:, XI_0:first] = 0.0
@@ -174,18 +182,18 @@ def linearize_contact_point(
         v, v1, v2 = curve_velocity(profile, column - first, piece, xi)
         moved = turned(pose, (-v[0], -v[1])), turned(pose, v1), turned(pose, v2)
         turns = whole_turns(profile, xi, carried[0])
-        way_r = -turns * profile.period_rate[column - first]
-        _fill_column(column, way_r, moved, frame, now, then, law, i, length, out)
+        change_r = -turns * profile.period_rate[column - first]
+        _fill_column(column, change_r, moved, frame, now, then, law, i, length, out)
 
 
 @inlined
 def _without_reversal(law, state, tau, g_t, direction, i):
     """Let a point stick that would slip the other way round than one Newton iteration before."""
-    way = 0
+    sense = 0
     if state == SLIP:
-        way = 1 if tau > 0.0 else -1
-    reversed_slip = way * direction[i] < 0
-    direction[i] = 0 if reversed_slip else way
+        sense = 1 if tau > 0.0 else -1
+    reversed_slip = sense * direction[i] < 0
+    direction[i] = 0 if reversed_slip else sense
     if reversed_slip:
         return STICK, law.tangent_penalty * g_t, 1
     return state, tau, 0
@@ -223,7 +231,7 @@ def contact_points(
         Points forced to stick; forces are those of Eq. (29) only when it is zero.
     """
     local = np.empty((6, 2))
-    made_to_stick = 0
+    forced_to_stick = 0
     for i in range(x.shape[0]):
         # x in the frame of the profile, closest point (18) and gap (17)
         x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
@@ -238,11 +246,11 @@ def contact_points(
             continue
         state_0, carried = history.state[i], history.variables[i]
         # slip (19), stick or slip (28)
-        way = way_along(profile, xi, carried[0])
-        g_t = elastic_slip(g_n, way, state_0, carried[1], carried[2])
+        change = coordinate_change(profile, xi, carried[0])
+        g_t = elastic_slip(g_n, change, state_0, carried[1], carried[2])
         state[i], tau = traction(law, i, g_n, g_t)
         state[i], tau, made = _without_reversal(law, state[i], tau, g_t, direction, i)
-        made_to_stick += made
+        forced_to_stick += made
         kept[i, 2] = tau / law.tangent_penalty if law.accumulated else 0.0
         # T = l (w_n g_n e_n + tau nu e_t), nu = |t||t0|/c, Eqs. (22), (29)
         shear = tau * size * carried[1] / c
@@ -250,13 +258,13 @@ def contact_points(
             force[i, a] = length[i] * (law.normal_penalty * g_n * e_n[a] + shear * e_t[a])
         frame = e_t, e_n, size, alpha, beta, gamma, c
         now = g_n, state[i], tau, size * carried[1] / c
-        then = state_0, carried[1], way, carried[2]
+        then = state_0, carried[1], change, carried[2]
         # d force/dx: tangents (35), (36), (41)
         _fill_columns(X, Y + 1, frame, now, then, law, i, length[i], local)
         for row in range(2):
             for column in range(2):
                 tangent[i, row, column] = local[row, column]
-    return made_to_stick
+    return forced_to_stick
 
 
 @inlined
@@ -299,8 +307,8 @@ def contact_linearization(
         state_0, carried = history.state[i], history.variables[i]
         state, tau = OPEN, 0.0
         if g_n < 0.0:
-            way = way_along(profile, xi, carried[0])
-            g_t = elastic_slip(g_n, way, state_0, carried[1], carried[2])
+            change = coordinate_change(profile, xi, carried[0])
+            g_t = elastic_slip(g_n, change, state_0, carried[1], carried[2])
             state, tau = traction(law, i, g_n, g_t)
         linearize_contact_point(
             profile, law, i, pose, piece, xi, g_n, state, tau, state_0, carried, length[i], columns,

@@ -41,7 +41,7 @@ from seal_mdao.terms.term import TermDefinition
 SHARED = 0.5
 """Fraction of the penalties of each of the two passes."""
 
-FARTHEST_WAY = 3.0
+LARGEST_CHANGE = 3.0
 """Largest slip in an increment, in segments, with which a point keeps its history."""
 
 
@@ -119,11 +119,11 @@ class SelfContact(TermDefinition):
         first = 0
         for loop in self.loops:
             side = np.linalg.norm(self.nominal[loop] - self.nominal[np.roll(loop, 1)], axis=1)
-            along, whole = np.cumsum(side), side.sum()
+            along, perimeter = np.cumsum(side), side.sum()
             # distance along the closed loop, the shorter of both
-            way = np.abs(along[:, None] - along)
+            between = np.abs(along[:, None] - along)
             own = slice(first, first + len(loop))
-            found[own, own] &= np.minimum(way, whole - way) > self.apart
+            found[own, own] &= np.minimum(between, perimeter - between) > self.apart
             first += len(loop)
         return found
 
@@ -153,10 +153,10 @@ class SelfContact(TermDefinition):
             reached[every, ring.step(every, by)] |= near
         return np.argwhere(reached)
 
-    def on(self, discretization, place) -> "SelfContactTerm":
+    def on(self, discretization, index) -> "SelfContactTerm":
         """The term on one design."""
         self.law.require_penalties(self.label)
-        return SelfContactTerm(self, discretization, place)
+        return SelfContactTerm(self, discretization, index)
 
 
 class SelfContactTerm(CoupledTerm):
@@ -164,9 +164,9 @@ class SelfContactTerm(CoupledTerm):
 
     history_size = 3
 
-    def __init__(self, definition: SelfContact, discretization, place: int):
+    def __init__(self, definition: SelfContact, discretization, index: int):
         super().__init__(
-            definition.label, definition.scalars, definition.where, discretization, place
+            definition.label, definition.scalars, definition.where, discretization, index
         )
         self.complete_law = definition.law
         self.law = definition.law._replace(
@@ -204,7 +204,9 @@ class SelfContactTerm(CoupledTerm):
             found[points] = found_there
         now, then = response.history, before.history
         # |t0| (xi - xi0)   Eq. (19)
-        slip = then.variables[:, 1] * self.ring.way(now.variables[:, 0], then.variables[:, 0])
+        slip = then.variables[:, 1] * self.ring.coordinate_change(
+            now.variables[:, 0], then.variables[:, 0]
+        )
         known = (now.state != UNKNOWN) & (then.state != UNKNOWN)
         # bound of the friction work over the increment
         lost = self.law.most_friction_work(
@@ -254,10 +256,10 @@ class SelfContactTerm(CoupledTerm):
         state = history.state[points]
         xi_0, size, carried = history.variables[points].T
         # xi - xi0, unknown after a change of wall: contact begins anew
-        way = self.ring.way(now.xi, xi_0)
-        lost = (state == UNKNOWN) | ~(np.abs(way) <= FARTHEST_WAY)
+        change = self.ring.coordinate_change(now.xi, xi_0)
+        lost = (state == UNKNOWN) | ~(np.abs(change) <= LARGEST_CHANGE)
         return Before(
-            np.where(lost, UNKNOWN, state), np.where(lost, 0.0, way), np.where(lost, now.size, size),
+            np.where(lost, UNKNOWN, state), np.where(lost, 0.0, change), np.where(lost, now.size, size),
             carried,
         )  # fmt: skip
 
@@ -293,7 +295,7 @@ class SelfContactTerm(CoupledTerm):
         normal, now = now.gap_1[:, :2], now._replace(gap=now.gap - missed)
         before, law = self._before(points, now, history), self.law_at(now.gap, points, nodes)
         # trial state, Eqs. (28), (29)
-        found, made_to_stick = self._without_reversal(points, touch(law, now, before))
+        found, forced_to_stick = self._without_reversal(points, touch(law, now, before))
         closed = found.state != OPEN
         # dq/du, and rows of the history
         local = linearized(law, now, before, found, self.length[points])
@@ -308,7 +310,7 @@ class SelfContactTerm(CoupledTerm):
         pairs, tangent = _merged(nodes[closed], local[closed][:, :N_PLACES, :N_PLACES], len(x))
         response = CoupledResponse(
             x, force, loaded, pairs, tangent, np.empty((0, *x.shape)), np.empty(0), branch,
-            self._carried_history(points, now, found), np.empty((1, 0)), made_to_stick,
+            self._carried_history(points, now, found), np.empty((1, 0)), forced_to_stick,
         )  # fmt: skip
         return response, (law, now.gap, before, found, self.length[points])
 
@@ -318,7 +320,7 @@ class SelfContactTerm(CoupledTerm):
         # linearised as in the tangent of the step; slip has no direction yet
         x, (points, nodes, now) = response.x, self._followed(response.x)
         missed = np.zeros(len(points))
-        _, law = self._answer(x, points, nodes, now, missed, step.before[self.place])
+        _, law = self._answer(x, points, nodes, now, missed, step.before[self.index])
         self._direction[:] = 0
         self._linearize_at(x, points, nodes, now, missed, law)
 
@@ -350,10 +352,10 @@ class SelfContactTerm(CoupledTerm):
     def _without_reversal(self, points, found: Touch):
         """Force points to stick whose slip would reverse from one Newton iteration to the next."""
         # direction of slip, 0 in stick
-        way = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
-        turned = way * self._direction[points] < 0
+        sense = np.where(found.state == SLIP, np.sign(found.tau), 0).astype(int)
+        turned = sense * self._direction[points] < 0
         self._direction[:] = 0
-        self._direction[points] = np.where(turned, 0, way)
+        self._direction[points] = np.where(turned, 0, sense)
         state = np.where(turned, STICK, found.state)
         # tau = w_t g_t in stick
         tau = np.where(turned, self.law.tangent_penalty * found.slip, found.tau)
@@ -405,7 +407,7 @@ class SelfContactTerm(CoupledTerm):
         points, nodes, at = self._followed(response.x)
         before = self._before(points, at, history)
         found = np.empty(points.size, np.int64)
-        variables = np.column_stack([at.xi - before.way, before.size, before.carried])
+        variables = np.column_stack([at.xi - before.change, before.size, before.carried])
         law = self.law_at(at.gap, points, nodes)
         find_kinks(0.0, law, at.gap, at.xi, before.state, variables, rounding, found)
         touching = points[found == TOUCHING]

@@ -40,14 +40,14 @@ class Before(NamedTuple):
     Attributes
     ----------
     state : ndarray of int, shape (m,)
-    way : ndarray, shape (m,)
+    change : ndarray, shape (m,)
         xi - xi0, 0 where unknown.
     size, carried : ndarray, shape (m,)
         |t0|, and the elastic slip of a point in contact or the gap of an open one.
     """
 
     state: np.ndarray
-    way: np.ndarray
+    change: np.ndarray
     size: np.ndarray
     carried: np.ndarray
 
@@ -84,7 +84,7 @@ def _touch_points(law, gap, before, found):
         if gap[i] < 0.0:
             # g_t of Eq. (19), then trial traction and return mapping, Eqs. (28), (29)
             found.slip[i] = elastic_slip(
-                gap[i], before.way[i], before.state[i], before.size[i], before.carried[i]
+                gap[i], before.change[i], before.state[i], before.size[i], before.carried[i]
             )
             found.state[i], found.tau[i] = traction(law, i, gap[i], found.slip[i])
 
@@ -158,17 +158,17 @@ def _traction_rates(law, gap, gap_rate, xi_1, before, found, tau_rate, carried_r
     for i in range(gap.size):
         if found.state[i] == OPEN:
             continue
-        state_0, way, size_0 = before.state[i], before.way[i], before.size[i]
+        state_0, change, size_0 = before.state[i], before.change[i], before.size[i]
         for k in range(gap_rate.shape[1]):
-            column, way_r = k - FIRST, 0.0
+            column, change_r = k - FIRST, 0.0
             if k < N_PLACES:
                 # d(xi - xi0)/du = dxi/du
-                column, way_r = friction.X, xi_1[i, k]
+                column, change_r = friction.X, xi_1[i, k]
             elif column == friction.XI_0:
                 # d(xi - xi0)/dxi0 = -1
-                way_r = -1.0
+                change_r = -1.0
             slip_r = elastic_slip_rate(
-                column, gap[i], gap_rate[i, k], way, way_r, state_0, size_0, before.carried[i]
+                column, gap[i], gap_rate[i, k], change, change_r, state_0, size_0, before.carried[i]
             )
             tau_rate[i, k], carried_rate[i, k] = traction_rate(
                 law, i, column, found.state[i], found.tau[i], gap[i], gap_rate[i, k], slip_r

@@ -53,7 +53,7 @@ class LinearContact(NamedTuple):
         """
         term, last = self.term, self.linearization
         gap = last.kinematics.gap + motion[:, 0]
-        before = self.before._replace(way=self.before.way + motion[:, 1])
+        before = self.before._replace(change=self.before.change + motion[:, 1])
         law, length = term.law_at(gap, last.points, last.nodes), term.length[last.points]
         found = touch(law, last.kinematics._replace(gap=gap), before)
         forces, slopes = resultants(law, gap, before, found, length)

@@ -57,8 +57,10 @@ class Linearization(NamedTuple):
         expected[self.points] = then.gap + np.einsum("mai,mai->m", rate, moved)
         known = np.isfinite(xi[points])
         # relative motion: |t| (xi - xi') along the wall, g - g' normal to it
-        way = np.where(known, ring.way(now.xi, np.where(known, xi[points], now.xi)), np.nan)
-        far = np.hypot(now.size * way, now.gap - gap[points])
+        change = np.where(
+            known, ring.coordinate_change(now.xi, np.where(known, xi[points], now.xi)), np.nan
+        )
+        far = np.hypot(now.size * change, now.gap - gap[points])
         # g - g^
         missed = now.gap - expected[points]
         return np.where(np.abs(missed) <= FARTHEST_MISS * far, missed, 0.0)

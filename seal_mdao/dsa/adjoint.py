@@ -44,11 +44,11 @@ class AdjointGradient:
 
         Zero for those that no term depends on (the corner radius of a flat door).
         """
-        place = {name: row for row, name in enumerate(self.names)}
+        index = {name: row for row, name in enumerate(self.names)}
         out = np.zeros((len(self.particles), len(names)))
         for column, name in enumerate(names):
-            if name in place:
-                out[:, column] = self.scalars[place[name]]
+            if name in index:
+                out[:, column] = self.scalars[index[name]]
         return out
 
 
@@ -197,17 +197,17 @@ class AdjointSweep:
         Parameters
         ----------
         seeds : dict of int to Seeds
-            By place in ``path.steps``.
+            by index in ``path.steps``.
         """
         # h+_bar = 0 at the last measured step
         history_bar = tuple(term.no_rates(self.m) for term in self.problem.terms)
-        following, places = None, range(max(seeds, default=-1), -1, -1)
+        following, indices = None, range(max(seeds, default=-1), -1, -1)
         # steps without history do not depend on each other
         if not self.problem.history_dependent:
-            places = sorted(seeds, reverse=True)
-        for place in places:
-            step = self.path.steps[place]
-            history_bar = self.step(step, following, seeds.get(place), history_bar)
+            indices = sorted(seeds, reverse=True)
+        for index in indices:
+            step = self.path.steps[index]
+            history_bar = self.step(step, following, seeds.get(index), history_bar)
             following = step
         self._flush()
         return self._pulled_back(history_bar)

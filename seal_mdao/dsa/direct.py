@@ -127,7 +127,7 @@ class DirectSweep:
 
     @one_blas_thread
     def run(self, measured=None) -> dict:
-        """Sweep the path; return ``StepRates`` by place in ``path.steps``.
+        """Sweep the path; return ``StepRates`` by index in ``path.steps``.
 
         Parameters
         ----------
@@ -138,16 +138,16 @@ class DirectSweep:
         # without history the steps do not depend on each other
         measured = {len(every) - 1} if measured is None else set(measured)
         last = max(measured, default=-1)
-        places = range(last + 1) if self.problem.history_dependent else sorted(measured)
+        indices = range(last + 1) if self.problem.history_dependent else sorted(measured)
         history, wanted = self.start(), {}
         size = self.path.discretization.layout.n_equations
         # forces without history for a block of steps at once, then step by step
-        for block in blocks(places, size, self.rates.count):
-            loads = self.explicit_loads([every[place] for place in block])
-            for place, load in zip(block, loads, strict=True):
-                if place in measured:
-                    wanted[place] = self.step(every[place], history, load)
-                    history = wanted[place].history
+        for block in blocks(indices, size, self.rates.count):
+            loads = self.explicit_loads([every[index] for index in block])
+            for index, load in zip(block, loads, strict=True):
+                if index in measured:
+                    wanted[index] = self.step(every[index], history, load)
+                    history = wanted[index].history
                 else:
-                    history = self.pass_by(every[place], every[place + 1], history, load)
+                    history = self.pass_by(every[index], every[index + 1], history, load)
         return wanted

@@ -26,11 +26,11 @@ def solve_transposed(problem: PathProblem, step: ConvergedStep, loads: np.ndarra
     return loads
 
 
-def blocks(places, n_equations: int, n_columns: int) -> list:
-    """Consecutive pieces of ``places``, as long as their vectors fit in ``BLOCK_BYTES``."""
+def blocks(indices, n_equations: int, n_columns: int) -> list:
+    """Consecutive pieces of ``indices``, as long as their vectors fit in ``BLOCK_BYTES``."""
     # 8 bytes a number
     size = max(1, BLOCK_BYTES // (8 * n_equations * n_columns))
-    return [places[first : first + size] for first in range(0, len(places), size)]
+    return [indices[first : first + size] for first in range(0, len(indices), size)]
 
 
 def is_full(nbytes: int) -> bool:

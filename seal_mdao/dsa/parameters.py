@@ -29,9 +29,9 @@ class ParameterRates:
 
     def of(self, names) -> np.ndarray:
         """Rates of the parameters ``names``, zero for those that do not move, (len(names), P)."""
-        place = {name: row for row, name in enumerate(self.names)}
+        row_of = {name: row for row, name in enumerate(self.names)}
         none = np.zeros(self.count)
-        rows = [self.scalars[place[name]] if name in place else none for name in names]
+        rows = [self.scalars[row_of[name]] if name in row_of else none for name in names]
         return np.array(rows).reshape(len(names), self.count)
 
 

@@ -52,7 +52,7 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
         Scalar parameters, out of ``result.seal.scalars``; the seal's ``inputs`` when left out.
     measures : sequence of Measure or str, optional
         The seal's standard ones when left out; names are those that the seal knows. Where a measure
-        takes its places from the nominal seal, that is analysed, unless the result knows them.
+        selects its points on the nominal seal, that is analysed, unless the result knows them.
     method : {"auto", "direct", "adjoint"}
         "auto" takes the method with fewer right-hand sides.
 
@@ -89,7 +89,7 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
 
 @one_blas_thread
 def sensitivities(result, names, measures, method: str = "auto") -> Sensitivities:
-    """As ``differentiate``, of measures that have their places, and parameters that are known."""
+    """As ``differentiate``, of measures with selected points, and parameters that are known."""
     velocity = result.seal.design_velocity
     offsets = tuple(f"boundary_offsets[{i}]" for i in range(len(velocity)))
     if not measures:
@@ -147,8 +147,8 @@ def particle_gradient(result, parameters, measures, method: str = "auto") -> dic
         table = direct_rates(result, wanted, parameter_rates(unit, parameters))
         rows, columns = table[:, : 2 * n].reshape(-1, n, 2), table[:, 2 * n :]
     by_input = {"particles": wanted.by_name(rows)}
-    for place, name in enumerate(parameters):
-        by_input[name] = wanted.by_name(columns[:, place : place + 1])
+    for index, name in enumerate(parameters):
+        by_input[name] = wanted.by_name(columns[:, index : index + 1])
     return by_input
 
 
@@ -171,7 +171,7 @@ class Wanted:
     ----------
     result : SealResult
     measures : sequence of Measure
-        With frozen places.
+        With selected points.
     """
 
     def __init__(self, result, measures):
@@ -196,12 +196,12 @@ class Wanted:
         ends = np.cumsum([len(values) for values in self.values])[:-1]
         parts, out = np.split(rows, ends), {}
         for measure in self.measures:
-            place = self.bases.index(_base(measure))
-            out[measure.name] = parts[place]
+            index = self.bases.index(_base(measure))
+            out[measure.name] = parts[index]
             if isinstance(measure, Derived):
                 # m' = (dg/dvalues) values' of a measure of measures
-                gradient = measure.value(self.values[place])[1]
-                out[measure.name] = np.tensordot(gradient, parts[place], 1)[None]
+                gradient = measure.value(self.values[index])[1]
+                out[measure.name] = np.tensordot(gradient, parts[index], 1)[None]
         return out
 
 
@@ -221,8 +221,8 @@ def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
     if stack.at.size:
         probe = Probe(result.path.discretization, wanted.probe)
         shape = wanted.probe.rates(rates.velocity, sweep.shape.matrix)
-    for place, seeds in stack.seeds.items():
-        here, step = by_index[place], result.path.steps[place]
+    for index, seeds in stack.seeds.items():
+        here, step = by_index[index], result.path.steps[index]
         for term, found in zip(terms, here.terms, strict=True):
             if term.label in seeds.terms:
                 # of forces and outputs of terms

@@ -16,7 +16,7 @@ class CompressedColumns:
     """
 
     reuses_factors = True
-    tells_sign = False
+    has_sign = False
 
     def __init__(self, n, pointers, indices):
         self.n, self.pointers, self.indices = n, pointers, indices

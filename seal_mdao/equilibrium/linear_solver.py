@@ -67,7 +67,7 @@ class BandedStorage(NamedTuple):
     n: int
     width: int
     reuses_factors = False
-    tells_sign = True
+    has_sign = True
 
     @property
     def rows(self):

@@ -57,7 +57,7 @@ class Storage(Protocol):
     reuses_factors : bool
         Whether a factorisation costs so many solutions that quasi-Newton iterations, which reuse one,
         are to be tried before Newton's.
-    tells_sign : bool
+    has_sign : bool
         Whether its factors give the sign of the determinant at no cost.
     scheme : Scheme
     """
@@ -65,7 +65,7 @@ class Storage(Protocol):
     n: int
     size: int
     reuses_factors: bool
-    tells_sign: bool
+    has_sign: bool
     scheme: Scheme
 
     def diagonal(self) -> np.ndarray:

@@ -59,7 +59,7 @@ class TangentLayout:
     storage : Storage
     condensation : Condensation, optional
         None where no particle is constrained.
-    places : _Places
+    stored : _StoredIndices
         Data that determine the slot of an entry.
     n_columns : int
         Rank-one parts beside the stored pattern: sums over many points, such as the pressure of
@@ -73,7 +73,7 @@ class TangentLayout:
     scatter: tuple
     storage: Storage
     condensation: Condensation | None
-    places: NamedTuple
+    stored: NamedTuple
     n_columns: int = 0
 
     @property
@@ -147,7 +147,7 @@ class TangentLayout:
         slots : ndarray of int32
             Flat (pair, column, row), each ordered (component, neighbour).
         """
-        return _slots(table.start, table.neighbours, pairs, self.places)
+        return _slots(table.start, table.neighbours, pairs, self.stored)
 
     @property
     def uncoupled(self) -> Scatter:
@@ -230,7 +230,7 @@ def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, 
     return numbered[best], widths[best]
 
 
-class _Places(NamedTuple):
+class _StoredIndices(NamedTuple):
     """Data that determine the slot of an entry.
 
     Attributes
@@ -258,11 +258,11 @@ class _Places(NamedTuple):
 
 
 @inlined
-def _stored(places, row, column):
+def _stored(stored, row, column):
     """Return the slot of the entry (row, column) of two equations."""
     if row < 0 or column < 0:
-        return places.dump
-    scheme = places.scheme
+        return stored.dump
+    scheme = stored.scheme
     if scheme.rows > 0:
         # LAPACK band with w rows for fill-in: AB[2 w + i - j, j] = K_ij, leading dimension 3 w + 1
         return column * scheme.rows + 2 * scheme.width + row - column
@@ -272,24 +272,24 @@ def _stored(places, row, column):
 
 
 @inlined
-def _slot(places, p, i, q, k):
+def _slot(stored, p, i, q, k):
     """Return the slot of row (particle p, component i) and column (q, k)."""
-    row, column = places.equations[p, i], places.equations[q, k]
-    if row >= places.n_equations:
+    row, column = stored.equations[p, i], stored.equations[q, k]
+    if row >= stored.n_equations:
         # row of a constrained particle: K_C. flat (component, constrained; component, coupled)
-        at = (row - places.n_equations) * 2 * places.n_coupled
-        return places.first_row + at + k * places.n_coupled + places.coupled[q]
-    if column >= places.n_equations:
+        at = (row - stored.n_equations) * 2 * stored.n_coupled
+        return stored.first_row + at + k * stored.n_coupled + stored.coupled[q]
+    if column >= stored.n_equations:
         # column of a constrained particle: K_.C flat (component, coupled; component, constrained)
         if row < 0:
-            return places.dump
-        at = (i * places.n_coupled + places.coupled[p]) * 2 * places.n_constrained
-        return places.first_column + at + column - places.n_equations
-    return _stored(places, row, column)
+            return stored.dump
+        at = (i * stored.n_coupled + stored.coupled[p]) * 2 * stored.n_constrained
+        return stored.first_column + at + column - stored.n_equations
+    return _stored(stored, row, column)
 
 
 @compiled
-def _fill_slots(start, neighbours, pairs, places, begin, slots):
+def _fill_slots(start, neighbours, pairs, stored, begin, slots):
     """Fill the slots of pairs of groups (rows, columns), flat (pair, column, row)."""
     for m in range(len(pairs)):
         rows = neighbours[start[pairs[m, 0]] : start[pairs[m, 0] + 1]]
@@ -299,13 +299,13 @@ def _fill_slots(start, neighbours, pairs, places, begin, slots):
         for j in range(2 * columns.size):
             for i in range(2 * rows.size):
                 slots[at] = _slot(
-                    places, rows[i % rows.size], i // rows.size, columns[j % columns.size],
+                    stored, rows[i % rows.size], i // rows.size, columns[j % columns.size],
                     j // columns.size,
                 )  # fmt: skip
                 at += 1
 
 
-def _slots(start, neighbours, pairs, places) -> tuple:
+def _slots(start, neighbours, pairs, stored) -> tuple:
     """Compute the first slot of every pair of groups, and the slots: flat (pair, column, row), columns
     and rows ordered (component, neighbour)."""
     count = np.diff(start)
@@ -313,7 +313,7 @@ def _slots(start, neighbours, pairs, places) -> tuple:
     sizes = 4 * count[pairs[:, 0]] * count[pairs[:, 1]]
     begin = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
     slots = np.empty(begin[-1], np.int32)
-    _fill_slots(start, neighbours, pairs, places, begin, slots)
+    _fill_slots(start, neighbours, pairs, stored, begin, slots)
     return begin, slots
 
 
@@ -358,46 +358,46 @@ def tangent_layout(
     n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
     storage = storage_for(solver, n, width, equations, coupling)
     # n equations, c constrained and v coupled particles: K_C. and K_.C have 2 c x 2 v entries each
-    places = _Places(
+    stored = _StoredIndices(
         equations.copy(), n, c, np.full(len(equations), -1), v, storage.scheme, storage.size,
         storage.size + 4 * c * v, storage.size + 8 * c * v,
     )  # fmt: skip
     # components of constrained particles behind the equations, flat (component, particle)
-    places.equations[constrained] = n + np.arange(2 * c).reshape(2, c).T
-    places.coupled[coupled] = np.arange(v)
+    stored.equations[constrained] = n + np.arange(2 * c).reshape(2, c).T
+    stored.coupled[coupled] = np.arange(v)
     scatter = []
     for table in tables:
         # an element matrix couples the neighbours of a group with each other: pairs (g, g)
         with_itself = np.repeat(np.arange(table.n_groups), 2).reshape(-1, 2)
-        slots = _slots(table.start, table.neighbours, with_itself, places)
-        scatter.append(Scatter(places.equations, *slots))
+        slots = _slots(table.start, table.neighbours, with_itself, stored)
+        scatter.append(Scatter(stored.equations, *slots))
     condensation = (
         None
         if transformation is None
-        else _condensation(transformation, coupled, equations, places)
+        else _condensation(transformation, coupled, equations, stored)
     )
     # each rank-one part: a vector of force_size = n + 2 c + 1 entries and its size
-    size = places.dump + 1 + n_columns * (n + 2 * c + 2)
+    size = stored.dump + 1 + n_columns * (n + 2 * c + 2)
     return TangentLayout(
-        equations, n, size, n + 2 * c + 1, tuple(scatter), storage, condensation, places, n_columns
+        equations, n, size, n + 2 * c + 1, tuple(scatter), storage, condensation, stored, n_columns
     )
 
 
-def _condensation(transformation, coupled, equations, places) -> Condensation:
+def _condensation(transformation, coupled, equations, stored) -> Condensation:
     """Compute the slots of the products of T with the constrained rows and columns."""
     union, constrained = transformation.union, transformation.constrained
     # two artificial groups, the union and the coupled particles: blocks (U, v) and (v, U)
     start = np.array([0, union.size, union.size + coupled.size])
-    own, pairs = places._replace(equations=equations), np.array([[0, 1], [1, 0]])
+    own, pairs = stored._replace(equations=equations), np.array([[0, 1], [1, 0]])
     _, slots = _slots(start, np.concatenate([union, coupled]), pairs, own)
     rows, columns = slots.reshape(2, -1)
     # flat (column, row), in the order of ``Condensation``
     union_slots = rows.reshape(2, coupled.size, 2, union.size).transpose(2, 3, 0, 1)
     coupled_slots = columns.reshape(2, union.size, 2, coupled.size).transpose(2, 3, 0, 1).copy()
-    coupled_slots[:, places.coupled[constrained]] = places.dump  # their rows are stored aside
+    coupled_slots[:, stored.coupled[constrained]] = stored.dump  # their rows are stored aside
     return Condensation(
-        np.ascontiguousarray(transformation.matrix), places.coupled[constrained],
-        places.coupled[union], np.ascontiguousarray(equations[union].T),
-        np.ascontiguousarray(union_slots), coupled_slots, places.n_equations, places.first_row,
-        places.first_column,
+        np.ascontiguousarray(transformation.matrix), stored.coupled[constrained],
+        stored.coupled[union], np.ascontiguousarray(equations[union].T),
+        np.ascontiguousarray(union_slots), coupled_slots, stored.n_equations, stored.first_row,
+        stored.first_column,
     )  # fmt: skip

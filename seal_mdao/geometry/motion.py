@@ -38,13 +38,13 @@ class Motion:
     clearance : ndarray, shape (2,)
         Clearance, from the first waypoint to where the first load step begins: it lengthens that step
         and does not count as travel.
-    shares : ndarray, shape (n_steps,), or None
+    fractions : ndarray, shape (n_steps,), or None
         Fraction of its stage completed at the end of every step, 1 at the last; None for equal steps.
 
     Raises
     ------
     ValueError
-        For arrays that do not fit each other, numbers that are not finite, stages without steps, shares
+        For arrays that do not fit each other, infinite numbers, stages without steps, fractions
         that do not increase to 1.
     """
 
@@ -55,7 +55,7 @@ class Motion:
     rates: np.ndarray | None = None
     names: tuple[str, ...] = ()
     clearance: np.ndarray = (0.0, 0.0)
-    shares: np.ndarray | None = None
+    fractions: np.ndarray | None = None
 
     def __post_init__(self):
         steps = np.array(self.steps)
@@ -85,16 +85,16 @@ class Motion:
         require(len(set(names)) == len(names), f"names of a motion's parameters repeat: {names}")
         object.__setattr__(self, "steps", steps.astype(np.int64))
         object.__setattr__(self, "names", names)
-        if self.shares is not None:
-            object.__setattr__(self, "shares", self._checked_fractions())
+        if self.fractions is not None:
+            object.__setattr__(self, "fractions", self._checked_fractions())
 
     def _checked_fractions(self) -> np.ndarray:
-        fractions = np.array(self.shares, float)
+        fractions = np.array(self.fractions, float)
         require(
             fractions.shape == (self.n_steps,)
             and all(map(increases_to_one, np.split(fractions, self._stage_ends[:-1]))),
-            f"shares of a motion must increase to 1 in every stage of {self.steps.tolist()} steps, got "
-            f"{self.shares!r}",
+            f"fractions must increase to 1 in every stage of {self.steps.tolist()} steps, got "
+            f"{self.fractions!r}",
         )
         return fractions
 
@@ -167,7 +167,7 @@ class Motion:
         # the stage of a step is the first whose end is not before the end of the step
         stages = np.searchsorted(stage_ends, ends)
         fractions = [self._fraction_of_stage(*pair) for pair in zip(stages, ends, strict=True)]
-        return replace(self, steps=np.bincount(stages), shares=np.array(fractions))
+        return replace(self, steps=np.bincount(stages), fractions=np.array(fractions))
 
     @cached_property
     def n_steps(self) -> int:
@@ -199,7 +199,7 @@ class Motion:
     def _within(self, stage: int, first: np.ndarray, last: np.ndarray) -> np.ndarray:
         """Interpolate x, y, angle after every step of a stage from ``first`` to ``last``."""
         n = self.steps[stage]
-        if self.shares is None:
+        if self.fractions is None:
             # one component at a time: linspace of arrays rounds differently where one is constant
             columns = [np.linspace(*pair, n + 1)[1:] for pair in zip(first, last, strict=True)]
             return np.column_stack(columns)
@@ -211,15 +211,15 @@ class Motion:
     def _stage_fractions(self, stage: int) -> np.ndarray:
         """Collect the completed fractions of a stage at its start and after each of its steps."""
         n, end = self.steps[stage], self._stage_ends[stage]
-        if self.shares is None:
+        if self.fractions is None:
             return np.concatenate([[0.0], step_fractions(n)])
-        return np.concatenate([[0.0], self.shares[end - n : end]])
+        return np.concatenate([[0.0], self.fractions[end - n : end]])
 
     def _fraction_of_stage(self, stage: int, fraction: float) -> float:
         """Compute the completed fraction of a stage after ``fraction`` nominal steps."""
         # nominal steps since the start of the stage
         since = fraction - (self._stage_ends[stage] - self.steps[stage])
-        if self.shares is None:
+        if self.fractions is None:
             return since / self.steps[stage]
         own = self._stage_fractions(stage)
         return float(np.interp(since, np.arange(own.size), own))
@@ -311,7 +311,7 @@ class Motion:
         """Compute the nominal steps done after a fraction ``phi`` of a stage, and d(steps)/d(phi)."""
         n = int(self.steps[stage])
         before = int(self._stage_ends[stage]) - n
-        if self.shares is None:
+        if self.fractions is None:
             return before + phi * n, n
         own = self._stage_fractions(stage)
         step = min(int(np.searchsorted(own, phi, side="right")), n) - 1
@@ -371,9 +371,9 @@ def step_fractions(steps: int | tuple[float, ...]) -> np.ndarray:
     return np.array(steps) if isinstance(steps, tuple) else np.arange(1, steps + 1) / steps
 
 
-def increases_to_one(shares) -> bool:
+def increases_to_one(fractions) -> bool:
     """Return whether these are fractions at the ends of steps: increasing, the last one 1."""
-    return bool(shares[-1] == 1.0 and np.all(np.diff(shares, prepend=0.0) > 0.0))
+    return bool(fractions[-1] == 1.0 and np.all(np.diff(fractions, prepend=0.0) > 0.0))
 
 
 def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0.0, 0.0)) -> Motion:
@@ -403,7 +403,7 @@ def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0
     equal = not any(isinstance(stage.steps, tuple) for stage in stages)
     return Motion(
         waypoints[:, :2], waypoints[:, 2], [stage.n_steps for stage in stages], pivot, rates, names,
-        shares=None if equal else np.concatenate([step_fractions(stage.steps) for stage in stages]),
+        fractions=None if equal else np.concatenate([step_fractions(stage.steps) for stage in stages]),
     )  # fmt: skip
 
 

@@ -61,17 +61,17 @@ class DeadLoad(TermDefinition):
         """Return the loaded points."""
         return self.where.points
 
-    def on(self, discretization, place) -> "DeadLoadTerm":
+    def on(self, discretization, index) -> "DeadLoadTerm":
         """Build the term for one design."""
-        return DeadLoadTerm(self, discretization, place)
+        return DeadLoadTerm(self, discretization, index)
 
 
 class DeadLoadTerm(PointTerm):
     """Residual term of a ``DeadLoad`` for one design; the load enters the residual with a minus sign."""
 
-    def __init__(self, definition: DeadLoad, discretization, place: int):
+    def __init__(self, definition: DeadLoad, discretization, index: int):
         super().__init__(
-            definition.label, definition.scalars, definition.where, discretization, place
+            definition.label, definition.scalars, definition.where, discretization, index
         )
         self.ramp = np.asarray(definition.ramp, float)
         self.density = np.broadcast_to(definition.density, (len(self.where), 2)).astype(float)

@@ -154,9 +154,9 @@ class FluidPressure(TermDefinition):
         reached[:, 1::2] &= ~np.tri(m, k=-3, dtype=bool)[:, 1::2]
         return np.argwhere(reached)
 
-    def on(self, discretization, place) -> "FluidPressureTerm":
+    def on(self, discretization, index) -> "FluidPressureTerm":
         """Build the term for one design."""
-        return FluidPressureTerm(self, discretization, place)
+        return FluidPressureTerm(self, discretization, index)
 
 
 class FluidPressureTerm(CoupledTerm):
@@ -165,9 +165,9 @@ class FluidPressureTerm(CoupledTerm):
 
     output_names = ("weight", "closing")
 
-    def __init__(self, definition: FluidPressure, discretization, place: int):
+    def __init__(self, definition: FluidPressure, discretization, index: int):
         super().__init__(
-            definition.label, definition.scalars, definition.where, discretization, place
+            definition.label, definition.scalars, definition.where, discretization, index
         )
         self.pressure, self.ramp = definition.pressure, np.asarray(definition.ramp, float)
         self.share, self.output_indices = definition.share, len(definition.edge)

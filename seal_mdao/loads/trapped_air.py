@@ -87,9 +87,9 @@ class TrappedAir(TermDefinition):
         at = np.arange(len(self.ring))
         return np.column_stack([at, np.roll(at, -1)])
 
-    def on(self, discretization, place) -> "TrappedAirTerm":
+    def on(self, discretization, index) -> "TrappedAirTerm":
         """Build the term for one design."""
-        return TrappedAirTerm(self, discretization, place)
+        return TrappedAirTerm(self, discretization, index)
 
 
 class TrappedAirTerm(CoupledTerm):
@@ -99,14 +99,14 @@ class TrappedAirTerm(CoupledTerm):
     output_names = ("pressure", "area")
     conservative = True
 
-    def __init__(self, definition: TrappedAir, discretization, place: int):
+    def __init__(self, definition: TrappedAir, discretization, index: int):
         super().__init__(
-            definition.label, definition.scalars, definition.where, discretization, place
+            definition.label, definition.scalars, definition.where, discretization, index
         )
         self.outside, self.gamma = definition.pressure, definition.gamma
         area, by_index = polygon_area(self.reference)
-        self.way = 1.0 if area > 0.0 else -1.0
-        self.nominal_area, self.by_reference = self.way * area, self.way * by_index
+        self.orientation = 1.0 if area > 0.0 else -1.0
+        self.nominal_area, self.by_reference = self.orientation * area, self.orientation * by_index
         self.rounding = self.outside * float(np.abs(self.reference).max())
         self._pairs, self._turn = self._sides()
 
@@ -114,7 +114,7 @@ class TrappedAirTerm(CoupledTerm):
         """Compute pairs of neighbours and d^2 A / dx dx, shapes (2 k, 2), (2 k, 2, 2)."""
         at = np.arange(len(self.where))
         # d^2 A/(dx_j dx_(j+1)) = +-1/2 [[0, 1], [-1, 0]] (sense of the ring), and its transpose
-        quarter = 0.5 * self.way * np.array([[0.0, 1.0], [-1.0, 0.0]])
+        quarter = 0.5 * self.orientation * np.array([[0.0, 1.0], [-1.0, 0.0]])
         pairs = np.concatenate([
             np.column_stack([at, np.roll(at, -1)]), np.column_stack([at, np.roll(at, 1)])
         ])  # fmt: skip
@@ -125,12 +125,12 @@ class TrappedAirTerm(CoupledTerm):
     def _state(self, x):
         """Compute area, its gradient and excess pressure; None where the area is not positive."""
         area, by_index = polygon_area(x)
-        area *= self.way
+        area *= self.orientation
         if area <= 0.0:
             return None
         # p = p_a ((A0 / A)^gamma - 1)
         pressure = self.outside * np.expm1(self.gamma * np.log(self.nominal_area / area))
-        return area, self.way * by_index, pressure
+        return area, self.orientation * by_index, pressure
 
     def respond(self, x, fraction, history):
         state = self._state(x)

@@ -114,9 +114,9 @@ class VentedAir(TrappedAir):
         """Return the air for other load steps."""
         return replace(self, travel=at_ends(np.asarray(self.travel, float), ends))
 
-    def on(self, discretization, place) -> "VentedAirTerm":
+    def on(self, discretization, index) -> "VentedAirTerm":
         """Build the term for one design."""
-        return VentedAirTerm(self, discretization, place)
+        return VentedAirTerm(self, discretization, index)
 
 
 class _State(NamedTuple):
@@ -152,8 +152,8 @@ class VentedAirTerm(TrappedAirTerm):
     history_size = 1
     conservative = False
 
-    def __init__(self, definition: VentedAir, discretization, place: int):
-        super().__init__(definition, discretization, place)
+    def __init__(self, definition: VentedAir, discretization, index: int):
+        super().__init__(definition, discretization, index)
         self.travel, self.speed = np.asarray(definition.travel, float), definition.closing_speed
         # a = pi d^2 / (4 s): area of the vents per length of the strip, mm
         area = 0.25 * math.pi * definition.vent_diameter**2 / definition.vent_spacing
@@ -180,7 +180,7 @@ class VentedAirTerm(TrappedAirTerm):
     def _vented(self, x, fraction, history: AirHistory) -> _State | None:
         """Solve for the state at the end of a load step; None where the area is not positive."""
         area, by_index = polygon_area(x)
-        area *= self.way
+        area *= self.orientation
         if area <= 0.0:
             return None
         time = self.time_between(history.fraction, fraction)
@@ -189,7 +189,7 @@ class VentedAirTerm(TrappedAirTerm):
         flow = orifice_flow(y, self.gamma)
         # dF/dy = A / A0 exp(y) + kappa dPhi/dy
         slope = left * math.exp(y) + kappa * flow.by_density
-        return _State(area, self.way * by_index, y, kappa, flow, slope)
+        return _State(area, self.orientation * by_index, y, kappa, flow, slope)
 
     def _pressure(self, y: float) -> float:
         """Compute p = p_a (exp(gamma y) - 1)."""

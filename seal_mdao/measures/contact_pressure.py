@@ -127,19 +127,19 @@ class _PointPressures:
         # p_nominal = w_n <-g_n>
         self.undeformed, self.value = result.particles, self.penalty * np.maximum(-self.gap, 0.0)
         if nominal:
-            self.share = np.ones(self.gap.size)
+            self.ratio = np.ones(self.gap.size)
             return
         # p = p_nominal L / l
         self.deformed = result.deformed()
         self.length = self.term.where.lengths(self.deformed)
-        self.share = self.term.length / self.length
-        self.value = self.value * self.share
+        self.ratio = self.term.length / self.length
+        self.value = self.value * self.ratio
 
     def add_partials(self, partials, row: int, on_pressure) -> None:
         """Add partial derivatives in gaps and lengths of a function with derivatives ``on_pressure``."""
         on_gap = partials.output(self.profile, "gap")
         # dp/dg = -w_n L / l in contact
-        on_gap[row] -= self.penalty * on_pressure * self.share * (self.gap < 0.0)
+        on_gap[row] -= self.penalty * on_pressure * self.ratio * (self.gap < 0.0)
         if self.nominal:
             return
         # dp/dL = p / L,  dp/dl = -p / l

@@ -132,7 +132,7 @@ class Reaction(Measure):
     def curve(self, result) -> tuple[np.ndarray, np.ndarray]:
         """Return the load-deflection curve: travels (n + 1,), mm, and forces (n + 1,) in the unit of the
         value, at the start and at n nominal steps; along the first component, if there are two."""
-        motion, index = self._motion(result), result.path.place(self.profile)
+        motion, index = self._motion(result), result.path.index_of(self.profile)
         forces = [np.asarray(s.responses[index].total) for s in result.path.nominal_steps]
         # travel_k = sum |x_i - x_(i-1)| of the profile, counted from the first touch
         places = [motion.coordinates(float(k))[:2] for k in range(len(forces) + 1)]
@@ -174,7 +174,7 @@ class Reaction(Measure):
         """Compute the force at a converged step, shape (2,), N/m."""
         total, supports = np.zeros(2), self._supports(result)
         if self._touches(result):
-            total = np.asarray(step.responses[result.path.place(self.profile)].total)
+            total = np.asarray(step.responses[result.path.index_of(self.profile)].total)
         if supports.any():
             forces = result.path.problem.support_forces(step)
             total = total + np.where(supports, forces, 0.0).sum(axis=0)

@@ -56,7 +56,7 @@ def analysis_cache(model):
     from seal_mdao.components.seal_group import SealGroup
 
     groups = model.system_iter(include_self=True, recurse=True, typ=SealGroup)
-    return next((g.options["kept"] for g in groups if g.options["kept"] is not None), None)
+    return next((g.options["cache"] for g in groups if g.options["cache"] is not None), None)
 
 
 def constant_inputs(problem) -> dict:

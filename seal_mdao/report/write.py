@@ -20,7 +20,7 @@ def write_report(
     cases,
     outfile=None,
     given: dict | None = None,
-    kept: AnalysisCache | None = None,
+    cache: AnalysisCache | None = None,
     further: str = "",
     figures=(),
     notes=(),
@@ -28,7 +28,7 @@ def write_report(
     """Write the HTML report of an optimisation.
 
     A recorder file holds no displacements, so the designs in the pictures are analysed again, but for
-    those that are in ``kept``. A tqdm bar shows the progress on a terminal.
+    those that are in ``cache``. A tqdm bar shows the progress on a terminal.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def write_report(
         ``report.html`` beside the recorder file when left out.
     given : dict of str to ndarray, optional
         Inputs of seals that are the same at all points and may not be in the file, by absolute names.
-    kept : AnalysisCache, optional
+    cache : AnalysisCache, optional
         Analyses of the run that wrote the file.
     further : str
         HTML of further sections, such as ``report.sample_section.samples_section``.
@@ -57,10 +57,10 @@ def write_report(
     """
     cases = Path(cases)
     # histories from the recorder file, shapes from new analyses
-    history, kept = read_optimization(cases, given), AnalysisCache() if kept is None else kept
+    history, cache = read_optimization(cases, given), AnalysisCache() if cache is None else cache
     seals = [seal for seal in history.seals if seal.drawable]
     numbers = evenly_spread(len(history.objective), DESIGNS).tolist() if seals else []
-    shown = [ShownSeal(seal, analyze_points(seal, numbers, kept)) for seal in seals]
+    shown = [ShownSeal(seal, analyze_points(seal, numbers, cache)) for seal in seals]
     text = render(history, cases.name, shown, numbers, further, figures, notes)
     # the report stands beside the recorder file unless told otherwise
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
@@ -70,15 +70,15 @@ def write_report(
 
 
 def analyze_points(
-    recorded: RecordedSeal, numbers: list[int], kept: AnalysisCache
+    recorded: RecordedSeal, numbers: list[int], cache: AnalysisCache
 ) -> list[SealResult]:
     """Analyse designs of a seal; all are measured where the recorded run did."""
     # points of the measures on the nominal seal, once for all designs
-    measures = frozen_measures(recorded.seal, None, kept.analyze)
+    measures = frozen_measures(recorded.seal, None, cache.analyze)
     results = []
     for number in tqdm(numbers, desc="report", unit="analysis", disable=hidden(), leave=False):
         offsets, parameters = recorded.design(number)
         seal = recorded.seal.with_parameters(parameters)
-        result = kept.analyze_particles(seal, recorded.particles(number), offsets)
+        result = cache.analyze_particles(seal, recorded.particles(number), offsets)
         results.append(result.at(measures))
     return results

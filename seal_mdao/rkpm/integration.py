@@ -38,14 +38,14 @@ class EdgeRule(NamedTuple):
         Linear weights of the edge point between them, which sum to 1.
     distinct : ndarray of int, shape (n_columns, s)
         The points of every column of cells, by their index among all edge points.
-    place : ndarray of int, shape (n_cells, 8)
+    point_of : ndarray of int, shape (n_cells, 8)
         Index of every edge point among those of its column.
     """
 
     ends: np.ndarray
     weights: np.ndarray
     distinct: np.ndarray
-    place: np.ndarray
+    point_of: np.ndarray
 
 
 def edge_rule(cells: np.ndarray, constrained: np.ndarray, column: int = 1) -> EdgeRule:
@@ -75,7 +75,7 @@ def edge_rule(cells: np.ndarray, constrained: np.ndarray, column: int = 1) -> Ed
 
 
 def _distinct_points(ends, weights, column: int) -> tuple[np.ndarray, np.ndarray]:
-    """Number the distinct edge points of every column: ``distinct`` and ``place`` of ``EdgeRule``.
+    """Number the distinct edge points of every column: ``distinct`` and ``point_of`` of ``EdgeRule``.
 
     Two points are one where both lie on the same edge, nearer to the same end. Columns with fewer
     points than others repeat their first."""
@@ -90,10 +90,10 @@ def _distinct_points(ends, weights, column: int) -> tuple[np.ndarray, np.ndarray
     seen = np.sort(first)
     of_column = seen // (column * EDGE_POINTS)
     before = np.searchsorted(of_column, np.arange(n_columns))
-    place = np.arange(seen.size) - before[of_column]
-    distinct = np.tile(seen[before, None], place.max() + 1)
-    distinct[of_column, place] = seen
-    return distinct, place[np.searchsorted(seen, first[which.ravel()])].reshape(ends.shape[:2])
+    point_of = np.arange(seen.size) - before[of_column]
+    distinct = np.tile(seen[before, None], point_of.max() + 1)
+    distinct[of_column, point_of] = seen
+    return distinct, point_of[np.searchsorted(seen, first[which.ravel()])].reshape(ends.shape[:2])
 
 
 def edge_normals(rule: EdgeRule, vectors: np.ndarray) -> np.ndarray:
@@ -177,7 +177,7 @@ class CellTable:
         at_edges = self.edges.raw_rates(velocity, like=rates)
         # the edge normals are linear in the particles: their rates are the normals of the velocities
         _correct_rates(
-            self.raw, self.edges.raw, self.rule.place, rates, at_edges, self.weights, self.normals,
+            self.raw, self.edges.raw, self.rule.point_of, rates, at_edges, self.weights, self.normals,
             weight_rates, edge_normals(self.rule, velocity),
         )  # fmt: skip
         return self.transform.rates(rates, matrix_rate)
@@ -206,7 +206,7 @@ class CellTable:
             on_slopes, n = np.empty(seeds.shape), np.diff(raw.start[ends])[0]
             on_values = np.zeros((n * edges.raw.group_size, m))
             _correct_seeds(
-                raw, edges.raw, self.rule.place, self.weights, normals, columns, seeds, on_slopes,
+                raw, edges.raw, self.rule.point_of, self.weights, normals, columns, seeds, on_slopes,
                 on_values, weight_bar, normal_bar,
             )  # fmt: skip
             # -> particles and points
@@ -231,7 +231,7 @@ def _of_cell(start, cell, n_cells):
 
 
 @compiled
-def _correct(start, grad, edges, place, weights, normals, out):
+def _correct(start, grad, edges, point_of, weights, normals, out):
     n_cells, q_count = weights.shape
     for cell in range(n_cells):
         column, n, _, s0 = _of_cell(start, cell, n_cells)
@@ -247,8 +247,8 @@ def _correct(start, grad, edges, place, weights, normals, out):
                 at, shift = first + j * n + i, 0.0
                 for q in range(q_count):
                     shift -= weights[cell, q] * grad[at + 2 * q * n]
-                for e in range(place.shape[1]):
-                    shift += edges.phi[on_edges + place[cell, e] * n + i] * normals[cell, e, j]
+                for e in range(point_of.shape[1]):
+                    shift += edges.phi[on_edges + point_of[cell, e] * n + i] * normals[cell, e, j]
                 shift /= volume
                 for q in range(q_count):
                     # Phi~_I,j(x_q) = Phi_I,j(x_q) + s_Ij
@@ -257,9 +257,9 @@ def _correct(start, grad, edges, place, weights, normals, out):
 
 @compiled
 def _correct_rates(
-    raw, edges, place, d_gauss, d_edges, weights, normals, weight_rates, normal_rates
+    raw, edges, point_of, d_gauss, d_edges, weights, normals, weight_rates, normal_rates
 ):
-    """Differentiate the consistent gradients ``raw``, in place of the rates of Phi_I,j, ``d_gauss``."""
+    """Differentiate the consistent gradients ``raw``, instead of the rates of Phi_I,j, ``d_gauss``."""
     n_cells, q_count = weights.shape
     for cell in range(n_cells):
         column, n, before, s0 = _of_cell(raw.start, cell, n_cells)
@@ -282,8 +282,8 @@ def _correct_rates(
                         d_shift[j, i, p] -= (
                             dw * grad[q, j, i] + weights[cell, q] * d_grad[q, j, i, p]
                         )
-        for e in range(place.shape[1]):
-            at = place[cell, e] * n
+        for e in range(point_of.shape[1]):
+            at = point_of[cell, e] * n
             phi = edges.phi[raw.start[column] * edges.group_size + at :][:n]
             d_phi = d_edges.phi[d_edges.start[column, 1] + at * count :][: n * count]
             for j in range(2):
@@ -302,13 +302,23 @@ def _correct_rates(
 
 @compiled
 def _correct_seeds(
-    raw, edges, place, weights, normals, columns, seeds, gauss_bar, edge_bar, weight_bar, normal_bar
+    raw,
+    edges,
+    point_of,
+    weights,
+    normals,
+    columns,
+    seeds,
+    gauss_bar,
+    edge_bar,
+    weight_bar,
+    normal_bar,
 ):
     """Apply the transpose of ``_correct_rates`` to the ``columns`` (first, last): seeds (rows, M) on
     the consistent gradients to those on the gradients at the Gauss points and, added, on the values
     at the edge points, and to those on the weights and normals of all cells."""
     (first, last), cells = columns, len(weights) // (raw.start.size - 1)
-    q_count, e_count, count = weights.shape[1], place.shape[1], seeds.shape[1]
+    q_count, e_count, count = weights.shape[1], point_of.shape[1], seeds.shape[1]
     on_weights, on_normals = np.empty((q_count, count)), np.empty((2, e_count, count))
     for cell in range(cells * first, cells * last):
         column, n, _, s0 = _of_cell(raw.start, cell, len(weights))
@@ -330,7 +340,7 @@ def _correct_seeds(
         by_x, by_y = shift_bar[: n * count], shift_bar[n * count :]
         phi = np.empty((e_count, n))
         for e in range(e_count):
-            at = raw.start[column] * edges.group_size + place[cell, e] * n
+            at = raw.start[column] * edges.group_size + point_of[cell, e] * n
             for i in range(n):
                 phi[e, i] = edges.phi[at + i]
             at -= raw.start[first] * edges.group_size
@@ -362,7 +372,7 @@ def build_cell_table(
     """
     gauss, edges = raw_tables(cloud, *integration_points(mapping, rule))
     grad, normals = np.empty(gauss.raw.grad.size), edge_normals(rule, cloud.particles)
-    _correct(gauss.raw.start, gauss.raw.grad, edges.raw, rule.place, weights, normals, grad)
+    _correct(gauss.raw.start, gauss.raw.grad, edges.raw, rule.point_of, weights, normals, grad)
     raw = gauss.raw._replace(grad=grad)
     transform = TableTransform(raw, transformation)
     return CellTable(rule, weights, gauss, edges, raw, transform.table, transform)

@@ -59,10 +59,10 @@ def _clearance(contact: RigidContact, particles) -> np.ndarray | None:
     if gaps((0.0, 0.0)).min() >= 0.0:
         return None
     part = PART * float(np.hypot(*np.ptp(particles, axis=0)))
-    way = _way_back(motion.positions[1] - motion.positions[0], gaps, part)
+    back = _way_back(motion.positions[1] - motion.positions[0], gaps, part)
     for count in range(1, MOST + 1):
-        if gaps(count * part * way).min() > 0.0:
-            return motion.clearance + count * part * way
+        if gaps(count * part * back).min() > 0.0:
+            return motion.clearance + count * part * back
     return None
 
 

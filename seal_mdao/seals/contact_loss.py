@@ -33,12 +33,12 @@ def contact_losses(path: PathResult) -> Iterator[str]:
 
 def closes(motion: Motion, stage: int) -> bool:
     """Return whether a stage (from 0) leads the profile no nearer to where its motion began."""
-    way, turn = (
+    travelled, turn = (
         np.hypot(*(motion.positions - motion.positions[0]).T),
         motion.angles - motion.angles[0],
     )
-    if way[stage + 1] != way[stage]:
-        return bool(way[stage + 1] > way[stage])
+    if travelled[stage + 1] != travelled[stage]:
+        return bool(travelled[stage + 1] > travelled[stage])
     return bool(abs(turn[stage + 1]) >= abs(turn[stage]))
 
 

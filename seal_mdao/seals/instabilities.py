@@ -18,12 +18,12 @@ class Instability:
     travel : float
         Of the first profile that moves, in its stage, mm; NaN without one.
     kind : str
-        "branch": the branch of equilibria goes on, but is not stable any more; "limit": it ends;
+        "branch": the branch of equilibria continues, but is unstable; "limit": it ends;
         "unsymmetric": under friction the determinant of the tangent has become negative.
     mode : ndarray, shape (n, 2)
         Critical mode: displacements of the particles, the largest component 1.
     moved : float
-        How far a particle moved from there to the equilibrium at which the path goes on, mm; 0 where
+        How far a particle moved from there to the equilibrium at which the path continues, mm; 0 where
         the path stays on the branch.
     released : float
         Energy released on the way, mJ/m; NaN where nothing is known of it.

@@ -205,7 +205,7 @@ def compliance(result, names) -> float:
     for penalty in penalties_of(result.seal):
         # normal: p / w_n is the penetration; tangential: tau / w_t the elastic slip
         if penalty.name in names:
-            term, place = result.term(penalty.contact), result.path.place(penalty.contact)
+            term, place = result.term(penalty.contact), result.path.index_of(penalty.contact)
             given = _penetration if penalty.kind == NORMAL else _elastic_slip
             found = max([found, *(given(term, step.responses[place]) for step in steps)])
     size = result.path.largest_displacement

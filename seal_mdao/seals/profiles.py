@@ -147,13 +147,13 @@ def _history(result, contact) -> ProfileHistory:
     number = np.array([step.nominal for step in result.path.nominal_steps], int)
     stage = stage_of(motion, number)
     since = _waypoints(motion)[stage - 1]
-    way = _coordinates(motion, number) - since
+    moved = _coordinates(motion, number) - since
     at_steps = np.zeros((len(number), 4))
     if isinstance(contact, RigidContact):
         for step in range(len(number)):
             at_steps[step] = _contact_at(result, contact, step)
     return ProfileHistory(
-        contact.label, stage, np.hypot(way[:, 0], way[:, 1]), way[:, 2],
+        contact.label, stage, np.hypot(moved[:, 0], moved[:, 1]), moved[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
         *at_steps.reshape(-1, 4).T, load_segments(motion, len(number), result.seal.before_touch),
     )  # fmt: skip
@@ -257,13 +257,13 @@ def load_segments(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Co
     waypoints, ends = _waypoints(motion), np.concatenate([[0], np.cumsum(motion.steps)])
     # neighbouring stages along one line, with the direction of the first that is not at rest
     groups = []
-    for stage, ways in enumerate(pairwise(waypoints)):
-        way = ways[1] - ways[0]
-        if groups and _one_line(groups[-1][1], way):
+    for stage, ends_of_stage in enumerate(pairwise(waypoints)):
+        moved = ends_of_stage[1] - ends_of_stage[0]
+        if groups and _one_line(groups[-1][1], moved):
             first, direction = groups.pop()
-            groups.append(((*first, stage), direction if direction.any() else way))
+            groups.append(((*first, stage), direction if direction.any() else moved))
         else:
-            groups.append(((stage,), way))
+            groups.append(((stage,), moved))
     found = []
     for stages, direction in groups:
         steps = slice(ends[stages[0]], min(ends[stages[-1] + 1], n_steps))
@@ -318,9 +318,9 @@ def caption(result, step: int) -> str:
     if motion is None:
         return f"step {step + 1} of {result.seal.n_steps}"
     (stage,) = stage_of(motion, np.array([step]))
-    way = _coordinates(motion, [step])[0] - _waypoints(motion)[stage - 1]
-    travel, turn = stage_travel(result.seal, step + 1.0), way[2]
-    words = [f"travel {travel:.3g} mm"] if np.hypot(*way[:2]) else []
+    moved = _coordinates(motion, [step])[0] - _waypoints(motion)[stage - 1]
+    travel, turn = stage_travel(result.seal, step + 1.0), moved[2]
+    words = [f"travel {travel:.3g} mm"] if np.hypot(*moved[:2]) else []
     words += [f"turn {turn:.3g}°"] if turn else []
     head = [f"stage {stage}"] if len(motion.steps) > 1 else []
     return ", ".join([*head, *(words or ["at rest"])])

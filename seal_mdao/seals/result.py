@@ -125,9 +125,9 @@ class SealResult:
     def up_to_each_step(self):
         """Yield the results of the paths that end with each of the nominal steps, in order."""
         # halved steps between two nominal ones end no partial path
-        for place, step in enumerate(self.path.steps, 1):
+        for count, step in enumerate(self.path.steps, 1):
             if step.nominal >= 0:
-                yield replace(self, path=replace(self.path, steps=self.path.steps[:place]))
+                yield replace(self, path=replace(self.path, steps=self.path.steps[:count]))
 
     @cached_property
     def critical_points(self) -> tuple[Instability, ...]:
@@ -231,7 +231,7 @@ class SealResult:
     def response(self, label: str, step: ConvergedStep | None = None):
         """Return the response of a term at a converged step, by default the end of the path."""
         step = self.end if step is None else step
-        return step.responses[self.path.place(label)]
+        return step.responses[self.path.index_of(label)]
 
     def displacement(self, step: int = -1) -> np.ndarray:
         """Displacements of the particles after a nominal step, shape (n, 2), mm."""

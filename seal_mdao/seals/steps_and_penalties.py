@@ -359,7 +359,7 @@ def difference(
 def drifts(coarse: SealResult, fine: SealResult, at: np.ndarray) -> np.ndarray:
     """Compute the displacement error that each step of ``coarse`` adds, shape (n_steps,), mm."""
     # steps of both paths that end at the same load
-    matching = [fine.path.nominal_steps[place] for place in at]
+    matching = [fine.path.nominal_steps[index] for index in at]
     apart = np.array([a.d - b.d for a, b in zip(coarse.path.nominal_steps, matching, strict=True)])
     # growth of d_coarse - d_fine in each step
     own = np.diff(apart, axis=0, prepend=0.0 * apart[:1])

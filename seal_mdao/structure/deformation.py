@@ -49,9 +49,9 @@ def _swelling(functions, h, weights, column, f):
     volume, change = 0.0, 0.0
     for q in range(len(f)):
         # V_h += N_h w,  V_h s_h += N_h w (det F - 1)
-        share = functions[h, q] * weights[column, q]
-        volume += share
-        change += share * f[q, 4]
+        weighted = functions[h, q] * weights[column, q]
+        volume += weighted
+        change += weighted * f[q, 4]
     return change / volume
 
 

@@ -80,7 +80,7 @@ class ElasticBody(TermDefinition):
         """The body with some constants changed."""
         return replace(self, regions=tuple(r.with_parameters(values) for r in self.regions))
 
-    def on(self, discretization, place) -> "StructuralTerm":
+    def on(self, discretization, index) -> "StructuralTerm":
         """The term on one design."""
         return StructuralTerm(self, discretization)
 
@@ -104,7 +104,7 @@ class StructuralResponse(NamedTuple):
     branch: np.ndarray = _NO_BRANCH
     unconverged: int = 0
 
-    def kept(self):
+    def copied(self):
         """Itself."""
         return self
 
@@ -207,13 +207,13 @@ class StructuralTerm(Term):
         ends = np.sort(body.samples.anchors[n:-m, :2], axis=1)
         sides = np.zeros(len(ends), int)
         # sides are in the order of their two particles
-        place = ends[:, 0] * n + ends[:, 1]
+        pair_number = ends[:, 0] * n + ends[:, 1]
         for corner in range(4):
             pair = np.sort(
                 np.column_stack([body.cells[:, corner], body.cells[:, corner - 3]]), axis=1
             )
             real = pair[:, 0] != pair[:, 1]
-            which = np.searchsorted(place, pair[real, 0] * n + pair[real, 1])
+            which = np.searchsorted(pair_number, pair[real, 0] * n + pair[real, 1])
             np.maximum.at(sides, which, cell_regions[real])
         return np.concatenate([self.particle_regions, sides, cell_regions])
 

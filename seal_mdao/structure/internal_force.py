@@ -166,12 +166,12 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
                 f11, f12, f21, f22 = f[0], f[1], f[2], f[3]
                 for h in range(len(functions)):
                     # g_h += N_h w cof F B
-                    share = functions[h, q] * weight
-                    if share != 0.0:
+                    weighted = functions[h, q] * weight
+                    if weighted != 0.0:
                         for i in range(n):
-                            g[h, i] += share * (f22 * b[0, i] - f21 * b[1, i])
+                            g[h, i] += weighted * (f22 * b[0, i] - f21 * b[1, i])
                         for i in range(n):
-                            g[h, n + i] += share * (f11 * b[1, i] - f12 * b[0, i])
+                            g[h, n + i] += weighted * (f11 * b[1, i] - f12 * b[0, i])
                 _moduli_rows(weight, a, b, n, c, 4 * q)
         for i in range(n):
             # into the equations

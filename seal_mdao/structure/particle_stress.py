@@ -40,8 +40,8 @@ def particle_stress(path, points: np.ndarray, step=None):
     disc, structure = path.discretization, path.problem.term("structure")
     step = path.steps[-1] if step is None else step
     # in order, as the sensitivities ask for their shape functions too
-    which, place = np.unique(points, return_inverse=True)
-    f = deformation_gradients(disc.table_at(which).table, step.d)[place]
+    which, inverse = np.unique(points, return_inverse=True)
+    f = deformation_gradients(disc.table_at(which).table, step.d)[inverse]
     # T = F : F,  J = det F
     t, j = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4]
     # cof F = (F_22, -F_21, -F_12, F_11)

@@ -42,7 +42,7 @@ def through_column(cells: int, n_gauss) -> PressureSpace:
     along, beside = in_both_directions(n_gauss)
     # Gauss points on [0, 1] of every cell along the column
     gauss = 0.5 + 0.5 * np.polynomial.legendre.leggauss(along)[0]
-    place = np.repeat(np.add.outer(np.arange(cells), gauss), beside)
+    at = np.repeat(np.add.outer(np.arange(cells), gauss), beside)
     # m hat functions on m even knots from edge to edge
     knots = np.linspace(0.0, cells, cells)
-    return PressureSpace(cells, np.array([np.interp(place, knots, hat) for hat in np.eye(cells)]))
+    return PressureSpace(cells, np.array([np.interp(at, knots, hat) for hat in np.eye(cells)]))

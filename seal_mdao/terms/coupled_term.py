@@ -63,7 +63,7 @@ class CoupledResponse(NamedTuple):
     outputs: np.ndarray
     unconverged: int = 0
 
-    def kept(self):
+    def copied(self):
         """Itself: every answer has arrays of its own."""
         return self
 
@@ -85,14 +85,14 @@ class CoupledTerm(TermAtPoints):
 
     output_indices = 1
 
-    def __init__(self, label, names, where: MaterialPoints, discretization, place: int):
-        super().__init__(label, names, where, discretization, place)
+    def __init__(self, label, names, where: MaterialPoints, discretization, index: int):
+        super().__init__(label, names, where, discretization, index)
         self._slots = None
 
     # ---- what a subclass gives ----
 
     def respond(self, x, fraction, history) -> CoupledResponse | None:
-        """Forces at the deformed places ``x`` (k, 2); None where the term has no answer."""
+        """Forces at the deformed places ``x`` (k, 2); None where the term cannot be evaluated."""
         raise NotImplementedError
 
     def linearize(self, response, fraction, history) -> LocalMap:
@@ -137,7 +137,7 @@ class CoupledTerm(TermAtPoints):
             assemble_pairs(self.table.raw, response.pairs, response.tangent, *slots, values)
             # K += size (Phi^T g)(Phi^T g)^T of every part of rank one
             columns, sizes = layout.columns(values)
-            first = self.discretization.first_column[self.place]
+            first = self.discretization.first_column[self.index]
             for i, (column, size) in enumerate(zip(response.columns, response.sizes, strict=True)):
                 self._add_force(column, response.loaded, columns[first + i])
                 sizes[first + i] = size
@@ -175,13 +175,13 @@ class CoupledTerm(TermAtPoints):
         )
 
     def linearization(self, step, following=None, measured=True) -> LinearizedPoints:
-        response, before = step.responses[self.place], step.before[self.place]
+        response, before = step.responses[self.index], step.before[self.index]
         # L of all points: they depend on each other
         matrix, every = self.linearize(response, step.fraction, before), np.arange(len(self.where))
         law = Linearization(every, matrix, *self.spaces)
         used = np.empty(0, int)
         if following is not None:
-            used = self.uses_history(following.responses[self.place])
+            used = self.uses_history(following.responses[self.index])
         return LinearizedPoints(self, step, law, used)
 
     def acting(self, response) -> np.ndarray:

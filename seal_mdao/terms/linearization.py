@@ -187,7 +187,7 @@ class PassedOn(NamedTuple):
 
     Attributes
     ----------
-    places : ndarray, shape (s, 2, c)
+    directions : ndarray, shape (s, 2, c)
         Their derivatives with the places x of the step's points, G.
     history : ndarray, shape (s, h, c)
         Derivatives of the history passed on with these functions, H.
@@ -195,13 +195,13 @@ class PassedOn(NamedTuple):
         Whether the functions are themselves displacements of single points along unit vectors.
     """
 
-    places: np.ndarray
+    directions: np.ndarray
     history: np.ndarray
     are_indices: bool = False
 
     @property
     def count(self) -> int:
-        return self.places.shape[2]
+        return self.directions.shape[2]
 
     def seeds(self, history_bar: np.ndarray) -> np.ndarray:
         """H^T h+_bar, shape (c, M)."""

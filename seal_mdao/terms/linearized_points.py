@@ -90,7 +90,7 @@ class PointRows:
         # w', X' and theta'
         measure = self.where.length_rates(particles, velocity)[:, None]
         x, parameters = self.where.velocity(velocity), rates.of(self.term.names)
-        return PointDesign(shape.tables[self.term.place], x, measure, parameters)
+        return PointDesign(shape.tables[self.term.index], x, measure, parameters)
 
     def no_seeds(self, count: int, wanted=()) -> PointDesignSeeds:
         """Zero seeds of ``count`` measures, to be added to."""
@@ -160,7 +160,7 @@ class LinearizedPoints(LinearizedTerm):
     def __init__(self, term, step, law: Linearization, used: np.ndarray):
         self.term, self.step, self.law, self.used = term, step, law, used
         self.points, self.layout = law.points, term.discretization.layout
-        self.response, self.table = step.responses[term.place], term.table.table
+        self.response, self.table = step.responses[term.index], term.table.table
         self.equations = self.layout.equations
 
     # ---- products with rates ----
@@ -193,7 +193,7 @@ class LinearizedPoints(LinearizedTerm):
     def passed(self, found: Outputs, passed: PassedOn, values: np.ndarray) -> Outputs:
         if passed.are_indices:
             # as in ``solved``: h+' = L_h (x' + G z, ...)
-            self.given.x[:] += passed.places @ values
+            self.given.x[:] += passed.directions @ values
             return self.law @ self.given
         # h+' += H z
         found.history[:] += passed.history @ values
@@ -212,7 +212,7 @@ class LinearizedPoints(LinearizedTerm):
         return self.term.passed_on(self.law, self.used, self.step, following)
 
     def loads_of(self, passed: PassedOn) -> np.ndarray:
-        return self._spread(passed.places)
+        return self._spread(passed.directions)
 
     def _spread(self, x_bar) -> np.ndarray:
         """B^T x_bar, shape (n_equations + 1, M)."""

@@ -119,8 +119,8 @@ class PointLaw(TermDefinition):
     def point_set(self):
         return self.where.points
 
-    def on(self, discretization, place) -> "LawTerm":
-        return LawTerm(self, discretization, place)
+    def on(self, discretization, index) -> "LawTerm":
+        return LawTerm(self, discretization, index)
 
 
 def _flat(given: LawInputs) -> np.ndarray:
@@ -142,11 +142,11 @@ class LawTerm(PointTerm):
 
     uses_reference = True
 
-    def __init__(self, definition: PointLaw, discretization, place: int):
+    def __init__(self, definition: PointLaw, discretization, index: int):
         self.definition = definition
         self.history_size, self.output_names = definition.history_size, definition.output_names
         super().__init__(
-            definition.label, definition.scalars, definition.where, discretization, place
+            definition.label, definition.scalars, definition.where, discretization, index
         )
 
     def no_history(self):

@@ -51,7 +51,7 @@ class PointResponse(NamedTuple):
     outputs: np.ndarray
     unconverged: int = 0
 
-    def kept(self):
+    def copied(self):
         """A copy that later assemblies do not overwrite."""
         return self._replace(
             x=self.x.copy(), force=self.force.copy(), tangent=self.tangent.copy(),
@@ -82,9 +82,9 @@ class PointTerm(TermAtPoints):
     couples_points = False
     uses_reference = False
 
-    def __init__(self, label, names, where, discretization, place: int):
-        super().__init__(label, names, where, discretization, place)
-        self.scatter = discretization.scatters[place]
+    def __init__(self, label, names, where, discretization, index: int):
+        super().__init__(label, names, where, discretization, index)
+        self.scatter = discretization.scatters[index]
 
     # ---- what a subclass gives ----
 
@@ -160,15 +160,15 @@ class PointTerm(TermAtPoints):
     # ---- sensitivities ----
 
     def linearization(self, step, following=None, measured=True) -> LinearizedPoints:
-        response, used = step.responses[self.place], np.empty(0, int)
+        response, used = step.responses[self.index], np.empty(0, int)
         if following is not None:
-            used = self.uses_history(following.responses[self.place])
+            used = self.uses_history(following.responses[self.index])
         # what is not measured matters at loaded points and at those used next alone
         matters = np.ones(len(self.where), bool) if measured else response.branch != 0
         matters[used] = True
         points, local = np.flatnonzero(matters), np.empty((0, *self.local_shape))
         if points.size:
-            local = self.linearize(response, step.fraction, step.before[self.place], points)
+            local = self.linearize(response, step.fraction, step.before[self.index], points)
         return LinearizedPoints(self, step, Linearization(points, local, *self.spaces), used)
 
     def acting(self, response) -> np.ndarray:
@@ -177,14 +177,14 @@ class PointTerm(TermAtPoints):
     def passed_on(self, law: Linearization, used, step, following) -> PassedOn | None:
         """G: the directions in which the next step uses displacements of a point, at most two each; of
         all displacements of a step no more is wanted. H = (dh+/dx) G."""
-        responses = step.responses[self.place], following.responses[self.place]
+        responses = step.responses[self.index], following.responses[self.index]
         local = law.matrix[np.searchsorted(law.points, used)]
         points, directions = self.carried_directions(*responses, local, used)
         if not points.size:
             return None
         # G, a unit vector of one point in every column
-        places = np.zeros((law.points.size, 2, points.size))
-        places[np.searchsorted(law.points, points), :, np.arange(points.size)] = directions
+        at_points = np.zeros((law.points.size, 2, points.size))
+        at_points[np.searchsorted(law.points, points), :, np.arange(points.size)] = directions
         # dh+/dx;  H = (dh+/dx) G
         of_history = law.rows.split(law.matrix[:, :, :2]).history
-        return PassedOn(places, of_history @ places, are_indices=True)
+        return PassedOn(at_points, of_history @ at_points, are_indices=True)

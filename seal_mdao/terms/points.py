@@ -23,14 +23,14 @@ class MaterialPoints:
         The part of the measure that no design changes.
     edges : ndarray of int, shape (k, e, 2)
         Particles at the ends of the boundary edges that belong to a point.
-    shares : ndarray, shape (k, e)
+    fractions : ndarray, shape (k, e)
         Share of the length of each edge.
     """
 
     points: PointSet
     fixed: np.ndarray
     edges: np.ndarray
-    shares: np.ndarray
+    fractions: np.ndarray
 
     def __len__(self) -> int:
         return len(self.fixed)
@@ -61,16 +61,16 @@ class MaterialPoints:
 
     def lengths(self, particles: np.ndarray) -> np.ndarray:
         """Measure of every point, shape (k,)."""
-        # l = sum_e share |X_b - X_a|
+        # l = sum_e fraction |X_b - X_a|
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]
-        return self.fixed + (self.shares * np.hypot(edge[..., 0], edge[..., 1])).sum(axis=1)
+        return self.fixed + (self.fractions * np.hypot(edge[..., 0], edge[..., 1])).sum(axis=1)
 
     def _pulls(self, particles) -> np.ndarray:
         """d(measure) / d(second end of an edge), shape (k, e, 2)."""
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]
-        # dl/dX_b = share (X_b - X_a) / |X_b - X_a|
+        # dl/dX_b = fraction (X_b - X_a) / |X_b - X_a|
         size = np.linalg.norm(edge, axis=2, keepdims=True)
-        return self.shares[..., None] * edge / np.where(size > 0.0, size, 1.0)
+        return self.fractions[..., None] * edge / np.where(size > 0.0, size, 1.0)
 
     def length_rates(self, particles: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Rates along design velocities (P, n, 2), shape (k, P)."""

@@ -45,7 +45,7 @@ class Response(Protocol):
         Places at which it has not answered with its own law yet; equilibrium wants none.
     """
 
-    def kept(self) -> "Response":
+    def copied(self) -> "Response":
         """A copy that later assemblies do not overwrite."""
 
 
@@ -92,8 +92,8 @@ class TermDefinition:
     def pairs(self) -> np.ndarray | None:
         """Pairs (m, 2) of its points that may act on each other, both ways; or None."""
 
-    def on(self, discretization, place: int) -> "Term":
-        """The term on one design, the ``place``-th one: ``discretization.tables[place]`` holds the
+    def on(self, discretization, index: int) -> "Term":
+        """The term on one design, the one number ``index``: ``discretization.tables[index]`` holds the
         shape functions at its points."""
         raise NotImplementedError
 
@@ -155,7 +155,7 @@ class Term:
         Returns
         -------
         Response or None
-            None where the term has no answer (a point turned inside out).
+            None where the term cannot be evaluated (an inverted point).
         """
         raise NotImplementedError
 

@@ -19,7 +19,7 @@ class TermAtPoints(Term):
         Scalar parameters, in the order of their columns in ``linearize``.
     where : MaterialPoints
     discretization : Discretization
-    place : int
+    index : int
         Which of the discretisation's tables holds the shape functions at the points.
 
     Attributes
@@ -33,9 +33,9 @@ class TermAtPoints(Term):
     history_size = 0
     output_names: tuple = ()
 
-    def __init__(self, label, names, where: MaterialPoints, discretization, place: int):
-        self.label, self.names, self.where, self.place = label, tuple(names), where, place
-        self.discretization, self.table = discretization, discretization.tables[place]
+    def __init__(self, label, names, where: MaterialPoints, discretization, index: int):
+        self.label, self.names, self.where, self.index = label, tuple(names), where, index
+        self.discretization, self.table = discretization, discretization.tables[index]
         self.reference = self.table.coordinates
         # w, the length that a point stands for
         self.length = where.lengths(discretization.particles)

@@ -10,7 +10,7 @@ from seal_mdao.tolerances.statistics import CONFIDENCE, Fraction, described, fra
 
 
 class SampledLimit(NamedTuple):
-    """Limit of a measure: ``kept`` returns which rows of its values (n, m) satisfy it, (n,).
+    """Limit of a measure: ``satisfied`` returns which rows of its values (n, m) satisfy it, (n,).
 
     ``key`` stands in summaries for the fraction of samples that satisfy it, ``text`` describes it,
     ``entry`` is the limited entry of a measure with several values, all by default; ``required`` is the
@@ -21,7 +21,7 @@ class SampledLimit(NamedTuple):
     key: str
     text: str
     measure: str
-    kept: Callable
+    satisfied: Callable
     entry: int | None = None
     required: float | None = None
     band: float | None = None
@@ -66,7 +66,7 @@ class SampledDesign:
     def fraction(self, limit: SampledLimit) -> Fraction:
         """Return the fraction of all samples that satisfy a limit, with its confidence interval."""
         # failed samples count in the denominator only
-        return fraction(int(np.sum(limit.kept(self.values[limit.measure]))), self.samples)
+        return fraction(int(np.sum(limit.satisfied(self.values[limit.measure]))), self.samples)
 
     def meets(self, limit: SampledLimit) -> bool:
         """Return whether the fraction that satisfies a limit is as large as required."""

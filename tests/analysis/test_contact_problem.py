@@ -38,7 +38,7 @@ def state_of(assembly):
 def interesting(result):
     """The last steps with a point that begins to touch, and with many sticking or slipping points."""
     path, after = result.path, contact_states(result)
-    before = np.array([step.before[path.place("door")].state for step in path.steps])
+    before = np.array([step.before[path.index_of("door")].state for step in path.steps])
     touching = ((before == OPEN) & (after != OPEN)).any(axis=1)
     sticking, slipping = (after == STICK).sum(axis=1), (after == SLIP).sum(axis=1)
     places = {np.flatnonzero(touching)[-1], sticking.argmax(), slipping.argmax(), len(after) - 1}
@@ -105,7 +105,7 @@ def test_an_evaluation_depends_on_its_arguments_alone_and_changes_no_other(press
     problem = problem_of(pressed)
     for step in interesting(pressed):
         first = problem.assemble_at(step)
-        copies = [first.values.copy(), first.forces.copy(), first.responses[1].kept()]
+        copies = [first.values.copy(), first.forces.copy(), first.responses[1].copied()]
         problem.evaluate(0.9 * step.d, step.fraction, step.before, first.iteration)
         start = problem.begin_mixed(step, step.fraction)
         mixed = problem.evaluate(step.d, step.fraction, step.before, start, mixed=True)

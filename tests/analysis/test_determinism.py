@@ -98,12 +98,12 @@ def test_number_of_blas_threads_changes_no_bit():
 def test_memory_stays_flat_over_many_analyses():
     """Of designs that differ, with what OpenMDAO's component keeps: one result stays, not all."""
     seal, rng = sm.door_seal(depth=0.5, n_steps=10), np.random.default_rng(3)
-    kept = sm.AnalysisCache(memory=0.0)
+    cache = sm.AnalysisCache(memory=0.0)
 
     def grown(count):
         for _ in range(count):
             offsets = rng.uniform(-0.1, 0.1, seal.n_offsets)
-            assert kept.analyze(seal, offsets, keep_factors=True).converged
+            assert cache.analyze(seal, offsets, keep_factors=True).converged
         gc.collect()
         return psutil.Process().memory_info().rss
 

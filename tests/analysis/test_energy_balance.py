@@ -40,7 +40,7 @@ def test_without_friction_the_work_is_stored(frictionless):
 
 def dissipated(result):
     """Work of the friction traction on the inelastic slip, straight door (v = 1), per step."""
-    length, place, out = result.term("door").length, result.path.place("door"), []
+    length, place, out = result.term("door").length, result.path.index_of("door"), []
     for step in result.path.nominal_steps:
         began, door = step.before[place], step.responses[place]
         before, after = began.variables, door.history.variables

@@ -230,7 +230,7 @@ def folded():
 
 
 def test_at_equilibrium_they_are_newtons_with_self_contact(folded):
-    problem, place = problem_of(folded), folded.path.place("self_contact")
+    problem, place = problem_of(folded), folded.path.index_of("self_contact")
     touching = [step for step in folded.path.steps if (step.responses[place].branch == SLIP).any()]
     for step in touching[::4]:
         plain, known = problem.assemble_at(step), problem.begin_mixed(step, step.fraction)

@@ -67,7 +67,7 @@ def test_what_it_finds_is_equilibrium(sliding, stuck, model):
     relaxed = path.steps[int(stuck.path.steps[-1].fraction)]
     found = problem.assemble_at(relaxed)
     assert found.size <= model.newton.tolerance or found.rounding
-    state = found.responses[path.place("door")].state
+    state = found.responses[path.index_of("door")].state
     np.testing.assert_array_equal(state, sliding.response("door", relaxed).state)
     assert np.sum(state != OPEN) > 2
 

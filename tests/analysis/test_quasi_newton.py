@@ -95,7 +95,7 @@ def test_sensitivities_are_those_of_newton(model, quasi, without):
 
 def test_forces_and_factor_of_a_step_are_those_of_its_configuration(model, quasi, rng):
     disc = quasi.path.discretization
-    problem, door = PathProblem(disc, model.terms()), quasi.path.place("door")
+    problem, door = PathProblem(disc, model.terms()), quasi.path.index_of("door")
     for step in quasi.path.steps[10::6]:
         assembly = problem.assemble_at(step)
         np.testing.assert_array_equal(assembly.responses[door].force, step.responses[door].force)

@@ -45,7 +45,7 @@ def work_of_the_door(result):
     motion, force, height = options_of(result.seal).motion, [0.0], [options_of(result.seal).start]
     for step in result.path.steps:
         height.append(motion.pose(step.fraction).position[1])
-        force.append(step.responses[result.path.place(DOOR)].total[1])
+        force.append(step.responses[result.path.index_of(DOOR)].total[1])
     force, height, work = np.array(force), np.array(height), 0.0
     starts = np.array([0.0, *(step.fraction for step in result.path.steps)])
     points = result.critical_points

@@ -107,8 +107,8 @@ def solve_case(entry: tuple[Case, str], n_steps: int) -> dict:
 
 def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
     """Run a driver on a case, and measure its last point; ``cost`` is over that of the nominal seal."""
-    seal, kept = case.seal(n_steps=n_steps), AnalysisCache()
-    run = RunOptions(driver, kept=kept, work_dir=folder)
+    seal, cache = case.seal(n_steps=n_steps), AnalysisCache()
+    run = RunOptions(driver, cache=cache, work_dir=folder)
     task = door_task(run.analyze(seal), DoorProblem(**case.settings()))
     problem = optimization_problem(task, run)
     offsets, radius = case.design(seal)
@@ -118,7 +118,7 @@ def solve(case: Case, driver, n_steps: int, folder: str) -> dict:
     (objective,) = driver.get_objective_values(driver_scaling=True).values()
     end = measure_optimality(driver)
     best = {"door_radius": float(problem.get_val("door_radius")[0])}
-    last = kept.analyze(seal, problem.get_val("boundary_offsets"), best)
+    last = cache.analyze(seal, problem.get_val("boundary_offsets"), best)
     return {
         "success": bool(success),
         "iterations": major_iterations(problem),

@@ -80,7 +80,7 @@ OTHERS = {
 GROUP = {
     "seal": (None, TEXT), "measures": (TEXT, ("gaps",), ("gap", "gap"), (3,)),
     "parameters": ("friction", ("fiction",)), "sensitivity": ("best", None),
-    "factor_memory": (-1.0, np.nan, TEXT, None), "kept": (TEXT, 3), "callback": (3,),
+    "factor_memory": (-1.0, np.nan, TEXT, None), "cache": (TEXT, 3), "callback": (3,),
 }  # fmt: skip
 DRIVER = {
     "tol": (np.nan, -1.0, HUGE, TEXT), "feas_tol": (np.nan, None), "maxiter": (-1, 2.5, HUGE, TEXT),

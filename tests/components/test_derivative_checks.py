@@ -20,15 +20,15 @@ def made(system, complex_step=True, mode="auto"):
 
 def test_check_partials_with_its_defaults_is_quick_and_right(short):
     """Along random directions: four analyses for two inputs, none marked."""
-    kept = sm.AnalysisCache()
-    problem = made(sm.SealGroup(seal=short, kept=kept))
+    cache = sm.AnalysisCache()
+    problem = made(sm.SealGroup(seal=short, cache=cache))
     problem.set_val("boundary_offsets", OFFSETS)
     problem.run_model()
-    before = kept.made
+    before = cache.made
     for seed in range(3):
         np.random.seed(seed)  # OpenMDAO draws the directions from the global generator
         data = problem.check_partials(out_stream=None)
-        assert kept.made - before <= 4 * (seed + 1)
+        assert cache.made - before <= 4 * (seed + 1)
         assert_check_partials(data, rtol=1e-4)
         assert set(data) == {"seal.geometry", "seal.section", "seal.contact"}
 

@@ -77,7 +77,7 @@ def check_finds_errors(problem, name, monkeypatch, rng):
 def seal_problem(short):
     """With its analyses kept: a check along the same directions repeats none."""
     offsets = np.random.default_rng(1).uniform(-0.15, 0.15, 25)
-    group = sm.SealGroup(seal=short, kept=sm.AnalysisCache(), parameters=("c10", "friction"))
+    group = sm.SealGroup(seal=short, cache=sm.AnalysisCache(), parameters=("c10", "friction"))
     return set_up(group, boundary_offsets=offsets)
 
 

@@ -97,7 +97,7 @@ def test_gap_and_slip_do_not_know_of_rigid_motions(crossed):
 
 def test_ways_round_two_loops():
     ring = rings([10, 8])
-    way = ring.way(np.array([0.5, 9.5, 17.5, 3.0]), np.array([9.5, 0.5, 10.5, 12.0]))
+    way = ring.coordinate_change(np.array([0.5, 9.5, 17.5, 3.0]), np.array([9.5, 0.5, 10.5, 12.0]))
     np.testing.assert_allclose(way[:3], [1.0, -1.0, -1.0])
     assert np.isnan(way[3])
     assert ring.step(np.array([9, 17, 10]), 1).tolist() == [0, 10, 11]

@@ -100,7 +100,7 @@ def test_every_point_slips_at_the_limit_of_its_edge(different):
     term, ratios = different.term("rod"), {"back": [], "lower": []}
     edges = different.seal.body.edges
     for step in different.path.steps:
-        response = step.responses[different.path.place("rod")]
+        response = step.responses[different.path.index_of("rod")]
         arms = response.x - term.pose(step.fraction).position
         normal = arms / np.hypot(*arms.T)[:, None]
         along = (response.force * normal).sum(axis=1)

@@ -101,7 +101,7 @@ def test_which_wall_is_called_master_does_not_matter(pressed):
     x = pressed.response("hole").x
     problem = pressed.path.problem
     own = term.respond(x, 1.0, term.no_history())
-    turned = itself(body, 0.0, turned=True).on(problem.discretization, term.place)
+    turned = itself(body, 0.0, turned=True).on(problem.discretization, term.index)
     order = [int(np.flatnonzero(turned_hole(body) == p)[0]) for p in term.where.at_particles]
     back = np.argsort(order)
     other = turned.respond(x[back], 1.0, turned.no_history())
@@ -115,7 +115,7 @@ def test_which_wall_is_called_master_does_not_matter(pressed):
 def test_a_point_with_zero_gap_is_at_a_kink(pressed):
     """An open point near the other wall, moved there, and a step at which it has a gap."""
     term, step = pressed.term("hole"), pressed.end
-    response, before = pressed.response("hole"), step.before[pressed.path.place("hole")]
+    response, before = pressed.response("hole"), step.before[pressed.path.index_of("hole")]
     assert not any(part.size for part in term.kinks(response, step.fraction, before))
     points, _, now = term._followed(response.x)
     chosen = int(np.flatnonzero(now.gap > 0.0)[now.gap[now.gap > 0.0].argmin()])
@@ -125,7 +125,7 @@ def test_a_point_with_zero_gap_is_at_a_kink(pressed):
         (chosen,) = np.flatnonzero(points == point)
         normal = now.gap_1[chosen, :2]
         x[point] -= now.gap[chosen] * normal / (normal @ normal)
-    found = term.kinks(term.respond(x, step.fraction, before).kept(), step.fraction, before)
+    found = term.kinks(term.respond(x, step.fraction, before).copied(), step.fraction, before)
     assert point in found.touching
     assert found.slips.all()
 
@@ -274,7 +274,7 @@ def energy_taken(result):
     path = result.path
     (term,) = (term for term in path.problem.terms if isinstance(term, SelfContactTerm))
     own, steps, taken = path.responses(term.label), [path.start, *path.steps], 0.0
-    before = [path.start.responses[path.place(term.label)], *own]
+    before = [path.start.responses[path.index_of(term.label)], *own]
     for last, then, step, now in zip(steps, before, steps[1:], own, strict=False):
         taken -= term.released_energy(last, then, step.d, now, step.fraction)[0]
     return taken, term.potential(path.steps[-1].d, own[-1])

@@ -78,7 +78,7 @@ def test_without_friction_only_measured_steps_count(tmp_path):
 
 def test_a_symmetric_touch_that_passes_nothing_on_is_not_reported(nominal):
     """The door seal's top has zero gap after five steps, at which nothing is measured."""
-    gap = nominal.path.steps[4].responses[nominal.path.place("door")].gap
+    gap = nominal.path.steps[4].responses[nominal.path.index_of("door")].gap
     assert np.abs(gap).min() < 1e-14
     sm.differentiate(nominal)
     with pytest.warns(KinkWarning, match=r"'door' at load step 5: zero gap at point 25 \(x = 0"):
@@ -127,7 +127,7 @@ def test_states_have_names():
     assert len(states) == 5 * len(door.where)
     assert set(states.values()) > {"open"}
     for step in result.path.nominal_steps:
-        branch = step.responses[door.place].branch
+        branch = step.responses[door.index].branch
         for point, (x, y) in enumerate(door.reference.round(6) + 0.0):
             name = (
                 f"point {point} (x = {x:.4g}, y = {y:.4g}) of 'door' at load step {step.fraction:g}"

@@ -47,7 +47,7 @@ def test_rates_of_every_step_of_the_path(random_design, name):
     """d', gaps, forces and history at several places in the path, not at its end only."""
     result = random_design
     p = 3 if name.startswith("boundary") else 25
-    places, door = (20, 60, 104), result.path.place("door")
+    places, door = (20, 60, 104), result.path.index_of("door")
     found = DirectSweep(result.path, rates_of(result)).run(measured=places)
     assert set(found) == set(places)
     step = 1e-5
@@ -143,7 +143,7 @@ def test_points_that_stay_in_stick_pass_no_sensitivity_on(random_design):
     """Their elastic slip does not change with the place where they stuck; of others that stick in the
     next step one direction is wanted."""
     term, path = random_design.term("door"), random_design.path
-    every, place, seen = np.arange(51), path.place("door"), set()
+    every, place, seen = np.arange(51), path.index_of("door"), set()
     for step, following in pairwise(path.steps):
         before, now = step.before[place], step.responses[place]
         local = term.linearize(now, step.fraction, before, every)
@@ -165,7 +165,7 @@ def test_points_that_stay_in_stick_pass_no_sensitivity_on(random_design):
 def test_slopes_of_the_elastic_slip_are_those_of_complex_steps(random_design):
     """d g_t / d x_n through xi0 and what is carried, of points that were open or in contact."""
     term, path = random_design.term("door"), random_design.path
-    place, seen = path.place("door"), set()
+    place, seen = path.index_of("door"), set()
     for step, following in pairwise(path.steps):
         now, after = step.responses[place], following.responses[place]
         used = np.flatnonzero(after.state == STICK)

@@ -102,7 +102,7 @@ def test_rates_of_a_term_against_central_differences(pressed, step, rng, label):
 
     Of the force at the old solution, Eqs. (46), (57), (63), (66), and of what is carried and measured.
     """
-    seal, term, place = pressed.seal, pressed.term(label), pressed.path.place(label)
+    seal, term, place = pressed.seal, pressed.term(label), pressed.path.index_of(label)
     layout, rates = term.discretization.layout, random_rates(seal, rng, 1)
     carried = history_rates(term, rng, 1)
     prescribed = 0.1 * rng.standard_normal((*step.d.shape, 1)) * (layout.equations < 0)[..., None]
@@ -123,7 +123,7 @@ def test_rates_of_a_term_against_central_differences(pressed, step, rng, label):
             history = history._replace(variables=history.variables + h * carried[..., 0])
         d, force = step.d + h * (prescribed[..., 0] + spread), np.zeros(disc.layout.force_size)
         raw = disc.transformation.coefficients(d)
-        answer = own.add(d, raw, step.fraction, history, force, np.empty(0)).kept()
+        answer = own.add(d, raw, step.fraction, history, force, np.empty(0)).copied()
         np.testing.assert_array_equal(answer.branch, step.responses[place].branch)
         disc.layout.condense_force(force)
         nodal = np.where(disc.layout.equations < 0, 0.0, force[disc.layout.equations])

@@ -127,7 +127,7 @@ def test_an_iteration_takes_complex_steps_in_the_deformed_coordinates_alone():
     assert steps.count(True) == 2 * steps.count(False) > 0
     # the tangent is the first columns of the linearisation, bit for bit
     term, end = result.term("springs"), result.end
-    response = end.responses[term.place]
-    given = term._inputs(response.x, end.before[term.place], np.arange(len(response.x)))
+    response = end.responses[term.index]
+    given = term._inputs(response.x, end.before[term.index], np.arange(len(response.x)))
     block = term.definition.linearize(given, end.fraction)
     assert np.array_equal(response.tangent, block[:, :2, :2])

@@ -110,11 +110,11 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
         ({"angles": [0.0, np.inf, 0.0]}, "angles of a motion .* must be finite"),
         ({"pivot": (0.0, 0.0, 1.0)}, r"pivot .* must have shape \(2,\)"),
         (
-            {"shares": (0.5, 1.0, 0.5, 1.0)},
-            r"shares .* must increase to 1 in every stage of \[2, 3\]",
+            {"fractions": (0.5, 1.0, 0.5, 1.0)},
+            r"fractions must increase to 1 in every stage of \[2, 3\]",
         ),
-        ({"shares": (0.5, 1.0, 0.5, 0.9, 0.99)}, "must increase to 1"),
-        ({"shares": (0.5, 1.0, 0.5, 0.5, 1.0)}, "must increase to 1"),
+        ({"fractions": (0.5, 1.0, 0.5, 0.9, 0.99)}, "must increase to 1"),
+        ({"fractions": (0.5, 1.0, 0.5, 0.5, 1.0)}, "must increase to 1"),
         ({"clearance": (1.0,)}, r"clearance .* must have shape \(2,\)"),
         (
             {"clearance": (0.1, -0.1), "positions": [[0.0, 0.0], [0.0, -2.0], [0.0, 0.0]]},
@@ -167,7 +167,7 @@ def test_stages_with_given_shares_are_those_of_ends_bit_for_bit():
     other = staged_motion(
         [Stage(s, m, 10.0) for s, m in zip(shares, moves, strict=True)], (0.1, 0.2)
     )
-    np.testing.assert_array_equal(one.shares, other.shares)
+    np.testing.assert_array_equal(one.fractions, other.fractions)
     for fraction in (0.0, 0.5, 1.0, 2.7, 3.0, 4.2, 5.0):
         np.testing.assert_array_equal(one.coordinates(fraction), other.coordinates(fraction))
 

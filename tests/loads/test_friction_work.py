@@ -20,7 +20,7 @@ def cycle(**options):
 
 def dissipated(result):
     """Work of the friction tractions on the inelastic slip against a straight plate."""
-    length, place, taken = result.term("plate").length, result.path.place("plate"), 0.0
+    length, place, taken = result.term("plate").length, result.path.index_of("plate"), 0.0
     penalty = result.seal.scalars["tangent_penalty"].value
     for step in result.path.nominal_steps:
         began, plate = step.before[place], step.responses[place]

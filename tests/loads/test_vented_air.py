@@ -210,7 +210,7 @@ def test_every_derivative_of_a_step(row, rng):
         other, _ = rigid(travel=(0.0, 0.5, 1.0), **given)
         if which == "X":
             area, _ = polygon_area(other.reference + size * h * ways["X"])
-            other.nominal_area = other.way * area
+            other.nominal_area = other.orientation * area
         before = history._replace(mass=history.mass + size * h * ways["mass"] * (which == "mass"))
         found = other.respond(x + size * h * ways["x"] * (which == "x"), 1.6, before)
         rows = {
@@ -249,7 +249,7 @@ def test_every_derivative_of_a_step(row, rng):
 def test_the_change_at_fixed_places_is_that_of_the_residual(squeezed):
     """What the predictor takes for the air that leaves in the next step."""
     term, step = squeezed.term("air"), squeezed.path.steps[3]
-    response = step.responses[squeezed.path.place("air")]
+    response = step.responses[squeezed.path.index_of("air")]
     later = term.respond(response.x, 5.0, response.history)
     (change,) = term.changes(step, response, 5.0)
     own = term.point_loads(later.force - response.force, np.ones(len(response.x), np.int64))

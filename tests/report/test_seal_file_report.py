@@ -59,14 +59,14 @@ def run(tmp_path_factory):
         text = text.replace(old, new)
     path = folder / "bulb.toml"
     path.write_text(text + STOP, encoding="utf-8")
-    file, kept = sm.read_seal_file(path), AnalysisCache()
+    file, cache = sm.read_seal_file(path), AnalysisCache()
     seal = sm.build_seal(file)
-    run = RunOptions(uno_driver(2), folder / "cases.sql", kept=kept, work_dir=folder)
+    run = RunOptions(uno_driver(2), folder / "cases.sql", cache=cache, work_dir=folder)
     problem = optimization_problem(file_task(file, run.analyze(seal)), run)
     problem.run_driver()
     problem.cleanup()
     path.unlink()
-    return folder / "cases.sql", seal, kept
+    return folder / "cases.sql", seal, cache
 
 
 def test_seal_is_made_again_from_the_recorder_file_alone(run):
@@ -124,10 +124,10 @@ def test_recorded_values_are_compared_with_the_analyses(run, tmp_path):
 
 
 def test_analyses_of_the_run_are_those_of_the_report(run, tmp_path):
-    cases, _, kept = run
-    before = kept.made
-    write_report(cases, tmp_path / "report.html", kept=kept)
-    assert kept.made == before
+    cases, _, cache = run
+    before = cache.made
+    write_report(cases, tmp_path / "report.html", cache=cache)
+    assert cache.made == before
 
 
 def test_page_in_a_browser(run, browser, tmp_path):

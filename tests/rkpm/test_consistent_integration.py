@@ -22,8 +22,8 @@ from seal_mdao.rkpm.tables import build_table
 def at_edge_points(rule, phi):
     """Values (distinct points, n) at the edge points of every cell, (n_cells, 8, n)."""
     n_columns, n_distinct = rule.distinct.shape
-    column = np.arange(len(rule.place)) // (len(rule.place) // n_columns)
-    return phi.reshape(n_columns, n_distinct, -1)[column[:, None], rule.place]
+    column = np.arange(len(rule.point_of)) // (len(rule.point_of) // n_columns)
+    return phi.reshape(n_columns, n_distinct, -1)[column[:, None], rule.point_of]
 
 
 @pytest.fixture(params=[{"basis_order": 1}, {"basis_order": 2}, {"accuracy": "engineering"}])
@@ -70,7 +70,7 @@ def test_cells_of_a_column_share_the_points_between_them(seal):
     _, points = integration_points(model.body.cell_map, rule)
     own = points.at(particles).reshape(n_columns, n_distinct, 2)
     column = np.arange(len(x)) // cells
-    np.testing.assert_allclose(own[column[:, None], rule.place], x, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(own[column[:, None], rule.point_of], x, rtol=0.0, atol=1e-14)
     away = np.linalg.norm(own[:, :, None] - own[:, None], axis=3)
     assert away[:, ~np.eye(n_distinct, dtype=bool)].min() > 0.01
 
@@ -95,7 +95,7 @@ def test_columns_with_fewer_points_repeat_one():
     values = np.sum(weights * height[ends], axis=1)
     column = np.arange(6) // 2
     np.testing.assert_allclose(
-        values[rule.distinct][column[:, None], rule.place],
+        values[rule.distinct][column[:, None], rule.point_of],
         values.reshape(6, EDGE_POINTS), rtol=1e-15,
     )  # fmt: skip
 

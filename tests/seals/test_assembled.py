@@ -26,10 +26,10 @@ def test_a_changed_parameter_is_known_and_makes_another_seal(seal, name):
 
 
 def test_a_kept_analysis_is_not_taken_for_another_motion(seal):
-    kept = sm.AnalysisCache()
+    cache = sm.AnalysisCache()
     reaction = seal.measures(("reaction",))[0]
-    shallow, deep = (kept.analyze(seal, parameters={"depth": depth}) for depth in (0.0, 0.05))
-    assert kept.made == 2
+    shallow, deep = (cache.analyze(seal, parameters={"depth": depth}) for depth in (0.0, 0.05))
+    assert cache.made == 2
     assert deep.value(reaction)[1] > 1.02 * shallow.value(reaction)[1]
 
 

@@ -117,7 +117,8 @@ def analyze_in_frame(seal: Seal, frame: Frame) -> FrameResult:
     contact = replace(
         seal.terms()[1], law=law,
         shape=GivenShape(moved_profile(options.shape.profile(), frame)),
-        motion=Motion(places, motion.angles, motion.steps, clearance=clearance, shares=motion.shares),
+        motion=Motion(places, motion.angles, motion.steps, clearance=clearance,
+                      fractions=motion.fractions),
     )  # fmt: skip
     terms = elastic_body(material.with_(**stresses)), contact
     path = solve(body, particles, terms, seal.n_steps, options=seal.newton)

@@ -56,9 +56,9 @@ def write_chosen(given: dict, file: SealFile, seal: Seal) -> None:
 def _write_steps(given: dict, seal: Seal) -> None:
     """Write the fractions of every stage at the ends of its steps."""
     motion = _staged(seal)
-    by_stage = np.split(motion.shares, np.cumsum(motion.steps)[:-1])
+    by_stage = np.split(motion.fractions, np.cumsum(motion.steps)[:-1])
     given.pop("steps", None)
     for profile in (*given.get("profile", ()), *given.get("moved", ())):
         # profiles without stages stand still in any steps
-        for stage, shares in zip(profile.get("stage", ()), by_stage, strict=False):
-            stage["steps"] = shares.tolist()
+        for stage, fractions in zip(profile.get("stage", ()), by_stage, strict=False):
+            stage["steps"] = fractions.tolist()

@@ -16,11 +16,11 @@ CHOSEN = "auto"
 _Count = whole(1, MOST_STEPS)
 
 
-def _increasing(shares: tuple) -> tuple:
+def _increasing(fractions: tuple) -> tuple:
     # 0 < s_1 < ... < s_n = 1
-    if not increases_to_one(shares):
+    if not increases_to_one(fractions):
         raise ValueError
-    return shares
+    return fractions
 
 
 # "auto" leaves the steps open, as no key does
@@ -30,11 +30,11 @@ Steps = Annotated[
     | Annotated[many(number(above=0.0, most=1.0), "a list"), AfterValidator(_increasing)],
     AfterValidator(lambda given: None if given == CHOSEN else given),
     Form(
-        f"a whole number from 1 to {MOST_STEPS}, a list of shares of the stage that increase to 1.0, "
+        f"a whole number from 1 to {MOST_STEPS}, a list of fractions of the stage that increase to 1.0, "
         f'or "{CHOSEN}"'
     ),
 ]
-"""How many equal ones, or the shares of the stage at their ends; None to be chosen."""
+"""How many equal ones, or the fractions of the stage at their ends; None to be chosen."""
 
 
 @table
