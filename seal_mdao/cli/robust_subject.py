@@ -96,11 +96,11 @@ def _door(arguments, goal: RobustGoal, cache: AnalysisCache) -> Subject:
     limits = (
         SampledLimit(
             "share_above_pressure_floor", f"contact pressure of at least {least} kPa",
-            "patch_pressure", pressure.cache,
+            "patch_pressure", pressure.satisfied,
         ),
         SampledLimit(
             "share_in_reaction_band", f"reaction within {low:.3g} to {high:.3g} N/m",
-            "reaction", reaction.cache, reaction.entry, goal.share, high - low,
+            "reaction", reaction.satisfied, reaction.entry, goal.share, high - low,
         ),
     )  # fmt: skip
     said = {"reaction_band_N_per_m": band, "pressure_floor_kPa": pressure.lower}
@@ -121,7 +121,7 @@ def _of_file(arguments, goal: RobustGoal, cache: AnalysisCache) -> Subject:
     limits = tuple(
         SampledLimit(
             f"share_{own.measure}_{number}", _in_words(own, subject.measure(own.measure).units),
-            own.measure, own.cache, required=goal.share, band=_band(own),
+            own.measure, own.satisfied, required=goal.share, band=_band(own),
         )
         for number, own in enumerate(task.sampled, 1)
     )  # fmt: skip

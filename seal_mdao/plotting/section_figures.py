@@ -97,10 +97,9 @@ def _name_materials(axes, result) -> None:
     seal, regions = result.seal, result.seal.definitions[0].regions
     if len(regions) == 1:
         return
-    corners, parts = result.particles[seal.body.cells], seal.parts
-    shapes = []
-    for number, region in enumerate(regions):
-        shapes.append(union_all(polygons(corners[parts == number])))
+    corners, shapes = result.particles[seal.body.cells], []
+    for region in regions:
+        shapes.append(union_all(polygons(corners[region.cells])))
         place = shapes[-1].representative_point().coords[0]
         axes.text(*place, region.prefix.rstrip("_"), **NAME)
     # sides that two materials share; bodies apart have none

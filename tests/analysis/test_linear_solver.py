@@ -143,7 +143,7 @@ def test_factors_know_the_sign_of_eigenvalues(rng, solver):
         assert value == pytest.approx(exact, rel=1e-5)
         residual = dense(layout, shifted(shift)) @ mode - value * mode
         assert np.abs(residual).max() < 1e-4 * abs(lowest[2])
-    if layout.storage.tells_sign:
+    if layout.storage.has_sign:
         for shift in between:
             unsymmetric = shifted(shift, skew=1e-3)
             sign = np.linalg.slogdet(dense(layout, unsymmetric))[0]

@@ -116,7 +116,7 @@ def test_ctrl_c_while_modules_are_imported(monkeypatch, capsys):
 
 
 ENOUGH = {
-    "examples": (), "new": ("mine",), "fit": ("tests.csv", "--law", "yeoh"),
+    "examples": (), "materials": (), "new": ("mine",), "fit": ("tests.csv", "--law", "yeoh"),
     "compare": ("bulb.toml", "bulb.toml"), "sweep": ("bulb.toml", "--vary", "friction", "0.1:0.2:2"),
 }  # fmt: skip
 """Arguments with which a subcommand starts, where they are not one file."""
@@ -398,7 +398,7 @@ def test_compare_draws_both_and_writes_their_curves(bulb, tmp_path, capsys):
 def test_compare_prints_the_force_on_profiles_that_move(capsys):
     """Not on the ground, which comes first in the file."""
     ends = {"ground": {"force_N_per_m": [0.0, -5.0]}, "door": {"force_N_per_m": [1.0, 5.0]}}
-    own = {"profiles": ends, "converged": True, **dict.fromkeys(KEYS)}
+    own = {"profiles": ends, "converged": True, "warnings": (), **dict.fromkeys(KEYS)}
     print_table({"seal": own}, {"seal": ["door"]})
     assert capsys.readouterr().out == "seal  force on door 1.00, 5.00 N/m\n"
 
@@ -510,22 +510,6 @@ def test_what_an_optimisation_lacks_is_said_before_load_steps_are_chosen(
     bulb.write_text(text[: text.index("[optimize]")], encoding="utf-8")
     assert main(["optimize", str(bulb), "--out", str(tmp_path / "out")]) == 2
     assert "[optimize] is missing" in capsys.readouterr().err
-
-
-def test_samples_that_exist_are_refused_before_load_steps_are_chosen(bulb, tmp_path, monkeypatch):
-    monkeypatch.setattr("seal_mdao.cli.study.study_of", None)
-    (tmp_path / "samples.sqlite").write_bytes(b"")
-    with pytest.raises(SystemExit) as ended:
-        main(["study", str(bulb), "--out", str(tmp_path)])
-    assert ended.value.code == 2
-
-
-def test_a_recorder_file_is_refused_before_a_robust_optimisation(bulb, tmp_path, monkeypatch):
-    monkeypatch.setattr("seal_mdao.cli.robust.subject_of", None)
-    (tmp_path / "cases.sql").write_bytes(b"")
-    with pytest.raises(SystemExit) as ended:
-        main(["robust", str(bulb), "--out", str(tmp_path)])
-    assert ended.value.code == 2
 
 
 def test_a_seal_without_profiles_is_not_compared(bulb, tmp_path, monkeypatch, capsys):

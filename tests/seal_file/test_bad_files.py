@@ -343,7 +343,7 @@ BAD = {
     "other words": ("steps = 60", 'steps = "few"', 'of the stage that increase to 1.0, or "auto"'),
     "no shares": ("steps = 60", "steps = []", "steps = [], but it must be a whole number"),
     "shares back": ("steps = 60", "steps = [0.5, 0.4, 1.0]", "[0.5, 0.4, 1.0], but it must be a whole"),
-    "shares to less": ("steps = 60", "steps = [0.5, 0.9]", "a list of shares of the stage that inc"),
+    "shares to less": ("steps = 60", "steps = [0.5, 0.9]", "a list of fractions of the stage that inc"),
     "shares in words": ("steps = 60", 'steps = ["half", 1.0]', "['half', 1.0], but it must be a whole"),
     "tolerance of none": ("[optimize]", "[steps]\ntolerance = 0.01\n[optimize]", "[steps]: tolerance is "
                           "for load steps that are chosen, but all stages have steps; leave out either"),

@@ -73,7 +73,7 @@ def test_history_of_the_door(nominal):
     assert door.stage.tolist() == [1] * 105
     assert door.travel == pytest.approx(nominal.travel + 0.5, abs=1e-12)
     assert np.array_equal(door.force, nominal.reaction)
-    assert door.index[:, 1] == pytest.approx(9.5 - nominal.travel)
+    assert door.place[:, 1] == pytest.approx(9.5 - nominal.travel)
     assert door.width[-1] == pytest.approx(nominal.value(ContactWidth("door"))[0], rel=1e-12)
     assert door.nominal_peak[-1] == pytest.approx(1e4 * -nominal.contact.gap.min(), rel=1e-12)
     undeformed = ContactWidth("door", nominal=True)
