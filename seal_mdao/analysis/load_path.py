@@ -13,11 +13,14 @@ Every increment goes through the same list, each entry only where those before i
 A step that was halved is solved as one from where its parts led, under friction.
 
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
-same bits whatever was computed before.
+same bits whatever was computed before. Of two paths whose first steps are the same the second may
+resume from the state of the first (``PathState``), which gives the same bits, too.
 """
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +36,7 @@ from seal_mdao.analysis.predictor import bend_of, predict, predictors
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import Reuse, quasi_newton
+from seal_mdao.equilibrium.storage import Factor
 from seal_mdao.equilibrium.threads import one_blas_thread
 
 # Equilibrium that is near by is found by damped motion within so many iterations.
@@ -82,6 +86,32 @@ def _most_cuts(status: Status, options: NewtonOptions) -> int:
     return min(NEAR_THE_END, options.max_cuts) if near else options.max_cuts
 
 
+class PathState(NamedTuple):
+    """All that the rest of a path depends on after a nominal step.
+
+    Attributes
+    ----------
+    steps, points : tuple
+        Converged steps and critical points up to there.
+    cuts : int
+    bend : ndarray or None
+        Of ``predictor.bend_of`` at the last step.
+    reuse : Reuse
+    factor : Factor
+        Of the tangent at the last step.
+    memory : float
+        Bytes that are left for factors.
+    """
+
+    steps: tuple
+    points: tuple
+    cuts: int
+    bend: np.ndarray | None
+    reuse: Reuse
+    factor: Factor
+    memory: float
+
+
 class _Path:
     """The path so far: its steps, and what the next one needs to know of them.
 
@@ -112,6 +142,20 @@ class _Path:
             -1, 0.0, start.d, history, start.responses, 0, (0.0,),
             stable=is_stable(problem, self.factor),
         )  # fmt: skip
+
+    def state(self) -> PathState:
+        """Return all that the rest of the path depends on."""
+        return PathState(
+            tuple(self.steps), tuple(self.points), self.cuts, self.bend, copy(self.reuse),
+            self.factor, self.memory,
+        )  # fmt: skip
+
+    def resume(self, state: PathState) -> int:
+        """Continue from the state of a path with the same steps up to there; return their number."""
+        self.steps, self.points = list(state.steps), list(state.points)
+        self.cuts, self.bend, self.reuse = state.cuts, state.bend, copy(state.reuse)
+        self.last, self.factor, self.memory = self.steps[-1], state.factor, state.memory
+        return self.last.nominal + 1
 
     def increment(self, target: float) -> Increment:
         """Return the increment from the last step to ``target``."""
@@ -227,6 +271,8 @@ def solve_path(
     options: NewtonOptions | None = None,
     factor_memory: float = 0.0,
     callback: Callable[[ConvergedStep], None] | None = None,
+    resume: PathState | None = None,
+    states: dict | None = None,
 ) -> PathResult:
     """Follow the program of a problem's terms from the undeformed state.
 
@@ -241,6 +287,11 @@ def solve_path(
     callback : callable, optional
         Called with every ``ConvergedStep`` that completes a nominal step. Its method ``damped``, where
         it has one, is called with the number of every iteration of damped motion and the residual.
+    resume : PathState, optional
+        Of a path of the same body and terms whose nominal steps are the same up to there: those steps
+        are taken, bit for bit what they would be.
+    states : dict of int to PathState, optional
+        Added to: the state after every nominal step that is solved, by the number of nominal steps.
 
     Returns
     -------
@@ -256,12 +307,19 @@ def solve_path(
     path = _Path(
         problem, n_steps, options, factor_memory * 2**30, getattr(callback, "damped", None)
     )
-    for nominal in range(n_steps):
+    begin = 0 if resume is None else path.resume(resume)
+    # report the steps that were taken as if they were solved now
+    for step in path.steps if callback is not None else ():
+        if step.nominal >= 0:
+            callback(step)
+    for nominal in range(begin, n_steps):
         failed = path.nominal_step(nominal)
         if failed is not None:
             return failed
         if callback is not None:
             callback(path.last)
+        if states is not None:
+            states[nominal + 1] = path.state()
     return path.completed()
 
 

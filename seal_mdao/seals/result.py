@@ -9,7 +9,7 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.analysis.cost import Cost, analysis_cost, announce, require_means
-from seal_mdao.analysis.load_path import solve_path
+from seal_mdao.analysis.load_path import PathState, solve_path
 from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.equilibrium.discretization import Discretization, discretize
@@ -459,12 +459,14 @@ def analyze_particles(
     factor_memory=0.0,
     callback=None,
     discretization: Discretization | None = None,
+    resume: PathState | None = None,
+    states: dict | None = None,
 ) -> SealResult:
     """Analyse a seal with given particles (n, 2), mm; otherwise as ``analyze``.
 
     Factors of converged tangents are cached up to ``factor_memory`` (GiB). The ``discretization`` may
     be that of a seal with the same particles and points of its terms, in other load steps and with
-    other penalties.
+    other penalties; ``resume`` and ``states`` are those of ``load_path.solve_path``.
     """
     # the choice of steps and penalties has solved this path already
     path = take_path(seal, particles)
@@ -483,5 +485,5 @@ def analyze_particles(
     if discretization is None:
         discretization = discretize(seal.body, particles, terms)
     problem = PathProblem(discretization, terms, seal.imposed())
-    path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback)
+    path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback, resume, states)
     return SealResult(seal, path, boundary_offsets)

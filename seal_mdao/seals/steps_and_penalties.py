@@ -74,25 +74,43 @@ class Choice(NamedTuple):
 class _Analyses:
     """Analyses of a seal in other steps and with other penalties, in a row, with one discretisation.
 
-    Their number is reported to a callback with a method ``begin_analysis``.
+    One that begins with the load steps of the last resumes after them. Their number is reported to a
+    callback with a method ``begin_analysis``.
     """
 
     def __init__(self, callback: Callable | None):
         self.callback, self.number, self.discretization = callback, 0, None
         self.report = getattr(callback, "begin_analysis", None)
+        # seal, ends of load steps and states of the last path
+        self.last = None, np.empty(0), {}
 
-    def __call__(self, seal: Seal, more: int) -> SealResult:
-        """Analyse a seal; at least ``more`` analyses follow."""
+    def __call__(self, seal: Seal, ends: np.ndarray | None, more: int) -> SealResult:
+        """Analyse a seal with the load steps ``ends``, or its own; at least ``more`` analyses follow."""
+        states = {} if ends is None else self._common(seal, ends)
+        if ends is not None:
+            self.last = seal, ends, states
+            seal = seal.with_ends(ends)
         self.number += 1
         if self.report is not None:
             self.report(self.number, self.number + more, seal.n_steps)
         result = analyze_particles(
             seal, seal.nominal_particles, np.zeros(seal.n_offsets), factor_memory=FACTOR_MEMORY,
             callback=self.callback, discretization=self.discretization,
+            resume=states.get(max(states, default=0)), states=states,
         )  # fmt: skip
         # steps and penalties do not change the discretised body
         self.discretization = result.path.discretization
         return result
+
+    def _common(self, seal: Seal, ends: np.ndarray) -> dict:
+        """Return the states of the last path after load steps that it has in common with ``ends``."""
+        before, old, states = self.last
+        if seal is not before:
+            return {}
+        # leading ends that are the same bit for bit
+        n = min(len(old), len(ends))
+        same = int(np.cumprod(old[:n] == ends[:n]).sum())
+        return {number: state for number, state in states.items() if number <= same}
 
 
 def choose(
@@ -185,7 +203,7 @@ def _first_path(seal: Seal, ends: np.ndarray, run, more: int):
     as many. Return their ends and the path."""
     most = MOST * len(ends)
     while True:
-        result = run(seal.with_ends(ends), more)
+        result = run(seal, ends, more)
         if result.converged or len(ends) >= most:
             return ends, result
         # halve all steps, since a failed path gives no error to compare
@@ -232,7 +250,7 @@ def _with_penalties(seal: Seal, result: SealResult, names, tolerance: float | No
         if not raised:
             break
         stiffer = _own(seal.with_parameters(raised))
-        again = run(stiffer, 0)
+        again = run(stiffer, None, 0)
         # the penalties before remain
         if _too_costly(again, result):
             break
@@ -301,11 +319,11 @@ def _with_steps(seal, ends, coarse: SealResult, tolerance, names, penalty_tolera
         parts = _parts(error, drift, tolerance)
         finer = divided(ends, parts)
         stiffer = _own(seal.with_parameters(raised)) if raised else seal
-        fine = run(stiffer.with_ends(finer), 0)
+        fine = run(stiffer, finer, 0)
         # higher penalties that converge badly are given up
         if raised and _too_costly(fine, coarse):
             stiffer, corrections = seal, 1
-            fine = run(seal.with_ends(finer), 0)
+            fine = run(seal, finer, 0)
         fine.require_converged()
         seal, corrections = stiffer, corrections - bool(raised)
         # index of the matching fine step; steps that were not divided

@@ -9,9 +9,11 @@ from two_profiles import two_profiles
 import seal_mdao as sm
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.work import StrainEnergy
+from seal_mdao.seals import steps_and_penalties
 from seal_mdao.seals.door.door_seal import options_of, with_options
 from seal_mdao.seals.penalty_error import SMALL, least_scale
 from seal_mdao.seals.profiles import profile_histories
+from seal_mdao.seals.result import analyze_particles
 from seal_mdao.seals.settings import seal_of
 from seal_mdao.seals.steps_and_penalties import (
     choose,
@@ -131,3 +133,46 @@ def test_settings_keep_supports_and_steps():
 def test_wrong_options_are_refused_by_name(name, options):
     with pytest.raises(ValueError, match=name):
         sm.door_seal(**options)
+
+
+@pytest.mark.parametrize("same", [1, 9, 20])
+def test_a_path_resumed_after_common_steps_has_the_same_bits(same):
+    """The steps after ``same`` are halved: resumed, and from the beginning."""
+    seal = sm.door_seal(n_steps=24, **SHORT)
+    ends = np.arange(1.0, 25.0)
+    finer = divided(ends, np.where(np.arange(24) < same, 1, 2))
+    states, particles = {}, seal.nominal_particles
+    analyze_particles(seal.with_ends(ends), particles, states=states)
+    assert list(states) == list(range(1, 25))
+    fresh, further, reported = seal.with_ends(finer), {}, []
+    resumed = analyze_particles(
+        fresh, particles, resume=states[same], states=further, callback=reported.append
+    ).path
+    complete = analyze_particles(fresh, particles).path
+    # no step of the first ones is solved again, all are reported
+    assert list(further) == list(range(same + 1, len(finer) + 1))
+    assert len(reported) == len(finer)
+    assert all(a is b for a, b in zip(resumed.steps, states[same].steps, strict=False))
+    assert resumed.step_cuts == complete.step_cuts
+    for a, b in zip(resumed.steps, complete.steps, strict=True):
+        assert a.d.tobytes() == b.d.tobytes()
+        assert (a.residuals, a.nominal, a.fraction, a.stable) == (
+            b.residuals, b.nominal, b.fraction, b.stable
+        )  # fmt: skip
+
+
+def test_a_choice_resumes_after_the_steps_that_it_does_not_divide(monkeypatch):
+    """With the derivatives at hand, and only where the penalties are the same."""
+    resumed = []
+
+    def solved(*arguments, resume=None, **options):
+        resumed.append(0 if resume is None else len(resume.steps))
+        return analyze_particles(*arguments, resume=resume, **options)
+
+    monkeypatch.setattr(steps_and_penalties, "analyze_particles", solved)
+    seal = sm.door_seal(n_steps=1, **SHORT)
+    found = choose(seal, TOLERANCE)
+    assert resumed[0] == 0
+    assert max(resumed) > 0
+    # the ends that were divided last come after those that were taken
+    assert found.ends[resumed[-1] - 1] < found.ends[-1]
