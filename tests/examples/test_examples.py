@@ -35,6 +35,8 @@ def coarse(path):
     """The text of an example with few particles and the first part of every stage."""
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"spacing = ([\d.]+)", lambda m: f"spacing = {1.4 * float(m[1]):.3f}", text)
+    # measures at a travel: at the same fraction of it
+    text = re.sub(r"(?m)^travel = ([\d.]+)$", lambda m: f"travel = {float(m[1]) / SHARE!r}", text)
 
     def stage(match):
         x, y, steps = float(match[1]), float(match[2]), match[3] and float(match[3])
