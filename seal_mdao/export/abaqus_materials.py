@@ -5,11 +5,13 @@ K/2 (J - 1)^2; its Ogden law is sum 2 mu_i/alpha_i^2 (lb_1^alpha_i + ... - 3), s
 mu_i alpha_i / 2 of those here. The laws of Yeoh, Mooney-Rivlin and Storakers have the same constants.
 """
 
+from seal_mdao.materials.hardness import ShoreRubber
 from seal_mdao.materials.hyperfoam import Hyperfoam
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.neo_hookean import NeoHookean
 from seal_mdao.materials.ogden import Ogden
+from seal_mdao.materials.sponge import GradedSponge
 from seal_mdao.materials.yeoh import Yeoh
 
 PER_LINE = 8
@@ -38,14 +40,14 @@ def material_lines(law: Isotropic) -> list[str]:
 
 
 def _keyword(law) -> tuple[str, list[float]]:
-    # no subclasses: a law of one's own may differ from its base
+    # no other subclasses: a law of one's own may differ from its base
     kind = type(law)
-    if kind is Hyperfoam:
+    if kind in (Hyperfoam, GradedSponge):
         terms = [value for pair in zip(law.mu, law.alpha, strict=True) for value in pair]
         return f"*HYPERFOAM, N={len(law.mu)}", [*terms, *law.nu]
     # D_1 = 2/K, and no further volumetric terms
     first = 2.0 / law.bulk_modulus if law.bulk_modulus else 0.0
-    if kind is NeoHookean:
+    if kind in (NeoHookean, ShoreRubber):
         return "*HYPERELASTIC, NEO HOOKE", [law.c10, first]
     if kind is MooneyRivlin:
         return "*HYPERELASTIC, MOONEY-RIVLIN", [law.c10, law.c01, first]
@@ -59,5 +61,5 @@ def _keyword(law) -> tuple[str, list[float]]:
         return f"*HYPERELASTIC, OGDEN, N={len(law.mu)}", [*terms, first, *none]
     raise ValueError(
         f"the law {kind.__name__} has no counterpart in Abaqus; exported are neo_hookean, "
-        "mooney_rivlin, yeoh, ogden and hyperfoam (seal-mdao fit fits these to tests)"
+        "mooney_rivlin, yeoh, ogden, hyperfoam, shore_a and sponge (seal-mdao fit fits laws to tests)"
     )

@@ -139,8 +139,8 @@ def _strains(samples: Samples):
         outside = (least < valid[0]) | (largest > valid[1])
         if outside.mean() <= FEW_CELLS:
             continue
-        # the place where the larger of the two strains is largest
-        worst = int(np.maximum(-np.log(least), np.log(largest)).argmax())
+        # the cell that is farthest beyond the range
+        worst = int(np.maximum(valid[0] / least, largest / valid[1]).argmax())
         place = samples.undeformed[cells[own[worst]]].mean(axis=0)
         name = f" {region.prefix.rstrip('_')!r}" if region.prefix else ""
         yield Finding(

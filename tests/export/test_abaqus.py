@@ -10,10 +10,12 @@ import seal_mdao as sm
 from seal_mdao.export.abaqus import not_exported, write_abaqus
 from seal_mdao.export.abaqus_materials import element_type, material_lines
 from seal_mdao.materials.gent import Gent
+from seal_mdao.materials.hardness import ShoreRubber
 from seal_mdao.materials.hyperfoam import Hyperfoam
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.neo_hookean import NeoHookean
 from seal_mdao.materials.ogden import Ogden
+from seal_mdao.materials.sponge import graded_sponge
 from seal_mdao.materials.yeoh import Yeoh
 from seal_mdao.seals.file.build import unchosen_seal
 
@@ -26,6 +28,8 @@ LAWS = {
     "yeoh": Yeoh(110.0, -4.0, 0.6, 8e4),
     "ogden": Ogden((150.0, -3.0), (1.7, -2.2), 6e4),
     "foam": Hyperfoam((40.0, 10.0), (2.5, -1.2), (0.2, 0.1)),
+    "shore": ShoreRubber(70.0),
+    "sponge": graded_sponge("2A4"),
 }
 
 

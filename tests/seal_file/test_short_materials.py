@@ -1,11 +1,14 @@
 """Materials by hardness or grade in a seal file: law, parameter, tolerance, messages, warning."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import seal_mdao as sm
 from seal_mdao.materials.hardness import ShoreRubber, shore_modulus
 from seal_mdao.materials.sponge import graded_sponge
+from seal_mdao.seals.checks import _strains
 from seal_mdao.tolerances.file import read_tolerances
 
 pytest.importorskip("netgen")
@@ -115,3 +118,18 @@ def test_strains_beyond_the_range_of_the_constants_are_reported(tmp_path):
     law = 'law = "hyperfoam"\nmu = [130.0]\nalpha = [2.0]\nnu = [0.0]'
     result = sm.analyze(sm.build_seal(read(tmp_path, law, 2.4)))
     assert not [text for text in result.warnings if "range" in text]
+
+
+def test_the_strain_that_is_reported_is_the_one_beyond_the_range():
+    """Not the largest one, which may be within it: 0.51 is, 1.6 is not."""
+    cells = np.arange(12).reshape(3, 4)
+    region = SimpleNamespace(material=graded_sponge("2A3"), cells=None, prefix="")
+    structure = SimpleNamespace(definition=SimpleNamespace(regions=[region]))
+    path = SimpleNamespace(
+        discretization=SimpleNamespace(body=SimpleNamespace(cells=cells)),
+        problem=SimpleNamespace(term={"structure": structure}.get),
+    )
+    stretches = np.array([[0.51, 0.9], [0.9, 1.6], [1.0, 1.0]])
+    samples = SimpleNamespace(path=path, cell_stretches=stretches, undeformed=np.ones((12, 2)))
+    (found,) = _strains(samples)
+    assert "0.9 to 1.6 near" in found.text

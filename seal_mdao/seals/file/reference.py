@@ -34,7 +34,12 @@ from seal_mdao.seals.file.section_table import (
     WrittenSection,
 )
 from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
-from seal_mdao.seals.file.tolerance_table import BoundaryTable, ToleranceTable, VaryTable
+from seal_mdao.seals.file.tolerance_table import (
+    VARY_TABLES,
+    BoundaryTable,
+    ToleranceTable,
+    VaryTable,
+)
 
 TABLES = {
     "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable,
@@ -94,6 +99,9 @@ def further_rows(kinds: dict[str, type[Table]], base: type[Table]) -> list[tuple
 def found_tables(name: str) -> dict[str, type[Table]]:
     """Find the tables of a name: a table, a law of rubber, a type of measure; by their headings."""
     found = {f"table {name}": TABLES[name]} if name in TABLES else {}
+    if name == "vary":
+        # every distribution has its own keys
+        found |= {f"distribution {kind}": own for kind, own in VARY_TABLES.items()}
     if name in LAW_TABLES:
         found |= {
             f"law {name}, by its constants": LAW_TABLES[name],
