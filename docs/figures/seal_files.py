@@ -90,7 +90,7 @@ def _short(value: float) -> str:
 def sketched(file, seal) -> tuple[np.ndarray, list]:
     """For the reduced mode: a design that is none, and its row."""
     aim, none = label(file.optimize.minimize), power(nan)
-    return -0.1 * design_bounds(file), [aim, *[none] * 6]
+    return -0.1 * design_bounds(file, seal), [aim, *[none] * 6]
 
 
 def example(name: str, reduced: bool):
@@ -113,4 +113,9 @@ def begun(file):
     fluids = [
         replace(f, steps=max(1, f.steps // SHARE), pressure=f.pressure / SHARE) for f in file.fluids
     ]
-    return replace(file, profiles=tuple(profiles), fluids=tuple(fluids))
+    # measures at a travel: at the same fraction of it
+    measures = [
+        replace(m, travel=m.travel / SHARE) if getattr(m, "travel", None) is not None else m
+        for m in file.measures
+    ]
+    return replace(file, profiles=tuple(profiles), fluids=tuple(fluids), measures=tuple(measures))
