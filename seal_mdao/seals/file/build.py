@@ -124,8 +124,8 @@ def _begun(file: SealFile) -> OutlineSeal:
         boundaries = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
         seal = outline_seal(
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
-            contributions=file.contributions, designs=[own.made() for own in file.designs],
-            moved=file.motions,
+            contributions=[*file.contributions, *file.motions],
+            designs=[own.made() for own in file.designs],
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error

@@ -10,7 +10,7 @@ import numpy as np
 from seal_mdao.contact.default_penalties import completed
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body, Edge
-from seal_mdao.loads.moved_edges import ImposedMotions
+from seal_mdao.loads.moved_edges import ImposedMotions, MovedEdges
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
@@ -96,7 +96,7 @@ class OutlineSeal(Seal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | OutlineCloud, material, *, n_steps: int, supports=NONE,
-    contributions=(), designs=(), kernels: Kernels | None = None, moved=(),
+    contributions=(), designs=(), kernels: Kernels | None = None,
 ) -> OutlineSeal:  # fmt: skip
     """Build a seal from the boundary of its section.
 
@@ -117,13 +117,11 @@ def outline_seal(
         in which a design keeps them.
     contributions : sequence of callable
         Functions of the ``SectionBody``, which return the definitions of further terms than the body's:
-        contacts before fluids, which they keep out.
+        contacts before fluids, which they keep out; or ``MovedEdges`` of edges among the supports.
     designs : sequence of OffsetDesign, VertexDesign or RadiusDesign
         What may change about the shape; their parameters are the ``boundary_offsets``, mm.
     kernels : Kernels, optional
         If left out those of rays and of given clouds, else ``Kernels()``.
-    moved : sequence of callable
-        Functions of the ``SectionBody``, which return ``MovedEdges`` of edges among the supports.
     standard, inputs, newton
         As of ``Seal``.
 
@@ -155,16 +153,21 @@ def outline_seal(
     on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
     velocity = extend(filled, on_boundary)
     elastic = ElasticBody(_regions(filled, regions))
-    terms, section = [elastic], SectionBody(body, filled.loops, n_steps)
+    terms, moved, section = [elastic], [], SectionBody(body, filled.loops, n_steps)
     for bind in contributions:
-        terms.append(completed(bind(section), elastic, body, filled.particles))
+        made = bind(section)
+        # motions of edges are prescribed displacements, all others terms
+        if isinstance(made, MovedEdges):
+            moved.append(made)
+            continue
+        terms.append(completed(made, elastic, body, filled.particles))
         # fluids act behind the contacts that were bound before them
         bound = tuple(term for term in terms if isinstance(term, RigidContact))
         section = section._replace(contacts=bound)
     return OutlineSeal(
         filled.particles, velocity, body, tuple(terms), n_steps, loops=filled.loops, spacing=spacing,
         kernels=kernels, cuts=cuts, design_sizes=sizes,
-        imposed_displacements=ImposedMotions(tuple(bind(section) for bind in moved)) if moved else None,
+        imposed_displacements=ImposedMotions(tuple(moved)) if moved else None,
     )  # fmt: skip
 
 
