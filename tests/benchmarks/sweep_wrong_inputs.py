@@ -6,6 +6,8 @@ import sys
 import time
 import warnings
 from collections import Counter
+from contextlib import chdir
+from pathlib import Path
 
 import openmdao.api as om
 import psutil
@@ -25,7 +27,9 @@ FAIR = ("clear error", "checked result", "failed path")
 def main(arguments) -> int:
     context = multiprocessing.get_context("fork")
     sm.analyze(sm.door_seal())  # compiles, once for all
-    rows = [tried(context, *case) for case in cases(arguments.out)]
+    # messages name files as given: their length must not depend on where the folder is
+    with chdir(arguments.out):
+        rows = [tried(context, *case) for case in cases(Path())]
     for kind, text, seconds, memory, name in rows:
         print(f"{kind:15s} {seconds:6.2f} s {memory:5.2f} GiB  {name:58s} {text}")
     counts = Counter(row[0] for row in rows)

@@ -20,7 +20,7 @@ from seal_mdao.seals.file.forms import (
     one_of,
     whole,
 )
-from seal_mdao.seals.file.schema import CHOICE, Table, key, table_of
+from seal_mdao.seals.file.schema import CHOICE, Table, key, suggestion, table_of
 
 WHOLE = whole(-(10**9), 10**9)
 FORMS = {
@@ -78,14 +78,14 @@ class Extensible(Form):
         if not isinstance(name, str) or name not in self.shipped:
             # the name is what is wrong, whatever else there is
             raise PydanticCustomError(
-                CHOICE, "{allowed}", {"key": self.key, "allowed": self._names()}
+                CHOICE, "{allowed}", {"key": self.key, "allowed": self._names(name)}
             )
         return shipped(given)
 
-    def _names(self) -> str:
+    def _names(self, name) -> str:
         every = [*self.shipped, *registry.names(self.kind)]
         none = "the name of an installed or registered extension; there is none"
-        return f"one of {', '.join(every)}" if every else none
+        return f"one of {', '.join(every)}{suggestion(name, every)}" if every else none
 
     def __get_pydantic_json_schema__(self, schema, handler):
         # installed extensions by name; what is registered in a session is not of the schema
