@@ -75,11 +75,12 @@ class SampledDesign:
     def too_wide(self, limit: SampledLimit) -> float | None:
         """Return the width of the band in which the required fraction lies, where the limit is narrower.
 
-        A limit with two bounds that is not met: no design with this scatter meets it.
+        A limit with two bounds that is not met: no design with this scatter meets it. None for a limit
+        of several entries, each with a band of its own.
         """
-        if limit.band is None or self.meets(limit):
-            return None
         numbers = limit.numbers(self.values[limit.measure])
+        if limit.band is None or numbers is None or self.meets(limit):
+            return None
         # between the quantiles (1 - f)/2 and (1 + f)/2
         low, high = np.quantile(numbers, [0.5 - 0.5 * limit.required, 0.5 + 0.5 * limit.required])
         return high - low if high - low > limit.band else None

@@ -73,6 +73,12 @@ def test_a_band_that_is_narrower_than_the_scatter():
     assert design().too_wide(band._replace(band=95.0)) is None
     # met: nothing to say
     assert design().too_wide(band._replace(required=0.8)) is None
+    # a measure of several entries, limited in all of them or in one
+    values = {"force": np.column_stack([np.zeros(100), np.arange(100.0)])}
+    several = SampledDesign("robust optimum", "force", values, 0)
+    nowhere = band._replace(satisfied=lambda values: np.zeros(len(values), bool))
+    assert several.too_wide(nowhere) is None
+    assert several.too_wide(nowhere._replace(entry=1)) == pytest.approx(89.1)
 
 
 @pytest.mark.parametrize(
