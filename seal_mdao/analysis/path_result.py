@@ -145,20 +145,25 @@ class PathResult:
     def reaction(self, label: str) -> np.ndarray:
         """Sum the forces on a profile or on moved edges at every nominal step, shape (n_steps, 2), N/m.
 
-        Those of the points of the term ``label``, and of the edges of that name that move with it.
+        As of ``force``.
         """
-        problem, steps = self.problem, self.nominal_steps
-        total, mask = np.zeros((len(steps), 2)), problem.supports_of(label)
-        if mask.any():
-            forces = [
-                np.where(mask, problem.support_forces(step), 0.0).sum(axis=0) for step in steps
-            ]
-            total += np.array(forces).reshape(-1, 2)
+        return np.array([self.force(label, step) for step in self.nominal_steps]).reshape(-1, 2)
+
+    def force(self, label: str, step: ConvergedStep) -> np.ndarray:
+        """Compute the force on a profile or on moved edges at a converged step, shape (2,), N/m.
+
+        That of the points of the term ``label``, and of the edges of that name that move with it.
+        """
+        problem, total = self.problem, np.zeros(2)
+        mask = problem.supports_of(label)
         # moved edges without a profile have no term
         if any(term.label == label for term in problem.terms) or not mask.any():
-            responses = self.at_nominal(label)
-            total += np.array([response.total for response in responses]).reshape(-1, 2)
-        return total
+            total += step.responses[self.index_of(label)].total
+        return total + self.support_force(mask, step) if mask.any() else total
+
+    def support_force(self, mask: np.ndarray, step: ConvergedStep) -> np.ndarray:
+        """Compute the force on the supports at prescribed components, a mask (n, 2), shape (2,), N/m."""
+        return np.where(mask, self.problem.support_forces(step), 0.0).sum(axis=0)
 
     def displacement(self, step: int = -1) -> np.ndarray:
         """Compute physical displacements u(X_J) at all particles of a nominal step, shape (n, 2), mm."""

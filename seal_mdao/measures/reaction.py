@@ -132,11 +132,9 @@ class Reaction(Measure):
     def curve(self, result) -> tuple[np.ndarray, np.ndarray]:
         """Return the load-deflection curve: travels (n + 1,), mm, and forces (n + 1,) in the unit of the
         value, at the start and at n nominal steps; along the first component, if there are two."""
-        motion, index = self._motion(result), result.path.index_of(self.profile)
-        forces = [np.asarray(s.responses[index].total) for s in result.path.nominal_steps]
-        # travel_k = sum |x_i - x_(i-1)| of the profile, counted from the first touch
-        places = [motion.coordinates(float(k))[:2] for k in range(len(forces) + 1)]
-        travels = np.append(0.0, np.cumsum(np.hypot(*np.diff(places, axis=0).T)))
+        motion, forces = self._motion(result), self.forces(result)
+        # counted from the first touch
+        travels = motion.travels[: len(forces) + 1]
         # F_k = e_k . R_k, zero at the start
         units = [self._directions(motion, travel)[0][0] for travel in travels[1:]]
         values = [self.scale * (e @ force) for e, force in zip(units, forces, strict=True)]
@@ -154,9 +152,8 @@ class Reaction(Measure):
 
     def forces(self, result) -> np.ndarray:
         """Compute the force at every nominal step, shape (n_steps, 2), N/m."""
-        if not self.edges:
-            return result.path.reaction(self.profile)
-        return np.array([self._force(result, step) for step in result.path.nominal_steps])
+        forces = [self._force(result, step) for step in result.path.nominal_steps]
+        return np.array(forces).reshape(-1, 2)
 
     def _supports(self, result) -> np.ndarray:
         """Find the prescribed components on which the force acts, a mask (n, 2)."""
@@ -172,13 +169,9 @@ class Reaction(Measure):
 
     def _force(self, result, step) -> np.ndarray:
         """Compute the force at a converged step, shape (2,), N/m."""
-        total, supports = np.zeros(2), self._supports(result)
-        if self._touches(result):
-            total = np.asarray(step.responses[result.path.index_of(self.profile)].total)
-        if supports.any():
-            forces = result.path.problem.support_forces(step)
-            total = total + np.where(supports, forces, 0.0).sum(axis=0)
-        return total
+        if self.edges:
+            return result.path.support_force(self._supports(result), step)
+        return result.path.force(self.profile, step)
 
     def _add_partials(self, result, partials, step, rows, directions) -> None:
         """Add the derivatives of e . F at a step for directions e (r, 2)."""

@@ -114,6 +114,18 @@ def test_forces_on_plate_and_base_balance(pressed):
 NAMES = (*PLACED, "c10", "bulk_modulus", "plate_friction", "plate_normal_penalty")
 
 
+def test_load_deflection_curves_have_the_forces_of_glued_and_fixed_edges(pressed):
+    """They are the values at these travels, and those of the plate not the forces of its contact."""
+    motion = pressed.term("plate").motion
+    travels = tuple(motion.travels[1:].tolist())
+    for own in (Reaction("plate", travels, (1,)), Reaction("", travels, (1,), edges=("base",))):
+        along, force = own.curve(pressed)
+        np.testing.assert_allclose(along, [0.0, *travels], rtol=1e-12)
+        np.testing.assert_allclose(force[1:], pressed.value(own), rtol=1e-9)
+    contact = [response.total[1] for response in pressed.path.at_nominal("plate")]
+    assert np.abs(Reaction("plate", travels, (1,)).curve(pressed)[1][1:] - contact).max() > 1.0
+
+
 def test_direct_and_adjoint_derivatives_agree(pressed):
     direct, adjoint = (
         sm.differentiate(pressed, NAMES, pressed.seal.standard, method)
