@@ -155,6 +155,8 @@ def with_contact(increment: Increment, contacts: list, d, factor) -> np.ndarray:
 def predicted(increment: Increment, euler: np.ndarray) -> np.ndarray | None:
     """Correct the Euler predictor (n, 2) for self-contact; None where no walls face each other."""
     problem = increment.problem
+    if not problem.touches_itself:
+        return None
     iteration = problem.begin_mixed(increment.last, increment.target)
     contacts = problem.linear_contacts(iteration, increment.history)
     return with_contact(increment, contacts, euler, increment.factor) if contacts else None

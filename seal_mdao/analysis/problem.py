@@ -125,6 +125,11 @@ class PathProblem:
             term.begin_mixed(step, response, target)
         return tuple(term.iteration for term in self.terms)
 
+    @property
+    def touches_itself(self) -> bool:
+        """Whether walls of the body may face each other."""
+        return any(term.touches_itself for term in self.terms)
+
     def linear_contacts(self, iteration: tuple, history: tuple) -> list:
         """List the contacts whose law a linear step has to satisfy (``analysis.linear_contact``)."""
         found = [
@@ -157,8 +162,8 @@ class PathProblem:
         # R = sum of the forces f~ of all terms at prescribed components; the body exerts -R
         total = np.zeros((every.size + 1, 1))
         total[:-1, 0] = self.forces_on_all(step.d).ravel()
-        for term, response in zip(self.terms, step.responses, strict=True):
-            table = self.discretization.tables[self.terms.index(term)]
+        tables = self.discretization.tables
+        for table, response in zip(tables, step.responses, strict=True):
             if table is not None:
                 points, force = np.arange(table.table.n_groups), response.force[:, :, None]
                 add_transposed(table.table, points, every, np.ascontiguousarray(force), total)

@@ -42,6 +42,7 @@ from seal_mdao.report.write import write_report
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.export import require_writers, write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.result import frozen_measures
 
 
@@ -51,8 +52,7 @@ def main(arguments) -> int:
     # a continued run uses its own optimiser, load steps and penalties
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
-    require_means(arguments, file)
-    seal, cache = seal_of(file, chosen), AnalysisCache()
+    seal, cache = seal_of(file, chosen, checked_seal(arguments, file)), AnalysisCache()
 
     def task_of(run: RunOptions):
         with file_errors(arguments.file):
@@ -98,22 +98,24 @@ def main(arguments) -> int:
     return 0 if numbers["success"] else 1
 
 
-def require_means(arguments, file) -> None:
+def checked_seal(arguments, file) -> OutlineSeal:
     """Check what needs no analysis before load steps are chosen: the problem and the recorder file.
 
-    Libraries that are missing to write the optimum are reported.
+    Libraries that are missing to write the optimum are reported. Returns the seal before the choice.
 
     Raises
     ------
     SealFileError, WrongArgumentError
     """
     with file_errors(file.path):
-        require_problem(file, unchosen_seal(file))
+        seal = unchosen_seal(file)
+        require_problem(file, seal)
     recorder_file(arguments)
     try:
         require_writers()
     except ImportError as error:
         print(f"WARNING: the optimum will not be written as a seal file: {error}")
+    return seal
 
 
 def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:

@@ -33,13 +33,17 @@ def file_of(path: Path) -> SealFile:
         return sm.read_seal_file(path)
 
 
-def seal_of(file: SealFile, chosen: dict | None = None) -> OutlineSeal:
+def seal_of(
+    file: SealFile, chosen: dict | None = None, unchosen: OutlineSeal | None = None
+) -> OutlineSeal:
     """Build the seal of a file; choose the load steps and penalties that it leaves open.
 
     Parameters
     ----------
     chosen : dict, optional
         Load steps and penalties chosen before, as ``chosen_for`` returns them.
+    unchosen : OutlineSeal, optional
+        As of ``build_seal``.
 
     Raises
     ------
@@ -52,9 +56,9 @@ def seal_of(file: SealFile, chosen: dict | None = None) -> OutlineSeal:
     with file_errors(file.path):
         if not file.leaves_open or chosen is not None:
             # nothing to choose, or chosen in an earlier run
-            return build_seal(file, **(chosen or {}))
+            return build_seal(file, **(chosen or {}), unchosen=unchosen)
         with LoadStepProgress(None, f"choosing {_open_in(file)}") as progress:
-            seal = build_seal(file, progress)
+            seal = build_seal(file, progress, unchosen=unchosen)
     # the choice decides the results: print it
     for line in chosen_lines(file, seal):
         print(line)

@@ -13,6 +13,7 @@ from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_changed
 from seal_mdao.seals.file.reference import unit_of_key
 from seal_mdao.seals.file.schema import suggestion
+from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.seal import Seal
 
 TRAVEL = "travel"
@@ -21,7 +22,7 @@ MOST_LISTED = 60
 """Numbers of a file that are listed in an error."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Varied:
     """A number that varies.
 
@@ -32,11 +33,14 @@ class Varied:
     change : callable, or None
         ``change(tables, value)`` sets the number in the tables of the file, which then is read again;
         None for a parameter of the seal.
+    unchosen : OutlineSeal, or None
+        Seal of the file before load steps and penalties are chosen, of a parameter.
     """
 
     name: str
     unit: str
     change: Callable | None = None
+    unchosen: OutlineSeal | None = None
 
     def files(self, file: SealFile, values) -> list[SealFile]:
         """Read the file with every value; all are read before anything is analysed.
@@ -57,7 +61,7 @@ class Varied:
         number of the file.
         """
         files = self.files(file, values)
-        seal = seal_of(file) if self.change is None else None
+        seal = seal_of(file, unchosen=self.unchosen) if self.change is None else None
         for own, value in zip(files, values, strict=True):
             if seal is not None:
                 yield seal, {self.name: float(value)}
@@ -79,7 +83,8 @@ def varied(file: SealFile, name: str) -> Varied:
     if "." in name:
         return _number_of(tables, name)
     with file_errors(file.path):
-        scalars = unchosen_seal(file).scalars
+        unchosen = unchosen_seal(file)
+    scalars = unchosen.scalars
     travels = {f"{own.name}_{TRAVEL}": own.name for own in file.profiles if own.travel}
     known = [*scalars, *travels]
     # a unique ending is enough: friction for plate_friction
@@ -98,7 +103,7 @@ def varied(file: SealFile, name: str) -> Varied:
     if own in travels and own not in scalars:
         profile = travels[own]
         return Varied(own, "mm", lambda given, value: _set_travel(given, profile, value))
-    return Varied(own, scalars[own].units or "")
+    return Varied(own, scalars[own].units or "", unchosen=unchosen)
 
 
 def _set_travel(tables: dict, profile: str, travel: float) -> None:

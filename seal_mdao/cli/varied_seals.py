@@ -42,12 +42,12 @@ def file_with_tolerances(arguments, others: tuple) -> tuple[sm.SealFile, sm.Seal
     if wrong:
         name = wrong[0].replace("_", "-")
         raise WrongArgumentError(f"--{name} is for the door seal, and {arguments.file} is given")
-    file = file_of(arguments.file)
+    file, unchosen = file_of(arguments.file), None
     if arguments.tolerances is not None:
         with file_errors(arguments.file):
             # placements of the profiles are parameters, too
-            nominal = unchosen_seal(file).with_placements()
-        tolerances = _from_file(arguments.tolerances, nominal)
+            unchosen = unchosen_seal(file)
+        tolerances = _from_file(arguments.tolerances, unchosen.with_placements())
     elif file.tolerance is not None:
         # checked where the seal is built
         tolerances = tolerances_of(file.tolerance)
@@ -56,7 +56,7 @@ def file_with_tolerances(arguments, others: tuple) -> tuple[sm.SealFile, sm.Seal
             f"{arguments.file}: [tolerance] is missing: say what varies, [tolerance.vary.NAME], or give "
             "a file of tolerances, --tolerances FILE.toml"
         )
-    return file, seal_of(file).with_placements(), tolerances
+    return file, seal_of(file, unchosen=unchosen).with_placements(), tolerances
 
 
 def _from_file(path: Path, seal: sm.Seal) -> Tolerances:

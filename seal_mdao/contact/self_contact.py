@@ -163,6 +163,7 @@ class SelfContactTerm(CoupledTerm):
     """A ``SelfContact`` on one design; forces are those that join the residual."""
 
     history_size = 3
+    touches_itself = True
 
     def __init__(self, definition: SelfContact, discretization, index: int):
         super().__init__(

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from seal_mdao.seals.samples import Samples, sides_of
-from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
+from seal_mdao.structure.particle_stress import particle_stress
 
 LARGEST_STRETCH = 8.0
 """Principal stretch beyond that of any rubber at break."""
@@ -62,12 +62,8 @@ class Largest(NamedTuple):
 
 def largest_stretch(samples: Samples) -> Largest:
     """Find the largest principal stretch at the samples in the plane of the section."""
-    d, between = samples.path.steps[-1].d, samples._between.table
-    tables = samples.path.discretization.everywhere.table, between
-    f = np.vstack([deformation_gradients(table, d) for table in tables])
-    # lambda^2 = (T + sqrt(T^2 - 4 J^2)) / 2,  T = F : F,  J = F_11 F_22 - F_12 F_21
-    t, j = (f[:, :4] ** 2).sum(axis=1), f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2]
-    stretch = np.sqrt(0.5 * (t + np.sqrt(np.maximum(t**2 - 4.0 * j**2, 0.0))))
+    stretch = samples.stretches[:, 1]
+    # NaN counts as the largest
     worst = int(np.argmax(np.where(np.isnan(stretch), np.inf, stretch)))
     return Largest(float(stretch[worst]), _where(samples.undeformed[worst]))
 

@@ -80,26 +80,42 @@ class Samples:
     def places(self) -> np.ndarray:
         """The points at the end of the path, shape (N, 2)."""
         d = self.path.steps[-1].d
-        tables = self.path.discretization.everywhere.table, self._between.table
-        moved = [np.empty((table.n_groups, 2)) for table in tables]
-        for table, u in zip(tables, moved, strict=True):
+        moved = [np.empty((table.n_groups, 2)) for table in self._tables]
+        for table, u in zip(self._tables, moved, strict=True):
             interpolate(table, d, u)
         return self.undeformed + np.vstack(moved)
 
     @cached_property
-    def volume_change(self) -> np.ndarray:
-        """det F at the points, shape (N,)."""
-        d = self.path.steps[-1].d
-        tables = self.path.discretization.everywhere.table, self._between.table
-        return 1.0 + np.concatenate([deformation_gradients(table, d)[:, 4] for table in tables])
+    def _tables(self) -> tuple:
+        """Shape functions at the particles, and at the other points."""
+        return self.path.discretization.everywhere.table, self._between.table
 
     @cached_property
+    def _gradients(self) -> np.ndarray:
+        """F_11, F_12, F_21, F_22 and det F - 1 at the points, shape (N, 5)."""
+        d = self.path.steps[-1].d
+        return np.concatenate([deformation_gradients(table, d) for table in self._tables])
+
+    @property
+    def volume_change(self) -> np.ndarray:
+        """det F at the points, shape (N,)."""
+        return 1.0 + self._gradients[:, 4]
+
+    @cached_property
+    def stretches(self) -> np.ndarray:
+        """Least and largest principal stretch at the points, shape (N, 2)."""
+        f = self._gradients
+        # lambda_2^2 = (T + sqrt(T^2 - 4 J^2)) / 2,  lambda_1 = |J| / lambda_2,  T = F : F,
+        # J = F_11 F_22 - F_12 F_21
+        t, j = (f[:, :4] ** 2).sum(axis=1), f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2]
+        largest = np.sqrt(0.5 * (t + np.sqrt(np.maximum(t**2 - 4.0 * j**2, 0.0))))
+        return np.column_stack([np.abs(j) / largest, largest])
+
+    @property
     def cell_stretches(self) -> np.ndarray:
         """Least and largest principal stretch in the middle of every cell, shape (m, 2)."""
-        gradient = deformation_gradients(self._between.table, self.path.steps[-1].d)
-        last = gradient[-len(self.path.discretization.body.cells) :]
-        # singular values of F = [[11, 12], [21, 22]], the larger one first
-        return np.linalg.svd(last[:, :4].reshape(-1, 2, 2), compute_uv=False)[:, ::-1]
+        # the middles of the cells are the last points
+        return self.stretches[-len(self.path.discretization.body.cells) :]
 
     @cached_property
     def wall(self) -> float:

@@ -113,6 +113,8 @@ class Term:
         Whether its force is the derivative of its ``potential``, so that its tangent is symmetric.
     couples_points : bool
         Whether the force at one of its points depends on where others are.
+    touches_itself : bool
+        Whether it has a ``linear_contact``: walls of the body that may face each other.
     """
 
     label = ""
@@ -121,6 +123,7 @@ class Term:
     history_dependent = False
     conservative = False
     couples_points = True
+    touches_itself = False
 
     # ---- analysis ----
 

@@ -26,6 +26,7 @@ def build_seal(
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
+    unchosen: OutlineSeal | None = None,
 ) -> OutlineSeal:
     """Build the seal of a file: its cloud, terms, design and measures.
 
@@ -47,6 +48,8 @@ def build_seal(
         Ends of load steps that have been chosen before, in stages, in place of a choice.
     penalties : mapping of str to float, optional
         Penalties that have been chosen before, by the names of their parameters, kPa/mm.
+    unchosen : OutlineSeal, optional
+        ``unchosen_seal(file)`` where it is at hand, so that the section is not filled again.
 
     Raises
     ------
@@ -63,7 +66,7 @@ def build_seal(
     if isinstance(file, str | Path):
         file = read_seal_file(file)
     values.instance("file", file, SealFile)
-    seal = built(file, callback, step_ends, penalties)
+    seal = built(file, callback, step_ends, penalties, unchosen)
     return seal.made_from(description(file, seal))
 
 
@@ -72,9 +75,11 @@ def built(
     callback: Callable | None = None,
     step_ends: Sequence[float] | None = None,
     penalties: Mapping[str, float] | None = None,
+    unchosen: OutlineSeal | None = None,
 ) -> OutlineSeal:
     """Build the seal of a file that was read, as ``build_seal``, without its description."""
-    seal, tolerance, names = _begun(file), file.step_tolerance, file.open_penalties
+    seal = unchosen_seal(file) if unchosen is None else unchosen
+    tolerance, names = file.step_tolerance, file.open_penalties
     if file.tolerance is not None:
         # placements of profiles are parameters that may vary
         file.tolerance.check(f"{file.path}: [tolerance.", seal.with_placements())
@@ -95,29 +100,12 @@ def built(
 
 
 def unchosen_seal(file: SealFile) -> OutlineSeal:
-    """The seal of a file before load steps and penalties are chosen: one load step for every stage.
+    """Build the seal of a file with one load step for every stage where they are to be chosen.
 
     Raises
     ------
     SealFileError
     """
-    return _begun(file)
-
-
-def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> OutlineSeal:
-    """Set penalties that were chosen before, as part of the definitions of the terms."""
-    if set(penalties) != set(file.open_penalties):
-        wanted = ", ".join(file.open_penalties) or "none"
-        raise SealFileError(
-            f"penalties are given of {', '.join(penalties) or 'none'}, but the file leaves open {wanted}"
-        )
-    # set as parameters, which checks them, then taken over into the definitions
-    seal = seal.with_parameters(dict(penalties))
-    return replace(seal, definitions=seal.terms(), changed={})
-
-
-def _begun(file: SealFile) -> OutlineSeal:
-    """Build the seal with the steps of the file, one for every stage where they are to be chosen."""
     # the section and its cloud, then the terms along its edges, then the measures
     section = file.section
     try:
@@ -131,6 +119,18 @@ def _begun(file: SealFile) -> OutlineSeal:
         raise SealFileError(f"{file.path}: {error}") from error
     _check_places(file, seal)
     return replace(seal, standard=tuple(_measures(file, seal.nominal_particles)))
+
+
+def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> OutlineSeal:
+    """Set penalties that were chosen before, as part of the definitions of the terms."""
+    if set(penalties) != set(file.open_penalties):
+        wanted = ", ".join(file.open_penalties) or "none"
+        raise SealFileError(
+            f"penalties are given of {', '.join(penalties) or 'none'}, but the file leaves open {wanted}"
+        )
+    # set as parameters, which checks them, then taken over into the definitions
+    seal = seal.with_parameters(dict(penalties))
+    return replace(seal, definitions=seal.terms(), changed={})
 
 
 def _measures(file: SealFile, particles):
