@@ -57,6 +57,32 @@ def read_text(path, encoding: str = "utf-8") -> str:
     return read_bytes(path).decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
 
 
+def filled_lines(path, failure: type[Exception]) -> list[tuple[str, str]]:
+    """Read the lines of a file of data in UTF-8, without empty ones and comments.
+
+    Parameters
+    ----------
+    failure : type
+        Exception to raise, with one line, for a file that cannot be read or is no text.
+
+    Returns
+    -------
+    list of (str, str)
+        File and number of the line for messages, and its text.
+    """
+    try:
+        lines = read_text(path, "utf-8-sig").splitlines()
+    except OSError as error:
+        raise failure(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise failure(f"{path}: is not a text file in UTF-8") from None
+    return [
+        (f"{path}, line {number}", line)
+        for number, line in enumerate(lines, 1)
+        if line.strip().strip(",") and not line.lstrip().startswith("#")
+    ]
+
+
 def _too_large(path) -> OSError:
     return OSError(errno.EFBIG, f"it has more than {LARGEST_FILE // 2**20} MiB", str(path))
 

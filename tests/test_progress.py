@@ -6,7 +6,7 @@ import pytest
 
 from seal_mdao import progress
 
-DONE, FAILED = SimpleNamespace(failure=""), SimpleNamespace(failure="turned inside out")
+DONE, FAILED = SimpleNamespace(failure=""), SimpleNamespace(failure="inverted")
 
 
 @pytest.fixture

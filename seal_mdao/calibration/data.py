@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.calibration.loading_modes import MODES
-from seal_mdao.input_files import read_text
+from seal_mdao.input_files import filled_lines
 
 COLUMNS = ("mode", "stretch", "stress_kPa")
 LATERAL = "lateral_stretch"
@@ -136,18 +136,7 @@ def read_tests(path) -> MaterialTests:
         In one line: file, line, column, what is wrong and what is allowed.
     """
     path = Path(path)
-    try:
-        lines = read_text(path, "utf-8-sig").splitlines()
-    except OSError as error:
-        raise MaterialDataError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise MaterialDataError(f"{path}: is not a text file in UTF-8") from None
-    # lines with their numbers, without empty ones and comments
-    filled = [
-        (f"{path}, line {number}", line)
-        for number, line in enumerate(lines, 1)
-        if line.strip().strip(",") and not line.lstrip().startswith("#")
-    ]
+    filled = filled_lines(path, MaterialDataError)
     if not filled:
         raise MaterialDataError(f"{path}: the file is empty; it needs the line {','.join(COLUMNS)}")
     columns = _header(*filled[0])

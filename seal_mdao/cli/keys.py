@@ -52,8 +52,8 @@ def keys_of(heading: str, kind) -> str:
     """Format the keys of a table: value and default in one line, the meaning below."""
     lines = [f"{heading}: {summary(kind)}"]
     for name, allowed, default, meaning in key_rows(kind):
-        told = f" [{default}]" if default else ""
-        lines += [f"  {name}{told}: {allowed}", _wrapped(meaning)]
+        otherwise = f" [{default}]" if default else ""
+        lines += [f"  {name}{otherwise}: {allowed}", _wrapped(meaning)]
     return "\n".join(lines)
 
 

@@ -14,6 +14,8 @@ from seal_mdao.seals.outline.dxf import Drawing, boundary_layers, read_drawing
 
 SQUEEZE = 0.2
 """Travel of the plate after first contact, as a fraction of the height of the drawing."""
+SAGITTA = 1e-3
+"""Largest distance of the polygon of a section from its arcs, mm."""
 CLEARANCE = 0.02
 """Initial clearance of the plate, as a fraction of the height of the drawing."""
 MATERIAL = """\
@@ -161,10 +163,7 @@ def _parts(drawing: Drawing) -> list[tuple]:
         return [("rubber", None)]
     boundaries = [np.vstack([p, p[:1]]) for p in drawing.outline.polyline()]
     lines = shapely.union_all([shapely.LineString(own) for own in (*boundaries, *drawing.parting)])
-    body = shapely.union_all([
-        shapely.Polygon(own[0].polyline(1e-3)[0], [c.polyline(1e-3)[0] for c in own[1:]])
-        for own in drawing.outline.bodies
-    ])  # fmt: skip
+    body = drawing.outline.shape(SAGITTA)
     # faces between all lines, holes left out
     faces = [f for f in shapely.polygonize([lines]).geoms if body.covers(f.representative_point())]
     faces.sort(key=lambda face: -face.area)

@@ -29,6 +29,7 @@ from seal_mdao.cli.robust_comparison import (
 from seal_mdao.cli.robust_subject import Subject, subject_of
 from seal_mdao.cli.running_optimization import (
     add_optimization_arguments,
+    driver_of,
     judged,
     optimize,
     report_run,
@@ -36,7 +37,7 @@ from seal_mdao.cli.running_optimization import (
 from seal_mdao.cli.varied_seals import add_tolerance_arguments
 from seal_mdao.door_optimization import FORCE_BAND
 from seal_mdao.drivers.optimizer_driver import INTERRUPTED
-from seal_mdao.optimization import OPTIMIZERS, RunOptions, continue_run, optimization_problem
+from seal_mdao.optimization import RunOptions, continue_run, optimization_problem
 from seal_mdao.progress import LoadStepProgress, SampleProgress
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.robust_optimization import GOALS, Robust, RobustGoal
@@ -51,8 +52,8 @@ WRITTEN = (CASES, NOMINAL, "nominal.sqlite", "robust.sqlite")
 def main(arguments) -> int:
     begin_anew_or_continue(arguments)
     cache = AnalysisCache()
-    # an existing recorder file is refused before load steps are chosen
-    recorder_file(arguments)
+    # the file of another run is refused before load steps are chosen
+    cases = recorder_file(arguments)
     subject = subject_of(arguments, cache)
     with checked_arguments():
         # fixed sample of tolerances: the same in every iteration
@@ -60,8 +61,8 @@ def main(arguments) -> int:
             subject.tolerances, subject.seal, arguments.scenarios, arguments.seed
         )
     announce(subject.seal)
-    # recorder file of the robust run
-    cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
+    if arguments.restart:
+        cases = continued_file(arguments)
     # start of the robust run and base of the comparison
     nominal = nominal_design(subject, arguments, cache)
     with executor(arguments) as workers:
@@ -108,8 +109,7 @@ def optimize_robustly(
         with checked_arguments():
             # robust problem: statistics of the measures over all scenarios
             recorder = None if arguments.restart else cases
-            limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
-            driver = OPTIMIZERS[arguments.optimizer](*limit)
+            driver = driver_of(arguments.optimizer, arguments.max_iterations)
             options = RunOptions(driver, recorder, progress, work_dir=arguments.out)
             robust = Robust(subject.goal, scenarios, workers, label_of(scenarios, nominal))
             problem = optimization_problem(subject.task, options, robust)
@@ -136,7 +136,7 @@ def nominal_design(subject: Subject, arguments, cache: AnalysisCache) -> tuple[n
     else:
         # otherwise optimise the nominal seal first
         with LoadStepProgress(subject.seal, "nominal optimisation, analysis") as progress:
-            driver = OPTIMIZERS[arguments.optimizer]()
+            driver = driver_of(arguments.optimizer, None)
             options = RunOptions(driver, recorded, progress, cache, arguments.out)
             numbers = not_interrupted(
                 optimize(optimization_problem(subject.nominal_task(options), options))

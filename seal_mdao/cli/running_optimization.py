@@ -55,9 +55,7 @@ def run_optimization(
     """
     cases = continued_file(arguments) if arguments.restart else recorder_file(arguments)
     with checked_arguments():
-        # no limit given: the driver's own
-        limit = () if arguments.max_iterations is None else (arguments.max_iterations,)
-        driver = OPTIMIZERS[optimizer](*limit)
+        driver = driver_of(optimizer, arguments.max_iterations)
     # report the time of one analysis
     announce(seal)
     with LoadStepProgress(seal) as progress:
@@ -72,6 +70,12 @@ def run_optimization(
     # from the file, so that the part recorded before a restart is included
     history = read_optimization(cases)
     return history, judged(numbers, history)
+
+
+def driver_of(optimizer: str, max_iterations: int | None):
+    """Make the driver of one of ``OPTIMIZERS``, with its own limit of iterations unless one is given."""
+    limit = () if max_iterations is None else (max_iterations,)
+    return OPTIMIZERS[optimizer](*limit)
 
 
 def optimize(problem: om.Problem) -> dict:

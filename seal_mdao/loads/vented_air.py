@@ -107,7 +107,8 @@ class VentedAir(TrappedAir):
             "closing_speed": ("mm/s", "Speed along the path of the profile."),
         }
         return super().scalars | {
-            f"{self.label}_{name}": Scalar(getattr(self, name), *told) for name, told in own.items()
+            f"{self.label}_{name}": Scalar(getattr(self, name), *about)
+            for name, about in own.items()
         }
 
     def with_ends(self, ends) -> "VentedAir":
@@ -161,10 +162,10 @@ class VentedAirTerm(TrappedAirTerm):
         # d ln kappa of coefficient, diameter, spacing and speed
         vents = definition.discharge_coefficient, definition.vent_diameter, definition.vent_spacing
         powers = {"discharge_coefficient": 1.0, "vent_diameter": 2.0, "vent_spacing": -1.0}
-        shares = dict(zip(powers, vents, strict=True)) | {"closing_speed": self.speed}
+        own = dict(zip(powers, vents, strict=True)) | {"closing_speed": self.speed}
         powers["closing_speed"] = -1.0
         self._by_logarithm = {
-            f"{self.label}_{name}": power / shares[name] if shares[name] else 0.0
+            f"{self.label}_{name}": power / own[name] if own[name] else 0.0
             for name, power in powers.items()
         }
 
@@ -236,8 +237,7 @@ class VentedAirTerm(TrappedAirTerm):
         area, nominal, before, exponent, logarithm = np.zeros((5, at_reference.stop))
         area[at_x], nominal[at_reference] = state.by_index.ravel(), self.by_reference.ravel()
         before[at_history.start + _MASS] = 1.0
-        names = [at_parameters.start + place for place in range(len(self.names))]
-        columns = dict(zip(self.names, names, strict=True))
+        columns = {name: at_parameters.start + i for i, name in enumerate(self.names)}
         exponent[columns[f"{self.label}_gamma"]] = 1.0
         for name, rate in self._by_logarithm.items():
             logarithm[columns[name]] = rate

@@ -10,6 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from seal_mdao import values
+from seal_mdao.geometry.polygon import from_sides
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.smooth_peaks import p_norm
 
@@ -120,10 +121,7 @@ class WallThickness(Measure):
         pairs = [_every_pair(*own) for wall in walls for own in (wall, wall[::-1])]
         points, sides = (np.concatenate(own) for own in zip(*pairs, strict=True))
         x, a, b = particles[points], particles[sides[:, 0]], particles[sides[:, 1]]
-        # closest point c = a + t (b - a),  t = (x - a) . (b - a) / |b - a|^2 within [0, 1]
-        side, reached = b - a, x - a
-        along = np.clip((reached * side).sum(axis=1) / (side**2).sum(axis=1), 0.0, 1.0)
-        across = reached - along[:, None] * side
+        along, across = from_sides(x, a, b)
         size = np.hypot(*across.T)
         if not size.all():
             raise ValueError(

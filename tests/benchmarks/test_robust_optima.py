@@ -3,7 +3,7 @@
 import pytest
 from robust_optima import fractions, run
 
-# of a symmetric seal the middle point neither sticks nor slips: the driver is told
+# of a symmetric seal the middle point is between stick and slip, which is a warning
 pytestmark = [
     pytest.mark.long, pytest.mark.filterwarnings("default::seal_mdao.errors.KinkWarning")
 ]  # fmt: skip

@@ -4,6 +4,7 @@ open."""
 import numpy as np
 
 import seal_mdao as sm
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body, Edge
@@ -18,6 +19,8 @@ from seal_mdao.measures.section_shape import CavityArea
 from seal_mdao.structure.elastic_body import elastic_body
 
 RAYS, LAYERS, INNER, OUTER = 24, 3, 4.0, 6.0
+WEIGHTS = np.array([1, -8, 8, -1]) / 12.0
+"""Of a central difference of fourth order at -2, -1, 1 and 2 steps."""
 
 
 def ring_particles():
@@ -37,6 +40,24 @@ def ring_body(solver="auto"):
     cells = np.column_stack([c.ravel() for c in corners])
     nominal = ring_particles()
     return Body(cells, np.full(at.size, 2.4), fixed, edges, nominal=nominal, solver=solver)
+
+
+def change_of_residual(result, rng) -> tuple:
+    """The factor of the last tangent, displacements (n,), and the change of the residual along them.
+
+    The step is 1e-3 of the penetration of points in contact, so that all stay as they are.
+    """
+    step, path = result.path.steps[-1], result.path
+    problem = PathProblem(path.discretization, result.seal.terms())
+    factor, layout = problem.factorize_at(step), path.discretization.layout
+    along = rng.standard_normal(layout.n_equations)
+    h, spread = 1e-6, layout.gather(along)
+
+    def residual(share):
+        d = step.d + share * h * spread
+        return problem.evaluate(d, step.fraction, step.before, tangent=False).residual
+
+    return factor, along, WEIGHTS @ [residual(s) for s in (-2, -1, 1, 2)] / h
 
 
 def air_ring(

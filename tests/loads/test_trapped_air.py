@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from air_ring import RAYS, air_ring, ring_body, ring_particles
+from air_ring import RAYS, air_ring, change_of_residual, ring_body, ring_particles
 
 import seal_mdao as sm
-from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.trapped_air import TrappedAir
 from seal_mdao.measures.reaction import Reaction
@@ -52,20 +51,9 @@ def test_a_sealed_ring_is_stiffer_than_an_open_one(squeezed):
 
 
 def test_the_tangent_is_the_derivative_of_the_residual(squeezed, rng):
-    """With the part of rank one, which is in the factor alone. The step is 1e-3 of the penetration of
-    points in contact, so that all stay as they are."""
-    step, path = squeezed.path.steps[-1], squeezed.path
-    problem = PathProblem(path.discretization, squeezed.seal.terms())
-    factor, layout = problem.factorize_at(step), path.discretization.layout
-    way = rng.standard_normal(layout.n_equations)
-    h, spread = 1e-6, layout.gather(way)
-
-    def residual(share):
-        d = step.d + share * h * spread
-        return problem.evaluate(d, step.fraction, step.before, tangent=False).residual
-
-    quotient = np.array([1, -8, 8, -1]) @ [residual(s) for s in (-2, -1, 1, 2)] / (12 * h)
-    np.testing.assert_allclose(factor.solve(quotient), way, rtol=0.0, atol=1e-6)
+    """With the part of rank one, which is in the factor alone."""
+    factor, along, quotient = change_of_residual(squeezed, rng)
+    np.testing.assert_allclose(factor.solve(quotient), along, rtol=0.0, atol=1e-6)
     transposed = factor.solve(quotient, True) @ quotient
     np.testing.assert_allclose(transposed, quotient @ factor.solve(quotient), rtol=1e-9)
 

@@ -145,7 +145,7 @@ def test_ctrl_c_in_the_optimisation_begins_no_samples(run_script, tmp_path, monk
     nominal.write_text(json.dumps({"boundary_offsets": [0.0] * 25, "door_radius": 4.0}))
     ended = {"success": False, "message": f"{INTERRUPTED}the best point is kept"}
     monkeypatch.setattr(robust_command, "optimize", lambda problem: ended)
-    monkeypatch.setattr(robust_command, "read_optimization", lambda cases: pytest.fail("goes on"))
+    monkeypatch.setattr(robust_command, "read_optimization", lambda cases: pytest.fail("continues"))
     quick = ("--nominal", nominal, "--scenarios", 3, "--samples", 6, *QUICK)
     assert run_script("robust", tmp_path / "out", *quick) == (130, None)
     assert "interrupted" in capsys.readouterr().err

@@ -158,7 +158,7 @@ class PressedElements:
         self.places = places[:, self.kept]
 
     def contact(self, x, pose, direction):
-        """Forces, tangents, the new history, and how many points were made to stick."""
+        """Forces, tangents, the new history, and how many points were forced to stick."""
         k = len(self.where.length)
         force, tangent, gap = np.empty((k, 2)), np.empty((k, 2, 2)), np.empty(k)
         state, kept = np.empty(k, np.int64), np.empty((k, 3))

@@ -8,13 +8,13 @@ from pydantic import WrapValidator, model_validator
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.loads.moved_edges import MovedEdges
 from seal_mdao.seals.file.forms import Name, Names, many, one_of
-from seal_mdao.seals.file.profile_table import Place, StageTable, made_stage
+from seal_mdao.seals.file.profile_table import Place, Staged, StageTable, made_stage
 from seal_mdao.seals.file.schema import Table, key, rows, table
 from seal_mdao.seals.outline.section_body import SectionBody
 
 
 @table
-class MovedTable(Table):
+class MovedTable(Staged, Table):
     """Edges whose displacements are prescribed along the path."""
 
     edges: Names = key("edges that are moved")
@@ -58,16 +58,6 @@ class MovedTable(Table):
     def components(self) -> tuple:
         """Prescribed components: 0 for x, 1 for y."""
         return tuple(sorted(set(map("xy".index, self.directions))))
-
-    @property
-    def n_steps(self) -> int:
-        """Load steps of all stages."""
-        return sum(stage.n_steps for stage in self.stages)
-
-    @property
-    def travel(self) -> float:
-        """Length of the path, mm; rotation is no travel."""
-        return float(sum(np.hypot(*stage.translate) for stage in self.stages))
 
     def on(self, section: SectionBody) -> MovedEdges:
         """Bind the motion to the particles of the edges."""

@@ -41,6 +41,20 @@ class StageTable(Table):
     steps: Steps | None = key("load steps; chosen where no stage has any", None)
 
 
+class Staged:
+    """A table with the stages of a motion, ``stages``."""
+
+    @property
+    def n_steps(self) -> int:
+        """Load steps of all stages."""
+        return sum(stage.n_steps for stage in self.stages)
+
+    @property
+    def travel(self) -> float:
+        """Length of the path, mm; rotation is no travel."""
+        return float(sum(np.hypot(*stage.translate) for stage in self.stages))
+
+
 def made_stage(given, read) -> Stage:
     """Make the ``Stage`` of a table; one that has been read is returned."""
     if isinstance(given, Stage):
@@ -74,7 +88,7 @@ def _extension(name: str, made: type) -> type[ShapeTable]:
 
 
 @table(kw_only=True)
-class ProfileTable(SegmentTable):
+class ProfileTable(Staged, SegmentTable):
     """A rigid body; it lies on the left of its curve when the curve is walked, in its own frame."""
 
     name: Name = key("put before the names of its parameters: door_friction")
@@ -127,16 +141,6 @@ class ProfileTable(SegmentTable):
     def closed(self) -> bool:
         """Whether the curve is closed."""
         return _joined(self.segments)
-
-    @property
-    def n_steps(self) -> int:
-        """Load steps of all stages."""
-        return sum(stage.n_steps for stage in self.stages)
-
-    @property
-    def travel(self) -> float:
-        """Length of its path, mm; rotation is no travel."""
-        return float(sum(np.hypot(*stage.translate) for stage in self.stages))
 
     @property
     def turns(self) -> bool:

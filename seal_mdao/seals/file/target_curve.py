@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.input_files import read_text
+from seal_mdao.input_files import filled_lines
 
 COLUMNS = ("travel_mm", "force")
 MOST_READINGS = 1000
@@ -27,22 +27,14 @@ def read_target(path: Path) -> tuple[tuple, tuple]:
     SealFileError
         In one line: file, line, what is wrong. What is in a file of another kind is not quoted.
     """
-    try:
-        lines = read_text(path, "utf-8-sig").splitlines()
-    except OSError as error:
-        raise SealFileError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise SealFileError(f"{path}: is not a text file in UTF-8") from None
-    # lines with their numbers, without empty ones and comments
     filled = [
-        (number, [cell.strip() for cell in line.split(",")])
-        for number, line in enumerate(lines, 1)
-        if line.strip().strip(",") and not line.lstrip().startswith("#")
+        (where, [cell.strip() for cell in line.split(",")])
+        for where, line in filled_lines(path, SealFileError)
     ]
     if not filled or sorted(filled[0][1]) != sorted(COLUMNS):
         raise SealFileError(f"{path}: the first line must be the columns {','.join(COLUMNS)}")
     columns = filled[0][1]
-    rows = [_reading(f"{path}, line {number}", cells) for number, cells in filled[1:]]
+    rows = [_reading(*own) for own in filled[1:]]
     if not 1 <= len(rows) <= MOST_READINGS:
         raise SealFileError(f"{path}: {len(rows)} readings; it needs 1 to {MOST_READINGS}")
     found = dict(zip(columns, zip(*rows, strict=True), strict=True))

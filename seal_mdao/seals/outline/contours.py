@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import shapely
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.arcs import Arc, Circle
@@ -157,6 +158,13 @@ class Outline:
             (outer, *(h for i, h in enumerate(self.holes, 1) if contours[around[i]] is outer))
             for outer in (self.outer, *self.others)
         )
+
+    def shape(self, sagitta: float):
+        """Return the section as a shapely geometry whose sides are within ``sagitta`` (mm) of it."""
+        return shapely.union_all([
+            shapely.Polygon(own[0].polyline(sagitta)[0], [c.polyline(sagitta)[0] for c in own[1:]])
+            for own in self.bodies
+        ])  # fmt: skip
 
     def redrawn(self, contours) -> "Outline":
         """Return a section with other contours, in the order of ``contours``."""

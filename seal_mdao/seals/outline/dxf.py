@@ -96,7 +96,7 @@ def read_drawing(path, units: str | None = None, parting=(), ignore=()) -> Drawi
         scale = MODEL_UNITS[_units(document, units)]
         _check_layers(document, parting=parting, ignore=ignore)
         found = sorted_entities(document, ignore)
-        # edges and parting lines are told apart by their layers
+        # layers distinguish edges from parting lines
         between = {name.casefold() for name in parting}
         divides = [own.layer.casefold() in between for own in found.geometry]
         boundary = [own for own, line in zip(found.geometry, divides, strict=True) if not line]

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from seal_mdao.geometry.polygon import from_sides
 from seal_mdao.seals.outline.boundary_path import SAME, BoundaryPath, MirrorPlane
 from seal_mdao.seals.outline.segments import pair
 
@@ -162,8 +163,8 @@ def _folded(part: _Part, own) -> np.ndarray:
         raise ValueError(f"design: the ends of the edge {part.name!r} are not held alike")
     # j <-> n - 1 - j of an open part, j <-> -j of a loop whose first B-spline is in the plane
     image = -np.arange(count) % count if part.loop else np.arange(count)[::-1]
-    kept = np.flatnonzero(np.arange(count) <= image)
-    return np.array([own[j] if image[j] == j else own[j] + own[image[j]] for j in kept])
+    first = np.flatnonzero(np.arange(count) <= image)
+    return np.array([own[j] if image[j] == j else own[j] + own[image[j]] for j in first])
 
 
 def _basis(part: _Part, path: BoundaryPath, count: int, along=None) -> np.ndarray:
@@ -244,10 +245,9 @@ def _across(sampled, offsets: dict, names, across) -> dict:
     first, last, a, b = map(np.concatenate, (first, last, a, b))
     found = {}
     for name in across:
-        # fraction t = (p - a) . (b - a) / |b - a|^2 of the nearest point on every side
-        to, along = sampled.points[sampled.indices(name)][:, None] - a, b - a
-        t = np.clip((to * along).sum(axis=2) / (along**2).sum(axis=1), 0.0, 1.0)
-        nearest = np.hypot(*np.moveaxis(to - t[..., None] * along, -1, 0)).argmin(axis=1)
+        # the nearest side of every point, and where on it
+        t, away = from_sides(sampled.points[sampled.indices(name)][:, None], a, b)
+        nearest = np.hypot(*np.moveaxis(away, -1, 0)).argmin(axis=1)
         t = t[np.arange(len(t)), nearest, None]
         own = ((1.0 - t) * first[nearest] + t * last[nearest]).T
         # an end where the next edge stays must not move

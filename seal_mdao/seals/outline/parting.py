@@ -72,7 +72,7 @@ def _chains(segments, names) -> list[tuple]:
             here, forward = end // 2, end % 2 == 0
             left.remove(here)
             chain.append(segments[here] if forward else segments[here].reversed())
-            # the other end of the segment, and the segment that goes on from there
+            # the other end of the segment, and the segment that continues from there
             far = 2 * here + int(forward)
             end = next((other for other in at[node[far]] if other != far), None)
         if chain:
@@ -123,12 +123,9 @@ def _attached(outline: Outline, point, which) -> tuple[Outline, np.ndarray]:
 
 def _check_inside(outline: Outline, line, which) -> None:
     """Refuse a line that leaves the section between its ends."""
-    shape = shapely.union_all([
-        shapely.Polygon(own[0].polyline(FOLLOWED)[0], [c.polyline(FOLLOWED)[0] for c in own[1:]])
-        for own in outline.bodies
-    ])  # fmt: skip
     # boundaries are followed within FOLLOWED, so is the line
-    outside = shapely.LineString(line).difference(shape.buffer(2.0 * FOLLOWED))
+    shape = outline.shape(FOLLOWED).buffer(2.0 * FOLLOWED)
+    outside = shapely.LineString(line).difference(shape)
     if outside.length > ROUNDING:
         raise GeometryError(
             f"{which}: the parting line leaves the section near "

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from seal_mdao.geometry.polygon import from_sides
 from seal_mdao.seals.outline.boundary_path import BoundaryPath, Stretch, stretches
 from seal_mdao.seals.outline.segments import pair
 
@@ -102,9 +103,8 @@ class SampledBoundary:
             for number, piece in enumerate(self.pieces(loop)):
                 a = self.points[self.starts[loop] + piece]
                 # distance from the straight sides of the segment
-                to, along = np.asarray(point, float) - a[:-1], np.diff(a, axis=0)
-                t = np.clip((to * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
-                found.append((np.hypot(*(to - t[:, None] * along).T).min(), loop, number))
+                across = from_sides(np.asarray(point, float), a[:-1], a[1:])[1]
+                found.append((np.hypot(*across.T).min(), loop, number))
         away, loop, number = min(found)
         piece = self.points[self.starts[loop] + self.pieces(loop)[number]]
         if away > np.hypot(*np.diff(piece, axis=0).T).max():
