@@ -1,4 +1,4 @@
-"""Robust optima of two examples with tolerances in their files, tried on fresh samples.
+"""Robust optima of three examples with tolerances in their files, tried on fresh samples.
 
 python tests/benchmarks/robust_optima.py OUT [--samples 1000] [--scenarios 16] [--workers 1] [NAME ...]
 
@@ -16,11 +16,11 @@ from seal_mdao.cli.subcommands import main as command
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TOLERANCES = """
-[tolerance.vary.door_y]
+[tolerance.vary.{profile}_y]
 distribution = "normal"
 mean = 0.0
 std = 0.3333
-[tolerance.vary.door_friction]
+[tolerance.vary.{profile}_friction]
 distribution = "uniform"
 low = 0.15
 high = 0.35
@@ -36,6 +36,7 @@ high = 1.21
 
 CHANGES = {
     "d_bulb": (
+        "door",
         '["bulb_c10", "bulb_c01", "foot_c10", "foot_c01"]',
         {
             "spacing = 0.9": "spacing = 1.4",
@@ -44,6 +45,7 @@ CHANGES = {
         },
     ),
     "sealed_bulb": (
+        "door",
         '["c10", "c01"]',
         {
             "spacing = 0.9": "spacing = 1.4",
@@ -51,19 +53,32 @@ CHANGES = {
             "lower = 60.0": "lower = 200.0",
         },
     ),
+    "car_door_seal": (
+        "flange",
+        '["bulb_mu_1"]',
+        {
+            # read where it is
+            'dxf = "car': f'dxf = "{EXAMPLES.as_posix()}/car',
+            "spacing = 0.9": "spacing = 1.2",
+            "-5.79555495773441]": "-5.79555495773441]\nsteps = 20",
+            "lower = 4.5\nupper = 6.0": "lower = 3.5\nupper = 6.5",
+            "upper = 280.0": "upper = 400.0",
+        },
+    ),
 }
-"""Constants that hardness multiplies, and what is changed in the text of an example."""
+"""Profile, constants that hardness multiplies, and what is changed in the text of an example."""
 
 
 def written(name: str, folder: Path) -> Path:
     """Write an example with its changes and tolerances into a folder."""
-    constants, changes = CHANGES[name]
+    profile, constants, changes = CHANGES[name]
     text = (EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")
     for old, new in changes.items():
         assert text.count(old) == 1, (name, old)
         text = text.replace(old, new)
     path = folder / f"{name}.toml"
-    path.write_text(text + TOLERANCES.format(constants=constants), encoding="utf-8")
+    own = TOLERANCES.format(profile=profile, constants=constants)
+    path.write_text(text + own, encoding="utf-8")
     return path
 
 
