@@ -16,7 +16,7 @@ import numpy as np
 from seal_mdao.analysis.critical_points import critical_mode, follows_stable, leave, limit_point
 from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.increment import Increment, Solution
-from seal_mdao.analysis.jumps import released_energy
+from seal_mdao.analysis.jumps import jumped, released_energy
 from seal_mdao.analysis.newton import newton
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.predictor import closest, predict
@@ -43,7 +43,8 @@ def beyond(increment: Increment, failed: Solution, guess: np.ndarray, end: float
     Returns
     -------
     Solution
-    CriticalPoint
+    CriticalPoint or None
+        None under friction where the path goes on without a jump.
     target : float
         Path parameter of that equilibrium.
     """
@@ -82,7 +83,11 @@ def _at_the_end(increment: Increment):
     )
     guess = closest(increment, euler)
     found = _damped_equilibrium(increment, guess)
-    point = _point(increment, found, mode)
+    # iterations that cycle between stick and slip fail without a limit point: equilibrium goes on
+    # where the predictor says, and no energy is released
+    symmetric = increment.problem.symmetric
+    lost = found.converged and (symmetric or jumped(increment, found.assembly, guess))
+    point = _point(increment, found, mode) if lost else None
     # damped motion may end on an unstable equilibrium, a saddle: leave that along its mode
     if found.converged and follows_stable(increment) and not found.factor.positive:
         left, point = leave(increment, guess, found)

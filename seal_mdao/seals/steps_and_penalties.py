@@ -169,8 +169,8 @@ def choose(
     # given steps: raise the penalties alone
     if step_tolerance is None:
         chosen, ends, error = seal, np.arange(1.0, seal.n_steps + 1.0), None
-        for group in _groups(seal, names):
-            chosen, result = _with_penalties(chosen, result, group, penalty_tolerance, run)
+        if names:
+            chosen, result = _with_penalties(seal, result, names, penalty_tolerance, run)
     else:
         # refine steps and raise penalties together
         ends, result, error = _with_steps(
@@ -243,7 +243,8 @@ def _with_penalties(seal: Seal, result: SealResult, names, tolerance: float | No
     """Raise ``names`` until their error is within the tolerance; return the seal, in its own steps, and
     its path. ``result`` is a coarse path.
 
-    Ends early where higher penalties cost too much (``_too_costly``) or are bounded by rounding.
+    Ends early where higher penalties cost too much (``_too_costly``) or are bounded by rounding. Groups
+    that were raised together are then raised one after the other.
     """
     for _ in range(CORRECTIONS):
         raised = _raised(result, names, tolerance)
@@ -251,8 +252,11 @@ def _with_penalties(seal: Seal, result: SealResult, names, tolerance: float | No
             break
         stiffer = _own(seal.with_parameters(raised))
         again = run(stiffer, None, 0)
-        # the penalties before remain
         if _too_costly(again, result):
+            # the penalties before remain, of one group alone where that is enough
+            groups = [group for group in _groups(seal, names) if group & raised.keys()]
+            for group in groups if len(groups) > 1 else ():
+                seal, result = _with_penalties(seal, result, group, tolerance, run)
             break
         seal, result = stiffer, again
     return seal, result

@@ -61,6 +61,11 @@ def test_damped_motion_completes_the_path(sliding, stuck):
     assert moved < 0.2
 
 
+def test_a_point_that_begins_to_slide_is_no_limit_point(sliding):
+    """Newton's method fails there, but the path goes on where the tangent says."""
+    assert sliding.critical_points == ()
+
+
 def test_what_it_finds_is_equilibrium(sliding, stuck, model):
     path = sliding.path
     problem = PathProblem(path.discretization, sliding.seal.terms())

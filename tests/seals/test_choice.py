@@ -176,3 +176,44 @@ def test_a_choice_resumes_after_the_steps_that_it_does_not_divide(monkeypatch):
     assert max(resumed) > 0
     # the ends that were divided last come after those that were taken
     assert found.ends[resumed[-1] - 1] < found.ends[-1]
+
+
+def _raise_groups(monkeypatch, too_costly):
+    """Raise two groups that err by a factor of 4 until ``too_costly`` (seal) stops it.
+
+    Returns the chosen penalties and the penalties of every path; a seal is its penalties here.
+    """
+    paths, groups = [], [frozenset({"rigid"}), frozenset({"itself"})]
+
+    class Penalties(dict):
+        def with_parameters(self, raised):
+            return Penalties(self | raised)
+
+    def run(seal, ends, more):
+        paths.append(dict(seal))
+        return seal
+
+    replaced = {
+        "_groups": lambda seal, names: [group for group in groups if group <= set(names)],
+        "_raised": lambda seal, names, tolerance: {name: 4.0 for name in names if seal[name] < 4.0},
+        "_too_costly": lambda result, before: too_costly(result),
+        "_own": lambda seal: seal,
+    }
+    for name, function in replaced.items():
+        monkeypatch.setattr(steps_and_penalties, name, function)
+    seal = Penalties(rigid=1.0, itself=1.0)
+    found, _ = steps_and_penalties._with_penalties(seal, seal, frozenset(seal), 1.0, run)
+    return dict(found), paths
+
+
+def test_penalties_of_rigid_contacts_and_self_contact_are_raised_in_one_path(monkeypatch):
+    found, paths = _raise_groups(monkeypatch, lambda seal: False)
+    assert found == {"rigid": 4.0, "itself": 4.0}
+    assert paths == [found]
+
+
+def test_penalties_that_converge_badly_do_not_keep_back_the_others(monkeypatch):
+    found, _ = _raise_groups(monkeypatch, lambda seal: seal["itself"] > 1.0)
+    assert found == {"rigid": 4.0, "itself": 1.0}
+    found, _ = _raise_groups(monkeypatch, lambda seal: seal["rigid"] > 1.0)
+    assert found == {"rigid": 1.0, "itself": 4.0}
