@@ -7,6 +7,7 @@ import numpy as np
 
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import boundary_peaks
+from seal_mdao.measures.singular_points import away_from_singular
 from seal_mdao.measures.smooth_peaks import NORM_ORDER, p_norm
 from seal_mdao.structure.particle_stress import particle_stress
 from seal_mdao.values import real
@@ -112,28 +113,39 @@ class LargestVonMises(Measure):
     ----------
     excess : float
         Bound on the relative excess: with a smaller one the derivatives change faster with the design.
+    away_from_singular : float
+        Distance from the singular points of the nominal section (``measures.singular_points``) within
+        which points are left out, mm; 0 for the complete section.
 
     Raises
     ------
     ValueError
-        For an excess that is not between 0 and 1.
+        For an excess that is not between 0 and 1, or a negative distance.
     """
 
     excess: float = EXCESS
+    away_from_singular: float = 0.0
     name: str = "largest_von_mises"
     units = "kPa"
     text = "Largest von Mises stress of the section, a smooth upper bound."
 
     def __post_init__(self):
         real(f"excess of {self.name!r}", self.excess, above=0.0, high=1.0)
+        real(f"away_from_singular of {self.name!r}", self.away_from_singular, low=0.0)
 
     def order(self, n_points: int) -> int:
         """Compute the order p of the norm over a number of points."""
         # n^(1/p) <= 1 + excess  =>  p >= ln n / ln(1 + excess)
         return max(2, ceil(log(n_points) / log1p(self.excess)))
 
-    def evaluate(self, result, partials):
+    def points(self, seal) -> np.ndarray:
+        """Find the points of ``Body.samples`` that take part; ValueError where none is left."""
         # particles, midpoints of sides, centres of cells
-        points = np.arange(len(result.seal.body.samples.anchors))
+        if self.away_from_singular == 0.0:
+            return np.arange(len(seal.body.samples.anchors))
+        return away_from_singular(seal, self.away_from_singular)
+
+    def evaluate(self, result, partials):
+        points = self.points(result.seal)
         order, on_gradient = self.order(points.size), partials.section_gradient()[0]
         return _stress_norm(result, points, order, partials, on_gradient)

@@ -187,6 +187,23 @@ def is_triangle(cells: np.ndarray) -> np.ndarray:
     return (cells == np.roll(cells, -1, axis=1)).any(axis=1)
 
 
+def sides_of(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sides of the cells by the particles at their ends.
+
+    Returns
+    -------
+    outer : ndarray of int, shape (m, 2)
+        Those of one cell only, the boundary, with the body on the left.
+    inner : ndarray of int, shape (k, 2)
+    """
+    pairs = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    _, first, count = np.unique(
+        np.sort(pairs, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    return pairs[first[count == 1]], pairs[first[count > 1]]
+
+
 def cell_map(cells: np.ndarray, n_gauss=2) -> CellMap:
     """Build the map of ``cells`` with ``n_gauss`` Gauss points in each direction.
 

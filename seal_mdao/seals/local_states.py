@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from seal_mdao.seals.samples import Samples, sides_of
+from seal_mdao.measures.singular_points import singular_points
+from seal_mdao.seals.samples import Samples
 from seal_mdao.structure.particle_stress import particle_stress
 
 LARGEST_STRETCH = 8.0
@@ -18,8 +19,6 @@ LARGEST_STRESS = 100.0
 """Von Mises stress over the shear modulus that no rubber has."""
 ABOVE_NEIGHBOURS = 5.0
 """Ratio of such a stress to the median around it above which it is that of a single point."""
-REENTRANT = np.pi / 4.0
-"""Angle by which a boundary turns into the body at a re-entrant corner, at the least."""
 NEAR = 2.0
 """Distance from a singular point, in spacings there, within which a stress is that of the point."""
 CURE = "round the corner, refine the particles there (spacing, layers), or use less travel"
@@ -70,35 +69,6 @@ def largest_stretch(samples: Samples) -> Largest:
 
 def _where(point) -> str:
     return f"where x = {point[0]:.3g}, y = {point[1]:.3g} undeformed"
-
-
-class SingularPoint(NamedTuple):
-    """A point of the boundary at which the stress of the exact solution is infinite."""
-
-    place: np.ndarray
-    spacing: float
-    kind: str
-
-
-def singular_points(body, particles: np.ndarray) -> list[SingularPoint]:
-    """Find re-entrant corners and the ends of fixed edges of a body with these particles (n, 2)."""
-    outer = sides_of(body.cells)[0]
-    following, before = dict(outer.tolist()), dict(outer[:, ::-1].tolist())
-    fixed, found = body.fixed.all(axis=1), []
-    for point, after in following.items():
-        last = before[point]
-        one, other = particles[point] - particles[last], particles[after] - particles[point]
-        # turn of the boundary, negative towards the body, which lies on the left
-        turn = np.arctan2(one[0] * other[1] - one[1] * other[0], one @ other)
-        kind = ""
-        if fixed[point] and not (fixed[last] and fixed[after]):
-            kind = "the end of a fixed edge"
-        elif turn < -REENTRANT and not fixed[point]:
-            kind = "a re-entrant corner"
-        if kind:
-            size = max(np.linalg.norm(one), np.linalg.norm(other))
-            found.append(SingularPoint(particles[point], float(size), kind))
-    return found
 
 
 class StressPeak(NamedTuple):

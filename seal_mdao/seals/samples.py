@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from seal_mdao.analysis.path_result import PathResult
+from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import build_table
 from seal_mdao.structure.particle_stress import deformation_gradients
@@ -13,23 +14,6 @@ from seal_mdao.terms.point_assembly import interpolate
 
 SHARES = (0.25, 0.5, 0.75)
 """Where the sides of the boundary are looked at between their ends."""
-
-
-def sides_of(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Sides of the cells by the particles at their ends.
-
-    Returns
-    -------
-    outer : ndarray of int, shape (m, 2)
-        Those of one cell only, the boundary, with the body on the left.
-    inner : ndarray of int, shape (k, 2)
-    """
-    pairs = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
-    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
-    _, first, count = np.unique(
-        np.sort(pairs, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    return pairs[first[count == 1]], pairs[first[count > 1]]
 
 
 @dataclass(frozen=True, eq=False)

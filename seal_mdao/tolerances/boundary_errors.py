@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao import values
-from seal_mdao.seals.samples import sides_of
+from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.seals.seal import Seal
 
 

@@ -110,14 +110,14 @@ BAD = {
     ),
     "an edge on two contours": (
         lambda: bulb(circle((0.0, 7.0), 2.0, "seal")),
-        "the edge 'seal' is on the outer contour and again on hole 1",
+        "the edge 'seal' is on the outer contour and on hole 1",
     ),
     "an edge in two places": (
         lambda: Outline(Contour([
             s.named(name)
             for s, name in zip(lines(SQUARE).segments, ["a", "b", "a", "c"], strict=True)
         ])),
-        "the edge 'a' is on the outer contour and again on the outer contour",
+        "the edge 'a' is in two stretches on the outer contour; an edge is one",
     ),
 }  # fmt: skip
 

@@ -99,6 +99,51 @@ def test_walls_with_fewer_than_five_layers_are_reported(tmp_path):
     (text,) = sm.analyze(few).warnings
     assert "mm thick and has about 3 layers of particles across, fewer than 5" in text
     assert "layers = 5 of [section]" in text
+    assert "stresses 20 % and more too small" in text
+    assert "layers = 9" in text
+
+
+PAD = """
+[material.rubber]
+law = "mooney_rivlin"
+c10 = 200.0
+c01 = 50.0
+bulk_modulus = 250000.0
+[section]
+material = "rubber"
+spacing = 2.9
+layers = 3
+outer = [
+  { edge = "base", line = [[-10.0, 0.0], [10.0, 0.0]] },
+  { edge = "right", line = [[10.0, 0.0], [10.0, 4.0]] },
+  { edge = "seal", arc = { start = [10.0, 4.0], through = [0.0, 6.0], end = [-10.0, 4.0] } },
+  { edge = "left", line = [[-10.0, 4.0], [-10.0, 0.0]] },
+]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "plate"
+friction = 0.2
+contact = ["seal"]
+line = [[-40.0, 0.0], [40.0, 0.0]]
+start = [0.0, 6.0]
+stage = [{ translate = [0.0, -1.2], steps = 20 }]
+"""
+
+
+def test_stress_in_a_pad_by_its_layers(tmp_path):
+    """The figures of the page on accuracy: largest stress in the middle of a pad of 20 x 6 mm."""
+    force, stress = {}, {}
+    for layers in (3, 5, 9):
+        text = PAD.replace("layers = 3", f"layers = {layers}")
+        result = sm.analyze(build_seal(read(tmp_path, text)))
+        places, values = result.section_stress()
+        nearest = np.hypot(*(places - [0.0, 3.0]).T).argmin()
+        force[layers], stress[layers] = result.reaction[-1, 1], values[nearest]
+        assert bool(result.seal.warnings) == (layers == 3)
+    assert force[3] == pytest.approx(force[9], rel=0.01)
+    assert stress[3] / stress[9] - 1.0 == pytest.approx(-0.23, abs=0.01)
+    assert stress[5] == pytest.approx(stress[9], rel=0.05)
 
 
 def test_gradients_against_central_differences(pressed):

@@ -9,8 +9,9 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.seals.checks import crossings, findings
-from seal_mdao.seals.samples import Samples, sides_of
+from seal_mdao.seals.samples import Samples
 
 
 @pytest.fixture(scope="module")

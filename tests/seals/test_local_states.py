@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.measures.singular_points import singular_points
 from seal_mdao.seals import local_states
-from seal_mdao.seals.local_states import meaningless_states, singular_points, stress_peak
+from seal_mdao.seals.local_states import meaningless_states, stress_peak
 from seal_mdao.seals.samples import Samples
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.errors import SealFileError
+from seal_mdao.measures.stress import LargestVonMises
 from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import measure_of
@@ -118,7 +119,7 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
     _check_places(file, seal)
-    return replace(seal, standard=tuple(_measures(file, seal.nominal_particles)))
+    return replace(seal, standard=tuple(_measures(file, seal)))
 
 
 def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> OutlineSeal:
@@ -133,11 +134,15 @@ def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> Outli
     return replace(seal, definitions=seal.terms(), changed={})
 
 
-def _measures(file: SealFile, particles):
+def _measures(file: SealFile, seal: OutlineSeal):
     """Make the measures of the file; those of extensions may refuse their keys."""
     for number, entry in enumerate(file.measures, 1):
         try:
-            yield measure_of(entry, particles)
+            measure = measure_of(entry, seal.nominal_particles)
+            if isinstance(measure, LargestVonMises):
+                # refuses a distance from singular points beyond which nothing is left
+                measure.points(seal)
+            yield measure
         except ValueError as error:
             where = f"{file.path}: [[measure]] {number} ({entry.name!r})"
             raise SealFileError(f"{where}: {error}") from error

@@ -215,6 +215,11 @@ class VonMisesTable(MeasureTable):
         "largest relative amount by which the bound is above the largest stress; 0.05 unless given",
         None,
     )
+    away_from_singular: number("mm", above=0.0) | None = key(
+        "leaves out what is nearer than this to the end of a fixed edge or to a sharp re-entrant "
+        "corner, where the exact stress is infinite",
+        None,
+    )
     at: Sites | None = key("points: the stress of the nearest particles", None)
     count: whole(1, 1000) | None = key(
         "number of the largest maxima along the boundary of the nominal seal", None
@@ -226,11 +231,12 @@ class VonMisesTable(MeasureTable):
         # places are given by points or by a number of maxima; the excess is that of the smooth maximum
         if self.at is not None and self.count is not None:
             raise ValueError("at beside count; use one of them")
-        if self.excess is not None and not self.single:
-            raise ValueError(
-                "excess belongs to the maximum of the complete section; leave it out beside at, count "
-                "or places"
-            )
+        for name in ("excess", "away_from_singular"):
+            if getattr(self, name) is not None and not self.single:
+                raise ValueError(
+                    f"{name} belongs to the maximum of the complete section; leave it out beside at, "
+                    "count or places"
+                )
         return self
 
     @property
@@ -241,7 +247,8 @@ class VonMisesTable(MeasureTable):
     def measure(self, particles):
         # a smooth maximum of the section, or the stress at particles
         if self.single:
-            return LargestVonMises() if self.excess is None else LargestVonMises(self.excess)
+            given = {"excess": self.excess, "away_from_singular": self.away_from_singular}
+            return LargestVonMises(**{name: own for name, own in given.items() if own is not None})
         # particles by number, nearest to points, or at the largest maxima of the nominal seal
         places = self.places
         if places is None and self.at is not None:

@@ -227,8 +227,13 @@ class Outline:
             starts = [name for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
             for name in starts:
                 if name in seen:
+                    places = (
+                        f"in two stretches on {where}"
+                        if seen[name] == where
+                        else f"on {seen[name]} and on {where}"
+                    )
                     raise GeometryError(
-                        f"the edge {name!r} is on {seen[name]} and again on {where}; an edge is one "
-                        "unbroken stretch: give the second one a name of its own"
+                        f"the edge {name!r} is {places}; an edge is one unbroken stretch: give the "
+                        "second one a name of its own (in a drawing, a layer of its own)"
                     )
                 seen[name] = where

@@ -84,7 +84,9 @@ class OutlineSeal(Seal):
         return (
             f"the wall near x = {x:.3g}, y = {y:.3g} is {wall.thickness:.3g} mm thick and has about "
             f"{wall.layers} layers of particles across, fewer than {ENOUGH}: forces may be 10 % and "
-            f"more too large; use more (layers = {ENOUGH} of [section]) or a smaller spacing",
+            f"more too large, and stresses 20 % and more too small; use more (layers = {ENOUGH} of "
+            f"[section]) or a smaller spacing, and where stress matters twice as many cells across "
+            f"(layers = {2 * ENOUGH - 1}) to see what still changes",
         )
 
     @property

@@ -1,0 +1,94 @@
+"""The largest stress away from the ends of fixed edges: which points take part, and derivatives."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.measures.singular_points import away_from_singular
+from seal_mdao.measures.stress import LargestVonMises
+
+BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()
+for old, new in (
+    ("spacing = 0.9", "spacing = 1.6"), ("[0.0, -6.0]", "[0.0, -2.2]"), ("steps = 60", "steps = 8"),
+    ("[2.0, 0.0]", "[0.3, 0.0]"), ("steps = 20", "steps = 2"), ("parameters = 12", "parameters = 4"),
+):  # fmt: skip
+    assert old in BULB
+    BULB = BULB.replace(old, new)
+DISTANCE = 1.5
+MEASURES = """
+[[measure]]
+type = "von_mises"
+[[measure]]
+type = "von_mises"
+name = "elsewhere"
+away_from_singular = 1.5
+"""
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    path = tmp_path_factory.mktemp("bulb") / "bulb.toml"
+    path.write_text(BULB + MEASURES)
+    found = sm.analyze(sm.build_seal(path), keep_factors=True)
+    found.require_converged()
+    return found
+
+
+def value(result, name):
+    (measure,) = (own for own in result.seal.standard if own.name == name)
+    return result.value(measure)[0]
+
+
+def test_only_stress_away_from_the_ends_of_the_base_counts(result):
+    """The corners of the base are at x = -4 and 4 mm, y = 0."""
+    places, stress = result.section_stress()
+    away = np.hypot(np.abs(places[:, 0]) - 4.0, places[:, 1])
+    assert stress[away <= DISTANCE].max() > 1.1 * stress[away > DISTANCE].max()
+    largest = stress[away > DISTANCE].max()
+    assert largest <= value(result, "elsewhere") <= 1.05 * largest
+    assert value(result, "von_mises") >= stress.max()
+    (measure,) = (own for own in result.seal.standard if own.name == "elsewhere")
+    assert measure.points(result.seal).tolist() == np.flatnonzero(away > DISTANCE).tolist()
+
+
+def test_the_points_are_those_of_the_nominal_section(result):
+    """A design moves particles, and the same take part."""
+    seal = result.seal
+    offsets = np.full(seal.n_offsets, 0.3)
+    moved = sm.analyze(seal, offsets)
+    assert np.abs(moved.particles - result.particles).max() > 0.1
+    (measure,) = (own for own in seal.standard if own.name == "elsewhere")
+    assert (measure.points(moved.seal) == measure.points(seal)).all()
+
+
+def test_derivatives(result):
+    """Direct and adjoint, and central differences whose step is varied."""
+    seal = result.seal
+    direct = sm.differentiate(result, ("c10",), method="direct")["elsewhere"]
+    adjoint = sm.differentiate(result, ("c10",), method="adjoint")["elsewhere"]
+    np.testing.assert_allclose(direct, adjoint, rtol=0.0, atol=1e-9 * np.abs(direct).max())
+    direction = np.linspace(1.0, -0.5, seal.n_offsets)
+    exact = direct[0, : seal.n_offsets] @ direction
+    errors = []
+    for step in (4e-3, 2e-3, 1e-3):
+        ends = [value(sm.analyze(seal, way * step * direction), "elsewhere") for way in (1.0, -1.0)]
+        errors.append(abs((ends[0] - ends[1]) / (2.0 * step) - exact) / abs(exact))
+    # the error falls with the square of the step
+    assert errors[-1] < 1e-5
+    assert errors[-1] < 0.5 * errors[0]
+
+
+def test_a_distance_that_leaves_nothing_is_refused(result, tmp_path):
+    with pytest.raises(ValueError, match="the farthest one is 1"):
+        away_from_singular(result.seal, 50.0)
+    path = tmp_path / "bulb.toml"
+    path.write_text(BULB + MEASURES.replace("1.5", "50.0"))
+    with pytest.raises(sm.SealFileError, match=r"\('elsewhere'\): no point of the section is"):
+        sm.build_seal(path)
+
+
+def test_wrong_distance():
+    with pytest.raises(ValueError, match="away_from_singular of 'largest_von_mises' must be"):
+        LargestVonMises(away_from_singular=-1.0)
