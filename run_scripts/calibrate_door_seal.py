@@ -201,7 +201,7 @@ def report(summary: dict, found: Identified, both: Identified, out) -> None:
         for name, deviation in zip(both.names, both.deviations, strict=True)
     )
     print(f"with c01 unknown as well: {loose}")
-    print("this curve tells little but the sum of c10 and c01")
+    print("this curve determines little but the sum of c10 and c01")
     print(f"calibration.png and summary.json in {out}")
 
 

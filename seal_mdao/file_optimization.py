@@ -112,7 +112,7 @@ def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple
     empty = [measure.name for measure in measures if is_empty(measure, seal)]
     if empty:
         raise SealFileError(
-            f"{file.path}: [optimize]: the measure {empty[0]!r} has no value: at the end of the drawn "
+            f"{file.path}: [optimize]: the measure {empty[0]!r} has no value: at the end of the nominal "
             "seal's path there is no gap between points in contact"
         )
     start = {measure.name: nominal.value(measure) for measure in measures}

@@ -96,8 +96,8 @@ class LoadStepProgress:
 class SampleProgress:
     """Progress over samples or scenarios; pass it as ``callback`` of a study or of ``ScenarioGroup``.
 
-    A bar with the time left on a terminal and in Jupyter; elsewhere a line every ten seconds. It begins
-    anew when all have finished: the next evaluation of the same scenarios.
+    A bar with the time left on a terminal and in Jupyter; elsewhere a line every ten seconds. It starts
+    again when all have finished: the next evaluation of the same scenarios.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ def slopes(result, analysis, step, further=(), stencil=CENTRAL):
         measure.name: np.array([other.value(measure) for other in results])
         for measure in result.measures((*ALWAYS, *further))
     }
-    # no point may stand open
+    # no point may be open
     values = {name: value for name, value in values.items() if value.any()}
     noise = noises(values)
     out = {}

@@ -103,7 +103,7 @@ def test_every_kernel_is_kept_in_the_folder_of_these_sources():
 
 
 def test_no_kernel_may_round_in_another_order():
-    """What numba then chooses hangs on the layouts and the kernels that a process has met before."""
+    """What numba then chooses depends on the layouts and the kernels that a process has met before."""
     assert not [name for name, kernel in kernels() if kernel.targetoptions.get("fastmath")]
 
 

@@ -61,3 +61,40 @@ def test_links_and_folders_exist():
     for folder in re.findall(r"`([\w/]+)`(?=[,| ])", README):
         if "/" in folder or folder in ("run_scripts", "docs", "tests"):
             assert (ROOT / folder).exists(), folder
+
+
+def test_the_seal_file_shown_can_be_built(tmp_path):
+    """Its load steps and penalties are chosen when it is built; here they are given, to save time."""
+    (text,) = code_blocks("toml")
+    text = (
+        text.replace("-4.0] }]", "-4.0], steps = 8 }]")
+        + "normal_penalty = 1e4\ntangent_penalty = 1e2\n"
+    )
+    path = tmp_path / "seal.toml"
+    path.write_text(text)
+    result = sm.analyze(sm.build_seal(path))
+    assert result.converged
+    assert not [line for line in result.warnings if "layers of particles" in line]
+
+
+def test_the_numbers_are_those_of_their_sources():
+    """Cost of the adjoint method, optimum of the paper's case, accuracy of ``engineering``."""
+    cost, ratio, iterations = (
+        re.search(rf"\| {words}.*?\| {number}", README)[1]
+        for words, number in (
+            ("time for all 26 shape derivatives", r"([\d.]+) of the time"),
+            ("squared gaps at the optimum", r"([\d.]+) %"),
+            ("squared gaps at the optimum", r".*? in (\d+) iterations"),
+        )
+    )
+    benchmarks = (ROOT / "docs" / "benchmarks" / "benchmarks.md").read_text()
+    assert f"| adjoint, 26 parameters / analysis | {cost} |" in benchmarks
+    matrix = (ROOT / "docs" / "optimisation_matrix.md").read_text()
+    assert re.search(rf"\| paper \| {iterations} iterations, \d+ analyses, {ratio} %", matrix)
+    index = (ROOT / "docs" / "verification" / "index.md").read_text()
+    (force,) = re.findall(r"engineering.*?\| ([\d.]+ %),", index)
+    assert f"within {force} |" in README
+
+
+def test_the_animation_is_small():
+    assert (ROOT / "docs" / "_static" / "seal_closing.gif").stat().st_size <= 600_000

@@ -88,7 +88,7 @@ def _short(value: float) -> str:
 
 
 def sketched(file, seal) -> tuple[np.ndarray, list]:
-    """For the reduced mode: a design that is none, and its row."""
+    """For the reduced mode: a placeholder design and its row."""
     aim, none = label(file.optimize.minimize), power(nan)
     return -0.1 * design_bounds(file, seal), [aim, *[none] * 6]
 

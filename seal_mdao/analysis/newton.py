@@ -31,7 +31,7 @@ class NewtonOptions:
         Where points slide on a little 10 to 40 are needed, where the seal sways to another state
         some thousands. They end early where the seal moves off altogether.
     branch : {"stable", "primary"}
-        Where equilibrium loses its stability, without friction: "stable" goes on to the next stable
+        Where equilibrium loses its stability, without friction: "stable" continues to the next stable
         equilibrium (``critical_points``); "primary" stays on the branch as long as Newton's method does.
     """
 

@@ -98,7 +98,7 @@ def begin_anew_or_continue(arguments) -> None:
     cases = arguments.out / CASES
     if arguments.restart is None and cases.is_file():
         arguments.restart = cases
-        print(f"continuing {cases} (--overwrite begins anew)")
+        print(f"continuing {cases} (--overwrite starts again)")
 
 
 def optimize_robustly(

@@ -208,7 +208,9 @@ def arguments_parser():
     made.add_argument("--method", choices=METHODS, default=METHODS[0], help="how they are spread")
     made.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples")
     made.add_argument(
-        "--overwrite", action="store_true", help="begin anew; a study in --out is continued without"
+        "--overwrite",
+        action="store_true",
+        help="start again; a study in --out is continued without",
     )
     made.add_argument(
         "--design", type=existing_file, metavar="FILE",

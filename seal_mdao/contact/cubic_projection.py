@@ -114,7 +114,7 @@ def nearest_on_cubic(coefficient, length, x, y, open_start, open_end):
     """Distance squared to the nearest point of a cubic piece, and its s = xi - start.
 
     An end that is nearest is continued along its tangent: s is then that of the projection on it.
-    The distance is that to the end itself, or to the tangent where the profile goes on for ever.
+    The distance is that to the end itself, or to the tangent where the profile is unbounded.
     """
     c = coefficient
     d = (c[0, 0] - x, c[0, 1] - y)

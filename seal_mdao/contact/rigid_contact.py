@@ -336,7 +336,7 @@ class ContactTerm(PointTerm):
         return -float(np.sum(response.force * (rigid_velocity(self.pose(at), response.x) @ change)))
 
     def _moved(self, response, fraction, target) -> np.ndarray:
-        """Change of the forces (k, 2) at fixed x when the profile moves on."""
+        """Change of the forces (k, 2) at fixed x when the profile advances."""
         change = self.motion.coordinates(target) - self.motion.coordinates(fraction)
         if change[2] == 0.0:
             return -np.einsum("kij,j->ki", response.tangent, change[:2])

@@ -56,7 +56,7 @@ def slip_slopes(profile, points, history, xi, gap, local, out):
     Parameters
     ----------
     history : ContactHistory
-        Handed on by the step before, of all points.
+        passed on by the step before, of all points.
     xi, gap : ndarray, shape (n,)
         Natural coordinates and normal gaps of all points at the step.
     local : ndarray, shape (s, 6, ...)

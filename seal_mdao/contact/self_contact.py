@@ -256,7 +256,7 @@ class SelfContactTerm(CoupledTerm):
     def _before(self, points, now, history) -> Before:
         state = history.state[points]
         xi_0, size, carried = history.variables[points].T
-        # xi - xi0, unknown after a change of wall: contact begins anew
+        # xi - xi0, unknown after a change of wall: contact starts again
         change = self.ring.coordinate_change(now.xi, xi_0)
         lost = (state == UNKNOWN) | ~(np.abs(change) <= LARGEST_CHANGE)
         return Before(

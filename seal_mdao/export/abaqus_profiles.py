@@ -16,7 +16,7 @@ def surface_lines(profile: RigidProfile, pose: Pose) -> list[str]:
     """Write the data lines of ``*SURFACE, TYPE=SEGMENTS``, in mm.
 
     Abaqus has its outward normal on the left of the segments; here the rigid body is on the left. So the
-    pieces are written from the last to the first. Lines at the ends of an open profile go on beyond it.
+    pieces are written from the last to the first. Lines at the ends of an open profile are extended.
     """
     ends, lines = None, []
     for piece in reversed(range(len(profile.kind))):

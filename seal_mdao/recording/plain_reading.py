@@ -171,7 +171,7 @@ def checked_units(text: str | None) -> str | None:
         For any other text.
     """
     if text is not None and not UNITS.fullmatch(text):
-        raise ValueError(f"a variable in it has the units {text!r}, which are none")
+        raise ValueError(f"a variable in it has the invalid units {text!r}")
     return text
 
 

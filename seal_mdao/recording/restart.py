@@ -65,7 +65,7 @@ def restart(problem, path) -> None:
     if "hotstart_file" not in driver.options:
         raise TypeError(
             f"only UnoDriver and IpoptDriver can continue a run, not {type(driver).__name__}; "
-            "Problem.load_case takes any driver to a recorded point, from which it begins anew"
+            "Problem.load_case takes any driver to a recorded point, from which it starts again"
         )
     # variables and scaling of the driver are known after the final setup
     problem.final_setup()

@@ -62,7 +62,7 @@ def write_report(
     numbers = evenly_spread(len(history.objective), DESIGNS).tolist() if seals else []
     shown = [ShownSeal(seal, analyze_points(seal, numbers, cache)) for seal in seals]
     text = render(history, cases.name, shown, numbers, further, figures, notes)
-    # the report stands beside the recorder file unless told otherwise
+    # the report is written beside the recorder file by default
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(text, encoding="utf-8")

@@ -44,7 +44,7 @@ class CoupledResponse(NamedTuple):
     branch : ndarray of int
         Which branch of its law every point is on.
     history : object
-        Handed on to the next step.
+        passed to the next step.
     outputs : ndarray, shape (places, o)
         What measures may take besides the force.
     unconverged : int

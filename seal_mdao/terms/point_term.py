@@ -36,7 +36,7 @@ class PointResponse(NamedTuple):
     branch : ndarray of int, shape (k,)
         Zero where a point carries no force.
     history : object
-        Handed on to the next step.
+        passed to the next step.
     outputs : ndarray, shape (k, o)
         What measures may take besides the force.
     unconverged : int

@@ -78,7 +78,7 @@ class StudyRecord:
             if different:
                 raise StudyFileError(
                     f"{self.path} was made with another {different[0]}; continue with the same, "
-                    "take another folder, or begin anew (--overwrite)"
+                    "take another folder, or start again (--overwrite)"
                 )
             for name, columns in tables.items():
                 self._file.execute(f"CREATE TABLE IF NOT EXISTS {name} ({columns})")

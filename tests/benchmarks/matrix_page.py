@@ -9,10 +9,10 @@ KKT = 1e-3
 VIOLATION = 1e-3
 """Largest scaled violation of a constraint."""
 
-HEAD = """# Optimisation from everywhere
+HEAD = """# Robustness of the optimisation
 
 `python tests/benchmarks/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` writes
-this page from the runs that it makes; it goes on where it was interrupted. It solves problem (71)
+this page from the runs that it makes; an interrupted run is continued. It solves problem (71)
 for the paper's case, for each factor changed alone, for 20 combinations of the factors, and for
 {run} of {drawn} drawn cases, with every optimiser of {{mod}}`seal_mdao.optimization` at its settings
 there.

@@ -33,7 +33,7 @@ from seal_mdao.seals.gaps import largest_gap
 NOTHING = dict.fromkeys(
     ("success", "iterations", "analyses", "cost", "largest_gap_mm", "violation", "optimality"), None
 )
-"""What a run tells that was ended by an exception."""
+"""results of a run that was ended by an exception."""
 
 
 def main(arguments) -> int:

@@ -1,4 +1,4 @@
-"""optimization_matrix.py: its cases, one small run, going on after an interruption, its page."""
+"""optimization_matrix.py: its cases, one small run, continuing after an interruption, its page."""
 
 from functools import partial
 

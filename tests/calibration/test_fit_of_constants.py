@@ -120,7 +120,7 @@ def test_standard_errors_are_those_of_repeated_tests():
 
 
 def test_planar_tests_alone_do_not_tell_c10_from_c01():
-    """I1 = I2 there: only their sum is told."""
+    """I1 = I2 there: only their sum is determined."""
     found = fit("mooney_rivlin", made(MooneyRivlin(80.0, 20.0), modes=["planar"]))
     assert found.law.c10 + found.law.c01 == pytest.approx(100.0, rel=1e-9)
     assert found.standard_errors["c10"] == found.standard_errors["c01"] == np.inf

@@ -72,7 +72,7 @@ def _at(law, profile, pose, x):
 
 
 def press(profile, law, x, history, direction=0, length=1.0, pose=AT_REST):
-    """``contact_points`` for one point: force, tangent, state, kept, gap, made to stick, direction."""
+    """``contact_points`` for one point: force, tangent, state, kept, gap, forced to stick, direction."""
     state, variables = history
     before = ContactHistory(np.array([state]), np.array([variables], float))
     way, force, tangent = np.array([direction]), np.empty((1, 2)), np.empty((1, 2, 2))

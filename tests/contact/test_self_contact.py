@@ -81,7 +81,7 @@ def test_no_point_is_far_through_the_other_wall(pressed):
 
 @pytest.mark.long
 def test_walls_in_contact_do_not_cross_but_by_their_penalty(pressed):
-    """A result says how deep they lie in each other from 1 % of the wall on, and 10 % are none."""
+    """A result says their penetration from 1 % of the wall on, and 10 % are none."""
     assert not any("crosses" in text or "inside each other" in text for text in pressed.warnings)
     for penalty, impossible in ((100.0, False), (2.0, True)):
         softer = sm.analyze(

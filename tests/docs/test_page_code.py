@@ -12,7 +12,7 @@ from seal_mdao.seals.door.door_seal import options_of
 
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 RUN = {
-    "quickstart.md",
+    "start_openmdao.md",
     "reference/api.md",
     "extend.md",
     "guide_report.md",
@@ -49,7 +49,7 @@ def run_page(docs, tmp_path, monkeypatch):
 
 def test_quick_start(run_page, capsys):
     """The optimisation closes the gap within its limits; the models are as described."""
-    script, others = run_page("quickstart.md")
+    script, others = run_page("start_openmdao.md")
     problem, start = script["prob"], script["start"]
     ratio = problem.get_val("gap_square_sum")[0] / start.gap_square_sum
     assert ratio < 0.0075

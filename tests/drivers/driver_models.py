@@ -10,7 +10,7 @@ TARGET = np.array([3.0, -2.0, 1.0, 0.5])
 
 
 class PlaneComp(om.ExplicitComponent):
-    """A function of two variables that can be told where to fail.
+    """A function of two variables with chosen points of failure.
 
     Options
     -------

@@ -116,7 +116,7 @@ def test_where_nothing_closes_there_is_nothing_to_blow_off():
 
 
 def test_a_path_that_ends_where_the_seal_gives_way(blown):
-    """The line through the last two steps that held goes on, no farther than a tenth of the pressure."""
+    """The line through the last two converged steps ends after a tenth of the pressure."""
     shorter = replace(
         blown.path, steps=prescribed(blown), status=Status.NOT_CONVERGED, failure="so"
     )

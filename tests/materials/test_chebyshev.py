@@ -62,7 +62,7 @@ def test_limits_where_the_stretches_meet():
 
 
 def test_rounding_below_one_is_continued():
-    """c = 1 - 1e-16 has no arccosh; C goes on with its slope."""
+    """c = 1 - 1e-16 has no arccosh; C continues with its slope."""
     v = -1e-12
     np.testing.assert_allclose(stretch_power(v, 2.5)[0], 1 + 6.25 * v, rtol=2 * EPS)
 

@@ -186,7 +186,7 @@ BAD = {
     "block in itself": (block_in_itself, "holds itself"),
     "an open line on another layer": (
         add("add_line", (2, 2), (8, 2)),
-        "(layers read as boundary: seal, extra; name those that are none in parting of",
+        "(layers read as boundary: seal, extra; name other layers in parting of",
     ),
     "line of no length": (add("add_line", (3, 3), (3, 3)), "a line from (3, 3) to itself has no"),
     "NaN": (add("add_line", (3, 3), (3, np.nan)), "is not finite"),
@@ -217,13 +217,13 @@ BAD = {
     "NaN in a spline": (spline([(0, 0), (1, np.nan), (3, 4), (4, 0)], CLAMPED), "is not a finite"),
     "open": (
         lines(((0, 0), (4, 0)), ((4, 0), (4, 3))),
-        "the contour is open: LINE #2F on layer 'seal' ends at (0, 0) and nothing goes on from there; "
+        "the contour is open: LINE #2F on layer 'seal' ends at (0, 0) and no segment begins there; "
         "the nearest open end is that of LINE #30 on layer 'seal' at (4, 3), 5 mm away",
     ),
     "open spline": (spline(ARCH, CLAMPED), "the contour is open: SPLINE #2F on layer 'seal'"),
     "a gap": (
         lines(((0, 0), (4, 0)), ((4, 0), (4, 3)), ((4, 3), (0, 0.01))),
-        "nothing goes on from there; the nearest open end is that of LINE #31 on layer 'seal' at "
+        "no segment begins there; the nearest open end is that of LINE #31 on layer 'seal' at "
         "(0, 0.01), 0.01 mm away",
     ),
     "a branch": (

@@ -1,4 +1,4 @@
-"""A run that was cut off goes on as if nothing had happened."""
+"""A run that was cut off continues as if nothing had happened."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""Two runs and one file: one of them writes, the other is told so in one line."""
+"""Two runs and one file: one of them writes, the other reports it in one line."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""seal-mdao study and robust: what they write, and going on where they were stopped."""
+"""seal-mdao study and robust: what they write, and continuing where they were stopped."""
 
 import json
 import re

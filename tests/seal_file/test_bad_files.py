@@ -353,7 +353,7 @@ BAD = {
     "tolerances": (BULB, OPEN + "[[steps]]\ntolerance = 0.1\n", "[steps] must be one table"),
     "uneven stages": (BULB, OPEN[: OPEN.index("[[measure]]")].replace(
         "[[design]]", OTHER + "stage = [{ translate = [0.0, -1.0] }]\n[[design]]"),
-        "'door' has 2 of [[profile.stage]] and 'other' 1; stages without steps go on side by side"),
+        "'door' has 2 of [[profile.stage]] and 'other' 1; stages without steps run at the same time"),
     "steps of a fluid": (BULB, OPEN.replace(FIXED, FIXED + FLUID), "[[fluid]] 1: steps = 20, but load"),
     "half a step": ("steps = 60", "steps = 60.5", "[[profile.stage]] 1: steps = 60.5, but it must be a"),
     "zero steps": ("steps = 60", "steps = 0", "steps = 0, but it must be a whole number from 1 to"),

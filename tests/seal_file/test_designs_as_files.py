@@ -16,7 +16,7 @@ for library in ("ezdxf", "meshio", "netgen", "tomli_w"):
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 COARSE = {
     "spacing = 0.9": "spacing = 1.6",
-    "line = [[-40.0, 0.0], [40.0, 0.0]]": (  # a hollow, under which the seal stands open
+    "line = [[-40.0, 0.0], [40.0, 0.0]]": (  # a hollow, under which the seal has a gap
         "spline = [[-20.0, 0.0], [-9.0, 0.1], [-4.0, 0.0], [0.0, 0.8], "
         "[4.0, 0.0], [9.0, 0.1], [20.0, 0.0]]"
     ),

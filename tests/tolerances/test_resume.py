@@ -1,4 +1,4 @@
-"""A study that is killed goes on, and its file is that of one that was not."""
+"""A study that is killed continues, and its file is that of one that was not."""
 
 import os
 import signal
@@ -27,7 +27,7 @@ def table(path, query):
 
 
 def results(path):
-    """All that does not hang on the clock."""
+    """All that does not depend on the clock."""
     with closing(sqlite3.connect(path)) as connection:
         names = [row[1] for row in connection.execute("PRAGMA table_info(results)")]
     measures = ", ".join(f'"{name}"' for name in names[5:])

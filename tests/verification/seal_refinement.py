@@ -24,7 +24,7 @@ class SealLevel(NamedTuple):
     max_gap : float
         Largest gap between the first and the last point in contact, mm.
     gap_square_integral : float
-        Integral of g^2 over the undeformed boundary that stands open between them, mm^3.
+        Integral of g^2 over the undeformed boundary that is open between them, mm^3.
     """
 
     rays: int

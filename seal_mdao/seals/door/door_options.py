@@ -323,8 +323,8 @@ def _check_together(options: DoorOptions) -> None:
         values.require(
             count <= options.rays,
             f"{name} = {getattr(options, name)} gives a boundary of {options.rays} "
-            f"particles {count} control values; at most {options.rays} can be told "
-            "apart",
+            f"particles {count} control values; at most {options.rays} can be "
+            "distinguished",
         )
     if options.step_ends is not None:
         ends = values.numbers("step_ends", options.step_ends)

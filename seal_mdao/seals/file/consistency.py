@@ -259,7 +259,7 @@ def _check_labels(file) -> None:
 
 
 def _check_steps(file) -> None:
-    """Refuse profiles that all stand still, or whose stages do not go on side by side."""
+    """Refuse profiles that all stand still, or whose stages do not run at the same time."""
     # profiles move side by side: one without stages stands still, all others have as many steps
     moving = [own for own in file.moving if own.stages]
     if not moving:
@@ -277,8 +277,8 @@ def _check_steps(file) -> None:
             # every stage has one step until steps are chosen
             raise SealFileError(
                 f"[[profile]]: {first.name!r} has {first.n_steps} of [[profile.stage]] and "
-                f"{profile.name!r} {profile.n_steps}; stages without steps go on side by side, so give "
-                "all profiles as many (one without any key stands still)"
+                f"{profile.name!r} {profile.n_steps}; stages without steps run at the same time, so "
+                "give all profiles as many (one without any key stands still)"
             )
         raise SealFileError(
             f"[[profile]]: the stages of {first.name!r} have {first.n_steps} steps in all "

@@ -188,6 +188,6 @@ def _check_nodes(ends, at, names) -> None:
                 f"{away.min():.3g} mm away"
             )
         raise GeometryError(
-            f"the contour is open: {names[first // 2]} ends at {pair(ends[first])} and nothing goes "
-            f"on from there{nearest}"
+            f"the contour is open: {names[first // 2]} ends at {pair(ends[first])} and no segment "
+            f"begins there{nearest}"
         )

@@ -150,7 +150,7 @@ def _outline_of(pieces) -> Outline:
         if len(layers) == 1:
             raise
         raise GeometryError(
-            f"{error} (layers read as boundary: {', '.join(layers)}; name those that are none in "
+            f"{error} (layers read as boundary: {', '.join(layers)}; name other layers in "
             "parting of [section], for lines between rubbers, or in ignore)"
         ) from None
     contours.sort(key=lambda contour: -abs(contour.area))
