@@ -1,7 +1,9 @@
 """Sphinx configuration.
 
 A build first makes what the pages take from the code: the equation table, the component, driver and
-option tables, one page per folder of the package, and, where they are missing, the figures.
+option tables, one page per folder of the package, and the figures whose sources have changed. With
+the tag ``nofigures`` (``sphinx-build -t nofigures``) it makes no figures: those that are not there
+are grey, their numbers are an ellipsis.
 """
 
 import json
@@ -20,6 +22,7 @@ sys.path[:0] = [str(HERE / "_ext"), str(HERE), str(HERE.parent / "tests")]
 
 import api_pages  # noqa: E402
 import equation_index  # noqa: E402
+import placeholders  # noqa: E402
 import seal_file_tables  # noqa: E402
 from figures import limits  # noqa: E402
 
@@ -42,8 +45,11 @@ index = equation_index.table(equation_index.read())
 seal_file_tables.write_all(fragments)
 json_schema.main([str(GENERATED / "seal_file.schema.json")])
 api_pages.write_all(GENERATED / "api")
-jobs = str(min(2, os.cpu_count() or 1))
-run_script(str(HERE / "make_figures.py"), "--missing", "--jobs", jobs)
+if "nofigures" in tags:  # noqa: F821, defined by Sphinx
+    placeholders.write_missing(HERE, GENERATED)
+else:
+    jobs = str(min(2, os.cpu_count() or 1))
+    run_script(str(HERE / "make_figures.py"), "--changed", "--jobs", jobs)
 
 # ---- the project ----
 
@@ -76,6 +82,8 @@ myst_substitutions = {
     path.stem: json.loads(path.read_text(encoding="utf-8"))
     for path in sorted((GENERATED / "numbers").glob("*.json"))
 }
+if "nofigures" in tags:  # noqa: F821
+    myst_substitutions = placeholders.numbers(HERE, myst_substitutions)
 myst_substitutions["tolerances"] = limits.texts()
 
 napoleon_google_docstring = False

@@ -1,10 +1,13 @@
-"""What pyproject.toml asks for."""
+"""What pyproject.toml asks for, and the version in every place."""
 
+import re
 import tomllib
 from importlib.metadata import requires
 from pathlib import Path
 
 from packaging.requirements import Requirement
+
+import seal_mdao as sm
 
 ROOT = Path(__file__).parents[2]
 
@@ -18,3 +21,13 @@ def test_numpy_is_at_least_what_openmdao_needs():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     own = lower_bound(project["dependencies"], "numpy")
     assert own >= max(lower_bound(requires("openmdao"), "numpy"), (2, 0))
+
+
+def test_version_is_the_same_everywhere():
+    """The package, the citation and the newest version of the changelog; dates agree, too."""
+    changelog = (ROOT / "CHANGELOG.md").read_text()
+    citation = (ROOT / "CITATION.cff").read_text()
+    version, date = re.search(r"^## \[(\d[\d.]*)\] - (\S+)$", changelog, re.MULTILINE).groups()
+    assert version == sm.__version__
+    assert re.search(r"^version: (\S+)$", citation, re.MULTILINE)[1] == version
+    assert re.search(r"^date-released: (\S+)$", citation, re.MULTILINE)[1] == date
