@@ -44,7 +44,7 @@ def beyond(increment: Increment, failed: Solution, guess: np.ndarray, end: float
     -------
     Solution
     CriticalPoint or None
-        None under friction where the path goes on without a jump.
+        None under friction where the path continues without a jump.
     target : float
         Path parameter of that equilibrium.
     """
@@ -83,7 +83,7 @@ def _at_the_end(increment: Increment):
     )
     guess = closest(increment, euler)
     found = _damped_equilibrium(increment, guess)
-    # iterations that cycle between stick and slip fail without a limit point: equilibrium goes on
+    # iterations that cycle between stick and slip fail without a limit point: the path continues
     # where the predictor says, and no energy is released
     symmetric = increment.problem.symmetric
     lost = found.converged and (symmetric or jumped(increment, found.assembly, guess))

@@ -1,9 +1,8 @@
 """What is too large or too long is refused at once with its numbers, what is long is announced, and
-the estimates are of the right size."""
+the estimate of the memory is of the right size."""
 
 import re
 import resource
-import time
 
 import pytest
 
@@ -14,10 +13,8 @@ from seal_mdao.analysis_cache import held_bytes
 
 @pytest.mark.parametrize("changes", [{"n_steps": 10**8}, {"n_steps": 10**9, "rays": 116}])
 def test_more_than_the_machine_has_is_refused_with_both_numbers(changes):
-    begun = time.monotonic()
     with pytest.raises(sm.TooLargeError, match=r"\d GiB, and this machine has [\d.]+ GiB"):
         sm.analyze(sm.door_seal(**changes))
-    assert time.monotonic() - begun < 10.0
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 2 * 2**20
 
 
@@ -79,25 +76,6 @@ def test_duration_in_words(seconds, words):
     assert cost.duration(seconds) == words
 
 
-CHANGES = {
-    "drawn": {}, "finer": {"rays": 116, "layers": 5}, "more Gauss points": {"n_gauss": 6},
-    "wider kernels": {"support": 4.0, "rays": 116}, "sparse": {"solver": "superlu", "layers": 9},
-}  # fmt: skip
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
-def test_estimate_of_the_time(changes):
-    """Within a factor of ten of the processor's time: ``cost`` says three on its machine, and other
-    machines differ by as much again."""
-    seal = sm.door_seal(**{"start": 9.6, "depth": 2.0, "n_steps": 21} | changes)
-    sm.analyze(seal)  # compiles
-    begun = time.process_time()
-    sm.analyze(seal)
-    taken = time.process_time() - begun
-    assert 0.1 * taken < sm.estimate(seal).seconds < 10.0 * taken
-
-
 def test_estimate_of_what_is_held(nominal):
     """The arrays that stay, between a fifth and all of the estimate, which has the factors too."""
     memory = sm.estimate(nominal.seal).memory * 2**30
@@ -109,11 +87,3 @@ def test_finer_clouds_cost_more(changes):
     fine, nominal = sm.estimate(sm.door_seal(**changes)), sm.estimate(sm.door_seal())
     assert fine.seconds > 1.3 * nominal.seconds
     assert fine.memory > 1.3 * nominal.memory
-
-
-def test_estimate_takes_moments():
-    seal = sm.door_seal()
-    sm.estimate(seal)
-    begun = time.process_time()
-    sm.estimate(seal)
-    assert time.process_time() - begun < 0.01

@@ -62,7 +62,7 @@ def test_damped_motion_completes_the_path(sliding, stuck):
 
 
 def test_a_point_that_begins_to_slide_is_no_limit_point(sliding):
-    """Newton's method fails there, but the path goes on where the tangent says."""
+    """Newton's method fails there, but the path continues where the tangent says."""
     assert sliding.critical_points == ()
 
 

@@ -5,6 +5,7 @@ and solution of the same order in SciPy on the same core.
 """
 
 import argparse
+import copy
 import json
 import os
 import platform
@@ -29,6 +30,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.equilibrium.linear_solver import BandedStorage
+from seal_mdao.seals.checks import findings
 from seal_mdao.seals.door.door_seal import with_options
 
 CLOUDS = ((58, 3), (116, 5), (174, 7), (290, 11), (580, 21), (754, 27))
@@ -106,6 +108,31 @@ def analysis_figures(seal):
         "Newton iterations": iterations,
         **{f"{m}, {which} / analysis": t / analysis for (m, which), t in times.items()},
     }
+
+
+def estimates():
+    """Estimates of the time of an analysis, and of their own, over the time that it takes."""
+    cases = {
+        "58 x 3": {}, "116 x 5": {"rays": 116, "layers": 5}, "6 Gauss points": {"n_gauss": 6},
+        "116 x 3, support 4": {"support": 4.0, "rays": 116},
+        "58 x 9, sparse": {"solver": "superlu", "layers": 9},
+    }  # fmt: skip
+    rows = {}
+    for name, changes in cases.items():
+        seal = sm.door_seal(**{"start": 9.6, "depth": 2.0, "n_steps": 21} | changes)
+        sm.analyze(seal)  # compiles
+        taken = best(lambda seal=seal: sm.analyze(seal), 3)
+        rows[f"estimated / measured time, {name}"] = sm.estimate(seal).seconds / taken
+    rows["time of an estimate (ms)"] = 1e3 * best(lambda: sm.estimate(sm.door_seal()), 3)
+    return rows
+
+
+def checks_figures(seal):
+    """Checks of the end of the path over the analysis that found it."""
+    path = sm.analyze(seal).path
+    analysis = best(lambda: sm.analyze(seal), 5)
+    checked = best(lambda: findings(copy.copy(path)), 5)
+    return {"checks of the result / analysis": checked / analysis}
 
 
 def openmdao_figures(seal):
@@ -272,6 +299,8 @@ def main(argv=None):
     with threadpool_limits(1):
         figures = {
             "nominal seal, 174 particles": analysis_figures(seal),
+            "checks of the result": checks_figures(seal),
+            "estimates before an analysis": estimates(),
             "through OpenMDAO": openmdao_figures(seal),
             **{f"growth, {s}": growth(arguments.largest, s) for s in sparse_solvers()},
             "sensitivities of 8 steps": shares(arguments.largest),

@@ -187,6 +187,27 @@ def test_only_pairs_that_are_named_touch(tmp_path, different):
     assert different.seal.terms()[2].may_touch()[np.ix_(on_body, on_body)].any()
 
 
+@pytest.mark.parametrize(("opposite", "friction"), [("upper", 0.5), ("lip", 0.3)])
+def test_segment_that_begins_on_another_edge_has_the_friction_of_its_end(
+    different, opposite, friction
+):
+    """Where the first end of the segment is on no edge that touches."""
+    own, term = different.seal.terms()[2], different.term("self_contact")
+    particles = np.concatenate(own.loops)
+    point, touched = (
+        int(np.flatnonzero(np.isin(particles, different.seal.body.edge(name).particles[1:-1]))[0])
+        for name in ("body", opposite)
+    )
+    other = int(np.flatnonzero(~own.touching)[0])
+    assert term.pair_of[term.edge_of[point], term.edge_of[other]] < 0
+    nodes = np.zeros((3, 6), int)
+    nodes[:, 3:5] = [[touched, touched], [other, touched], [touched, other]]
+    found = term.law_at(np.full(3, -1e-3), np.full(3, point), nodes).limits
+    # half of the limit by the whole pressure: mu w 1e-3
+    exact = 0.5 * friction * term.complete_law.normal_penalty * 1e-3
+    np.testing.assert_allclose(found[:, 0, 0], exact, rtol=1e-12)
+
+
 WRONG = {
     "unknown edge": (
         ("back = 0.1, lowr = 0.2", ""),

@@ -126,7 +126,9 @@ def test_blocks_on_layers_of_annotation_are_symbols(tmp_path):
     drawing.document.blocks.new("ROUGH").add_line((0, 0), (1, 2))
     drawing.model.add_blockref("ROUGH", (3, 10), {"layer": "sizes"})
     path = drawing.saved()
-    with pytest.raises(GeometryError, match="layers read as boundary: seal, sizes; name those"):
+    with pytest.raises(
+        GeometryError, match="layers read as boundary: seal, sizes; name other layers"
+    ):
         read_drawing(path)
     assert read_drawing(path, ignore=["Sizes"]).left_out == {"sizes": 1}
     drawing.model.add_text("Rz 6", dxfattribs={"layer": "sizes"})
