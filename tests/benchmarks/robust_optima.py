@@ -1,4 +1,4 @@
-"""Robust optima of three examples with tolerances in their files, tried on fresh samples.
+"""Robust optima of four examples with tolerances in their files, tried on fresh samples.
 
 python tests/benchmarks/robust_optima.py OUT [--samples 1000] [--scenarios 16] [--workers 1] [NAME ...]
 
@@ -51,6 +51,18 @@ CHANGES = {
             "spacing = 0.9": "spacing = 1.4",
             "steps = 40": "steps = 14",
             "lower = 60.0": "lower = 200.0",
+        },
+    ),
+    "weatherstrip": (
+        "flange",
+        '["mu_1"]',
+        {
+            'dxf = "weather': f'dxf = "{EXAMPLES.as_posix()}/weather',
+            'data = "rubber': f'data = "{EXAMPLES.as_posix()}/rubber',
+            "spacing = 0.9\nlayers = 5": "spacing = 1.4",
+            "steps = 42": "steps = 14",
+            "lower = 60.0 }": "lower = 30.0 }",
+            "upper = 250.0": "upper = 330.0",
         },
     ),
     "car_door_seal": (
