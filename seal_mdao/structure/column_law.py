@@ -99,12 +99,12 @@ def linearize_column(states, column, step_of, law):
         for q in range(weights.size):
             law.mean[h, q], law.bulk[h, q] = functions[h, q] / volume, bulk * functions[h, q]
     for s in range(step_of.size):
-        k = step_of[s]
-        swelling = states.deformation.swelling[k, column]
         for h in range(len(functions)):
-            law.swelling[h, s] = swelling[h]
-        for q in range(weights.size):
-            values = law.values[q]
+            law.swelling[h, s] = states.deformation.swelling[step_of[s], column, h]
+    for q in range(weights.size):
+        values = law.values[q]
+        for s in range(step_of.size):
+            k = step_of[s]
             # another column of the same step
             if s > 0 and step_of[s - 1] == k:
                 for row in range(ROWS):
@@ -112,6 +112,7 @@ def linearize_column(states, column, step_of, law):
                 continue
             # the pressure acts with W_J: P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
             f, w_t = states.deformation.f[k, column, q], w[0, k, column, q]
+            swelling = states.deformation.swelling[k, column]
             w_j = w[1, k, column, q] + bulk * at_point(functions, q, swelling)
             w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
             stress = point_stress(f, w_t, w_j)
