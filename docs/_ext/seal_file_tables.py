@@ -4,7 +4,7 @@ from pathlib import Path
 
 from code_reference import markdown_table
 
-from seal_mdao.materials.listed import LISTS
+from seal_mdao.materials.material_lists import LISTS
 from seal_mdao.seals.file.material_table import FIT_TABLES, LAW_TABLES, LawTable
 from seal_mdao.seals.file.measure_types import KINDS, MeasureTable
 from seal_mdao.seals.file.reference import HEADER, TABLES, further_rows, key_rows, summary

@@ -4,7 +4,7 @@ In this order, and each only where the one before found none:
 
 1. A jump under friction: damped motion at the same loading, else the equilibrium that Newton's method
    has found. (There is no potential to descend.)
-2. Without friction: descent of the potential at the same loading (``critical_points.leave``).
+2. Without friction: descent of the potential at the same loading (``stability.leave``).
 3. Damped motion at the end of the nominal step; under friction descent where that is slow; damped motion
    with all its iterations. A saddle at which it may end is left by descent again.
 """
@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from seal_mdao.analysis.critical_points import critical_mode, follows_stable, leave, limit_point
 from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.jumps import jumped, released_energy
@@ -21,6 +20,7 @@ from seal_mdao.analysis.newton import newton
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.predictor import closest, predict
 from seal_mdao.analysis.pseudo_time import relax
+from seal_mdao.analysis.stability import critical_mode, follows_stable, leave, limit_point
 
 # Iterations of damped motion before descent is tried.
 SOON = 300

@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.analysis.critical_points import flagged, is_stable
 from seal_mdao.analysis.increment import Increment, Solution
 from seal_mdao.analysis.jumps import FAR_AWAY, extent, is_far, jumped
 from seal_mdao.analysis.limit_points import beyond, shortened
@@ -36,6 +35,7 @@ from seal_mdao.analysis.predictor import bend_of, predict, predictors
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import Reuse, quasi_newton
+from seal_mdao.analysis.stability import flagged, is_stable
 from seal_mdao.equilibrium.storage import Factor
 from seal_mdao.equilibrium.threads import one_blas_thread
 

@@ -2,7 +2,7 @@
 
 from seal_mdao.cli.arguments import parser
 from seal_mdao.materials.by_name import LAWS
-from seal_mdao.materials.listed import LISTS
+from seal_mdao.materials.material_lists import LISTS
 
 
 def main(arguments) -> int:

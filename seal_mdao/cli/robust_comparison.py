@@ -10,8 +10,8 @@ from seal_mdao.progress import SampleProgress
 from seal_mdao.recording.recorded_optimization import label
 from seal_mdao.report.sample_section import samples_section
 from seal_mdao.report.write import write_report
+from seal_mdao.tolerances.design_comparison import SampledDesign
 from seal_mdao.tolerances.record import count_finished
-from seal_mdao.tolerances.sampled_designs import SampledDesign
 from seal_mdao.tolerances.study import ToleranceStudy
 
 

@@ -17,8 +17,8 @@ from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.recorded_optimization import label, shown_unit
 from seal_mdao.robust_optimization import RobustGoal
 from seal_mdao.seals.result import frozen_measures
+from seal_mdao.tolerances.design_comparison import SampledLimit
 from seal_mdao.tolerances.placement import with_clearance
-from seal_mdao.tolerances.sampled_designs import SampledLimit
 from seal_mdao.tolerances.tolerance_set import Tolerances
 
 

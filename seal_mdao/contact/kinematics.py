@@ -2,7 +2,8 @@
 
 The rates (23)-(26) for a moving body point and (52)-(55) for a moving design are one formula:
 ``rates`` takes the velocity of the body point relative to the curve, w = V - V_c + z', and the
-derivatives of the curve's own design velocity.
+derivatives of the curve's own design velocity. The slip (19) and its derivative (60) are in
+``contact.friction``.
 """
 
 import numpy as np

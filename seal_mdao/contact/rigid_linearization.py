@@ -1,5 +1,5 @@
-"""Contact of points with one rigid profile: forces, tangents (35), (36), (41) and fictitious loads (57),
-(63), (66).
+"""Contact of points with one rigid profile: forces (27), (29), tangents (35), (36), (41) and fictitious
+loads (57), (63), (66).
 
 The law is that of ``contact.friction``, the kinematics those of ``contact.kinematics``.
 """

@@ -1,4 +1,4 @@
-"""Dead loads: forces at material points with a fixed direction, and their exact derivatives."""
+"""Dead loads: forces at material points with a fixed direction, and their derivatives, Eq. (47)."""
 
 from dataclasses import dataclass, replace
 

@@ -4,7 +4,7 @@ from matplotlib.figure import Figure
 
 from seal_mdao.report.embedded_figure import embedded
 from seal_mdao.report.html_tables import number, percent, table
-from seal_mdao.tolerances.sampled_designs import SampledDesign
+from seal_mdao.tolerances.design_comparison import SampledDesign
 from seal_mdao.tolerances.statistics import CONFIDENCE, Fraction
 
 NOTE = (

@@ -1,4 +1,5 @@
-"""Essential conditions by transformation (the mixed form of the direct transformation, ref. [24]).
+"""Essential conditions by transformation (the mixed form of the direct transformation, ref. [24]), in
+place of the Lagrange multipliers of Eqs. (14), (15).
 
 Only the constrained particles C are transformed. With Lambda_CI = Phi_I(X_C), the new shape
 functions of any group that sees a constrained particle are

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seal_mdao.materials.hardness import ShoreRubber, hardness_factor, shore_modulus
-from seal_mdao.materials.listed import LISTS
+from seal_mdao.materials.material_lists import LISTS
 from seal_mdao.materials.neo_hookean import NeoHookean
 from seal_mdao.materials.sponge import GRADES, graded_sponge, pressure_range
 

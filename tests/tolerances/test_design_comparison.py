@@ -7,7 +7,7 @@ from scipy.stats import binom
 from seal_mdao.plotting import designs_compared
 from seal_mdao.report.html_tables import percent
 from seal_mdao.report.sample_section import samples_section
-from seal_mdao.tolerances.sampled_designs import SampledDesign, SampledLimit
+from seal_mdao.tolerances.design_comparison import SampledDesign, SampledLimit
 from seal_mdao.tolerances.statistics import fraction
 
 
