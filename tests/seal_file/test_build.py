@@ -162,6 +162,18 @@ def rectangle(width, height, layers, squeeze=0.2):
     return text.replace("[0.0, 6.0]\nstage", f"[0.0, {height}]\nstage")
 
 
+@pytest.mark.parametrize("width", [11.0, 12.0, 10.0])
+def test_short_pads_with_three_layers_are_reported_where_their_force_errs(tmp_path, width):
+    """From 11 x 6 mm on by 13 %; up to 10 x 6 mm by 3 %, without a warning."""
+    coarse, fine = (
+        sm.analyze(build_seal(read(tmp_path, rectangle(width, 6.0, layers)))) for layers in (3, 13)
+    )
+    error = coarse.reaction[-1, 1] / fine.reaction[-1, 1] - 1.0
+    assert error == pytest.approx(0.128 if width > 10.0 else 0.027, abs=0.003)
+    assert [("fewer than 5" in text) for text in coarse.seal.warnings] == [True] * (width > 10.0)
+    assert fine.seal.warnings == ()
+
+
 @pytest.mark.parametrize(("scale", "word"), [(0.01, "smaller"), (1.0, None), (25.4, "larger")])
 def test_sections_in_a_wrong_unit_of_length_are_reported(tmp_path, scale, word):
     seal = build_seal(read(tmp_path, rectangle(20.0 * scale, 6.0 * scale, 5)))
