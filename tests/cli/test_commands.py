@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import seal_mdao as sm
+from seal_mdao.analysis.cost import duration
 from seal_mdao.cli import examples
 from seal_mdao.cli.analyze import stress_line
 from seal_mdao.cli.arguments import WrongArgumentError
@@ -157,11 +158,23 @@ def test_new_check_and_analyze(tmp_path, monkeypatch, capsys):
     assert summary["profiles"] == ["plate"]
     assert summary["to_be_chosen"][0] == "load steps"
     assert summary["design_parameters"] == 6 == seal.designs[0].parameters
-    assert summary["estimated_seconds"] > 0.0
+    analysis, choice = (summary[f"estimated_seconds{own}"] for own in ("", "_of_choice"))
+    assert 0.3 * analysis < choice < 3.0 * analysis
+    assert (
+        f"with 40 load steps takes about {duration(analysis + choice)}, of which {duration(choice)} "
+        "for choosing load steps and penalties, and "
+    ) in capsys.readouterr().out
     assert (tmp_path / "look" / "section.png").stat().st_size > 20_000
     with pytest.raises(SystemExit):
         main(["new", "mine"])
     assert "mine.toml exists" in capsys.readouterr().err
+
+
+def test_check_of_a_file_that_leaves_nothing_open(bulb, tmp_path, capsys):
+    assert main(["check", str(bulb), "--out", str(tmp_path / "look")]) == 0
+    summary = json.loads((tmp_path / "look" / "summary.json").read_text())
+    assert summary["estimated_seconds_of_choice"] == 0.0
+    assert "choosing" not in capsys.readouterr().out
 
 
 def test_new_from_a_drawing(tmp_path, monkeypatch):
