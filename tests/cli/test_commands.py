@@ -294,6 +294,40 @@ def swept(out):
         return list(csv.DictReader(file))
 
 
+def test_a_sweep_of_the_travel_leaves_measures_beyond_it_empty(bulb, tmp_path, capsys):
+    """The path is 4/3 of the first travel; two measures reach beyond it, one of them the objective."""
+    text = bulb.read_text(encoding="utf-8")
+    targets = "travel_mm,force\n0.7,20.0\n1.3,40.0\n"
+    (bulb.parent / "target.csv").write_text(targets, encoding="utf-8")
+    rows = "".join(
+        f'[[measure]]\ntype = "{kind}"\nname = "{name}"\n{keys}\n'
+        for kind, name, keys in (
+            ("reaction", "far", "travel = 1.5"), ("reaction", "near", "travel = 0.6"),
+            ("load_deflection_error", "curve", 'data = "target.csv"'),
+        )
+    )  # fmt: skip
+    before, after = text.split("[optimize]")
+    after = "".join(
+        'minimize = "curve"\n' if line.startswith("minimize") else line
+        for line in after.splitlines(keepends=True)
+    )
+    bulb.write_text(f"{before}{rows}[optimize]{after}", encoding="utf-8")
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(bulb), "--vary", "travel", "0.6:1.2:3", "--out", str(out)]) == 0
+    short, middle, long = swept(out)
+    # paths of 0.8, 1.2 and 1.6 mm
+    assert [row["far"] == "" for row in (short, middle, long)] == [True, True, False]
+    assert [row["curve"] == "" for row in (short, middle, long)] == [True, True, False]
+    assert all(float(row["near"]) > 0.0 for row in (short, middle, long))
+    # what [optimize] names by its type is there in every row
+    assert all(float(row["reaction"]) >= 0.0 for row in (short, middle, long))
+    result = sm.analyze(sm.build_seal(bulb))
+    assert float(long["far"]) == pytest.approx(result.far, rel=1e-9)
+    said = capsys.readouterr().out
+    assert "far asks for the force at 1.5 mm of travel" in said
+    assert said.count("shorter: door_travel = 0.6, 0.9") == 2
+
+
 def test_a_sweep_of_the_travel_is_that_of_files_with_other_travels(bulb, tmp_path):
     """The first stage goes down, the second back up in proportion."""
     out = tmp_path / "sweep"
