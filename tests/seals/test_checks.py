@@ -9,7 +9,8 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.rkpm.cells import sides_of
-from seal_mdao.seals.checks import crossings, findings
+from seal_mdao.seals.checks import findings
+from seal_mdao.seals.overlap import crossings
 from seal_mdao.seals.samples import Samples
 
 
