@@ -83,7 +83,7 @@ def test_largest_stress_at_a_singular_point_is_named_with_that_elsewhere():
 
 
 def sponge_bulb():
-    """A bulb of sponge with its air, pressed by 6.5 of its 14 mm: its lowest corners are squeezed flat."""
+    """A bulb of sponge with its air, pressed by 6.5 of 14 mm: its lowest corners are squeezed flat."""
     text = (examples_folder() / "sealed_bulb.toml").read_text(encoding="utf-8")
     rest = text.split("[section]")[1]
     tail = rest[: rest.index("[[design]]")]
