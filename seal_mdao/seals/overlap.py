@@ -1,4 +1,4 @@
-"""Crossings of a deformed boundary with itself, and how deep its parts lie in each other."""
+"""Crossings of a deformed boundary with itself, and the depth of the overlap."""
 
 import numpy as np
 import shapely

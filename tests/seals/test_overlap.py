@@ -26,7 +26,7 @@ def deepest(x, segments):
 
 
 @pytest.mark.parametrize("depth", [1e-4, 0.013, 0.1, 0.37])
-def test_two_walls_that_lie_in_each_other(depth):
+def test_overlap_of_two_walls(depth):
     """The old bound is that of single sides, and any number below the overlap."""
     one = [(0, 0), (1, 0), (1, 1), (0, 1)]
     other = [(1 - depth, -0.52), (2, -0.52), (2, 1.49), (1 - depth, 1.49)]
