@@ -28,6 +28,11 @@ class Uniform:
         values.real("low", self.low)
         values.real("high", self.high, above=self.low)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest number."""
+        return self.low, self.high
+
     @cached_property
     def scipy(self):
         return _stats().uniform(self.low, self.high - self.low)
@@ -45,6 +50,11 @@ class Triangular:
         values.real("low", self.low)
         values.real("high", self.high, above=self.low)
         values.real("likely", self.likely, self.low, self.high)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest number."""
+        return self.low, self.high
 
     @cached_property
     def scipy(self):
@@ -65,6 +75,11 @@ class Normal:
         values.real("mean", self.mean)
         values.real("std", self.std, above=0.0)
         values.real("cut", self.cut, above=0.0)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest number."""
+        return self.mean - self.cut * self.std, self.mean + self.cut * self.std
 
     @cached_property
     def scipy(self):

@@ -10,8 +10,9 @@ has (2 n_c)^2 entries. With n particles, m cells and q quadrature points in each
 
 and the shape functions before the first one take m n_c times ``PAIR_SECONDS``. The constants were fitted
 to seals of 174 to 12 180 particles with 15 to 49 of them a cell and 4 or 16 quadrature points, on a core
-of some 3e9 operations a second; they are accurate to a factor of two or three. Cut steps and damped
-motion are not included.
+of some 3e9 operations a second; they are accurate to a factor of two or three. Contact of the section
+with itself couples walls, and its steps take ``SELF_CONTACT`` times as long. Cut steps and damped motion
+are not included.
 """
 
 import math
@@ -31,6 +32,8 @@ ENTRY_SECONDS, PARTICLE_SECONDS, FACTOR_SECONDS = 5e-9, 1.5e-5, 1.3e-8
 """Seconds for each unit of work of a load step, as above."""
 PAIR_SECONDS = 2.5e-5
 """Seconds for the shape functions of a pair (cell, particle)."""
+SELF_CONTACT = 4.0
+"""Factor on the time of a load step with self-contact."""
 ENTRY_BYTES, VALUE_BYTES, PARTICLE_BYTES, STEP_BYTES = 35, 96, 30_000, 60
 """Bytes for each: pair of particles in a cell; quadrature point and particle in a cell; particle;
 particle and step."""
@@ -64,7 +67,7 @@ def duration(seconds: float) -> str:
     for unit, size in (("days", 86_400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * size:
             return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.0f} s"
+    return f"{seconds:.0f} s" if seconds >= 10.0 else f"{seconds:.2g} s"
 
 
 _SEEN = WeakKeyDictionary()
@@ -85,13 +88,16 @@ def _cells_in_sight(body: Body, particles: np.ndarray) -> int:
     return _SEEN[body]
 
 
-def analysis_cost(body: Body, particles: np.ndarray, n_steps: int) -> Cost:
-    """Estimate time and memory of ``n_steps`` load steps of a body."""
+def analysis_cost(
+    body: Body, particles: np.ndarray, n_steps: int, self_contact: bool = False
+) -> Cost:
+    """Estimate time and memory of ``n_steps`` load steps of a body, with self-contact or without."""
     pairs, n, q = _cells_in_sight(body, particles), body.n_particles, body.cell_map.n_points
     # sight = n_c, pairs = m n_c, entries = m n_c^2
     sight = pairs / len(body.cells)
     entries = pairs * sight
     step = ENTRY_SECONDS * q * entries + PARTICLE_SECONDS * n + FACTOR_SECONDS * (n * sight) ** 1.5
+    step *= SELF_CONTACT if self_contact else 1.0
     # slots and values of the cells' tangents; shape functions and gradients; data by particle
     memory = ENTRY_BYTES * entries + VALUE_BYTES * q * pairs + (
         PARTICLE_BYTES + STEP_BYTES * n_steps

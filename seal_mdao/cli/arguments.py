@@ -313,7 +313,10 @@ def print_penalty_errors(result) -> None:
     # measures without an estimate are listed with the reason
     parts += [unknown] if unknown else []
     if parts:
-        print(f"estimated error by contact penalties: {'; '.join(parts)}")
+        print(
+            f"error by the contact penalties alone, estimated: {'; '.join(parts)}; those of particles "
+            "and load steps come on top"
+        )
 
 
 def print_critical_points(result) -> None:

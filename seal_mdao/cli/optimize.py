@@ -193,7 +193,7 @@ def penalty_figures(result) -> list[tuple[str, str, str]]:
     if largest is None:
         return []
     text = "estimated, of the measures of the last design" + (f"; {unknown}" if unknown else "")
-    return [("error by penalties", f"{largest[1]:.2%}", text)]
+    return [("error by penalties alone", f"{largest[1]:.2%}", text)]
 
 
 def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[str, dict | None]:

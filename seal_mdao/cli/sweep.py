@@ -40,8 +40,10 @@ def main(arguments) -> int:
     with tqdm(values, desc=own.name, unit="analysis", disable=hidden(), leave=False) as bar:
         for value, (seal, parameters) in zip(bar, own.seals(file, values), strict=True):
             if not results:
-                # the time of one analysis
+                # the time of one analysis, and what the sweep leaves empty
                 announce(seal)
+                for line in own.notes():
+                    print(line)
             with file_errors(file.path):
                 if parameters and measures is None:
                     measures = measures_of(seal)
@@ -53,6 +55,8 @@ def main(arguments) -> int:
             # after every analysis, so that an interrupted sweep leaves what was computed
             write_table(arguments.out / "sweep.csv", own.name, rows)
             write_sweep_curves(own.name, results, arguments.out / "curves.csv")
+    # measures that some rows do not have are None there
+    rows = [{key: line.get(key) for key in max(rows, key=len)} for line in rows]
     write_summary(arguments.out, {"parameter": own.name, "unit": own.unit, "values": rows})
     draw(own, results, rows, arguments.out)
     for line in rows:
@@ -84,7 +88,7 @@ def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
     done = [line for line in rows if line["converged"]]
     if done:
         columns = {
-            name: [line[name] for line in done]
+            name: [np.nan if line[name] is None else line[name] for line in done]
             for name in done[0]
             if name not in ("value", "converged")
         }

@@ -2,12 +2,12 @@
 
 import tomllib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-
-import numpy as np
+from dataclasses import dataclass, field
+from pathlib import Path
 
 from seal_mdao.cli.arguments import WrongArgumentError
 from seal_mdao.cli.seal_files import file_errors, seal_of
+from seal_mdao.cli.varied_travel import set_travel
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_changed
@@ -35,12 +35,23 @@ class Varied:
         None for a parameter of the seal.
     unchosen : OutlineSeal, or None
         Seal of the file before load steps and penalties are chosen, of a parameter.
+    beyond : dict
+        Values at which measures are left out, by their names and the travels (mm) that are not reached.
     """
 
     name: str
     unit: str
     change: Callable | None = None
     unchosen: OutlineSeal | None = None
+    beyond: dict = field(default_factory=dict)
+
+    def notes(self) -> list[str]:
+        """Say which measures are left out at which values, one line each; known once files are read."""
+        return [
+            f"{measure} asks for the force at {farthest:g} mm of travel and is left empty where the "
+            f"path is shorter: {self.name} = {', '.join(f'{value:g}' for value in values)}"
+            for (measure, farthest), values in self.beyond.items()
+        ]
 
     def files(self, file: SealFile, values) -> list[SealFile]:
         """Read the file with every value; all are read before anything is analysed.
@@ -101,19 +112,19 @@ def varied(file: SealFile, name: str) -> Varied:
         )
     (own,) = found
     if own in travels and own not in scalars:
-        profile = travels[own]
-        return Varied(own, "mm", lambda given, value: _set_travel(given, profile, value))
+        return _varied_travel(own, travels[own], file.path.parent)
     return Varied(own, scalars[own].units or "", unchosen=unchosen)
 
 
-def _set_travel(tables: dict, profile: str, travel: float) -> None:
-    """Set the travel (mm) of the first stage of a profile that travels, others in proportion."""
-    rows = next(own for own in tables["profile"] if own["name"] == profile)["stage"]
-    stages = [stage for stage in rows if any(stage.get("translate", ()))]
-    # t_i <- t_i travel / |t_1|
-    factor = travel / float(np.hypot(*stages[0]["translate"]))
-    for stage in stages:
-        stage["translate"] = [factor * own for own in stage["translate"]]
+def _varied_travel(name: str, profile: str, folder: Path) -> Varied:
+    """Vary the travel of a profile, and note the measures that are beyond its end."""
+    beyond = {}
+
+    def change(tables, value):
+        for own, farthest in set_travel(tables, profile, value, folder).items():
+            beyond.setdefault((own, farthest), []).append(float(value))
+
+    return Varied(name, "mm", change, beyond=beyond)
 
 
 # ---- numbers of a file by their paths ----

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from seal_mdao.contact.friction import OPEN, SLIP
+from seal_mdao.seals.cavities import cavity_pressures
 from seal_mdao.seals.profiles import (
     contact_positions,
     contacts,
@@ -20,7 +21,8 @@ CURVE_HEADER = (
     "Fx_N_per_100mm", "Fy_N_per_100mm", "deformed_contact_width_mm", "true_peak_pressure_kPa",
     "contact_width_mm", "peak_pressure_kPa",
 )  # fmt: skip
-"""``contact_width_mm`` and ``peak_pressure_kPa`` are nominal values, per undeformed length."""
+"""``contact_width_mm`` and ``peak_pressure_kPa`` are nominal values, per undeformed length; the excess
+pressure of every cavity follows in a column of its own, ``LABEL_excess_pressure_kPa``."""
 EDGE_HEADER = (
     "step", "arc_length_mm", "X_mm", "Y_mm", "x_mm", "y_mm", "gap_mm", "true_pressure_kPa",
     "pressure_kPa", "state",
@@ -33,16 +35,17 @@ STATE_NAMES = {OPEN: "open", SLIP: "slip"}
 
 def write_curves(result, folder) -> list[Path]:
     """Write ``curve_NAME.csv`` for every profile and moved edges: a row for each nominal step."""
-    written = []
+    written, cavities = [], cavity_pressures(result)
+    header = (*CURVE_HEADER, *(f"{label}_excess_pressure_kPa" for label in cavities))
     for history in moving_histories(result):
         # columns in the order of CURVE_HEADER; 0.1 m of seal: N/m to N per 100 mm
         columns = (
             np.arange(1, len(history.stage) + 1), history.stage, history.travel, history.turn,
             *history.place.T, *history.force.T, *(0.1 * history.force.T), history.width, history.peak,
-            history.nominal_width, history.nominal_peak,
+            history.nominal_width, history.nominal_peak, *cavities.values(),
         )  # fmt: skip
         path = Path(folder) / f"curve_{history.label}.csv"
-        written.append(_write(path, CURVE_HEADER, zip(*columns, strict=True)))
+        written.append(_write(path, header, zip(*columns, strict=True)))
     return written
 
 

@@ -3,10 +3,13 @@
 A row of panels for each profile, a column for each load-unload segment.
 """
 
+from itertools import cycle
+
 import numpy as np
 from matplotlib.figure import Figure
 
-from seal_mdao.plotting.style import BLUE, VERMILION, mark_failure, signed, styled, subplots
+from seal_mdao.plotting.style import BLUE, CYCLE, VERMILION, mark_failure, signed, styled, subplots
+from seal_mdao.seals.cavities import cavity_pressures
 from seal_mdao.seals.profiles import moving_histories, profile_histories
 from seal_mdao.seals.result import SealResult
 
@@ -20,7 +23,8 @@ COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
 @styled
 def load_deflection(result: SealResult) -> Figure:
     """Plot compression-load-deflection curves: force on every profile against its travel, in N/m on
-    the left axis, in N per 100 mm of seal on the right one.
+    the left axis, in N per 100 mm of seal on the right one; and below, where the seal has cavities, the
+    excess pressure of their air.
 
     Loading and unloading along one line share a panel.
 
@@ -34,7 +38,15 @@ def load_deflection(result: SealResult) -> Figure:
     ValueError
         For a result without profiles or without any converged step.
     """
-    figure, panels = _segment_panels(moving_histories(result), result, "force on {} (N/m)")
+    histories, cavities = moving_histories(result), cavity_pressures(result)
+    rows = [(own, f"force on {own.label} (N/m)") for own in histories]
+    # the air is drawn over the travel of the first profile
+    rows += [(own, "pressure of the air (kPa)") for own in histories[:1] if cavities]
+    figure, panels = _segment_panels(rows, result)
+    if cavities:
+        n_forces = len(panels) - len(histories[0].load_segments)
+        _draw_air(panels[n_forces:], cavities)
+        panels = panels[:n_forces]
     for history, segment, axes, last in panels:
         # F = 0 at the start of the path
         travel, force = _with_start(segment, history.force)
@@ -55,6 +67,21 @@ def load_deflection(result: SealResult) -> Figure:
             right.set_ylabel("N per 100 mm of seal")
     panels[0][2].legend(loc="best", title="component")
     return figure
+
+
+def _draw_air(panels, cavities) -> None:
+    """Plot the excess pressure of the air of every cavity over the load-unload segments of a profile."""
+    for _, segment, axes, last in panels:
+        axes.axhline(0.0, color="black", linewidth=0.8)
+        for color, (label, pressure) in zip(cycle(CYCLE), cavities.items(), strict=False):
+            travel, own = _with_start(segment, pressure)
+            axes.plot(travel, own, color=color, label=label)
+            axes.annotate(
+                signed(own[-1]), (travel[-1], own[-1]), xytext=(6, 0), textcoords="offset points",
+                va="center", color=color,
+            )  # fmt: skip
+        if last and len(cavities) > 1:
+            axes.legend(loc="best")
 
 
 def _mark_critical(axes, result, segment, travel: np.ndarray, force: np.ndarray) -> None:
@@ -89,9 +116,8 @@ def contact_width(result: SealResult) -> Figure:
     ValueError
         For a result without profiles or without any converged step.
     """
-    figure, panels = _segment_panels(
-        profile_histories(result), result, "width in contact with {} (mm)"
-    )
+    rows = [(own, f"width in contact with {own.label} (mm)") for own in profile_histories(result)]
+    figure, panels = _segment_panels(rows, result)
     for history, segment, axes, last in panels:
         # width on the left axis, peak pressure on a second one, labelled in the last column only
         right = axes.twinx()
@@ -120,8 +146,13 @@ def _true_and_nominal(axes, segment, true, nominal, color, style) -> list:
     return lines
 
 
-def _segment_panels(histories, result: SealResult, text: str):
-    """Create a figure with axes for every load-unload segment of every profile, a row for a profile.
+def _segment_panels(rows, result: SealResult):
+    """Create a figure with axes for every load-unload segment of every row.
+
+    Parameters
+    ----------
+    rows : list of (ProfileHistory, str)
+        Profile along whose travel the row is, label of its vertical axis.
 
     Returns
     -------
@@ -129,18 +160,18 @@ def _segment_panels(histories, result: SealResult, text: str):
     panels : list of (ProfileHistory, Course, Axes, bool)
         The flag marks the last axes of a row.
     """
-    if not histories or not len(histories[0].stage):
+    if not rows or not len(rows[0][0].stage):
         raise ValueError("the result has no profile, or no converged load step to draw")
-    # one grid for all profiles: as many columns as the longest row needs
-    columns, rows = max(len(history.load_segments) for history in histories), len(histories)
+    # one grid for all rows: as many columns as the longest one needs
+    columns, n_rows = max(len(history.load_segments) for history, _ in rows), len(rows)
     # wider for more segments
     width = WIDTHS[min(columns, len(WIDTHS)) - 1]
     figure, grid = subplots(
-        rows, columns, width=width, height=0.6 + 3.4 * rows, squeeze=False, sharey="row"
+        n_rows, columns, width=width, height=0.6 + 3.4 * n_rows, squeeze=False, sharey="row"
     )
     panels = []
-    for history, row in zip(histories, grid, strict=True):
-        row[0].set_ylabel(text.format(history.label))
+    for (history, text), row in zip(rows, grid, strict=True):
+        row[0].set_ylabel(text)
         for axes in row[len(history.load_segments) :]:
             axes.set_visible(False)
         for segment, axes in zip(history.load_segments, row, strict=False):

@@ -244,7 +244,7 @@ def measures(result: SealResult) -> dict[str, tuple[str, float]]:
     # effect of the contact penalties on the measures, in percent
     errors = result.penalty_error if result.converged else {}
     return found | {
-        f"error of {label(name)} by contact penalties, estimated": ("%", 100.0 * error.relative)
+        f"error of {label(name)} by penalties alone, estimated": ("%", 100.0 * error.relative)
         for name, error in errors.items()
         if error.estimable
     }

@@ -18,7 +18,7 @@ from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.contact_curves import arc_length
 from seal_mdao.plotting.style import STRESS_MAP
-from seal_mdao.seals.profiles import contacts, profile_histories, self_contacts, true_pressure
+from seal_mdao.seals.profiles import contacts, moving_histories, self_contacts, true_pressure
 from seal_mdao.seals.result import SealResult
 
 POINTS = 600
@@ -107,13 +107,11 @@ class Pictures:
 
     def _path(self, fine: field.FineGrid, steps) -> dict:
         result = fine.result
-        # definition and history of every profile
-        profiles = zip(contacts(result.seal), profile_histories(result), strict=True)
         return {
             "frames": [self._frame(fine, step) for step in steps],
             "captions": [result.caption(step) for step in steps],
             "profiles": _profile_shapes(result),
-            "curves": [_curves(result, *profile, steps) for profile in profiles],
+            "curves": [_curves(result, history, steps) for history in moving_histories(result)],
             "completed": result.converged,
         }
 
@@ -175,20 +173,30 @@ def _poses(result, fraction: float) -> list:
     return [[*_rounded(pose.places(origin)[0], 6), pose.cos, pose.sin] for pose in found]
 
 
-def _curves(result, contact, history, steps) -> dict:
-    """Curves of a profile at nominal steps: along its contact points, and over its travel."""
-    label, responses = contact.label, result.path.at_nominal(contact.label)
+def _curves(result, history, steps) -> dict:
+    """Curves of a profile at nominal steps: along its contact points, and over its travel; of moved
+    edges over their travel alone."""
     words, along = "load step", np.arange(1.0, 1.0 + len(history.force))
     # travel where all of the path is one load-unload segment
     if len(history.load_segments) == 1:
         (load_segment,) = history.load_segments
         words, along = "turn (°)" if load_segment.turns else "travel (mm)", load_segment.along
-    return {
-        "name": label,
-        "arc": _rounded(arc_length(result, label)),
+    found = {
+        "name": history.label,
+        "arc": [],
         "along": _rounded(along[steps], 6),
         "words": words,
         "reaction": _rounded(history.force[steps]),
+    }
+    contact = {own.label: own for own in contacts(result.seal)}.get(history.label)
+    return found if contact is None else found | _along_contact(result, contact, steps)
+
+
+def _along_contact(result, contact, steps) -> dict:
+    """State, pressure and gap of the contact points of a profile at nominal steps."""
+    label, responses = contact.label, result.path.at_nominal(contact.label)
+    return {
+        "arc": _rounded(arc_length(result, label)),
         "state": ["".join(map(str, _marks(result, label, responses[step]))) for step in steps],
         "pressure": [_rounded(true_pressure(result, contact, step), 2) for step in steps],
         "gap": [_rounded(responses[step].gap, 5) for step in steps],

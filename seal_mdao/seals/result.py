@@ -435,10 +435,13 @@ def analyzed_with(
     )  # fmt: skip
 
 
-def estimate(seal: Seal) -> Cost:
-    """Estimate time and memory of one analysis of a seal (``analysis.cost``)."""
+def estimate(seal: Seal, n_steps: int | None = None) -> Cost:
+    """Estimate time and memory of one analysis of a seal (``analysis.cost``), in its own load steps or
+    in ``n_steps``."""
     values.instance("seal", seal, Seal)
-    return analysis_cost(seal.body, seal.nominal_particles, seal.n_steps)
+    n_steps = seal.n_steps if n_steps is None else values.integer("n_steps", n_steps, 0)
+    touching = bool(profiles.self_contacts(seal))
+    return analysis_cost(seal.body, seal.nominal_particles, n_steps, touching)
 
 
 def unloaded(seal: Seal) -> SealResult:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
+from seal_mdao.distributions import VALUE
 from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.scenarios.variation import Variation
@@ -51,7 +52,7 @@ def read_tolerance_table(path) -> ToleranceTable:
 def tolerances_of(written: ToleranceTable) -> Tolerances:
     """Make the tolerances that a table describes."""
     scattered = tuple(
-        Tolerance(Variation(name, own.kind, own.parameters), own.law)
+        Tolerance(Variation(name, own.kind or VALUE, own.parameters), own.law)
         for name, own in written.vary.items()
     )
     # the boundary is optional

@@ -4,6 +4,7 @@ the estimate of the memory is of the right size."""
 import re
 import resource
 
+import numpy as np
 import pytest
 
 import seal_mdao as sm
@@ -70,7 +71,15 @@ def test_short_analysis_is_not_announced(capsys):
 
 @pytest.mark.parametrize(
     ("seconds", "words"),
-    [(59.7, "60 s"), (150.0, "2.5 min"), (7080.0, "118 min"), (1e4, "2.78 h"), (1e6, "11.6 days")],
+    [
+        (0.123, "0.12 s"),
+        (9.6, "9.6 s"),
+        (59.7, "60 s"),
+        (150.0, "2.5 min"),
+        (7080.0, "118 min"),
+        (1e4, "2.78 h"),
+        (1e6, "11.6 days"),
+    ],
 )
 def test_duration_in_words(seconds, words):
     assert cost.duration(seconds) == words
@@ -80,6 +89,23 @@ def test_estimate_of_what_is_held(nominal):
     """The arrays that stay, between a fifth and all of the estimate, which has the factors too."""
     memory = sm.estimate(nominal.seal).memory * 2**30
     assert 0.2 * memory < held_bytes(nominal.path) < 3.0 * memory
+
+
+def test_self_contact_costs_more_for_every_load_step(nominal):
+    plain, touching = (
+        [cost.analysis_cost(nominal.seal.body, nominal.particles, n, own).seconds for n in (0, 10)]
+        for own in (False, True)
+    )
+    assert touching[0] == plain[0]
+    assert np.diff(touching) == pytest.approx(cost.SELF_CONTACT * np.diff(plain))
+
+
+def test_estimate_in_other_load_steps(nominal):
+    seal = nominal.seal
+    assert sm.estimate(seal, seal.n_steps) == sm.estimate(seal)
+    first, second, third = (sm.estimate(seal, n).seconds for n in (0, 10, 20))
+    assert 0.0 < first < second
+    assert third - second == pytest.approx(second - first)
 
 
 @pytest.mark.parametrize("changes", [{"layers": 6}, {"rays": 116}, {"support": 6.0}])

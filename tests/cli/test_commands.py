@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import seal_mdao as sm
+from seal_mdao.analysis.cost import duration
 from seal_mdao.cli import examples
 from seal_mdao.cli.analyze import stress_line
 from seal_mdao.cli.arguments import WrongArgumentError
@@ -157,11 +158,23 @@ def test_new_check_and_analyze(tmp_path, monkeypatch, capsys):
     assert summary["profiles"] == ["plate"]
     assert summary["to_be_chosen"][0] == "load steps"
     assert summary["design_parameters"] == 6 == seal.designs[0].parameters
-    assert summary["estimated_seconds"] > 0.0
+    analysis, choice = (summary[f"estimated_seconds{own}"] for own in ("", "_of_choice"))
+    assert 0.3 * analysis < choice < 3.0 * analysis
+    assert (
+        f"with 40 load steps takes about {duration(analysis + choice)}, of which {duration(choice)} "
+        "for choosing load steps and penalties, and "
+    ) in capsys.readouterr().out
     assert (tmp_path / "look" / "section.png").stat().st_size > 20_000
     with pytest.raises(SystemExit):
         main(["new", "mine"])
     assert "mine.toml exists" in capsys.readouterr().err
+
+
+def test_check_of_a_file_that_leaves_nothing_open(bulb, tmp_path, capsys):
+    assert main(["check", str(bulb), "--out", str(tmp_path / "look")]) == 0
+    summary = json.loads((tmp_path / "look" / "summary.json").read_text())
+    assert summary["estimated_seconds_of_choice"] == 0.0
+    assert "choosing" not in capsys.readouterr().out
 
 
 def test_new_from_a_drawing(tmp_path, monkeypatch):
@@ -279,6 +292,40 @@ def swept(out):
     """Rows of the table of a sweep."""
     with (out / "sweep.csv").open(newline="") as file:
         return list(csv.DictReader(file))
+
+
+def test_a_sweep_of_the_travel_leaves_measures_beyond_it_empty(bulb, tmp_path, capsys):
+    """The path is 4/3 of the first travel; two measures reach beyond it, one of them the objective."""
+    text = bulb.read_text(encoding="utf-8")
+    targets = "travel_mm,force\n0.7,20.0\n1.3,40.0\n"
+    (bulb.parent / "target.csv").write_text(targets, encoding="utf-8")
+    rows = "".join(
+        f'[[measure]]\ntype = "{kind}"\nname = "{name}"\n{keys}\n'
+        for kind, name, keys in (
+            ("reaction", "far", "travel = 1.5"), ("reaction", "near", "travel = 0.6"),
+            ("load_deflection_error", "curve", 'data = "target.csv"'),
+        )
+    )  # fmt: skip
+    before, after = text.split("[optimize]")
+    after = "".join(
+        'minimize = "curve"\n' if line.startswith("minimize") else line
+        for line in after.splitlines(keepends=True)
+    )
+    bulb.write_text(f"{before}{rows}[optimize]{after}", encoding="utf-8")
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(bulb), "--vary", "travel", "0.6:1.2:3", "--out", str(out)]) == 0
+    short, middle, long = swept(out)
+    # paths of 0.8, 1.2 and 1.6 mm
+    assert [row["far"] == "" for row in (short, middle, long)] == [True, True, False]
+    assert [row["curve"] == "" for row in (short, middle, long)] == [True, True, False]
+    assert all(float(row["near"]) > 0.0 for row in (short, middle, long))
+    # what [optimize] names by its type is there in every row
+    assert all(float(row["reaction"]) >= 0.0 for row in (short, middle, long))
+    result = sm.analyze(sm.build_seal(bulb))
+    assert float(long["far"]) == pytest.approx(result.far, rel=1e-9)
+    said = capsys.readouterr().out
+    assert "far asks for the force at 1.5 mm of travel" in said
+    assert said.count("shorter: door_travel = 0.6, 0.9") == 2
 
 
 def test_a_sweep_of_the_travel_is_that_of_files_with_other_travels(bulb, tmp_path):

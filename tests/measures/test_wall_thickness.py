@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.cli.examples import examples_folder
 from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.measures.wall_thickness import WallThickness
+from seal_mdao.seals.file.build import unchosen_seal
 
 BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()
 WEIGHTS = np.array([1, -8, 8, -1]) / 12.0
@@ -211,3 +213,19 @@ def test_what_has_no_wall_is_refused():
     )  # fmt: skip
     with pytest.raises(ValueError, match="no body has a hole"):
         WallThickness().distances(alone.body, alone.particles)
+
+
+def test_the_example_with_a_least_wall_begins_where_it_decides():
+    """The walls are thinner than the limit at first, and within the bounds of the design thicker."""
+    file = sm.read_seal_file(examples_folder() / "vented_bulb.toml")
+    (least,) = (own.lower for own in file.optimize.constraints if own.measure == "wall_thickness")
+    seal = unchosen_seal(file)
+    (measure,) = (own for own in seal.standard if own.name == "wall_thickness")
+    sizes = []
+    for outward in (0.0, 0.1):
+        # the outside moves along its outward normal
+        offsets = np.repeat([outward, 0.0], 8)
+        found = measure.distances(seal.body, seal.particles(offsets))
+        sizes.append(found.size.min())
+    assert 0.97 * least < sizes[0] < 1.02 * least
+    assert sizes[1] > least + 0.05

@@ -1,13 +1,16 @@
 """What pyproject.toml asks for, and the version in every place."""
 
 import re
+import sys
 import tomllib
 from importlib.metadata import requires
 from pathlib import Path
 
+import pytest
 from packaging.requirements import Requirement
 
 import seal_mdao as sm
+from seal_mdao.seals.file.export import WRITERS, require_writers
 
 ROOT = Path(__file__).parents[2]
 
@@ -21,6 +24,26 @@ def test_numpy_is_at_least_what_openmdao_needs():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     own = lower_bound(project["dependencies"], "numpy")
     assert own >= max(lower_bound(requires("openmdao"), "numpy"), (2, 0))
+
+
+def test_one_extra_has_all_that_writes_designs():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"][
+        "optional-dependencies"
+    ]
+    names = {own: {Requirement(line).name for line in lines} for own, lines in extras.items()}
+    assert set(WRITERS.values()) <= names["dxf"]
+    assert set(WRITERS.values()) <= names["test"]
+
+
+@pytest.mark.parametrize("missing", [("meshio",), ("ezdxf", "tomli_w")])
+def test_writers_that_are_missing_are_named_with_their_extra(monkeypatch, missing):
+    for module in missing:
+        monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(ImportError) as found:
+        require_writers()
+    said = str(found.value)
+    assert f"not installed: {', '.join(WRITERS[own] for own in missing)};" in said
+    assert "seal_mdao[dxf]" in said
 
 
 def test_version_is_the_same_everywhere():

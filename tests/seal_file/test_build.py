@@ -146,6 +146,46 @@ def test_stress_in_a_pad_by_its_layers(tmp_path):
     assert stress[5] == pytest.approx(stress[9], rel=0.05)
 
 
+def rectangle(width, height, layers, squeeze=0.2):
+    """A pad with its base fixed, pressed by a plate over its full width."""
+    start = PAD.index("outer = ["), PAD.index("[fixed]")
+    corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
+    sides = zip(("base", "right", "seal", "left"), corners, [*corners[1:], corners[0]], strict=True)
+    lines = ",\n".join(
+        f'{{ edge = "{name}", line = [{list(a)}, {list(b)}] }}' for name, a, b in sides
+    )
+    text = f"{PAD[: start[0]]}outer = [\n{lines}]\n{PAD[start[1] :]}"
+    text = text.replace("spacing = 2.9", f"spacing = {0.49 * height}")
+    text = text.replace("layers = 3", f"layers = {layers}").replace("-1.2", f"{-squeeze * height}")
+    wide = 5.0 * width
+    text = text.replace("[[-40.0, 0.0], [40.0, 0.0]]", f"[[{-wide}, 0.0], [{wide}, 0.0]]")
+    return text.replace("[0.0, 6.0]\nstage", f"[0.0, {height}]\nstage")
+
+
+@pytest.mark.parametrize("width", [11.0, 12.0, 10.0])
+def test_short_pads_with_three_layers_are_reported_where_their_force_errs(tmp_path, width):
+    """From 11 x 6 mm on by 13 %; up to 10 x 6 mm by 3 %, without a warning."""
+    coarse, fine = (
+        sm.analyze(build_seal(read(tmp_path, rectangle(width, 6.0, layers)))) for layers in (3, 13)
+    )
+    error = coarse.reaction[-1, 1] / fine.reaction[-1, 1] - 1.0
+    assert error == pytest.approx(0.128 if width > 10.0 else 0.027, abs=0.003)
+    assert [("fewer than 5" in text) for text in coarse.seal.warnings] == [True] * (width > 10.0)
+    assert fine.seal.warnings == ()
+
+
+@pytest.mark.parametrize(("scale", "word"), [(0.01, "smaller"), (1.0, None), (25.4, "larger")])
+def test_sections_in_a_wrong_unit_of_length_are_reported(tmp_path, scale, word):
+    seal = build_seal(read(tmp_path, rectangle(20.0 * scale, 6.0 * scale, 5)))
+    if word is None:
+        assert seal.warnings == ()
+    else:
+        (text,) = seal.warnings
+        assert f"the section is {20.0 * scale:.4g} mm wide and {6.0 * scale:.4g} mm high" in text
+        assert f"{word} than those of seals" in text
+        assert "set units of [section]" in text
+
+
 def test_gradients_against_central_differences(pressed):
     """The same points touch and slip at both ends. The step's square is 1e-8 of the value's, and
     Newton's tolerance over the step less."""

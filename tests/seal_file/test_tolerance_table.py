@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.json_schema import json_schema
 from seal_mdao.tolerances.file import read_tolerances, tolerances_of
 
@@ -58,6 +59,11 @@ def test_one_line_names_table_and_key(tmp_path, text, line):
             VARY.replace("mean = 0.0", 'mean = 0.0\nkind = "factor"'),
             "door_y is zero and a factor leaves it so",
         ),
+        (
+            VARY.replace("door_y", "c10"),
+            "numbers from -0.9999 to 0.9999 would take the place of c10 = 80, which is not among them; "
+            'say what they are: kind = "shift"',
+        ),
     ],
 )
 def test_parameters_are_checked_before_anything_is_analysed(tmp_path, monkeypatch, text, line):
@@ -70,6 +76,20 @@ def test_parameters_are_checked_before_anything_is_analysed(tmp_path, monkeypatc
     assert line in str(caught.value)
     assert str(caught.value).startswith(f"{path}: [tolerance.vary.")
     assert not analyses
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        'distribution = "normal"\nmean = 79.0\nstd = 2.0',
+        'distribution = "normal"\nmean = 0.0\nstd = 2.0\nkind = "shift"',
+        'distribution = "uniform"\nlow = 20.0\nhigh = 30.0\nkind = "value"',
+    ],
+)
+def test_numbers_that_include_the_value_or_say_what_they_are(tmp_path, keys):
+    path = with_tolerance(tmp_path, f"[tolerance.vary.c10]\n{keys}\n")
+    file = sm.read_seal_file(path)
+    file.tolerance.check("", unchosen_seal(file))
 
 
 def test_errors_of_a_boundary_need_edges_that_may_move(tmp_path):

@@ -9,7 +9,8 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.rkpm.cells import sides_of
-from seal_mdao.seals.checks import crossings, findings
+from seal_mdao.seals.checks import findings
+from seal_mdao.seals.overlap import crossings
 from seal_mdao.seals.samples import Samples
 
 
@@ -41,8 +42,15 @@ def test_example_says_nothing_but_what_its_penalties_do():
     assert re.search(r"gap_square_sum [\d.]+ % too small", text)
 
 
-def test_inner_boundary_that_crosses_itself_is_told():
-    assert any("crosses itself" in text for text in analysed(depth=14.6).warnings)
+@pytest.mark.parametrize(("depth", "overlap", "possible"), [(14.6, 2.7, True), (15.0, 22.0, False)])
+def test_inner_boundary_that_crosses_itself_is_told(depth, overlap, possible):
+    """With its overlap in percent of the wall; local values mean nothing in both states."""
+    result = analysed(depth=depth)
+    (found,) = (own for own in findings(result.path) if "crosses itself" in own.text)
+    said = float(re.search(r"([\d.]+) % of the wall's thickness", found.text)[1])
+    assert said == pytest.approx(overlap, rel=0.05)
+    assert (found.impossible, found.meaningless) == (not possible, True)
+    assert not result.trustworthy
 
 
 def test_deep_crossing_is_no_result(deep):

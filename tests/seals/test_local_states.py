@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.cli.examples import examples_folder
 from seal_mdao.measures.singular_points import singular_points
 from seal_mdao.seals import local_states
+from seal_mdao.seals.checks import findings
 from seal_mdao.seals.local_states import meaningless_states, stress_peak
 from seal_mdao.seals.samples import Samples
 
@@ -78,3 +80,34 @@ def test_largest_stress_at_a_singular_point_is_named_with_that_elsewhere():
     stress[-1] = 10.0
     peak = stress_peak(result)
     assert (peak.stress, peak.singular) == (10.0, "")
+
+
+def sponge_bulb():
+    """A bulb of sponge with its air, pressed by 6.5 of 14 mm: its lowest corners are squeezed flat."""
+    text = (examples_folder() / "sealed_bulb.toml").read_text(encoding="utf-8")
+    rest = text.split("[section]")[1]
+    tail = rest[: rest.index("[[design]]")]
+    tail = tail.replace("[0.0, -4.05]", "[0.0, -6.5]").replace("steps = 40", "steps = 60")
+    penalties = "friction = 0.25\nnormal_penalty = 2e4\ntangent_penalty = 1e3"
+    tail = tail.replace("friction = 0.25", penalties)
+    return f'[material.rubber]\nsponge = "2A3"\n[section]{tail}'
+
+
+def test_sponge_below_a_fifth_of_its_volume_is_not_trustworthy(tmp_path):
+    """There the largest stress grows to many times that of all but one point in 200, in 1.5 mm."""
+    path = tmp_path / "bulb.toml"
+    path.write_text(sponge_bulb(), encoding="utf-8")
+    result = sm.analyze(sm.build_seal(path))
+    assert result.converged
+    states = []
+    for part in list(result.up_to_each_step())[-16:]:
+        least = Samples(part.path).volume_change.min()
+        stress = part.section_stress()[1]
+        flagged = [own for own in findings(part.path) if "det F" in own.text]
+        assert bool(flagged) == (least < 0.2)
+        assert all(own.meaningless for own in flagged)
+        assert not (flagged and part.trustworthy)
+        states.append((least, stress.max() / np.quantile(stress, 0.995)))
+    assert max(least for least, _ in states) > 0.3
+    assert all(ratio < 2.5 for least, ratio in states if least > 0.2)
+    assert max(ratio for _, ratio in states) > 10.0

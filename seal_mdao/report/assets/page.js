@@ -59,7 +59,7 @@ function closing() {
     at = index;
     paths.forEach((path, i) => {
       const k = Math.min(index, path.frames.length - 1), held = k < index ? " (path ends here)" : "", own = path.curves[profile];
-      const touching = own ? `, ${[...own.state[k]].filter((s) => "12".includes(s)).length} points in contact, ${readable(own.reaction[k][1], 3)} N/m` : "";
+      const touching = own && own.arc.length ? `, ${[...own.state[k]].filter((s) => "12".includes(s)).length} points in contact, ${readable(own.reaction[k][1], 3)} N/m` : own ? `, ${readable(own.reaction[k][1], 3)} N/m` : "";
       const text = `peak ${readable(path.frames[k].peak, 3)} kPa${touching}${held}`;
       views[i].draw(frames[i][k], null, `Deformed section of the ${names[i]} design with von Mises stress at ${minus(path.captions[k])}: ${text}`);
       place(`${names[i]}-text`).textContent = text;
@@ -77,15 +77,36 @@ function closing() {
     choose(0);
   } else {
     place("curves").hidden = true;
+    place("profile-label").hidden = true;
   }
   slider("step", longest.frames.length, at, show, 60);
   return views;
 }
 
-// Charts of one profile of both designs; show(index) takes them to a load step.
+// Charts of one profile of both designs, or of moved edges; show(index) takes them to a load step.
 function profileCurves(both, longest) {
   const names = ["start", "end"], colors = ["var(--start)", "var(--end)"], dashes = ["6 3", ""];
   ["pressure", "gap", "reaction"].forEach((id) => place(id).replaceChildren());
+  // moved edges are in no contact
+  const touches = both.every((own) => own.arc.length);
+  ["pressure", "gap"].forEach((id) => { place(id).parentElement.hidden = !touches; });
+  const contact = touches ? contactCurves(both, names, colors, dashes) : null;
+  const forces = [];
+  for (const [component, word, dash] of [[1, "vertical", ""], [0, "horizontal", "2 3"]]) {
+    both.forEach((own, i) => forces.push({ name: `${word}, ${names[i]}`, x: i === longest ? undefined : own.along, values: own.reaction.map((r) => r[component]), color: colors[i], dash: dash || dashes[i] }));
+  }
+  const { name, words, along: values } = both[longest];
+  const reaction = new LineChart(place("reaction"), { name: `Force on ${name}`, x: { label: words, values }, y: { label: "N/m" }, series: forces });
+  return {
+    show(index) {
+      if (contact) contact(index);
+      reaction.cursor(index);
+    },
+  };
+}
+
+// Charts along the contact points of both designs; what is returned takes them to a load step.
+function contactCurves(both, names, colors, dashes) {
   const touched = (own) => own.arc.filter((_, k) => own.state.some((s) => s[k] !== "0"));
   const found = both.flatMap(touched), arcs = found.length ? found : both.flatMap((own) => own.arc);
   const size = Math.max(...both.flatMap((own) => own.arc)), margin = 0.03 * size;
@@ -96,19 +117,10 @@ function profileCurves(both, longest) {
   const series = (key) => both.map((own, i) => ({ name: names[i], x: own.arc, values: own[key][0], color: colors[i], dash: dashes[i], dots: 2.4 }));
   const pressure = new LineChart(place("pressure"), { name: "True contact pressure", x: along, y: { label: "kPa", low: 0, high: 1.08 * highest || 1 }, series: series("pressure") });
   const gap = new LineChart(place("gap"), { name: "Normal gap", x: along, y: { label: "mm", low: -0.12 * widest, high: 1.15 * widest }, series: series("gap") });
-  const forces = [];
-  for (const [component, word, dash] of [[1, "vertical", ""], [0, "horizontal", "2 3"]]) {
-    both.forEach((own, i) => forces.push({ name: `${word}, ${names[i]}`, x: i === longest ? undefined : own.along, values: own.reaction.map((r) => r[component]), color: colors[i], dash: dash || dashes[i] }));
-  }
-  const { name, words, along: values } = both[longest];
-  const reaction = new LineChart(place("reaction"), { name: `Force on ${name}`, x: { label: words, values }, y: { label: "N/m" }, series: forces });
-  return {
-    show(index) {
-      const at = (own, key) => own[key][Math.min(index, own.along.length - 1)];
-      pressure.set(both.map((own) => at(own, "pressure")));
-      gap.set(both.map((own) => at(own, "gap")));
-      reaction.cursor(index);
-    },
+  return (index) => {
+    const at = (own, key) => own[key][Math.min(index, own.along.length - 1)];
+    pressure.set(both.map((own) => at(own, "pressure")));
+    gap.set(both.map((own) => at(own, "gap")));
   };
 }
 

@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from seal_mdao.mesh_files import library
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import places_of
 from seal_mdao.seals.outline.cloud_file import write_cloud
-from seal_mdao.seals.outline.dxf import drawing_library, write_dxf
+from seal_mdao.seals.outline.dxf import write_dxf
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 HEAD = """# A design of {name} with the particles that it was computed with; for new ones put spacing
@@ -29,17 +28,28 @@ ON_CUT = 1e-6
 """Largest distance of a particle from a line between two materials on which it lies, mm."""
 
 
+WRITERS = {"ezdxf": "ezdxf", "meshio": "meshio", "tomli_w": "tomli-w"}
+"""Packages with which designs are written, by their modules: all in the extra ``dxf``."""
+
+
 def require_writers() -> None:
     """Import the libraries with which designs are written.
 
     Raises
     ------
     ImportError
-        Without ezdxf, meshio or tomli-w.
+        Without ezdxf, meshio or tomli-w; it names all that are missing.
     """
-    _writer()
-    library()
-    drawing_library()
+    missing = []
+    for module, package in WRITERS.items():
+        try:
+            import_module(module)
+        except ImportError:
+            missing.append(package)
+    if missing:
+        raise ImportError(
+            f"not installed: {', '.join(missing)}; pip install seal_mdao[dxf] has what writes designs"
+        )
 
 
 def write_design(
@@ -71,7 +81,8 @@ def write_design(
         Without ezdxf, meshio or tomli-w.
     """
     # the section as a drawing, the particles as a mesh, everything else in the seal file
-    writer, folder = _writer(), Path(folder)
+    require_writers()
+    writer, folder = import_module("tomli_w"), Path(folder)
     paths = [folder / f"{name}.{kind}" for kind in ("toml", "dxf", "vtu")]
     given = tomllib.loads(file.path.read_text(encoding="utf-8"))
     # parting lines of a drawing stay lines of a drawing, on the first of their layers
@@ -101,15 +112,6 @@ def write_design(
     text = HEAD.format(name=file.path.name) + writer.dumps(given)
     paths[0].write_text(text, encoding="utf-8")
     return paths
-
-
-def _writer():
-    try:
-        return import_module("tomli_w")
-    except ImportError as error:
-        raise ImportError(
-            "seal files are written by tomli-w, which is not installed: pip install seal_mdao[dxf]"
-        ) from error
 
 
 def _from(folder, path) -> str:

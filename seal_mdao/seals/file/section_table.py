@@ -20,6 +20,7 @@ from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import LAYERS, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
+from seal_mdao.seals.outline.sizes import unusual_size
 from seal_mdao.seals.wall_grid import SCHEMES
 
 LEAST_LAYERS = {name: own.basis_order + 1 for name, own in SCHEMES.items()}
@@ -315,16 +316,18 @@ def _check_spacing(spacing, outline) -> None:
     """Refuse a spacing of half the section's width, or of more particles than can be analysed."""
     small = float(np.ptp(outline.box, axis=0).min())
     if spacing >= 0.5 * small:
+        size = unusual_size(np.ptp(outline.box, axis=0))
         raise SealFileError(
             f"[section]: spacing = {spacing:g}, but the section is only {small:.4g} mm wide; it must be "
-            "less than half of that"
+            "less than half of that" + (f" ({size})" if size else "")
         )
     # about area / spacing^2 particles
     least = np.sqrt(outline.area / MOST_PARTICLES)
     if spacing < least:
+        size = unusual_size(np.ptp(outline.box, axis=0))
         raise SealFileError(
             f"[section]: spacing = {spacing:g}, which needs more than {MOST_PARTICLES} particles; it "
-            f"must be at least {least:.3g}"
+            f"must be at least {least:.3g}" + (f" ({size})" if size else "")
         )
 
 

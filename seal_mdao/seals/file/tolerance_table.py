@@ -5,7 +5,7 @@ from dataclasses import MISSING, fields
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from seal_mdao.distributions import DISTRIBUTIONS, FACTOR, KINDS, VALUE
+from seal_mdao.distributions import DISTRIBUTIONS, FACTOR, KINDS
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.forms import FORM, Names, number, one_of
 from seal_mdao.seals.file.schema import Table, chosen_by, key, known, table, table_of
@@ -18,7 +18,11 @@ class VaryTable(Table):
     """Scatter of a parameter."""
 
     distribution: one_of(*DISTRIBUTIONS) = key("of what varies")
-    kind: one_of(*KINDS) = key("what it does to the parameters", VALUE)
+    kind: one_of(*KINDS) | None = key(
+        "what it does to the parameters; value unless given, which then must include their present "
+        "values",
+        None,
+    )
     parameters: Names = key("that vary together; that of the name of the table unless given", ())
 
     @property
@@ -83,7 +87,8 @@ class ToleranceTable(Table):
         return self
 
     def check(self, where: str, seal: Seal) -> None:
-        """Refuse parameters that a seal does not have, and factors of zero.
+        """Refuse parameters that a seal does not have, factors of zero, and numbers that would take the
+        place of a value far from them where the file does not say so.
 
         Parameters
         ----------
@@ -106,3 +111,17 @@ class ToleranceTable(Table):
                         f'{place}: kind = "factor", but {parameter} is zero and a factor leaves it so; '
                         'take kind = "shift"'
                     )
+                if own.kind is None:
+                    _check_replaced(place, own.law, parameter, seal.scalars[parameter])
+
+
+def _check_replaced(where: str, law, name: str, scalar) -> None:
+    """Refuse numbers without ``kind`` that do not include the value they would take the place of."""
+    low, high = law.ends
+    if low <= scalar.value <= high:
+        return
+    raise SealFileError(
+        f"{where}: numbers from {low:.4g} to {high:.4g} would take the place of {name} = "
+        f"{scalar.value:.4g}, which is not among them; say what they are: kind = "
+        '"shift" (they are added to it), "factor" (they multiply it) or "value" (they replace it)'
+    )

@@ -20,6 +20,7 @@ from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
+from seal_mdao.seals.outline.sizes import unusual_size
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 
@@ -73,7 +74,12 @@ class OutlineSeal(Seal):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Warning of a wall with too few layers of particles; those of rays are chosen by the user."""
+        """Warnings of a size that no seal has, and of a wall with too few layers of particles; those of
+        rays are chosen by the user."""
+        size = unusual_size(np.ptp(self.nominal_particles, axis=0))
+        return (*([size] if size else []), *self._few_layers())
+
+    def _few_layers(self) -> tuple[str, ...]:
         if isinstance(self.spacing, Rays):
             return ()
         wall = thin_wall(self.loops, self.nominal_particles, self.body.cells)

@@ -1,0 +1,19 @@
+"""Sizes of sections that point to a wrong unit of length."""
+
+USUAL = (0.5, 300.0)
+"""Least and largest extent of the section of a seal, mm."""
+
+
+def unusual_size(extent) -> str:
+    """Describe a section whose larger extent is outside of ``USUAL``, and what to do; else empty.
+
+    ``extent`` are its width and height, mm.
+    """
+    width, height = extent
+    if USUAL[0] <= max(extent) <= USUAL[1]:
+        return ""
+    compared = "larger" if max(extent) > USUAL[1] else "smaller"
+    return (
+        f"the section is {width:.4g} mm wide and {height:.4g} mm high, {compared} than those of seals: "
+        "lengths in a seal file are in mm; for a drawing in other units set units of [section]"
+    )
