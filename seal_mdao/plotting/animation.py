@@ -8,7 +8,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter, writers
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.plotting.several_seals import draw_forces
-from seal_mdao.plotting.style import BLUE, VERMILION, styled, subplots
+from seal_mdao.plotting.style import BLUE, VERMILION, add_caption, styled, subplots
 from seal_mdao.seals.result import SealResult
 
 MOST_FRAMES = 80
@@ -85,6 +85,7 @@ def save_animation(
 
     contours = section.draw_stress(left, fine, count - 1, scale)
     figure.colorbar(contours, ax=left, shrink=0.8, pad=0.02).set_label("von Mises stress (kPa)")
+    add_caption(figure)
     frames = [*steps.tolist(), *[count - 1] * HOLD]
     moving = FuncAnimation(figure, draw, frames=frames, interval=1000 / frames_per_second)
     if path.suffix == ".html":

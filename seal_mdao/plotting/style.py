@@ -7,6 +7,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
 
+from seal_mdao.plotting.captions import caption
+
 # palette of Okabe and Ito, distinguishable with any colour vision
 ORANGE, SKY, GREEN, BLUE = "#E69F00", "#56B4E9", "#009E73", "#0072B2"
 VERMILION, PURPLE = "#D55E00", "#CC79A7"
@@ -110,10 +112,32 @@ def mark_failure(figure: Figure, result) -> None:
         figure.suptitle(f"path stopped at {result.caption(last)}", fontsize=10.5, color=VERMILION)
 
 
+SMALL_PRINT = 6.5
+"""Size of the caption, points."""
+
+
+def add_caption(figure: Figure) -> None:
+    """Write the caption of ``captions.captioned`` into a margin below a figure, once."""
+    width, height = figure.get_size_inches()
+    # a letter is about half as wide as its size; 72 points an inch
+    text = caption(int(width * 72.0 / (0.5 * SMALL_PRINT)))
+    if not text or any(own.get_gid() == "caption" for own in figure.texts):
+        return
+    margin = 2.0 * SMALL_PRINT / 72.0 / height
+    if figure.get_layout_engine() is not None:
+        figure.get_layout_engine().set(rect=(0.0, margin, 1.0, 1.0 - margin))
+    # names may hold the $ that begins a formula
+    figure.text(
+        0.99, 0.3 * margin, text, ha="right", va="bottom", color=GREY, fontsize=SMALL_PRINT,
+        gid="caption", parse_math=False,
+    )  # fmt: skip
+
+
 @styled
 def save(figure: Figure, path, dpi: int = 160) -> Path:
-    """Write a figure to ``path``, creating its folder, and return the path."""
+    """Write a figure with its caption to ``path``, creating its folder, and return the path."""
     path = Path(path)
+    add_caption(figure)
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix != ".png":
         figure.savefig(path, dpi=dpi)
