@@ -17,6 +17,8 @@ CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 STRESS_MAP = "viridis"
+STRESS_MAPS = (STRESS_MAP, "YlOrBr", "PuBuGn", "BuPu")
+"""Colours of the stress in every material."""
 COMPRESSION = {"compress_level": 2}
 """Options of PNG files: level 6, the usual one, takes three times as long for 10 % less."""
 BESIDE = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
