@@ -128,6 +128,9 @@ def add_caption(figure: Figure) -> None:
     margin = 2.0 * SMALL_PRINT / 72.0 / height
     if figure.get_layout_engine() is not None:
         figure.get_layout_engine().set(rect=(0.0, margin, 1.0, 1.0 - margin))
+    # legends outside of the axes are placed in the figure, not in the layout
+    for legend in figure.legends:
+        legend.set_bbox_to_anchor((0.0, margin, 1.0, 1.0 - margin), figure.transFigure)
     # names may hold the $ that begins a formula
     figure.text(
         0.99, 0.3 * margin, text, ha="right", va="bottom", color=GREY, fontsize=SMALL_PRINT,

@@ -46,14 +46,16 @@ def test_saved_and_embedded_figures_have_one_caption(nominal, tmp_path):
     assert small_print(figure) == ["cost $5: rubber | 2023-11-14"]
 
 
-def test_axes_stay_above_the_caption(nominal):
-    figure = plotting.load_deflection(nominal)
+@pytest.mark.parametrize("draw", [plotting.load_deflection, plotting.deformed_shapes])
+def test_axes_and_legends_stay_above_the_caption(nominal, draw):
+    figure = draw(nominal)
     with captioned({"door seal": "rubber"}):
         add_caption(figure)
     figure.canvas.draw()
     own = next(text for text in figure.texts if text.get_gid() == "caption")
     lowest = min(axes.get_tightbbox().y0 for axes in figure.axes)
-    assert own.get_window_extent().y1 <= lowest
+    legends = [legend.get_window_extent().y0 for legend in figure.legends]
+    assert own.get_window_extent().y1 <= min([lowest, *legends])
 
 
 def test_the_same_inputs_give_the_same_bits(nominal, tmp_path):
