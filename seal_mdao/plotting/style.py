@@ -128,9 +128,11 @@ def add_caption(figure: Figure) -> None:
     margin = 2.0 * SMALL_PRINT / 72.0 / height
     if figure.get_layout_engine() is not None:
         figure.get_layout_engine().set(rect=(0.0, margin, 1.0, 1.0 - margin))
-    # legends outside of the axes are placed in the figure, not in the layout
-    for legend in figure.legends:
-        legend.set_bbox_to_anchor((0.0, margin, 1.0, 1.0 - margin), figure.transFigure)
+    # legends below the axes are placed in the figure, not in the layout, which reserves their height;
+    # their distance from the edge is in units of their font size
+    below = (own for own in figure.legends if getattr(own, "_outside_loc", None) == "lower")
+    for legend in below:
+        legend.borderaxespad += 2.0 * SMALL_PRINT / legend.prop.get_size_in_points()
     # names may hold the $ that begins a formula
     figure.text(
         0.99, 0.3 * margin, text, ha="right", va="bottom", color=GREY, fontsize=SMALL_PRINT,

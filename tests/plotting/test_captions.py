@@ -7,7 +7,7 @@ import pytest
 from seal_mdao import plotting
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.plotting.captions import caption, captioned, name_seal
-from seal_mdao.plotting.style import add_caption
+from seal_mdao.plotting.style import add_caption, subplots
 from seal_mdao.report.embedded_figure import embedded
 
 
@@ -54,8 +54,19 @@ def test_axes_and_legends_stay_above_the_caption(nominal, draw):
     figure.canvas.draw()
     own = next(text for text in figure.texts if text.get_gid() == "caption")
     lowest = min(axes.get_tightbbox().y0 for axes in figure.axes)
-    legends = [legend.get_window_extent().y0 for legend in figure.legends]
-    assert own.get_window_extent().y1 <= min([lowest, *legends])
+    legends = [legend.get_window_extent() for legend in figure.legends]
+    assert own.get_window_extent().y1 <= min([lowest, *(box.y0 for box in legends)])
+    assert all(box.y1 <= lowest + 1.0 for box in legends)
+
+
+def test_legends_above_the_axes_stay_there():
+    figure, axes = subplots(width=4.0, height=3.0)
+    axes.plot([0.0, 1.0], label="force")
+    legend = figure.legend(loc="outside upper center")
+    with captioned({"door seal": "rubber"}):
+        add_caption(figure)
+    figure.canvas.draw()
+    assert legend.get_window_extent().y0 >= axes.get_tightbbox().y1 - 1.0
 
 
 def test_the_same_inputs_give_the_same_bits(nominal, tmp_path):
