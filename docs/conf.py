@@ -1,9 +1,10 @@
 """Sphinx configuration.
 
 A build first makes what the pages take from the code: the equation table, the component, driver and
-option tables, one page per folder of the package, and the figures whose sources have changed. With
-the tag ``nofigures`` (``sphinx-build -t nofigures``) it makes no figures: those that are not there
-are grey, their numbers are an ellipsis.
+option tables, one page per folder of the package, and the figures whose sources have changed. It
+executes the notebooks, which are stored without outputs. With the tag ``nofigures`` (``sphinx-build
+-t nofigures``) it makes no figures and executes no notebook: figures that are not there are grey,
+their numbers are an ellipsis.
 """
 
 import json
@@ -12,8 +13,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-# numba's dispatchers hide signatures and docstrings; here nothing is computed in this process
-os.environ["NUMBA_DISABLE_JIT"] = "1"
+import numba
+
+# numba's dispatchers hide signatures and docstrings; here nothing is computed in this process. Not by
+# the environment variable, which the scripts and the kernels of notebooks would inherit
+numba.config.DISABLE_JIT = True
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "_generated"
@@ -34,8 +38,7 @@ from seal_mdao.seals.file import json_schema  # noqa: E402
 
 def run_script(*arguments: str) -> None:
     """Run a Python script with the compiled package, in a process of its own."""
-    environment = {k: v for k, v in os.environ.items() if k != "NUMBA_DISABLE_JIT"}
-    subprocess.run([sys.executable, *arguments], check=True, env=environment)
+    subprocess.run([sys.executable, *arguments], check=True)
 
 
 fragments = GENERATED / "fragments"
@@ -59,7 +62,7 @@ copyright = author
 version = release = seal_mdao.__version__
 
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "docstrings",
@@ -85,6 +88,12 @@ myst_substitutions = {
 if "nofigures" in tags:  # noqa: F821
     myst_substitutions = placeholders.numbers(HERE, myst_substitutions)
 myst_substitutions["tolerances"] = limits.texts()
+
+# a notebook is executed whenever Sphinx reads it, for none is stored with outputs
+nb_execution_mode = "off" if "nofigures" in tags else "auto"  # noqa: F821
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
 
 napoleon_google_docstring = False
 napoleon_use_ivar = True

@@ -5,15 +5,17 @@ Run as a script it writes MyST fragments into a folder:
     python docs/_ext/code_reference.py docs/_generated/fragments
 """
 
+import argparse
 import ast
 import inspect
 import os
 import re
-import subprocess
+import runpy
 import sys
 from dataclasses import MISSING, fields
 from importlib import import_module
 from pathlib import Path
+from unittest import mock
 
 import openmdao.api as om
 from openmdao.core.driver import Driver
@@ -30,6 +32,7 @@ from seal_mdao.seals.result import frozen_measures
 ROOT = Path(__file__).resolve().parents[2]
 COMPONENTS = (sm.SplineGeometryComp, sm.AreaComp, sm.RkpmContactComp, sm.SealGroup)
 DRIVERS = (sm.UnoDriver, sm.IpoptDriver, sm.SlsqpDriver)
+COLUMNS = "88"
 OPTIONS = ["option", "default", "values", "meaning"]
 DATACLASSES = (DoorOptions, Section, MooneyRivlin, NewtonOptions)
 
@@ -74,7 +77,10 @@ def option_rows(declared, inherited) -> list[list[str]]:
         if name in inherited:
             continue
         default = "required" if not meta["has_been_set"] else _literal(_value(meta["val"]))
-        allowed = ", ".join(map(str, meta["values"])) if meta["values"] is not None else ""
+        values = meta["values"] or ()
+        # sets have no order of their own
+        values = sorted(values) if isinstance(values, set) else values
+        allowed = ", ".join(map(str, values))
         rows.append([_literal(name), default, allowed, meta["desc"]])
     return rows
 
@@ -193,12 +199,11 @@ def dataclass_table(cls) -> str:
 # ---- run_scripts ----
 
 
-def help_of(*program: str) -> str:
-    """What ``--help`` of a script or of a subcommand prints."""
-    environment = {**os.environ, "COLUMNS": "88"}
-    command = [sys.executable, *program, "--help"]
-    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, env=environment)
-    return done.stdout
+def help_of(made: argparse.ArgumentParser, program: str) -> str:
+    """What ``--help`` of a program with the parser ``made`` prints on a terminal of ``COLUMNS``."""
+    made.prog = program
+    with mock.patch.dict(os.environ, COLUMNS=COLUMNS):
+        return made.format_help().rstrip()
 
 
 def commands() -> str:
@@ -206,7 +211,8 @@ def commands() -> str:
     parts = []
     for name, text in COMMANDS.items():
         parts += [f"### seal-mdao {name}\n", f"{text[0].upper()}{text[1:]}.\n"]
-        parts += ["```text", help_of("-m", "seal_mdao", name).rstrip(), "```\n"]
+        made = import_module(f"seal_mdao.cli.{name}").arguments_parser()
+        parts += ["```text", help_of(made, f"seal-mdao {name}"), "```\n"]
     return "\n".join(parts)
 
 
@@ -218,7 +224,8 @@ def run_scripts(folder: Path = ROOT / "run_scripts") -> str:
         summary = ast.get_docstring(ast.parse(text)) or ""
         parts += [f"### {path.name}\n", summary.split("\n\n")[0] + "\n"]
         if "arguments_parser" in text:
-            parts += ["```text", help_of(str(path)).rstrip(), "```\n"]
+            made = runpy.run_path(str(path))["arguments_parser"]()
+            parts += ["```text", help_of(made, path.name), "```\n"]
         else:
             parts += ["```python", text.rstrip(), "```\n"]
     return "\n".join(parts)

@@ -5,9 +5,13 @@ from pathlib import Path
 
 import matplotlib
 
+from seal_mdao.plotting.captions import materials_text
 from seal_mdao.plotting.style import SETTINGS, save, subplots
+from seal_mdao.seals.door.door_options import DoorOptions
 
 ROOT = Path(__file__).resolve().parents[2]
+DOOR_SEAL = {"door seal": materials_text({"rubber": DoorOptions().material})}
+"""Caption of figures of the nominal door seal."""
 
 
 @contextmanager

@@ -6,15 +6,18 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
+from figures.drawing import DOOR_SEAL
 from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.door_optimization import door_task
 from seal_mdao.optimization import OPTIMIZERS, RunOptions, optimization_problem
 from seal_mdao.plotting import constraint_history, cost_history, design_comparison, save
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.recording.recorded_optimization import read_optimization
 
 OPTIMIZER = next(iter(OPTIMIZERS))
 
 
+@captioned(DOOR_SEAL)
 def make(out: Path, reduced: bool) -> dict:
     """Pictures of the optimisation; two iterations in the reduced mode."""
     cache, driver = AnalysisCache(), OPTIMIZERS[OPTIMIZER](2 if reduced else 50)

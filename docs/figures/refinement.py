@@ -1,13 +1,18 @@
-"""Refinement of the load steps and of the particles, and other frames and units."""
+"""Refinement of the load steps and of the particles, and other frames and units.
+
+The refinements are stored by ``verification.accuracy_study``; computed here are the frames.
+"""
 
 from pathlib import Path
 
 import numpy as np
 from matplotlib.ticker import NullLocator
+from verification import accuracy_study as study
+from verification.accuracy_study import stored
 from verification.flat_door_reference import BOUNDARY, REACTION
 from verification.frames import Frame, analyze_in_frame
-from verification.seal_refinement import LEVELS, corner_level, flat_level
-from verification.step_refinement import STEPS, refine_steps
+from verification.seal_refinement import LEVELS, FlatLevel, SealLevel
+from verification.step_refinement import StepStudy
 
 from figures.drawing import picture
 from figures.tables import percent, power, table
@@ -23,56 +28,56 @@ FRAMES = {
     "in metres and pascals": Frame(size=1e-3, stress=1e3),
     "all at once": Frame(2.0, True, (3.0, 4.0), 1e-3, 1e3),
 }
-FINEST = (232, 9)
-"""Beyond what the tests run."""
 NAMES = ("horizontal reaction", "vertical reaction", "sum of squared gaps")
 
 
 def make(out: Path, reduced: bool) -> dict:
     """Pictures, tables and numbers."""
-    return _steps(out, reduced) | _frames(reduced) | _seal(out, reduced) | _flat(out, reduced)
+    return _steps(out) | _frames(reduced) | _seal(out) | _flat(out)
 
 
 # ---- load steps ----
 
 
-def _steps(out: Path, reduced: bool) -> dict:
-    steps = STEPS[:2] if reduced else STEPS
-    more = () if reduced else (800, 1600, 3200)
-    found = {"incremental": refine_steps("incremental", (*steps, *more))}
-    found["accumulated"] = refine_steps("accumulated", (*steps, 4 * steps[-1]))
+def _step_study(rule: str, steps) -> StepStudy:
+    """The stored ends of paths with different numbers of steps."""
+    ends = [stored("refined_steps", friction_history=rule, steps=n) for n in steps]
+    names = "reaction", "gap_square_sum"
+    return StepStudy(np.array(steps), *(np.array([end[name] for end in ends]) for name in names))
+
+
+def _steps(out: Path) -> dict:
+    found = {rule: _step_study(rule, steps) for rule, steps in study.REFINED_STEPS.items()}
     _step_picture(out / "step_refinement.png", found)
     numbers = {}
-    for rule, study in found.items():
+    for rule, own in found.items():
         rows = [
             [str(n), *(f"{v:.5g}" for v in row)]
-            for n, row in zip(study.steps, study.columns, strict=True)
+            for n, row in zip(own.steps, own.columns, strict=True)
         ]
         head = ["steps", "$F_x$ (N/m)", "$F_y$ (N/m)", "$\\sum g_n^2$ (mm²)"]
         numbers[f"{rule}_table"] = table(head, rows)
-    if reduced:
-        return numbers
-    study = found["accumulated"]
-    numbers["orders"] = ", ".join(f"{order:.2f}" for order in study.orders)
-    numbers["first_order"] = f"{study.first_order:.2f}"
+    own = found["accumulated"]
+    numbers["orders"] = ", ".join(f"{order:.2f}" for order in own.orders)
+    numbers["first_order"] = f"{own.first_order:.2f}"
     for name, column in (("steps_reaction", 1), ("steps_gap", 2)):
-        numbers[name] = percent(study.errors[-1, column], 3)
-    numbers["steps_drawn"] = percent(np.interp(105, study.steps[:-1], study.errors[:, 2]))
+        numbers[name] = percent(own.errors[-1, column], 3)
+    numbers["steps_drawn"] = percent(np.interp(105, own.steps[:-1], own.errors[:, 2]))
     return numbers
 
 
 def _step_picture(path: Path, found: dict) -> None:
-    study = found["accumulated"]
-    steps = study.steps[:-1]
+    finest = found["accumulated"]
+    steps = finest.steps[:-1]
     with picture(path, 1, 2, width=9.6, height=3.6) as (left, right):
         for rule, color, style in (("accumulated", BLUE, "o-"), ("incremental", VERMILION, "s--")):
             own = found[rule]
             left.loglog(own.steps, own.gap_square_sum, style, color=color, label=rule, base=2)
-        looks = zip(NAMES, MARKERS, CYCLE, study.errors.T, strict=False)
+        looks = zip(NAMES, MARKERS, CYCLE, finest.errors.T, strict=False)
         for name, marker, color, errors in looks:
             right.loglog(steps, errors, marker=marker, color=color, label=name, base=2)
         # first order: error ~ 1 / n
-        line = study.errors[0].max() * steps[0] / steps
+        line = finest.errors[0].max() * steps[0] / steps
         right.loglog(steps, line, "--", color=GREY, linewidth=1.0, label="order 1")
         for axes, own in ((left, found["incremental"].steps), (right, steps)):
             axes.set_xticks(own, [str(n) for n in own])
@@ -81,9 +86,9 @@ def _step_picture(path: Path, found: dict) -> None:
             axes.set_xlabel("load steps")
             axes.legend()
         left.set_ylabel("sum of squared gaps (mm²)")
-        right.set_ylim(bottom=study.errors.min() / 60.0)
+        right.set_ylim(bottom=finest.errors.min() / 60.0)
         right.set_title("accumulated", fontsize=10)
-        right.set_ylabel(f"distance from {study.steps[-1]} steps, relative")
+        right.set_ylabel(f"distance from {finest.steps[-1]} steps, relative")
 
 
 # ---- frames ----
@@ -107,9 +112,9 @@ def _frames(reduced: bool) -> dict:
 # ---- particles ----
 
 
-def _seal(out: Path, reduced: bool) -> dict:
-    levels = LEVELS[:1] if reduced else (*LEVELS, FINEST)
-    found = [corner_level(*level) for level in levels]
+def _seal(out: Path) -> dict:
+    levels = (*LEVELS, study.FINEST)
+    found = [SealLevel(**stored("refined_corner", rays=r, layers=n)) for r, n in levels]
     rows = [
         [f"{s.rays} × {s.layers}", f"{s.reaction[0]:.3f}", f"{s.reaction[1]:.3f}",
          f"{s.max_gap:.4f}", f"{s.gap_square_integral:.5f}"]
@@ -119,7 +124,7 @@ def _seal(out: Path, reduced: bool) -> dict:
             "$\\int g_n^2\\,\\mathrm ds$ (mm³)"]  # fmt: skip
     numbers = {"seal_table": table(head, rows)}
     _corner_picture(out / "corner_levels.png", found)
-    return numbers if reduced else numbers | _last_changes(*found[1:])
+    return numbers | _last_changes(*found[1:])
 
 
 def _last_changes(middle, fine, finest) -> dict:
@@ -156,8 +161,8 @@ def _corner_picture(path: Path, found) -> None:
         axes.legend()
 
 
-def _flat(out: Path, reduced: bool) -> dict:
-    found = [flat_level(*level) for level in (LEVELS[:1] if reduced else LEVELS)]
+def _flat(out: Path) -> dict:
+    found = [FlatLevel(**stored("refined_flat", rays=r, layers=n)) for r, n in LEVELS]
     rows = [
         [f"{travel:g}", f"{force:.3f}", *(percent(s.reaction_error[i]) for s in found)]
         for i, (travel, force) in enumerate(REACTION)
@@ -181,7 +186,7 @@ def _flat_picture(path: Path, found) -> None:
         left.set(xlabel="door travel (mm)", ylabel="vertical reaction (N/m)")
         for s, color, marker in zip(found, CYCLE, MARKERS, strict=False):
             look = {"marker": marker, "color": color, "label": f"{s.rays} × {s.layers}"}
-            middle.plot(REACTION[:, 0], 100 * s.reaction_error, **look)
+            middle.plot(REACTION[:, 0], 100 * np.array(s.reaction_error), **look)
         middle.axhline(0.0, color=GREY, linewidth=1.0)
         middle.set(xlabel="door travel (mm)", ylabel="difference (%)")
         _flat_shape(right, result)

@@ -6,15 +6,17 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 import seal_mdao as sm
-from figures.drawing import picture
+from figures.drawing import DOOR_SEAL, picture
 from seal_mdao.plotting import deformed_shapes
 from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.plotting.style import BLUE, CELL_GREY, CYCLE, GREY, VERMILION, save
 from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.wall_grid import ray_directions
 
 
+@captioned(DOOR_SEAL)
 def make(out: Path, reduced: bool) -> dict:
     """Pictures of the nominal seal and its headline numbers."""
     result = sm.analyze(sm.door_seal())

@@ -1,20 +1,18 @@
-"""The worked examples of seal files, and their optima."""
+"""The worked examples of seal files, and their optima, which ``verification.example_optima`` stores."""
 
 import re
-import tempfile
 from dataclasses import replace
 from math import nan
 from pathlib import Path
 
 import numpy as np
+from verification.example_optima import stored
 
 import seal_mdao as sm
 from figures.drawing import ROOT
 from figures.tables import power, table
-from seal_mdao.drivers.optimality import measure_optimality
-from seal_mdao.file_optimization import design_bounds, file_task
+from seal_mdao.file_optimization import design_bounds
 from seal_mdao.geometry.motion import Stage
-from seal_mdao.optimization import RunOptions, major_iterations, optimization_problem
 from seal_mdao.plotting import (
     deformed_shapes,
     design_comparison,
@@ -22,7 +20,9 @@ from seal_mdao.plotting import (
     save,
     section_cloud,
 )
+from seal_mdao.plotting.captions import captioned, materials_text
 from seal_mdao.recording.recorded_optimization import label, shown_unit
+from seal_mdao.seals.result import SealResult
 
 EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("*.toml"))
 SHARE = 8
@@ -33,25 +33,33 @@ def make(out: Path, reduced: bool) -> dict:
     """Section, deformed shapes, load-deflection and optimum of every example, and its measures."""
     numbers, rows = {}, []
     for name in EXAMPLES:
-        file, folder = example(name, reduced), out / "seal_files"
-        seal = sm.build_seal(file)
-        result = sm.analyze(seal)
-        result.require_converged()
-        save(section_cloud(result), folder / f"{name}_section.png")
-        save(deformed_shapes(result), folder / f"{name}_shapes.png")
-        save(load_deflection(result), folder / f"{name}_load.png")
-        if file.optimize is not None:
-            offsets, row = (sketched if reduced else optimised)(file, seal)
-            best = sm.analyze(seal, offsets)
-            best.require_converged()
-            save(design_comparison(result, best), folder / f"{name}_optimum.png")
-            rows.append([f"`{name}`", *row])
+        file = example(name, reduced)
+        with captioned({name: materials_text(file.materials)}):
+            result, row = _drawn(file, out / "seal_files" / name, reduced)
+        rows += row
         numbers[name] = {"particles": len(result.particles)} | {
             re.sub(r"\W", "_", measure.name): f"{result.value(measure)[0]:.4g}"
             for measure in result.measures()
             if measure.size(result.seal)
         }
     return {"examples": numbers, "optima": table(HEAD, rows)}
+
+
+def _drawn(file, stem: Path, reduced: bool) -> tuple[SealResult, list]:
+    """Analyse and draw an example and its optimum, files named after ``stem``; a row if there is one."""
+    seal = sm.build_seal(file)
+    result = sm.analyze(seal)
+    result.require_converged()
+    save(section_cloud(result), Path(f"{stem}_section.png"))
+    save(deformed_shapes(result), Path(f"{stem}_shapes.png"))
+    save(load_deflection(result), Path(f"{stem}_load.png"))
+    if file.optimize is None:
+        return result, []
+    offsets, row = (sketched if reduced else optimised)(file, seal)
+    best = sm.analyze(seal, offsets)
+    best.require_converged()
+    save(design_comparison(result, best), Path(f"{stem}_optimum.png"))
+    return result, [[f"`{file.path.stem}`", *row]]
 
 
 HEAD = (
@@ -61,25 +69,12 @@ HEAD = (
 
 
 def optimised(file, seal) -> tuple[np.ndarray, list]:
-    """The optimum that a file asks for, and its row of the table."""
-    with tempfile.TemporaryDirectory() as folder:
-        run = RunOptions(work_dir=folder)
-        problem = optimization_problem(file_task(file, run.analyze(seal)), run)
-        driver, aim = problem.driver, file.optimize.minimize
-        problem.final_setup()
-        problem.run_model()
-        before = problem.get_val(aim)[0]
-        if not problem.run_driver().success:
-            raise RuntimeError(f"{file.path}: {driver.exit_message}")
-        found = measure_optimality(driver)
-        after, offsets = problem.get_val(aim)[0], problem.get_val("boundary_offsets").copy()
-        iterations, analyses = major_iterations(problem), driver.result.model_evals
-        problem.cleanup()
+    """The stored optimum of a file, and its row of the table."""
+    own, aim = stored()[file.path.stem], file.optimize.minimize
     unit = shown_unit(next(m.units for m in seal.standard if m.name == aim))
-    conditions = max(found.stationarity, found.complementarity)
-    return offsets, [
-        label(aim), *(f"{_short(value)} {unit}" for value in (before, after)), iterations, analyses,
-        power(found.infeasibility), power(conditions),
+    return np.array(own["offsets"]), [
+        label(aim), *(f"{_short(own[when])} {unit}" for when in ("before", "after")),
+        own["iterations"], own["analyses"], power(own["violation"]), power(own["optimality"]),
     ]  # fmt: skip
 
 

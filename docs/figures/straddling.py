@@ -3,14 +3,14 @@
 from pathlib import Path
 
 import numpy as np
+from verification.difference_cases import Case, at_step, case
 from verification.differences import contact_states, measure_names
 
-from figures.differences import Case, at_step, case
 from figures.drawing import picture
 from figures.tables import power, table
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, signed
 
-RADII = np.linspace(4.002, 4.006, 13)
+RADII = np.linspace(4.002, 4.006, 9)
 PARAMETER = 25
 AWAY = 5e-4
 """Distance from the change at which the differences are taken, mm."""
@@ -57,7 +57,7 @@ def changed_points(low: Case, high: Case) -> str:
 
 def make(out: Path, reduced: bool) -> dict:
     """Picture, table and numbers."""
-    radii = RADII[::12] if reduced else RADII
+    radii = RADII[::8] if reduced else RADII
     low, high = find_change(radii, 0 if reduced else 10)
     origin = case(low - AWAY)
     row = _row(origin)

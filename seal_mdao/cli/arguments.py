@@ -18,8 +18,9 @@ import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
 from seal_mdao.cli.one_line_parser import OneLineParser
 from seal_mdao.input_files import read_text
+from seal_mdao.plotting.captions import captioned, name_seal
 from seal_mdao.seals.door.door_options import DoorOptions
-from seal_mdao.seals.door.door_seal import ACCURACIES
+from seal_mdao.seals.door.door_seal import ACCURACIES, options_of
 from seal_mdao.seals.penalty_error import not_estimable
 from seal_mdao.standard_streams import make_writable
 
@@ -154,7 +155,9 @@ def seal_from(arguments: argparse.Namespace, **more) -> sm.Seal:
         # only given options are passed on: the rest is decided by the accuracy
         options = {name: getattr(arguments, name) for name in SEAL_OPTIONS}
         given = {name: value for name, value in options.items() if value is not None}
-        return sm.door_seal(arguments.accuracy, **given, **more)
+        seal = sm.door_seal(arguments.accuracy, **given, **more)
+    name_seal("door seal", {"rubber": options_of(seal).material})
+    return seal
 
 
 def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
@@ -202,6 +205,8 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
 def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
     """Run with its lines, with nothing (``--quiet``), or with ``summary.json`` (``--json``)."""
     with ExitStack() as stack:
+        # figures name the seals that are read
+        stack.enter_context(captioned())
         if arguments.quiet or arguments.json:
             # normal output is discarded
             stack.enter_context(redirect_stdout(io.StringIO()))

@@ -22,6 +22,7 @@ from seal_mdao.cli.history_figures import (
     report_end,
     report_limits,
 )
+from seal_mdao.plotting.captions import name_seal
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.seals.file.described import FILE
 from seal_mdao.seals.gaps import largest_gaps
@@ -33,6 +34,10 @@ def main(arguments) -> int:
         ends = history.design_at(0), history.design_at(-1)
     # the recorded seal; the options only for files without settings
     seal, cache = history.seal or seal_from(arguments), AnalysisCache()
+    if history.seal:
+        regions = seal.definitions[0].regions
+        materials = {own.prefix.rstrip("_") or "rubber": own.material for own in regions}
+        name_seal(arguments.cases.name, materials)
     initial, final = (cache.analyze(seal, *end) for end in ends)
     # run of a seal file: objective and constraints of its own
     if FILE in history.settings:

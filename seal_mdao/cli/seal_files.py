@@ -4,6 +4,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import seal_mdao as sm
+from seal_mdao.plotting.captions import name_seal
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
@@ -23,14 +24,16 @@ def file_errors(path: Path):
 
 
 def file_of(path: Path) -> SealFile:
-    """Read a seal file.
+    """Read a seal file; captions of figures that are saved afterwards name it and its materials.
 
     Raises
     ------
     SealFileError
     """
     with file_errors(path):
-        return sm.read_seal_file(path)
+        file = sm.read_seal_file(path)
+    name_seal(path.stem, file.materials)
+    return file
 
 
 def seal_of(

@@ -8,7 +8,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter, writers
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.plotting.several_seals import draw_forces
-from seal_mdao.plotting.style import BLUE, VERMILION, styled, subplots
+from seal_mdao.plotting.style import BLUE, VERMILION, add_caption, styled, subplots
 from seal_mdao.seals.result import SealResult
 
 MOST_FRAMES = 80
@@ -63,7 +63,7 @@ def save_animation(
         raise ValueError("the result has no converged load step to draw")
     steps = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
     fine = fine_grid(result)
-    scale = section.stress_scale(map(fine.von_mises, steps))
+    scales = section.stress_scales([fine], steps)
     low, high = section.window([fine.undeformed(), *map(fine.deformed, steps)])
     width, height = section.panel_size(low, high)
     figure, (left, right) = subplots(1, 2, width=1.1 * width + 6.0, height=max(1.1 * height, 3.6))
@@ -74,7 +74,7 @@ def save_animation(
 
     def draw(step: int):
         left.clear()
-        section.draw_stress(left, fine, step, scale)
+        section.draw_stress(left, fine, step, scales)
         section.frame(left, low, high)
         left.set_title(result.caption(step))
         # point of the curve after this step; its first one is the start of the path
@@ -83,8 +83,9 @@ def save_animation(
         )
         return (left,)
 
-    contours = section.draw_stress(left, fine, count - 1, scale)
-    figure.colorbar(contours, ax=left, shrink=0.8, pad=0.02).set_label("von Mises stress (kPa)")
+    contours = section.draw_stress(left, fine, count - 1, scales)
+    section.draw_colorbars(figure, left, contours, fine, shrink=0.8, pad=0.02)
+    add_caption(figure)
     frames = [*steps.tolist(), *[count - 1] * HOLD]
     moving = FuncAnimation(figure, draw, frames=frames, interval=1000 / frames_per_second)
     if path.suffix == ".html":

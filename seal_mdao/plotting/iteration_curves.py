@@ -9,10 +9,17 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from seal_mdao.plotting.style import BESIDE, BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
-from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
+from seal_mdao.recording.recorded_optimization import (
+    Constraint,
+    RecordedOptimization,
+    label,
+    unit_of,
+)
 
 PAPER_RATIO = 0.0075
 """Final over initial cost in Kim et al. (2000)."""
+FEASIBLE = 1e-3
+"""Largest violation, relative to the limit, that is no violation in figures."""
 LOWEST_RATIO = 1e-8
 """Lower limit of the logarithmic axis, for gaps that close completely."""
 
@@ -47,8 +54,7 @@ def objective_history(history: RecordedOptimization) -> Figure:
 
 def _draw_objective(axes: Axes, history: RecordedOptimization, values: np.ndarray) -> None:
     """Plot values (n,) of the objective over the iterations."""
-    # violations are relative to the limits: 1e-3 is 0.1 %
-    number, feasible = np.arange(len(values)), history.max_violation <= 1e-3
+    number, feasible = np.arange(len(values)), history.max_violation <= FEASIBLE
     axes.plot(number, values, color=BLUE, zorder=2)
     for chosen, fill, text in (
         (feasible, BLUE, "all constraints satisfied"),
@@ -82,11 +88,28 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
     looks = itertools.product(("-", "--", ":"), zip(CYCLE, MARKERS, strict=True))
     for (text, use), (dash, (color, marker)) in zip(uses.items(), looks, strict=False):
         axes.plot(use, color=color, marker=marker, linestyle=dash, label=text)
+    for constraint in history.constraints:
+        _name_violation(axes, history, constraint)
     _shade_violated(axes, np.concatenate([[1.0], *uses.values()]))
-    axes.set_ylabel("use of the limit")
+    axes.set_ylabel("use of the limit (1: value at the limit)")
     _iteration_axis(axes, history)
     axes.legend(**BESIDE)
     return figure
+
+
+def _name_violation(axes: Axes, history: RecordedOptimization, own: Constraint) -> None:
+    """Write "too soft" or "too stiff" at the last design whose force is outside its limits."""
+    outside = np.flatnonzero(own.violation() > FEASIBLE)
+    if not outside.size or unit_of(history, own.name) != "N/m":
+        return
+    at = outside[-1]
+    # forces may count as negative: stiff is what has the larger one
+    limit = own.lower if own.values[at] < own.lower else own.upper
+    text = "too soft" if abs(own.values[at]) < abs(limit) else "too stiff"
+    axes.annotate(
+        text, (at, own.use()[at]), xytext=(4, 4), textcoords="offset points", color=VERMILION,
+        fontsize=9.0,
+    )  # fmt: skip
 
 
 def _iteration_axis(axes: Axes, history: RecordedOptimization) -> None:

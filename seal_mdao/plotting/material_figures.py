@@ -150,7 +150,7 @@ def _draw_residuals(axes, travel, away, noise) -> None:
     hollow = {"color": GREEN, "markersize": 4, "markerfacecolor": "none"}
     axes.plot(travel[turn:], away[turn:], "s", label="opening", **hollow)
     axes.set(xlabel="travel (mm)", ylabel="calibrated less measured (N/m)", ymargin=0.2)
-    axes.set_title("band: two standard deviations of the noise")
+    axes.set_title("grey: scatter of the data (two standard deviations)")
     axes.legend(loc="upper left", ncols=2)
 
 
@@ -166,7 +166,7 @@ def _draw_region(axes, found, true) -> None:
     cross = {"color": VERMILION, "markersize": 8, "markeredgewidth": 2.0}
     axes.plot(*(true[name] for name in found.names), "x", label="true", **cross)
     axes.set(xlabel=f"{found.names[0]} (kPa)", ylabel=f"{found.names[1]} coefficient")
-    axes.set_title("from the Gauss-Newton Hessian")
+    axes.set_title("where the constants lie, by the scatter of the data")
     axes.margins(0.12)
     axes.xaxis.set_major_locator(MaxNLocator(4))
     # the corner that the ellipse leaves free

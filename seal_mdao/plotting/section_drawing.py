@@ -1,8 +1,11 @@
 """Plotting of one section: stress contours, outline, rigid profiles, fixed boundaries."""
 
+import itertools
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
@@ -15,10 +18,11 @@ from seal_mdao.geometry.curve import LINE, curve_point
 from seal_mdao.geometry.profile import RigidProfile, trace
 from seal_mdao.measures.selection import open_points
 from seal_mdao.plotting.field import FineGrid, cell_loops
-from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP
+from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP, STRESS_MAPS
 from seal_mdao.seals.profiles import contacts, moved_edges, self_contacts
 from seal_mdao.seals.result import SealResult
 
+STRESS = "von Mises stress (kPa)"
 LEVELS = 20
 USUAL, PEAK = 0.99, 2.0
 """Quantile of the stresses, and the multiple of it at which the colour scale ends at most."""
@@ -43,7 +47,7 @@ def stress_levels(highest: float) -> np.ndarray:
     return step * np.arange(int(np.ceil(highest / step)) + 1)
 
 
-def stress_scale(stresses) -> dict:
+def stress_scale(stresses, colors: str = STRESS_MAP) -> dict:
     """Choose the colour scale for panels with stresses (k,) each, kPa, as options of ``tricontourf``."""
     stresses = list(stresses)
     highest = max(stress.max() for stress in stresses)
@@ -52,7 +56,20 @@ def stress_scale(stresses) -> dict:
     levels = stress_levels(min(highest, usual))
     extend = "max" if highest > levels[-1] else "neither"
     norm = Normalize(levels[0], levels[-1])
-    return {"levels": levels, "norm": norm, "extend": extend, "cmap": STRESS_MAP}
+    return {"levels": levels, "norm": norm, "extend": extend, "cmap": colors}
+
+
+def stress_scales(fines, steps=(-1,)) -> list[dict]:
+    """Choose a colour scale for every material of one or more designs of a seal after some steps.
+
+    Between a soft and a hard rubber one scale would leave the soft one in its darkest colour.
+    """
+    shown = [(fine.region, fine.von_mises(step)) for fine in fines for step in steps]
+    count = 1 + max(int(region.max()) for region, _ in shown)
+    return [
+        stress_scale([stress[region == n] for region, stress in shown], colors)
+        for n, colors in zip(range(count), itertools.cycle(STRESS_MAPS))
+    ]
 
 
 def size_of(result: SealResult) -> float:
@@ -209,23 +226,39 @@ def draw_section(axes: Axes, fine: FineGrid, step: int, **patch) -> None:
     draw_surroundings(axes, fine.result, fine.result.path.nominal_steps[step].fraction)
 
 
-def draw_stress(axes: Axes, fine: FineGrid, step: int, scale: dict):
+def draw_stress(axes: Axes, fine: FineGrid, step: int, scales: list[dict]) -> list:
     """Plot the deformed body with filled von Mises contours, and the profiles around it.
+
+    Parameters
+    ----------
+    scales : list of dict
+        Colour scale of every material, or one of all.
 
     Returns
     -------
-    contours : ContourSet
-        For the colour bar.
+    list of ContourSet
+        One for every scale, for the colour bars.
     """
-    coordinates = fine.deformed(step)
-    contours = axes.tricontourf(
-        Triangulation(*coordinates.T, fine.triangles), np.maximum(fine.von_mises(step), 0.0),
-        zorder=2, **scale,
-    )  # fmt: skip
+    coordinates, stress = fine.deformed(step), np.maximum(fine.von_mises(step), 0.0)
+    # the points of a triangle belong to one material, for those between two materials lie twice
+    material = fine.region[fine.triangles[:, 0]] if len(scales) > 1 else 0
+    contours = []
+    for number, scale in enumerate(scales):
+        triangles = fine.triangles[np.broadcast_to(material == number, len(fine.triangles))]
+        shown = Triangulation(*coordinates.T, triangles)
+        contours.append(axes.tricontourf(shown, stress, zorder=2, **scale))
     draw_outline(axes, coordinates, fine.loops, color="black", linewidth=0.8, zorder=3)
     draw_surroundings(axes, fine.result, fine.result.path.nominal_steps[step].fraction)
     draw_contact(axes, fine.result, step)
     return contours
+
+
+def draw_colorbars(figure: Figure, axes, contours: list, fine: FineGrid, **options) -> None:
+    """Add a colour bar of the stress beside ``axes`` for every scale, with the name of its material."""
+    regions = fine.result.seal.definitions[0].regions
+    for own, region in zip(contours, regions, strict=False):
+        name = f"{region.prefix.rstrip('_')}: " if len(contours) > 1 else ""
+        figure.colorbar(own, ax=axes, **options).set_label(f"{name}{STRESS}")
 
 
 def draw_contact(axes: Axes, result: SealResult, step: int) -> None:

@@ -26,7 +26,6 @@ from seal_mdao.plotting.style import (
 from seal_mdao.seals.profiles import contacts, moved_edges
 from seal_mdao.seals.result import SealResult
 
-STRESS = "von Mises stress (kPa)"
 MOST_POINTS = 6
 """Largest number of critical points in a figure; of more those with the largest displacement."""
 NAME = {
@@ -123,7 +122,7 @@ def _cloud_window(result):
 
 @styled
 def deformed_shapes(result: SealResult, steps=None) -> Figure:
-    """Plot deformed shapes with von Mises contours in one colour scale, and the rigid profiles.
+    """Plot deformed shapes with von Mises contours, a scale per material, and the rigid profiles.
 
     Parameters
     ----------
@@ -142,7 +141,7 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
     steps = result.key_steps() if steps is None else steps
     # shape functions on the fine grid are evaluated once for all steps (Lagrangian)
     fine = fine_grid(result)
-    scale = section.stress_scale(map(fine.von_mises, steps))
+    scales = section.stress_scales([fine], steps)
     low, high = section.window([fine.undeformed(), *map(fine.deformed, steps)])
     width, height = section.panel_size(low, high)
     figure, panel = panels(
@@ -151,13 +150,13 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
     )  # fmt: skip
     every = list(figure.axes)
     for axes, step in zip(panel, steps, strict=True):
-        contours = section.draw_stress(axes, fine, step, scale)
+        contours = section.draw_stress(axes, fine, step, scales)
         section.frame(axes, low, high)
         axes.set_title(result.caption(step))
         axes.label_outer()
     mark_failure(figure, result)
     figure.legend(*panel[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    figure.colorbar(contours, ax=every, shrink=0.7, aspect=30, pad=0.02, label=STRESS)
+    section.draw_colorbars(figure, every, contours, fine, shrink=0.7, aspect=30, pad=0.02)
     return figure
 
 
@@ -229,7 +228,7 @@ def _energy(released: float) -> str:
 
 @styled
 def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "")) -> Figure:
-    """Plot both undeformed sections in one panel, and the deformed ones with one colour scale.
+    """Plot both undeformed sections in one panel, and the deformed ones with the same colour scales.
 
     Parameters
     ----------
@@ -239,8 +238,8 @@ def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "
         Text in the titles of both.
     """
     fines = fine_grid(initial), fine_grid(optimised)
-    # one scale and one window for both designs, so that colours and sizes compare
-    scale = section.stress_scale(fine.von_mises() for fine in fines)
+    # the same scales and one window for both designs, so that colours and sizes compare
+    scales = section.stress_scales(fines)
     low, high = section.window([x for fine in fines for x in (fine.deformed(), fine.undeformed())])
     width, height = section.panel_size(low, high)
     figure, panel = subplots(1, 3, width=3 * width + 1.6, height=height + 1.2, sharey=True)
@@ -250,14 +249,14 @@ def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "
     panel[0].set_title("undeformed")
     names = ("initial", "optimised")
     for axes, fine, name, text in zip(panel[1:], fines, names, numbers, strict=True):
-        contours = section.draw_stress(axes, fine, -1, scale)
+        contours = section.draw_stress(axes, fine, -1, scales)
         section.frame(axes, low, high)
         axes.set(title=f"{name}: {text}" if text else name, ylabel="")
     # one legend for all panels: shapes of the first, contact points of the second
     shapes, points = (axes.get_legend_handles_labels() for axes in panel[:2])
     entries = [both[0] + both[1] for both in zip(shapes, points, strict=True)]
     figure.legend(*entries, loc="outside lower center", ncols=6)
-    figure.colorbar(contours, ax=panel, shrink=0.85, aspect=28, pad=0.01, label=STRESS)
+    section.draw_colorbars(figure, panel, contours, fines[0], shrink=0.85, aspect=28, pad=0.01)
     return figure
 
 

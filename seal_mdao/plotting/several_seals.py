@@ -119,9 +119,9 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
     for number, (name, result) in enumerate(shown.items()):
         axes = figure.add_subplot(grid[1, 2 * number : 2 * number + 2])
         last = len(result.path.nominal_steps) - 1
-        contours = section.draw_stress(axes, fine[name], last, scale)
+        (contours,) = section.draw_stress(axes, fine[name], last, [scale])
         section.frame(axes, low, high)
         axes.set_title(name, color=CYCLE[number % len(CYCLE)])
         panels.append(axes)
-    figure.colorbar(contours, ax=panels, shrink=0.8, pad=0.02).set_label("von Mises stress (kPa)")
+    figure.colorbar(contours, ax=panels, shrink=0.8, pad=0.02).set_label(section.STRESS)
     return figure

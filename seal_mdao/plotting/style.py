@@ -7,6 +7,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
 
+from seal_mdao.plotting.captions import caption
+
 # palette of Okabe and Ito, distinguishable with any colour vision
 ORANGE, SKY, GREEN, BLUE = "#E69F00", "#56B4E9", "#009E73", "#0072B2"
 VERMILION, PURPLE = "#D55E00", "#CC79A7"
@@ -15,6 +17,8 @@ CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 STRESS_MAP = "viridis"
+STRESS_MAPS = (STRESS_MAP, "YlOrBr", "PuBuGn", "BuPu")
+"""Colours of the stress in every material."""
 COMPRESSION = {"compress_level": 2}
 """Options of PNG files: level 6, the usual one, takes three times as long for 10 % less."""
 BESIDE = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
@@ -110,10 +114,37 @@ def mark_failure(figure: Figure, result) -> None:
         figure.suptitle(f"path stopped at {result.caption(last)}", fontsize=10.5, color=VERMILION)
 
 
+SMALL_PRINT = 6.5
+"""Size of the caption, points."""
+
+
+def add_caption(figure: Figure) -> None:
+    """Write the caption of ``captions.captioned`` into a margin below a figure, once."""
+    width, height = figure.get_size_inches()
+    # a letter is about half as wide as its size; 72 points an inch
+    text = caption(int(width * 72.0 / (0.5 * SMALL_PRINT)))
+    if not text or any(own.get_gid() == "caption" for own in figure.texts):
+        return
+    margin = 2.0 * SMALL_PRINT / 72.0 / height
+    if figure.get_layout_engine() is not None:
+        figure.get_layout_engine().set(rect=(0.0, margin, 1.0, 1.0 - margin))
+    # legends below the axes are placed in the figure, not in the layout, which reserves their height;
+    # their distance from the edge is in units of their font size
+    below = (own for own in figure.legends if getattr(own, "_outside_loc", None) == "lower")
+    for legend in below:
+        legend.borderaxespad += 2.0 * SMALL_PRINT / legend.prop.get_size_in_points()
+    # names may hold the $ that begins a formula
+    figure.text(
+        0.99, 0.3 * margin, text, ha="right", va="bottom", color=GREY, fontsize=SMALL_PRINT,
+        gid="caption", parse_math=False,
+    )  # fmt: skip
+
+
 @styled
 def save(figure: Figure, path, dpi: int = 160) -> Path:
-    """Write a figure to ``path``, creating its folder, and return the path."""
+    """Write a figure with its caption to ``path``, creating its folder, and return the path."""
     path = Path(path)
+    add_caption(figure)
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix != ".png":
         figure.savefig(path, dpi=dpi)

@@ -6,12 +6,15 @@ from html import escape
 
 from matplotlib.figure import Figure
 
+from seal_mdao.plotting.style import add_caption
+
 DPI = 160
 
 
 def embedded(figure: Figure, text: str) -> str:
     """Format a figure as an HTML element with its image as a data address and a text for readers."""
     drawn = io.BytesIO()
+    add_caption(figure)
     figure.savefig(drawn, dpi=DPI)
     image = b64encode(drawn.getvalue()).decode("ascii")
     return (

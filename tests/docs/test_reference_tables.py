@@ -1,5 +1,10 @@
 """Tables that are made from the code."""
 
+import subprocess
+import sys
+
+import pytest
+
 from seal_mdao.seals.door.door_seal import FURTHER, STANDARD
 
 
@@ -17,3 +22,15 @@ def test_every_class_of_measures_is_in_the_table(docs_module):
     assert table.count("{py:class}") == 22
     for name in ("mJ/m", "mm**3", "kPa", "N/m"):
         assert f"`{name}`" in table
+
+
+@pytest.mark.parametrize("command", [("-m", "seal_mdao", "sweep"), ("optimize_door_seal.py",)])
+def test_help_texts_are_those_that_the_programs_print(docs_module, docs, monkeypatch, command):
+    """The page makes them without a process of each program."""
+    reference = docs_module("code_reference")
+    page = reference.commands() if command[0] == "-m" else reference.run_scripts()
+    monkeypatch.setenv("COLUMNS", reference.COLUMNS)
+    program = [sys.executable, *command, "--help"]
+    scripts = docs.parent / "run_scripts"
+    printed = subprocess.run(program, check=True, stdout=subprocess.PIPE, text=True, cwd=scripts)
+    assert f"```text\n{printed.stdout.rstrip()}\n```" in page

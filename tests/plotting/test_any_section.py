@@ -75,7 +75,7 @@ def test_every_figure(pressed, tmp_path):
     assert titles == [pressed.caption(step) for step in steps]
     assert titles[-1] == "stage 2, travel 0.4 mm, turn 10°"
     nominal = [c for axes in shapes.axes for c in axes.get_children() if isinstance(c, ContourSet)]
-    assert len(nominal) == 4
+    assert len(nominal) == 4 * 2  # a scale per material
     curve = plotting.load_deflection(pressed)
     first, second = (axes for axes in curve.axes if axes.get_title())
     force = pressed.path.reaction("roll")
@@ -98,6 +98,28 @@ def test_single_points_do_not_set_the_scale():
     plain = section.stress_scale([usual])
     assert plain["extend"] == "neither"
     assert plain["levels"][-1] >= 100.0
+
+
+def test_every_material_has_its_colour_scale(pressed):
+    """It covers the stress of the own points, in other colours; the bars have the names."""
+    fine = field.fine_grid(pressed, 3)
+    scales = section.stress_scales([fine])
+    for number, scale in enumerate(scales):
+        own = fine.von_mises()[fine.region == number]
+        assert np.array_equal(scale["levels"], section.stress_scale([own])["levels"])
+    assert scales[0]["cmap"] != scales[1]["cmap"]
+    figure = plotting.deformed_shapes(pressed)
+    bars = [axes.get_ylabel() for axes in figure.axes if "stress" in axes.get_ylabel()]
+    assert bars == ["low: von Mises stress (kPa)", "high: von Mises stress (kPa)"]
+    # every scale colours triangles of its material alone
+    shown = [c for c in figure.axes[0].get_children() if isinstance(c, ContourSet)]
+    x = fine.deformed(pressed.key_steps()[0])
+    for number, contours in enumerate(shown):
+        own = x[fine.region == number]
+        box = contours.get_datalim(figure.axes[0].transData)
+        assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx(
+            (*own.min(0), *own.max(0)), abs=0.2
+        )
 
 
 def test_triangles_and_holes_make_loops():

@@ -159,6 +159,25 @@ def test_constraints_are_drawn_over_their_limits():
         assert np.array_equal(curves[text], constraint.use())
 
 
+@pytest.mark.parametrize(
+    ("values", "lower", "upper", "said"),
+    [
+        ([56.0, 49.0, 52.0], 50.4, 61.6, [(1, "too soft")]),
+        ([63.0, 49.0, 66.0], 50.4, 61.6, [(2, "too stiff")]),
+        ([-63.0, -70.0, -40.0], -61.6, -50.4, [(2, "too soft")]),
+        ([56.0, 50.39, 52.0], 50.4, 61.6, []),
+    ],
+)
+def test_a_force_outside_its_limits_is_named(values, lower, upper, said):
+    """At the last design outside; an excess below 0.1 % is none, nor is that of another measure."""
+    area = Constraint("area", np.array([120.0, 120.0, 120.0]), -np.inf, 110.0)
+    force = Constraint("reaction[1]", np.array(values), lower, upper)
+    recorded = replace(history(), constraints=[area, force], units={"reaction": "N/m"})
+    axes = plotting.constraint_history(recorded).axes[0]
+    found = [(own.xy[0], own.get_text()) for own in axes.texts if hasattr(own, "xy")]
+    assert found == said
+
+
 def test_comparison_of_two_designs(nominal, random_design, tmp_path):
     figure = plotting.design_comparison(nominal, random_design)
     panels = [axes for axes in figure.axes if axes.get_title()]

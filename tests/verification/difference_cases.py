@@ -1,9 +1,13 @@
-"""Finite differences for the sensitivity page."""
+"""Cases of the sensitivity page, and the most certain derivatives out of finite differences."""
 
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+
+import seal_mdao as sm
+from seal_mdao.seals.door.door_seal import options_of
+from seal_mdao.seals.result import SealResult
 from verification.differences import (
     SCHEMES,
     Design,
@@ -15,10 +19,6 @@ from verification.differences import (
 )
 from verification.estimates import plateau
 from verification.gradients import design_away
-
-import seal_mdao as sm
-from seal_mdao.seals.door.door_seal import options_of
-from seal_mdao.seals.result import SealResult
 
 TIGHT = sm.NewtonOptions(tolerance=1e-11)
 STEPS = (3e-5, 1e-5, 3e-6)

@@ -1,0 +1,58 @@
+"""Small print below figures: names and materials of the seals that they show, and the date."""
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from datetime import UTC, datetime
+
+_SEALS: ContextVar[dict[str, str] | None] = ContextVar("seals", default=None)
+
+
+@contextmanager
+def captioned(seals: Mapping[str, str] | None = None) -> Iterator[None]:
+    """Print a caption below all figures that are saved inside this block.
+
+    Parameters
+    ----------
+    seals : mapping of str to str, optional
+        Materials by the names of the seals; ``name_seal`` adds others.
+    """
+    token = _SEALS.set(dict(seals or {}))
+    try:
+        yield
+    finally:
+        _SEALS.reset(token)
+
+
+def name_seal(name: str, materials: Mapping[str, object]) -> None:
+    """Add a seal with its laws, by the names of its materials, to the captions of the block, if any."""
+    seals = _SEALS.get()
+    if seals is not None:
+        seals[name] = materials_text(materials)
+
+
+def materials_text(materials: Mapping[str, object]) -> str:
+    """Describe materials by their names and laws, such as ``foot (Mooney-Rivlin)``."""
+    return ", ".join(
+        "{} ({})".format(name, re.sub(r"(?<=[a-z])(?=[A-Z])", "-", type(law).__name__))
+        for name, law in materials.items()
+    )
+
+
+def caption(most: int = 200) -> str:
+    """Return the caption of the block, of at most ``most`` characters; empty without a seal.
+
+    The date is that of ``SOURCE_DATE_EPOCH`` (seconds since 1970, as reproducible builds set it) where
+    the variable is set, else today.
+    """
+    seals = _SEALS.get()
+    if not seals:
+        return ""
+    stamp = os.environ.get("SOURCE_DATE_EPOCH")
+    date = datetime.fromtimestamp(int(stamp), UTC) if stamp else datetime.now().astimezone()
+    end = f" | {date:%Y-%m-%d}"
+    text = "; ".join(f"{name}: {materials}" for name, materials in seals.items())
+    room = most - len(end)
+    return (text if len(text) <= room else text[: room - 1] + "…") + end

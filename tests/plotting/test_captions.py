@@ -1,0 +1,78 @@
+"""Small print below figures: seal, materials and date."""
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from seal_mdao import plotting
+from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.plotting.captions import caption, captioned, name_seal
+from seal_mdao.plotting.style import add_caption, subplots
+from seal_mdao.report.embedded_figure import embedded
+
+
+@pytest.fixture(autouse=True)
+def _day(monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+
+
+def small_print(figure):
+    return [own.get_text() for own in figure.texts if own.get_gid() == "caption"]
+
+
+def test_a_caption_has_name_materials_and_date():
+    with captioned({"lip": "rubber (Yeoh)"}):
+        name_seal("bulb", {"foot": MooneyRivlin()})
+        assert caption() == "lip: rubber (Yeoh); bulb: foot (Mooney-Rivlin) | 2023-11-14"
+        short = caption(30)
+        assert len(short) == 30
+        assert short.endswith("… | 2023-11-14")
+    assert caption() == ""
+
+
+def test_without_a_seal_there_is_no_caption(nominal, tmp_path):
+    name_seal("bulb", {})
+    figure = plotting.load_deflection(nominal)
+    with captioned():
+        plotting.save(figure, tmp_path / "load.png", dpi=40)
+    assert small_print(figure) == []
+
+
+def test_saved_and_embedded_figures_have_one_caption(nominal, tmp_path):
+    figure = plotting.load_deflection(nominal)
+    with captioned({"cost $5": "rubber"}):
+        plotting.save(figure, tmp_path / "load.png", dpi=40)
+        embedded(figure, "load")
+    assert small_print(figure) == ["cost $5: rubber | 2023-11-14"]
+
+
+@pytest.mark.parametrize("draw", [plotting.load_deflection, plotting.deformed_shapes])
+def test_axes_and_legends_stay_above_the_caption(nominal, draw):
+    figure = draw(nominal)
+    with captioned({"door seal": "rubber"}):
+        add_caption(figure)
+    figure.canvas.draw()
+    own = next(text for text in figure.texts if text.get_gid() == "caption")
+    lowest = min(axes.get_tightbbox().y0 for axes in figure.axes)
+    legends = [legend.get_window_extent() for legend in figure.legends]
+    assert own.get_window_extent().y1 <= min([lowest, *(box.y0 for box in legends)])
+    assert all(box.y1 <= lowest + 1.0 for box in legends)
+
+
+def test_legends_above_the_axes_stay_there():
+    figure, axes = subplots(width=4.0, height=3.0)
+    axes.plot([0.0, 1.0], label="force")
+    legend = figure.legend(loc="outside upper center")
+    with captioned({"door seal": "rubber"}):
+        add_caption(figure)
+    figure.canvas.draw()
+    assert legend.get_window_extent().y0 >= axes.get_tightbbox().y1 - 1.0
+
+
+def test_the_same_inputs_give_the_same_bits(nominal, tmp_path):
+    for name in ("first", "second"):
+        with captioned({"door seal": "rubber"}):
+            plotting.save(plotting.load_deflection(nominal), tmp_path / f"{name}.png", dpi=40)
+    first, second = (tmp_path / f"{name}.png" for name in ("first", "second"))
+    assert first.read_bytes() == second.read_bytes()
+    np.testing.assert_array_equal(*map(matplotlib.image.imread, (first, second)))

@@ -1,0 +1,224 @@
+"""Errors over the discretisation, the load steps and the penalties, and refinements of all three.
+
+The pages on accuracy, on the path and on the door seal show them. They take a quarter of an hour of a
+processor, so their values are stored:
+
+    python tests/verification/accuracy_study.py [QUANTITY ...]
+
+computes the named quantities, or all, and writes them to ``references/accuracy.json``. A long test
+computes some of them again.
+"""
+
+import argparse
+import json
+import multiprocessing
+import os
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+if __name__ in ("__main__", "__mp_main__"):
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
+from seal_mdao.terms.points import CONTACT_POINTS
+from verification.error_sources import FUNCTIONS, flat_errors, worst_error
+from verification.seal_refinement import LEVELS
+from verification.step_refinement import STEPS
+from verification.study_quantities import (
+    EXAMPLES,
+    REFERENCES,
+    SCHEMES,
+    bending_error,
+    bulb_errors,
+    chosen_steps,
+    corner_error,
+    difference,
+    equal_steps,
+    example_steps,
+    file_errors,
+    limit_error,
+    opened_gap,
+    outline_error,
+    refined_corner,
+    refined_flat,
+    refined_steps,
+    section_error,
+)
+
+VALUES = REFERENCES / "accuracy.json"
+DIGITS, EXACT = 6, {"difference": 16}
+"""Digits of stored floats, and where they are more."""
+
+# ---- cases ----
+
+LAYERS = (3, 4, 5, 7)
+PRODUCT, ROUND = (1.8, 2.5), 2.0
+BY_CELL = {"support": ROUND}, {"support": PRODUCT}
+ENGINEERING = {
+    name: value
+    for name, value in ACCURACIES["engineering"].items()
+    if name not in ("n_steps", "solver")
+}
+WIDE = {name: value for name, value in ENGINEERING.items() if name != "layers"}
+THROUGH = WIDE | {"support": PRODUCT, "basis_order": 1}, WIDE | {"basis_order": 1}, WIDE
+SUPPORTS, CLOUDS = (1.5, 1.75, 2.0, 2.5, 3.0), ((58, 3), (58, 5), (116, 3))
+BY_LAYERS = [
+    *((rays, scheme) for scheme in BY_CELL for rays in (58, 116)),
+    *((rays, scheme) for scheme in THROUGH for rays in (58, 116, 174)),
+]
+"""Rays and schemes whose errors are compared over the layers of particles."""
+INTEGRATION = [
+    (order, points, rays)
+    for order in (1, 2)
+    for points in ((2, 2), (2, 3), (3, 3))
+    for rays in (58, 116)
+]
+"""Order of the basis, Gauss points of a cell, rays."""
+ACROSS, PENALTIES = (2, 3, 4), (3e2, 1e3, 3e3, 1e4, 3e4, 1e5)
+REFINEMENTS = ((58, 4, 1), (58, 4, 2), (116, 4, 1), (116, 4, 2), (116, 5, 2), (174, 5, 2))
+"""Rays of the even ring, layers, parts of an interval where the door presses."""
+SECTIONS = ("half_disc", "o_ring", "bonded_gasket", "half_ring")
+EQUAL_STEPS, TOLERANCES = (10, 20, 35, 50, 105), (2e-2, 5e-3, 2e-3)
+SPACINGS, RAYS = (1.2, 0.9, 0.7, 0.5), (24, 36, 48, 72)
+FILES = (
+    "lip", "weatherstrip", "o_ring", "sealed_bulb", "slipping_lip", "o_ring_under_pressure",
+)  # fmt: skip
+NOMINAL_PARAMETERS = range(26)
+AWAY_SEEDS, AWAY_PARAMETERS = (1, 3), (4, 9, 16, 25)
+"""Random designs and the parameters of their finite differences."""
+REFINED_STEPS = {
+    "incremental": (*STEPS, 800, 1600, 3200), "accumulated": (*STEPS, 4 * STEPS[-1]),
+}  # fmt: skip
+FINEST = (232, 9)
+"""Rays and layers, beyond what the tests run."""
+
+
+def integrated(order: int, points: tuple) -> dict:
+    """Options of a scheme with a basis and Gauss points."""
+    return WIDE | {"basis_order": order, "n_gauss": points}
+
+
+def gap_options(rays: int, layers: int, parts: int) -> dict:
+    """Options of a refined ring."""
+    return WIDE | {"layers": layers, "rays": rays, "refinement": parts, "n_steps": 105}
+
+
+def cases() -> dict:
+    """Arguments of every quantity; equal ones may repeat."""
+    clouds = [
+        {"rays": rays, "layers": layers, "support": support}
+        for rays, layers in CLOUDS for support in (*SUPPORTS, PRODUCT)
+    ]  # fmt: skip
+    schemes = [*BY_LAYERS, *((rays, integrated(*own)) for *own, rays in INTEGRATION)]
+    layered = [{"rays": rays, "layers": n, **own} for rays, own in schemes for n in LAYERS]
+    at = [ENGINEERING | {"contact_points": points} for points in CONTACT_POINTS]
+    named = [{"accuracy": name} for name in ACCURACIES]
+    return {
+        "worst_error": clouds + layered + at,
+        "limit_error": [
+            {"rays": rays, "layers": n, **functions}
+            for functions in FUNCTIONS for rays in (58, 116, 174) for n in LAYERS
+        ],
+        "bending_error": [{"across": n, "support": s} for s in (ROUND, PRODUCT) for n in ACROSS],
+        "flat_errors": [
+            *({"normal_penalty": w, **ENGINEERING} for w in PENALTIES),
+            *(own | {"n_steps": door_seal(**own).n_steps} for own in named),
+        ],
+        "corner_error": named,
+        "opened_gap": [
+            *named, *(gap_options(*own) for own in REFINEMENTS),
+            *({"accuracy": "engineering", "contact_points": p} for p in CONTACT_POINTS),
+        ],
+        "section_error": [{"name": n, "soft": soft} for n in SECTIONS for soft in (False, True)],
+        "equal_steps": [{"steps": n} for n in EQUAL_STEPS],
+        "chosen_steps": [{"tolerance": t} for t in TOLERANCES],
+        "example_steps": [{"name": path.stem} for path in sorted(EXAMPLES.glob("*.toml"))],
+        "outline_error": [{"spacing": s, "scheme": name} for s in SPACINGS for name in SCHEMES],
+        "bulb_errors": [{"rays": rays} for rays in RAYS],
+        "file_errors": [{"name": name} for name in FILES],
+        "refined_steps": [
+            {"friction_history": rule, "steps": n} for rule, own in REFINED_STEPS.items() for n in own
+        ],
+        "refined_corner": [{"rays": r, "layers": n} for r, n in (*LEVELS, FINEST)],
+        "refined_flat": [{"rays": r, "layers": n} for r, n in LEVELS],
+        "difference": [
+            *({"parameter": p, "seed": None} for p in NOMINAL_PARAMETERS),
+            *({"parameter": p, "seed": seed} for seed in AWAY_SEEDS for p in AWAY_PARAMETERS),
+        ],
+    }  # fmt: skip
+
+
+FUNCTION = {
+    f.__name__: f
+    for f in (
+        worst_error, limit_error, bending_error, flat_errors, corner_error, opened_gap,
+        section_error, equal_steps, chosen_steps, example_steps, outline_error, bulb_errors,
+        file_errors, refined_steps, refined_corner, refined_flat, difference,
+    )
+}  # fmt: skip
+
+# ---- stored values ----
+
+
+def key(arguments: dict) -> str:
+    """Arguments as text."""
+    return json.dumps(arguments, sort_keys=True)
+
+
+def compute(quantity: str, arguments: dict):
+    """Compute one value, its floats rounded to ``DIGITS`` digits."""
+    return _plain(FUNCTION[quantity](**arguments), EXACT.get(quantity, DIGITS))
+
+
+def _plain(value, digits: int):
+    """As JSON holds it."""
+    if isinstance(value, dict):
+        return {name: _plain(own, digits) for name, own in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(own, digits) for own in value]
+    return value if isinstance(value, int | str) else float(f"{value:.{digits}g}")
+
+
+@cache
+def _values() -> dict:
+    return json.loads(VALUES.read_text(encoding="utf-8")) if VALUES.exists() else {}
+
+
+def stored(quantity: str, **arguments):
+    """Look up a value.
+
+    Raises
+    ------
+    KeyError
+        When it was not computed: its case is missing, or the script has not run since.
+    """
+    values, own = _values().get(quantity, {}), key(arguments)
+    if own not in values:
+        raise KeyError(f"{quantity} of {own}: add the case, run {Path(__file__).name} {quantity}")
+    return values[own]
+
+
+def _compute(task):
+    return compute(*task)
+
+
+def main(arguments=None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("quantities", nargs="*", metavar="QUANTITY", help=", ".join(FUNCTION))
+    options = parser.parse_args(arguments)
+    wanted = options.quantities or list(FUNCTION)
+    own = {name: {key(a): a for a in found} for name, found in cases().items() if name in wanted}
+    tasks = [(name, a) for name, found in own.items() for a in found.values()]
+    # spawned, for numba's threads do not survive a fork
+    with multiprocessing.get_context("spawn").Pool(min(2, os.cpu_count() or 1)) as pool:
+        found = iter(pool.map(_compute, tasks, chunksize=1))
+    values = _values() | {name: {k: next(found) for k in keys} for name, keys in own.items()}
+    ordered = {name: values[name] for name in FUNCTION if name in values}
+    VALUES.write_text(json.dumps(ordered, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
