@@ -41,7 +41,7 @@ class DesignTable(Table):
     bound: number("mm", above=0.0) = key("largest offset, displacement or change of the radius")
     edges: Names | None = key("edges that move; not at an end where the next edge stays", None)
     parameters: whole(1, MOST_PARAMETERS) | None = key(
-        "beside edges: number of parameters of each of them", None
+        "with edges: number of parameters of each edge", None
     )
     between: many(Point, "two points [[x, y], [x, y]] (mm)", 2, 2) | None = key(
         "beside one edge: the part of it that moves, from the first point to the second; the outside is "

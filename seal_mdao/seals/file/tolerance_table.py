@@ -17,8 +17,8 @@ from seal_mdao.values import formatted
 class VaryTable(Table):
     """Scatter of a parameter."""
 
-    distribution: one_of(*DISTRIBUTIONS) = key("of what varies")
-    kind: one_of(*KINDS) = key("what it does to the parameters", VALUE)
+    distribution: one_of(*DISTRIBUTIONS) = key("distribution of the parameter")
+    kind: one_of(*KINDS) = key("effect on the parameters: value, shift or factor", VALUE)
     parameters: Names = key("that vary together; that of the name of the table unless given", ())
 
     @property
@@ -45,7 +45,7 @@ class BoundaryTable(Table):
 def _vary_table(name: str) -> type[Table]:
     """Make the table of a distribution with its numbers as keys."""
     # one key per field of the distribution, with its default
-    keys = {"distribution": (one_of(name), key("of what varies"))}
+    keys = {"distribution": (one_of(name), key("distribution of the parameter"))}
     for own in fields(DISTRIBUTIONS[name]):
         default = () if own.default is MISSING else (own.default,)
         keys[own.name] = number(), key(f"of the {name} distribution", *default)
@@ -61,7 +61,7 @@ AnyVary = chosen_by("distribution", VARY_TABLES)
 class ToleranceTable(Table):
     """What varies from car to car."""
 
-    vary: dict[str, AnyVary] = key("parameters that scatter, each a table of its own", {})
+    vary: dict[str, AnyVary] = key("parameters that scatter, one table each", {})
     boundary: BoundaryTable | None = key("error of the edges that may move", None)
 
     @field_validator("vary", mode="before")
