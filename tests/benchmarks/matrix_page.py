@@ -20,10 +20,10 @@ there.
 A run has converged when the optimiser reports success, the optimality conditions hold to {kkt:g}
 (largest entry of the scaled Lagrangian's gradient, KKT in the tables, measured in the same way for
 all by {{py:class}}`~seal_mdao.drivers.optimality.Optimality`) and the limits to {violation:g}.
-These tolerances, the seed of the random cases and their distribution were fixed before the first run, and
-each case is run once. Costs are fractions of that of the nominal seal. They cannot fall below zero, so the
-cost of a run is an upper bound of the possible further improvement. The gap is the largest one between the first and the last
-contact, wherever it opens.
+These tolerances, the seed of the random cases and their distribution were fixed before the first
+run, and each case is run once. Costs are fractions of that of the nominal seal. They cannot fall
+below zero, so the cost of a run is an upper bound of the possible further improvement. The gap is
+the largest one between the first and the last contact, wherever it opens.
 
 """
 FACTORS_TEXT = """## The paper's case, single changes, combinations
