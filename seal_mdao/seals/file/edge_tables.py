@@ -198,7 +198,7 @@ class SelfContactTable(Table):
     def _some_friction(self):
         if self.friction is None and not self.pairs:
             raise ValueError(
-                "the key 'friction' is missing; it may be left out beside [[self_contact.pair]]"
+                "the key 'friction' is missing; it is optional with [[self_contact.pair]]"
             )
         return self
 
