@@ -68,7 +68,15 @@ extensions = [
     "docstrings",
     "paper_math",
 ]
-exclude_patterns = ["_build", "benchmarks", "_generated/fragments", "Thumbs.db", ".DS_Store"]
+# paper.md is the article for the Journal of Open Source Software, in its own format
+exclude_patterns = [
+    "_build",
+    "benchmarks",
+    "_generated/fragments",
+    "paper.md",
+    "Thumbs.db",
+    ".DS_Store",
+]
 # napoleon refers to attributes by their bare names, of which there are several
 suppress_warnings = ["ref.python"]
 

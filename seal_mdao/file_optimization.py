@@ -126,7 +126,7 @@ def require_problem(file: SealFile, seal: Seal) -> None:
         raise SealFileError(f"{file.path}: [optimize] is missing: say what to minimize")
     if not seal.n_offsets:
         raise SealFileError(
-            f"{file.path}: [[design]] is missing: say what may change about the shape"
+            f"{file.path}: [[design]] is missing: add the design parameters of the shape"
         )
     for name in measure_names(file):
         if name in BESIDE:

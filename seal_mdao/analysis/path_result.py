@@ -17,7 +17,7 @@ class Status(Enum):
     DIVERGED = "the residual is not a finite number"
     INVERTED = "a quadrature point is inverted (det F <= 0)"
     SINGULAR = "the tangent is singular"
-    MOVED_OFF = "the body moves off for ever"
+    MOVED_OFF = "the body moves away without reaching equilibrium"
     UNSTABLE = "equilibrium is not stable"
     JUMPED = "the body moved much farther than predicted"
 

@@ -14,16 +14,16 @@ HEAD = """# Robustness of the optimisation
 `python tests/benchmarks/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` writes
 this page from the runs that it makes; an interrupted run is continued. It solves problem (71)
 for the paper's case, for each factor changed alone, for 20 combinations of the factors, and for
-{run} of {drawn} drawn cases, with every optimiser of {{mod}}`seal_mdao.optimization` at its settings
+{run} of {drawn} random cases, with every optimiser of {{mod}}`seal_mdao.optimization` at its settings
 there.
 
 A run has converged when the optimiser reports success, the optimality conditions hold to {kkt:g}
 (largest entry of the scaled Lagrangian's gradient, KKT in the tables, measured in the same way for
 all by {{py:class}}`~seal_mdao.drivers.optimality.Optimality`) and the limits to {violation:g}.
-These tolerances, the seed of the drawn cases and their rule were set down before the first run, and
-each case is run once. Costs are shares of that of the nominal seal. They cannot fall below zero, so a
-run leaves at most its cost to be gained. The gap is the largest one between the first and the last
-contact, wherever it opens.
+These tolerances, the seed of the random cases and their distribution were fixed before the first
+run, and each case is run once. Costs are fractions of that of the nominal seal. They cannot fall
+below zero, so the cost of a run is an upper bound of the possible further improvement. The gap is
+the largest one between the first and the last contact, wherever it opens.
 
 """
 FACTORS_TEXT = """## The paper's case, single changes, combinations
@@ -33,7 +33,7 @@ friction histories; exact door and 32 segments; the nominal seal and three rando
 mm.
 
 """
-DRAWN_TEXT = """## Drawn cases
+DRAWN_TEXT = """## Random cases
 
 Drawn with seed {seed}. {rule}
 

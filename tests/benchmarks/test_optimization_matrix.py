@@ -123,7 +123,7 @@ def test_page_lists_all_cases_and_every_failure():
         made_row(drawn, "B", **nothing, message="LoadPathError: cut"),
     ]  # fmt: skip
     text = matrix_page.page(table, {drawn})
-    first, second = text.split("## Drawn cases")
+    first, second = text.split("## Random cases")
     good = "8 iterations, 10 analyses, 0.0020 %, KKT 4e-04"
     assert f"| paper | {good} | 30 analyses, 0.0020 %, KKT 4e-04 |" in first
     assert "A converged in 1 of 2 cases, with 10 analyses in the median and 10 at most" in first

@@ -226,7 +226,7 @@ WRONG = {
     ),
     "no friction": (
         ("back = 0.1, lower = 0.2", ""),
-        "may be left out beside [[self_contact.pair]]",
+        "is optional with [[self_contact.pair]]",
     ),
 }
 

@@ -183,7 +183,7 @@ BAD = {
     "upright ellipse": (_upright_ellipse, "it does not lie in the plane of the drawing (normal"),
     "old polyline": (add("add_polyline2d", [(1, 1), (2, 2)]), "POLYLINE #"),
     "mesh": (add("add_polyface"), "it is a mesh, not a polyline"),
-    "block in itself": (block_in_itself, "holds itself"),
+    "block in itself": (block_in_itself, "contains itself"),
     "an open line on another layer": (
         add("add_line", (2, 2), (8, 2)),
         "(layers read as boundary: seal, extra; name other layers in parting of",

@@ -138,9 +138,9 @@ BAD = {
     "fluid twice along": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "seal"]'),
                           "[[fluid]] 1: edge has 'seal' twice"),
     "fluid all round": (FIXED, FIXED + FLUID.replace('"seal"', '"cavity"'),
-                        "[[fluid]] 1: edge = cavity goes all round and has no ends; divide it where"),
+                        "[[fluid]] 1: edge = cavity is a closed curve without ends; divide it where"),
     "fluid round both": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "base"]'),
-                         "[[fluid]] 1: edge = seal, base goes all round"),
+                         "[[fluid]] 1: edge = seal, base is a closed curve"),
     "fluid apart": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "cavity"]'),
                     "[[fluid]] 1: edge = seal, cavity is not one stretch of the boundary"),
     "fluid untouched": (FIXED, FIXED + FLUID.replace('"seal"', '"base"'), "[[fluid]] 1: edge = base, "

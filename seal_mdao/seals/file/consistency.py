@@ -188,7 +188,7 @@ def _check_fluid_edges(where: str, edges, file) -> None:
         raise SealFileError(f"{where} is not one stretch of the boundary")
     if all_round:
         raise SealFileError(
-            f"{where} goes all round and has no ends; divide it where the fluid comes in and where it "
+            f"{where} is a closed curve without ends; divide it where the fluid comes in and where it "
             "must not come out"
         )
     # contact keeps the fluid from the dry side
@@ -278,12 +278,12 @@ def _check_steps(file) -> None:
             raise SealFileError(
                 f"[[profile]]: {first.name!r} has {first.n_steps} of [[profile.stage]] and "
                 f"{profile.name!r} {profile.n_steps}; stages without steps run at the same time, so "
-                "give all profiles as many (one without any key stands still)"
+                "give all profiles the same number (a profile without stages does not move)"
             )
         raise SealFileError(
             f"[[profile]]: the stages of {first.name!r} have {first.n_steps} steps in all "
-            f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage that "
-            "only has steps stands still)"
+            f"and those of {profile.name!r} {profile.n_steps}; they must be equal (a stage with "
+            "steps only is a dwell)"
         )
 
 

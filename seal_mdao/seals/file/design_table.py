@@ -41,30 +41,30 @@ class DesignTable(Table):
     bound: number("mm", above=0.0) = key("largest offset, displacement or change of the radius")
     edges: Names | None = key("edges that move; not at an end where the next edge stays", None)
     parameters: whole(1, MOST_PARAMETERS) | None = key(
-        "beside edges: number of parameters of each of them", None
+        "with edges: number of parameters of each edge", None
     )
     between: many(Point, "two points [[x, y], [x, y]] (mm)", 2, 2) | None = key(
-        "beside one edge: the part of it that moves, from the first point to the second; the outside is "
-        "walked counter-clockwise, holes clockwise",
+        "with one edge: the part of it that moves, from the first point to the second, "
+        "counter-clockwise on the outer contour, clockwise on holes",
         None,
     )
     opposite: Text | None = key(
-        "beside edges: the edge on the other side of a wall; every point of it moves outwards by as "
-        "much as the nearest point of the edges, so the thickness changes by twice the offset",
+        "with edges: the edge on the other side of a wall; every point of it has the outward offset of "
+        "the nearest point of the edges, so the thickness changes by twice the offset",
         None,
     )
     vertex: Point | None = key(
-        "in place of edges: an end of a segment that moves; the segments beside it follow linearly",
+        "instead of edges: an end of a segment that moves; the adjacent segments follow linearly",
         None,
     )
     directions: many(one_of("x", "y"), 'a list of "x", "y" or both') | None = key(
-        "beside vertex: in which it moves, a parameter for each; both unless given, in a plane of "
-        "symmetry along it",
+        "with vertex: directions in which it moves, one parameter each; default: both, or along a plane "
+        "of symmetry",
         None,
     )
     arc: Point | None = key(
-        "in place of edges: a point of an arc or circle whose radius changes; between lines that it "
-        "joins smoothly it stays tangent, elsewhere its centre stays",
+        "instead of edges: a point of an arc or circle whose radius changes; an arc tangent to its "
+        "neighbouring lines remains tangent, otherwise its centre does not move",
         None,
     )
     mirror: Plane | None = key(

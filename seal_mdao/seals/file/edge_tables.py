@@ -45,9 +45,9 @@ Stretch = Annotated[
 class FixedTable(Table):
     """Edges that are fixed, and in which directions."""
 
-    edges: Names = key("edges that are held")
+    edges: Names = key("fixed edges")
     directions: many(one_of("x", "y"), 'a list of "x", "y" or both') = key(
-        "in which they are held", ("x", "y")
+        "fixed directions", ("x", "y")
     )
 
 
@@ -71,12 +71,14 @@ class CavityTable(Table):
     gamma: number(above=0.0) = key(
         "exponent: 1.4 for air that has no time to give off its heat, 1 for air that has", ADIABATIC
     )
-    vent_diameter: number("mm", above=0.0) | None = key("of round vents; none unless given", None)
+    vent_diameter: number("mm", above=0.0) | None = key(
+        "diameter of round vents; default: no vents", None
+    )
     vent_spacing: number("mm", above=0.0) | None = key(
         "distance from one vent to the next along the strip", None
     )
     closing_speed: number("mm/s", above=0.0) | None = key(
-        "speed of the first profile that travels, along its path, beside vents", None
+        "with vents: speed of the first moving profile along its path", None
     )
     discharge_coefficient: number(above=0.0, most=1.0) | None = key(
         f"of the vents, {SHARP_EDGED:g} unless given: 0.6 for a sharp edge, 0.8 for a hole in a wall "
@@ -196,7 +198,7 @@ class SelfContactTable(Table):
     def _some_friction(self):
         if self.friction is None and not self.pairs:
             raise ValueError(
-                "the key 'friction' is missing; it may be left out beside [[self_contact.pair]]"
+                "the key 'friction' is missing; it is optional with [[self_contact.pair]]"
             )
         return self
 

@@ -59,13 +59,13 @@ class ReactionTable(OfProfile):
         None,
     )
     direction: Direction | None = key(
-        "of the force, of any length; or against the travel of the profile at that place, positive "
-        "where the seal resists",
+        "of the force, a vector of any length; or against the travel of the profile, positive if the "
+        "seal resists the motion",
         None,
     )
     travel: Travels | None = key(
-        "how far the profile has come along its path, or a list with a value for each; for one that "
-        "stands still, the path of the first one that travels; the end unless given",
+        "distance of the profile along its path, or a list of distances; for a profile that does not "
+        "move, along the path of the first moving profile; default: the end",
         None,
     )
     length: number("mm", above=0.0) | None = key(

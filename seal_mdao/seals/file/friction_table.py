@@ -29,7 +29,7 @@ class FrictionTable(Table):
     """Coulomb's law."""
 
     law: one_of(COULOMB) = key(
-        "name of the law; another one has its own constants in place of friction"
+        "name of the law; a law of another name has its own constants instead of friction"
     )
     friction: Coefficient = key("Coulomb coefficient")
 

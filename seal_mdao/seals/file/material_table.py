@@ -97,7 +97,7 @@ class FitTable(LawTable):
 
     data: Text = key("file of tests, relative to this one, to which the constants are fitted")
     weighting: one_of(*WEIGHTINGS) = key(
-        "what the fit makes small: relative or absolute differences", "relative"
+        "differences that the fit minimises: relative or absolute", "relative"
     )
 
     def _law(self, own, folder) -> Isotropic:
@@ -173,7 +173,7 @@ class ShoreTable(Table):
     """A dense rubber by its hardness: neo-Hookean, with Young's modulus by Gent's relation (1958)."""
 
     shore_a: number("Shore A", least=LEAST_SHORE, most=MOST_SHORE) = key(
-        "hardness, in place of a law; a parameter, which may vary"
+        "hardness, instead of a law; a parameter that may vary"
     )
     bulk_modulus: number("kPa", above=0.0) = key("of dense rubber", BULK_MODULUS)
 
@@ -186,7 +186,7 @@ class ShoreTable(Table):
 class SpongeTable(Table):
     """A sponge rubber by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
 
-    sponge: one_of(*GRADES) = key("grade, in place of a law: closed cells, such as sponge of EPDM")
+    sponge: one_of(*GRADES) = key("grade, instead of a law: closed cells, such as sponge of EPDM")
 
     def made(self, where: str, folder: Path) -> Isotropic:
         """Make the law, as ``LawTable.made``."""

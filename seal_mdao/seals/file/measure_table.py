@@ -105,7 +105,7 @@ class OfProfile(MeasureTable):
         """Return whether a table of ``settled`` may be named: a profile, not moved edges."""
         return hasattr(moving, "contact")
 
-    profile: Text | None = key("name of a profile; may be left out where there is one only", None)
+    profile: Text | None = key("name of a profile; optional if there is only one", None)
 
     def settled(self, where, profiles):
         # the only profile, unless the table names one
@@ -127,7 +127,7 @@ class OfProfile(MeasureTable):
 class AtPlaces(OfProfile):
     """A measure at contact points of a profile."""
 
-    places: Places | None = key("of contact points, beside a cloud", None)
+    places: Places | None = key("with a cloud: indices of contact points", None)
 
 
 def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:

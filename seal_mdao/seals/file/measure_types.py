@@ -87,7 +87,7 @@ class WallThicknessTable(MeasureTable):
 class CavityAreaTable(MeasureTable):
     """Area of a hole of the deformed section."""
 
-    edge: Text = key("edge all round the hole")
+    edge: Text = key("closed edge of the hole")
 
     def check(self, where, file):
         # a hole whose boundary is one edge
@@ -146,7 +146,7 @@ class ContactPressureTable(OfProfile):
     """True contact pressure of each patch, a mean of high order below the peak."""
 
     order: Order | None = key("of the mean", None)
-    places: Patches | None = key("of contact points, for every patch, beside a cloud", None)
+    places: Patches | None = key("with a cloud: indices of contact points for every patch", None)
     single = False
 
 
@@ -224,7 +224,7 @@ class VonMisesTable(MeasureTable):
     count: whole(1, 1000) | None = key(
         "number of the largest maxima along the boundary of the nominal seal", None
     )
-    places: Places | None = key("of particles, beside a cloud", None)
+    places: Places | None = key("with a cloud: indices of particles", None)
 
     @model_validator(mode="after")
     def _one_choice(self):

@@ -27,7 +27,7 @@ class MovedTable(Staged, Table):
     )
     pivot: Place = key("centre of rotation", (0.0, 0.0))
     stages: rows(Annotated[StageTable, WrapValidator(made_stage)]) = key(
-        "stages of the motion; without any the edges stand still", (), alias="stage"
+        "stages of the motion; without stages the edges have zero displacement", (), alias="stage"
     )
 
     @model_validator(mode="after")

@@ -112,7 +112,7 @@ class ProfileTable(Staged, SegmentTable):
         None,
     )
     stages: rows(Annotated[StageTable, WrapValidator(made_stage)]) = key(
-        "stages of its motion; without any it stands still", (), alias="stage"
+        "stages of its motion; without stages the profile does not move", (), alias="stage"
     )
 
     @model_validator(mode="after")

@@ -58,9 +58,9 @@ class HoleTable(PieceTable):
 class RaysTable(Table):
     """Particles on rays from a centre, for a wall round one hole."""
 
-    rays: whole(8, 100_000) = key("number of rays; the first one goes straight down")
-    layers: whole(2, 1000) = key("particles across the wall; 4 are a good start")
-    centre: Point = key("where the rays come from", (0.0, 0.0))
+    rays: whole(8, 100_000) = key("number of radial rows; the first one points straight down")
+    layers: whole(2, 1000) = key("particles across the wall; 4 is a suitable start")
+    centre: Point = key("origin of the radial rows", (0.0, 0.0))
     accuracy: one_of(*LEAST_LAYERS) = key(
         "kernels, basis, pressure and contact of that accuracy", Rays.accuracy
     )
@@ -83,12 +83,12 @@ class RegionTable(Table):
 
     material: Text = key("name of a material, neither that of [section] nor of another region")
     at: Point | None = key(
-        "any point of the part; left out where a drawing has the name of the material as a text in it",
+        "any point of the part; optional if a drawing has the material name as a text in the part",
         None,
     )
     line: Points | None = key(
         "the line that divides it from the rest, from one end of a segment of the boundary to another; "
-        "left out for a complete body, and where a drawing has parting lines",
+        "optional for a complete body, and if a drawing has parting lines",
         None,
     )
 
@@ -102,13 +102,13 @@ class WrittenSection(Table):
         "largest distance of particles; walls get smaller ones", None
     )
     layers: whole(3, MOST_LAYERS) | None = key(
-        f"beside spacing: least number of particles across a wall, {LAYERS} unless given", None
+        f"with spacing: least number of particles across a wall, default {LAYERS}", None
     )
-    rays: RaysTable | None = key("in place of spacing, for a wall round one hole", None)
-    cloud: Text | None = key("in place of spacing: file of a mesh, relative to this one", None)
+    rays: RaysTable | None = key("instead of spacing, for an annular wall", None)
+    cloud: Text | None = key("instead of spacing: mesh file, relative to this file", None)
     outer: rows(OuterTable) | None = key("segments of the outside", None)
     hole: rows(HoleTable) | None = key("segments of holes", None)
-    dxf: Text | None = key("a drawing, relative to this file; in place of outer and hole", None)
+    dxf: Text | None = key("drawing, relative to this file, instead of outer and hole", None)
     units: one_of(*MODEL_UNITS) | None = key("of a drawing whose header has none", None)
     parting: Layers | None = key("layers of a drawing with the lines between regions", None)
     ignore: Layers | None = key(

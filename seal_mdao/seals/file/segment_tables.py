@@ -36,7 +36,7 @@ class SegmentTable(Table):
     spline: Points | None = key(
         "a cubic spline, smooth at the joint too where the last point is the first one", None
     )
-    circle: CircleTable | None = key("a circle, a contour of its own", None)
+    circle: CircleTable | None = key("a circle, which is a complete contour", None)
 
     def pieces(self, edge: str) -> list:
         """Make the segments as parts of an edge; a line of several points gives several.

@@ -17,10 +17,10 @@ from seal_mdao.values import formatted
 class VaryTable(Table):
     """Scatter of a parameter."""
 
-    distribution: one_of(*DISTRIBUTIONS) = key("of what varies")
+    distribution: one_of(*DISTRIBUTIONS) = key("distribution of the parameter")
     kind: one_of(*KINDS) | None = key(
-        "what it does to the parameters; value unless given, which then must include their present "
-        "values",
+        "effect on the parameters: value, shift or factor; value unless given, and the numbers must "
+        "then include the present value",
         None,
     )
     parameters: Names = key("that vary together; that of the name of the table unless given", ())
@@ -49,7 +49,7 @@ class BoundaryTable(Table):
 def _vary_table(name: str) -> type[Table]:
     """Make the table of a distribution with its numbers as keys."""
     # one key per field of the distribution, with its default
-    keys = {"distribution": (one_of(name), key("of what varies"))}
+    keys = {"distribution": (one_of(name), key("distribution of the parameter"))}
     for own in fields(DISTRIBUTIONS[name]):
         default = () if own.default is MISSING else (own.default,)
         keys[own.name] = number(), key(f"of the {name} distribution", *default)
@@ -65,7 +65,7 @@ AnyVary = chosen_by("distribution", VARY_TABLES)
 class ToleranceTable(Table):
     """What varies from car to car."""
 
-    vary: dict[str, AnyVary] = key("parameters that scatter, each a table of its own", {})
+    vary: dict[str, AnyVary] = key("parameters that scatter, one table each", {})
     boundary: BoundaryTable | None = key("error of the edges that may move", None)
 
     @field_validator("vary", mode="before")

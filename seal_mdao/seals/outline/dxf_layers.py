@@ -21,7 +21,7 @@ CENTRE_LINES = (
 """Parts of the names of line types (AutoCAD, ISO 128) that mean centre lines and phantom lines."""
 
 DEEPEST = 16
-"""Largest depth of blocks in blocks; a block that holds itself has no end."""
+"""Largest depth of blocks in blocks; a block that contains itself has no end."""
 
 
 class Placed(NamedTuple):
@@ -72,7 +72,7 @@ def sorted_entities(document, ignore: Iterable[str] = ()) -> Sorted:
     Raises
     ------
     GeometryError
-        For a block that holds itself.
+        For a block that contains itself.
     """
     ignored, geometry, texts, left_out = {n.casefold() for n in ignore}, [], [], Counter()
     for placed in _placed(document):
@@ -113,7 +113,7 @@ def _resolved(document, placed: Placed, depth: int):
         return
     block = entity.dxf.get("name", "")
     if depth > DEEPEST:
-        raise GeometryError(f"{placed.name}: the block {block!r} holds itself")
+        raise GeometryError(f"{placed.name}: the block {block!r} contains itself")
     # attributes belong to the reference; rows and columns of one reference are single ones
     yield from (Placed(own, placed.layer, placed.name, True) for own in entity.attribs)
     for single in entity.multi_insert() if entity.mcount > 1 else [entity]:

@@ -241,7 +241,10 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     # cells of no other region belong to the rest
     remaining = np.flatnonzero(~np.isin(filled.parts, parts))
     if not remaining.size:
-        raise ValueError("every part of the section is in a region; leave one to its own material")
+        raise ValueError(
+            "every part of the section is in a region; leave at least one part to the material of the "
+            "section"
+        )
     cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]
     return tuple(
         Region(region.material, own, region.prefix)
