@@ -19,7 +19,7 @@ BULB = """\
 # The boundary, counter-clockwise, body on the left; every piece belongs to an edge.
 [section]
 material = "rubber"
-spacing = 0.7  # largest distance of particles; walls get at least four layers
+spacing = 0.7  # largest distance of particles; a wall gets at least three layers (key layers)
 outer = [
   {{ edge = "foot", line = [[-5.0, 0.0], [5.0, 0.0]] }},
   {{ edge = "bulb", line = [[5.0, 0.0], [5.0, 5.0]] }},

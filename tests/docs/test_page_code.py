@@ -148,6 +148,17 @@ def test_own_openmdao_model(run_page):
     )
     assert names["coloring"].total_solves() == 1
     assert [case.name[-1] for case in names["good"]] == ["0", "2"]
+    # a thicker wall has more rubber and a larger force; a hole that moves has the same rubber
+    of_hole, bulb = names["of_hole"], names["bulb"]
+    thicker, lift = (of_hole["area", name][0, 0] for name in ("thicker", "lift"))
+    assert abs(lift) < 1e-3 * thicker
+    assert of_hole["reaction", "thicker"][0, 0] > 0.0
+    offsets = names["hole"].get_val("shape.offsets", units="mm")
+    assert names["hole"].get_val("area")[0] == pytest.approx(bulb.area(offsets)[0], rel=1e-12)
+    forces = names["forces"][:, 0]
+    assert forces.shape == (2,)
+    assert forces[1] > forces[0]  # the plate comes 0.2 mm nearer
+    assert forces.max() <= names["highest"][0] < 1.01 * forces.max()
     assert names["fit"].get_val("c10")[0] == pytest.approx(90.0, rel=1e-5)
     assert names["fit"].get_val("friction")[0] == pytest.approx(0.3, rel=1e-5)
     nominal = sm.differentiate(sm.analyze(seal), ("door_radius",)).gap_square_sum[-1]
