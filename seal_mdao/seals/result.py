@@ -301,8 +301,17 @@ class SealResult:
         another seal's nominal design, ``result.at(nominal.measures())``."""
         return replace(self, placed=tuple(measures))
 
-    def value(self, measure: Measure) -> np.ndarray:
-        """Values of a measure with frozen places, shape (m,)."""
+    def value(self, measure: Measure | str) -> np.ndarray:
+        """Evaluate a measure with frozen evaluation points, or one of the seal's measures by its name;
+        shape (m,).
+
+        Raises
+        ------
+        ValueError
+            For a name that the seal does not know.
+        """
+        if isinstance(measure, str):
+            measure = self.measure(measure)
         # f(m) of a base measure m
         if isinstance(measure, Derived):
             return np.atleast_1d(measure.value(self.value(measure.base))[0])
