@@ -2,7 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -48,9 +48,15 @@ class SealResult:
     """
 
     seal: Seal
-    path: PathResult = field(repr=False)
+    path: PathResult
     boundary_offsets: np.ndarray | None = None
     placed: tuple = ()
+
+    def __repr__(self) -> str:
+        # arrays would fill thousands of lines
+        reached = f"{len(self.path.nominal_steps)} of {self.seal.n_steps} load steps"
+        end = "converged" if self.converged else "not converged"
+        return f"<{type(self).__name__}: {end}, {reached}, {self.seal!r}>"
 
     def __getattr__(self, name: str):
         # private names and half-built objects (copy, pickle) have no measures
