@@ -55,8 +55,10 @@ class ScenarioComp(RandomDirectionsComp):
     """Measures of one design in S scenarios.
 
     Inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs, those of ``parameters``; a scenario
-    replaces, shifts or multiplies their values. Outputs: ``<measure>_scenarios``, (S, m);
-    rows of scenarios that failed and are left out are NaN, and their partials zero.
+    replaces, shifts or multiplies their values. A seal file's profiles get their placement parameters,
+    ``<profile>_x``, ``_y`` and ``_angle``, where a scenario varies one.
+    Outputs: ``<measure>_scenarios``, (S, m); rows of scenarios that failed and are left out are NaN,
+    and their partials zero.
 
     Values and partials are computed together, for partials alone would repeat the analyses. Processes
     are started with the first evaluation and run until this process ends.
@@ -66,7 +68,8 @@ class ScenarioComp(RandomDirectionsComp):
         declare_scenario_options(self.options)
 
     def setup(self):
-        seal, scenarios = self.options["seal"], self.options["scenarios"]
+        scenarios = self.options["scenarios"]
+        seal = scenarios.placed(self.options["seal"])
         check_parameters(seal, self.options["parameters"])
         # all errors of the options are raised here, before processes are started
         scenarios.check(seal)

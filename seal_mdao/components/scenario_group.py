@@ -47,8 +47,10 @@ class ScenarioGroup(DesignGroup):
         )
 
     def setup(self):
+        scenarios = self.options["scenarios"]
+        # the settings of the seal in recorder files include its placement parameters
+        seal = self.options["seal"] = scenarios.placed(self.options["seal"])
         super().setup()
-        seal, scenarios = self.options["seal"], self.options["scenarios"]
         # selections by the nominal analysis are made once, so that outputs keep their sizes
         measures = measures_with_values(seal, self.options["measures"])
         shared = {name: self.options[name] for name in SHARED} | {"measures": measures}
