@@ -16,6 +16,7 @@ from seal_mdao.components.options import (
     declare_seal,
 )
 from seal_mdao.components.random_directions import RandomDirectionsComp
+from seal_mdao.distributions import VALUE
 from seal_mdao.scenarios.evaluate import evaluate
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import usual_workers
@@ -73,6 +74,7 @@ class ScenarioComp(RandomDirectionsComp):
         check_parameters(seal, self.options["parameters"])
         # all errors of the options are raised here, before processes are started
         scenarios.check(seal)
+        _check_effect(scenarios, self.options["parameters"])
         measures = measures_with_values(seal, self.options["measures"])
         inputs = dict.fromkeys((*seal.inputs, *self.options["parameters"]))
         names = tuple(dict.fromkeys((*inputs, *scenarios.parameters)))
@@ -165,6 +167,19 @@ class ScenarioComp(RandomDirectionsComp):
             return first
         enough = len(failures) - len(failed) >= LEAST_LEFT
         return "" if enough else f"{len(failed)} scenarios failed, too many; {first}"
+
+
+def _check_effect(scenarios: Scenarios, parameters) -> None:
+    """Raise ValueError for an input whose value every scenario replaces by its own."""
+    for variation in scenarios.variations:
+        replaced = set(variation.parameters) & set(parameters)
+        if variation.kind == VALUE and replaced:
+            name = min(replaced)
+            raise ValueError(
+                f"option 'parameters': the input {name!r} would have no effect, since the variation "
+                f"{variation.name!r} of kind 'value' replaces it in every scenario; leave it out of "
+                f"'parameters', or make the variation one of kind 'shift' or 'factor'"
+            )
 
 
 def _workers(options) -> int | Processes | Executor:

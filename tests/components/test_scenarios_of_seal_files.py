@@ -70,3 +70,19 @@ def test_unknown_parameter_is_reported_with_those_of_the_placement(lid, tmp_path
     for seal in (moved, moved.with_placements()):
         with pytest.raises(ValueError, match=r"unknown parameter 'lid_z'; known are .*, top_y"):
             ran(seal, **wrong)
+
+
+def test_input_that_every_scenario_replaces_is_refused(lid):
+    text = "input 'lid_friction' would have no effect, since the variation 'grip' of kind 'value'"
+    for kind in ("value", "shift"):
+        grip = sm.Variation("grip", kind, ("lid_friction",))
+        group = sm.ScenarioGroup(
+            seal=lid, scenarios=sm.Scenarios((grip,), np.array([[0.1], [0.2]])), workers=0,
+            parameters=("lid_friction",),
+        )  # fmt: skip
+        made = om.Problem(group, reports=None)
+        if kind == "value":
+            with pytest.raises(ValueError, match=text):
+                made.setup()
+        else:
+            made.setup()
