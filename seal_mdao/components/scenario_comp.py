@@ -105,7 +105,7 @@ class ScenarioComp(RandomDirectionsComp):
             try:
                 self._task.seal.with_parameters(scenarios.values(number, design))
             except ValueError as error:
-                raise ValueError(f"scenario {number}: {error}") from error
+                raise ValueError(f"{scenarios.described(number)}: {error}") from error
 
     def _design(self, inputs) -> dict:
         """Collect the scalar parameters of the design, those varied by scenarios only included."""
@@ -162,7 +162,8 @@ class ScenarioComp(RandomDirectionsComp):
         failed = [number for number, text in enumerate(failures) if text]
         if not failed:
             return ""
-        first = f"scenario {failed[0]} of {len(failures)} failed: {failures[failed[0]]}"
+        described = self.options["scenarios"].described(failed[0])
+        first = f"{described} failed: {failures[failed[0]]}"
         if self.options["failed"] == "raise":
             return first
         enough = len(failures) - len(failed) >= LEAST_LEFT

@@ -40,6 +40,12 @@ class Variation:
         # p = n, p = v + n, or p = v n
         return {VALUE: number, SHIFT: value + number, FACTOR: value * number}[self.kind]
 
+    def described(self, number: float) -> str:
+        """Format one of its numbers, such as ``lid_friction = 0.3`` or ``hardness * 1.1``."""
+        if self.kind == SHIFT:
+            return f"{self.name} {'-' if number < 0.0 else '+'} {abs(number):.6g}"
+        return f"{self.name} {'=' if self.kind == VALUE else '*'} {number:.6g}"
+
 
 @dataclass(frozen=True, eq=False)
 class Scenarios:
@@ -111,6 +117,13 @@ class Scenarios:
                 f"offsets of scenarios must have shape ({len(self)}, {seal.n_offsets}), got "
                 f"{self.offsets.shape}"
             )
+
+    def described(self, number: int) -> str:
+        """Describe a scenario by its number from 1 and the numbers of its variations, for messages."""
+        pairs = zip(self.variations, self.numbers[number].tolist(), strict=True)
+        found = [variation.described(own) for variation, own in pairs]
+        found += [] if self.offsets is None else ["boundary offsets of its own"]
+        return f"scenario {number + 1} of {len(self)}" + (f" ({', '.join(found)})" if found else "")
 
     def values(self, number: int, design: dict) -> dict:
         """Compute the parameters of one scenario by name, from those of the design."""
