@@ -23,7 +23,7 @@ from seal_mdao.cli.history_figures import (
     report_limits,
 )
 from seal_mdao.recording.recorded_optimization import read_optimization
-from seal_mdao.seals.file.described import FILE
+from seal_mdao.seals.door.door_seal import DOOR_SEAL
 from seal_mdao.seals.gaps import largest_gaps
 
 
@@ -34,9 +34,9 @@ def main(arguments) -> int:
     # the recorded seal; the options only for files without settings
     seal, cache = history.seal or seal_from(arguments), AnalysisCache()
     initial, final = (cache.analyze(seal, *end) for end in ends)
-    # run of a seal file: objective and constraints of its own
-    if FILE in history.settings:
-        return show_seal_file(history, (initial, final), arguments.out)
+    # any seal but the door seal: objective and constraints of its own
+    if DOOR_SEAL not in seal.description:
+        return show_own_problem(history, (initial, final), arguments.out)
     # door seal: gap, area, reaction and door radius
     numbers = end_numbers(history, initial, final)
     write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
@@ -48,8 +48,9 @@ def main(arguments) -> int:
     return 0
 
 
-def show_seal_file(history, results, out: Path) -> int:
-    """Print and draw the recorded run of a seal file as ``seal-mdao optimize`` does."""
+def show_own_problem(history, results, out: Path) -> int:
+    """Print and draw the recorded run of a seal file, or of a user's own model around one, as
+    ``seal-mdao optimize FILE`` does."""
     ends, design = limit_numbers(history), history.design_at(-1)
     first, last = map(largest_gaps, results)
     gaps = {label: (first[label], last[label]) for label in first}
