@@ -8,6 +8,9 @@ from seal_mdao import values
 from seal_mdao.distributions import FACTOR, KINDS, SHIFT, VALUE
 from seal_mdao.seals.seal import Seal
 
+SCENARIOS_OPTION = "scenarios_table"
+"""Option of a ``ScenarioGroup`` with the JSON text of ``Scenarios.table``, for recorder files."""
+
 STEP = 2.0**-100
 """Complex step: a power of two, by which products and quotients are exact."""
 
@@ -124,6 +127,18 @@ class Scenarios:
         found = [variation.described(own) for variation, own in pairs]
         found += [] if self.offsets is None else ["boundary offsets of its own"]
         return f"scenario {number + 1} of {len(self)}" + (f" ({', '.join(found)})" if found else "")
+
+    def table(self) -> dict:
+        """Tabulate the numbers for reports: names of ``columns``, and ``rows`` of S scenarios; of the
+        offsets the largest of each scenario, mm."""
+        endings = {VALUE: "", SHIFT: " (shift)", FACTOR: " (factor)"}
+        columns = [variation.name + endings[variation.kind] for variation in self.variations]
+        rows = self.numbers
+        if self.offsets is not None:
+            columns.append("largest boundary offset (mm)")
+            largest = np.abs(self.offsets).max(axis=1, initial=0.0)
+            rows = np.column_stack([rows, largest])
+        return {"columns": columns, "rows": rows.tolist()}
 
     def values(self, number: int, design: dict) -> dict:
         """Compute the parameters of one scenario by name, from those of the design."""

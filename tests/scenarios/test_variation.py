@@ -52,6 +52,20 @@ def test_scenarios_are_described_by_their_numbers():
     assert Scenarios((), no_numbers, np.ones((2, 25))).described(0) == text
 
 
+def test_table_of_the_numbers():
+    scenarios = Scenarios(VARIATIONS, NUMBERS, np.array([[0.1, -0.4], [0.0, 0.2]]))
+    assert scenarios.table() == {
+        "columns": [
+            "friction", "hardness (factor)", "door_radius (shift)", "age (factor)",
+            "largest boundary offset (mm)",
+        ],
+        "rows": [[*NUMBERS[0], 0.4], [*NUMBERS[1], 0.2]],
+    }  # fmt: skip
+    assert Scenarios(VARIATIONS[:1], NUMBERS[:, :1]).table() == {
+        "columns": ["friction"], "rows": [[0.3], [0.1]],
+    }  # fmt: skip
+
+
 def test_offsets_are_added_to_those_of_the_design():
     extra = np.arange(50.0).reshape(2, 25) / 100
     scenarios = Scenarios((), np.zeros((2, 0)), extra)
