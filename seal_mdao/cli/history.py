@@ -24,7 +24,7 @@ from seal_mdao.cli.history_figures import (
 )
 from seal_mdao.plotting.captions import name_seal
 from seal_mdao.recording.recorded_optimization import read_optimization
-from seal_mdao.seals.file.described import FILE
+from seal_mdao.seals.door.door_seal import DOOR_SEAL
 from seal_mdao.seals.gaps import largest_gaps
 
 
@@ -39,9 +39,9 @@ def main(arguments) -> int:
         materials = {own.prefix.rstrip("_") or "rubber": own.material for own in regions}
         name_seal(arguments.cases.name, materials)
     initial, final = (cache.analyze(seal, *end) for end in ends)
-    # run of a seal file: objective and constraints of its own
-    if FILE in history.settings:
-        return show_seal_file(history, (initial, final), arguments.out)
+    # any seal but the door seal: objective and constraints of its own
+    if DOOR_SEAL not in seal.description:
+        return show_own_problem(history, (initial, final), arguments.out)
     # door seal: gap, area, reaction and door radius
     numbers = end_numbers(history, initial, final)
     write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
@@ -53,8 +53,9 @@ def main(arguments) -> int:
     return 0
 
 
-def show_seal_file(history, results, out: Path) -> int:
-    """Print and draw the recorded run of a seal file as ``seal-mdao optimize`` does."""
+def show_own_problem(history, results, out: Path) -> int:
+    """Print and draw the recorded run of a seal file, or of a user's own model around one, as
+    ``seal-mdao optimize FILE`` does."""
     ends, design = limit_numbers(history), history.design_at(-1)
     first, last = map(largest_gaps, results)
     gaps = {label: (first[label], last[label]) for label in first}

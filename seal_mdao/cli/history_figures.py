@@ -19,11 +19,12 @@ def draw_history(
     """Draw cost history, constraint history and both designs side by side; return the files."""
     figures = {
         "cost_history": plotting.cost_history(history),
-        "constraint_history": plotting.constraint_history(
-            history, initial.measure("von_mises").points
-        ),
         "designs": plotting.design_comparison(initial, final, gap_words(initial, final)),
     }
+    # only problems with constraints
+    if history.constraints:
+        particles = initial.measure("von_mises").points
+        figures["constraint_history"] = plotting.constraint_history(history, particles)
     return [plotting.save(figure, out / f"{name}.png") for name, figure in figures.items()]
 
 
@@ -59,6 +60,8 @@ def end_numbers(history: RecordedOptimization, initial: SealResult, final: SealR
         "penalty_error": penalty_table(final),
         "warnings": [*final.warnings, *gap_warnings(history, final)],
         "boundary_offsets": offsets,
+        # a recorder may omit it where it is no design variable
+        "door_radius": final.seal.scalars["door_radius"].value,
         **parameters,
         "history": history_rows(history),
     }

@@ -16,6 +16,7 @@ from seal_mdao.components.options import (
     declare_seal,
 )
 from seal_mdao.components.random_directions import RandomDirectionsComp
+from seal_mdao.distributions import VALUE
 from seal_mdao.scenarios.evaluate import evaluate
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import usual_workers
@@ -55,8 +56,10 @@ class ScenarioComp(RandomDirectionsComp):
     """Measures of one design in S scenarios.
 
     Inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs, those of ``parameters``; a scenario
-    replaces, shifts or multiplies their values. Outputs: ``<measure>_scenarios``, (S, m);
-    rows of scenarios that failed and are left out are NaN, and their partials zero.
+    replaces, shifts or multiplies their values. A seal file's profiles get their placement parameters,
+    ``<profile>_x``, ``_y`` and ``_angle``, where a scenario varies one.
+    Outputs: ``<measure>_scenarios``, (S, m); rows of scenarios that failed and are left out are NaN,
+    and their partials zero.
 
     Values and partials are computed together, for partials alone would repeat the analyses. Processes
     are started with the first evaluation and run until this process ends.
@@ -66,10 +69,12 @@ class ScenarioComp(RandomDirectionsComp):
         declare_scenario_options(self.options)
 
     def setup(self):
-        seal, scenarios = self.options["seal"], self.options["scenarios"]
+        scenarios = self.options["scenarios"]
+        seal = scenarios.placed(self.options["seal"])
         check_parameters(seal, self.options["parameters"])
         # all errors of the options are raised here, before processes are started
         scenarios.check(seal)
+        _check_effect(scenarios, self.options["parameters"])
         measures = measures_with_values(seal, self.options["measures"])
         inputs = dict.fromkeys((*seal.inputs, *self.options["parameters"]))
         names = tuple(dict.fromkeys((*inputs, *scenarios.parameters)))
@@ -100,7 +105,7 @@ class ScenarioComp(RandomDirectionsComp):
             try:
                 self._task.seal.with_parameters(scenarios.values(number, design))
             except ValueError as error:
-                raise ValueError(f"scenario {number}: {error}") from error
+                raise ValueError(f"{scenarios.described(number)}: {error}") from error
 
     def _design(self, inputs) -> dict:
         """Collect the scalar parameters of the design, those varied by scenarios only included."""
@@ -157,11 +162,25 @@ class ScenarioComp(RandomDirectionsComp):
         failed = [number for number, text in enumerate(failures) if text]
         if not failed:
             return ""
-        first = f"scenario {failed[0]} of {len(failures)} failed: {failures[failed[0]]}"
+        described = self.options["scenarios"].described(failed[0])
+        first = f"{described} failed: {failures[failed[0]]}"
         if self.options["failed"] == "raise":
             return first
         enough = len(failures) - len(failed) >= LEAST_LEFT
         return "" if enough else f"{len(failed)} scenarios failed, too many; {first}"
+
+
+def _check_effect(scenarios: Scenarios, parameters) -> None:
+    """Raise ValueError for an input whose value every scenario replaces by its own."""
+    for variation in scenarios.variations:
+        replaced = set(variation.parameters) & set(parameters)
+        if variation.kind == VALUE and replaced:
+            name = min(replaced)
+            raise ValueError(
+                f"option 'parameters': the input {name!r} would have no effect, since the variation "
+                f"{variation.name!r} of kind 'value' replaces it in every scenario; leave it out of "
+                f"'parameters', or make the variation one of kind 'shift' or 'factor'"
+            )
 
 
 def _workers(options) -> int | Processes | Executor:

@@ -1,10 +1,13 @@
 """Group for one design of a seal in many scenarios: measures and their aggregates."""
 
+import json
+
 from seal_mdao.components.aggregate_comp import AggregateComp
 from seal_mdao.components.area_comp import AreaComp
 from seal_mdao.components.scenario_comp import ScenarioComp, declare_scenario_options
 from seal_mdao.components.seal_group import DesignGroup
 from seal_mdao.scenarios.task import measures_with_values
+from seal_mdao.scenarios.variation import SCENARIOS_OPTION
 from seal_mdao.values import real
 
 SHARED = (
@@ -45,10 +48,19 @@ class ScenarioGroup(DesignGroup):
             check_valid=_check_levels,
             desc="Levels of quantiles between 0 and 1, such as (0.95,).",
         )
+        self.options.declare(
+            SCENARIOS_OPTION,
+            default=[],
+            types=list,
+            desc="Numbers of the scenarios, one text in JSON, filled in by setup for recorder files.",
+        )
 
     def setup(self):
+        scenarios = self.options["scenarios"]
+        # the settings of the seal in recorder files include its placement parameters
+        seal = self.options["seal"] = scenarios.placed(self.options["seal"])
+        self.options[SCENARIOS_OPTION] = [json.dumps(scenarios.table())]
         super().setup()
-        seal, scenarios = self.options["seal"], self.options["scenarios"]
         # selections by the nominal analysis are made once, so that outputs keep their sizes
         measures = measures_with_values(seal, self.options["measures"])
         shared = {name: self.options[name] for name in SHARED} | {"measures": measures}

@@ -83,6 +83,8 @@ class MovedEdges:
         }
         if len(self.components) == 2:
             names["angle"] = f"{self.label}_angle"
+        if set(names.values()) <= set(self.motion.names):
+            return self
         return replace(self, motion=self.motion.with_placement(**names))
 
 

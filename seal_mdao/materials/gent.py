@@ -1,6 +1,7 @@
 """Gent rubber, W = -(G Jm / 2) ln(1 - x / Jm) with x = I1 J^(-2/3) - 3 < Jm."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,6 +30,8 @@ class Gent(FirstInvariant):
     shear_modulus: float = 200.0
     limit: float = 50.0
     bulk_modulus: float = 80_000.0
+
+    moduli: ClassVar = ("shear_modulus", "bulk_modulus")
 
     def __post_init__(self):
         checked(self, positive=("shear_modulus", "limit", "bulk_modulus"))

@@ -44,9 +44,12 @@ class Isotropic(ABC):
     valid : pair of float, or None
         Least and largest principal stretch for which its constants are known; None where the law does
         not say.
+    moduli : tuple of str
+        Names of the constants that have the unit of stress; the others have none.
     """
 
     bulk_modulus: float
+    moduli: ClassVar[tuple[str, ...]] = ("bulk_modulus",)
     valid: ClassVar[tuple[float, float] | None] = None
 
     # ---- to be defined by a law ----

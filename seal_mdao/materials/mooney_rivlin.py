@@ -8,6 +8,7 @@ I1 = T + 1 and I2 = T + J^2, so that the energy is a function of T and J alone:
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -81,6 +82,8 @@ class MooneyRivlin(Isotropic):
     c10: float = 80.0
     c01: float = 20.0
     bulk_modulus: float = 80_000.0
+
+    moduli: ClassVar = ("c10", "c01", "bulk_modulus")
 
     def __post_init__(self):
         checked(self, positive=("bulk_modulus",), nonnegative=("c10", "c01"))

@@ -1,6 +1,7 @@
 """Neo-Hookean rubber, W = C10 x with x = I1 J^(-2/3) - 3."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from seal_mdao.materials.first_invariant import FirstInvariant
 from seal_mdao.materials.isotropic import check_bulk, checked
@@ -20,6 +21,8 @@ class NeoHookean(FirstInvariant):
 
     c10: float = 100.0
     bulk_modulus: float = 80_000.0
+
+    moduli: ClassVar = ("c10", "bulk_modulus")
 
     def __post_init__(self):
         checked(self, positive=("c10", "bulk_modulus"))

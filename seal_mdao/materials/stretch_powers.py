@@ -68,6 +68,11 @@ class StretchPowers(Isotropic):
                 out[field.name] = value
         return out
 
+    @property
+    def moduli(self):
+        """Names of the constants with the unit of stress: mu_1, mu_2, ..., ``bulk_modulus``."""
+        return tuple(name for name in self.names if name.startswith(("mu_", "bulk_modulus")))
+
     def with_(self, **constants):
         """Return the same law with other constants, by name: ``with_(mu_2=-4.0)``."""
         self._refuse_unknown(constants)

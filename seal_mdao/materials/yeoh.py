@@ -1,6 +1,7 @@
 """Yeoh rubber, W = C10 x + C20 x^2 + C30 x^3 with x = I1 J^(-2/3) - 3."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from seal_mdao.materials.first_invariant import FirstInvariant
 from seal_mdao.materials.isotropic import check_bulk, checked
@@ -25,6 +26,8 @@ class Yeoh(FirstInvariant):
     c20: float = 0.0
     c30: float = 0.0
     bulk_modulus: float = 80_000.0
+
+    moduli: ClassVar = ("c10", "c20", "c30", "bulk_modulus")
 
     def __post_init__(self):
         checked(self, positive=("c10", "bulk_modulus"), real=("c20", "c30"))

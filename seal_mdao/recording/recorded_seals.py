@@ -13,6 +13,7 @@ import numpy as np
 import openmdao.api as om
 from openmdao.utils.units import convert_units
 
+from seal_mdao.recording.recorded_scenarios import RecordedScenarios, read_scenarios
 from seal_mdao.recording.recorder_file import RecordedModel
 from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
 from seal_mdao.seals.settings import seal_of
@@ -50,6 +51,8 @@ class RecordedSeal:
         Inputs that are not in the file; those of the nominal seal replace them.
     measures : dict of str to ndarray
         Recorded values at every point of the seal's scalar measures.
+    scenarios : RecordedScenarios or None
+        Those of a ``ScenarioGroup``.
     """
 
     name: str
@@ -57,6 +60,7 @@ class RecordedSeal:
     values: list
     assumed: tuple
     measures: dict
+    scenarios: RecordedScenarios | None = None
 
     @property
     def drawable(self) -> bool:
@@ -184,7 +188,8 @@ def _recorded_seal(name, seal, model, cases, given) -> RecordedSeal:
         rows = [case.outputs.get(f"{path}{CONTACT}{measure.name}") for case in cases]
         if all(row is not None and np.size(row) == 1 for row in rows):
             measures[measure.name] = np.array(rows).ravel()
-    return RecordedSeal(name, seal, values, assumed, measures)
+    scenarios = read_scenarios(model, name, path + SCENARIOS, cases)
+    return RecordedSeal(name, seal, values, assumed, measures, scenarios)
 
 
 def _design_inputs(path: str, links: dict) -> tuple[str, list[str]]:

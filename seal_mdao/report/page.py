@@ -14,6 +14,7 @@ from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report import html_tables as tables
 from seal_mdao.report.picture_data import Pictures
 from seal_mdao.report.recorded_charts import FEASIBLE, history_data
+from seal_mdao.report.scenarios_table import NOMINAL, nominal_note, scenarios_table
 from seal_mdao.seals.gaps import gaps_unmeasured_by
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import SealResult
@@ -114,6 +115,11 @@ def render(
         figures="".join(_figure(*own) for own in [*key_figures(history, seals), *figures]),
         warning="".join(f'<p class="warning">{text}</p>' for text in notes),
         choice=_choice(seals) if several else "",
+        nominal="".join(
+            nominal_note(own.name, own.recorded.scenarios)
+            for own in seals
+            if own.recorded.scenarios
+        ),
         shapes="" if seals else "hidden",
         **dict(
             zip(("first", "last", "through"), WORDS[history.kind == "optimisation"], strict=True)
@@ -121,8 +127,13 @@ def render(
         limits=tables.limits_table(history),
         further=further,
         analyses="".join(
-            tables.analysis_table(*own.ends, own.recorded.measures, own.name if several else "")
+            tables.analysis_table(*own.ends, own.recorded.measures, _caption(own, several))
             for own in seals
+        ),
+        scenarios="".join(
+            scenarios_table(own.scenarios, own.name if len(history.seals) > 1 else "")
+            for own in history.seals
+            if own.scenarios
         ),
         history=tables.history_table(history),
         runs=tables.runs_table(history) if history.runs else "",
@@ -175,6 +186,13 @@ def _choice(seals: list[ShownSeal]) -> str:
     # the page's script shows the seal that the address names
     links = (f'<a href="#{quote(seal.name)}">{escape(seal.name)}</a>' for seal in seals)
     return f'<nav class="choice" aria-label="Seals">Shapes of {" ".join(links)}</nav>'
+
+
+def _caption(seal: ShownSeal, several: bool) -> str:
+    """Name a seal in the caption of its analyses, where there are several seals or conditions."""
+    if seal.recorded.scenarios:
+        return f"{seal.name} in the {NOMINAL}"
+    return seal.name if several else ""
 
 
 def title(history: RecordedOptimization) -> str:
@@ -235,6 +253,7 @@ def key_figures(
         for profile in profiles:
             at = f", {profile}" if len(profiles) > 1 else ""
             of = (f", {seal.name}" if len(seals) > 1 else "") + at
+            of += f", {NOMINAL}" if seal.recorded.scenarios else ""
             # rows of ``tables.measures`` of this profile: (unit, value)
             old, new = (own[f"largest gap between contacts{at}"][1] for own in (start, end))
             before = f"between the contacts; start {short(old, 2)} mm"

@@ -8,6 +8,9 @@ from seal_mdao import values
 from seal_mdao.distributions import FACTOR, KINDS, SHIFT, VALUE
 from seal_mdao.seals.seal import Seal
 
+SCENARIOS_OPTION = "scenarios_table"
+"""Option of a ``ScenarioGroup`` with the JSON text of ``Scenarios.table``, for recorder files."""
+
 STEP = 2.0**-100
 """Complex step: a power of two, by which products and quotients are exact."""
 
@@ -39,6 +42,12 @@ class Variation:
         """Apply the number to the value of a parameter."""
         # p = n, p = v + n, or p = v n
         return {VALUE: number, SHIFT: value + number, FACTOR: value * number}[self.kind]
+
+    def described(self, number: float) -> str:
+        """Format one of its numbers, such as ``lid_friction = 0.3`` or ``hardness * 1.1``."""
+        if self.kind == SHIFT:
+            return f"{self.name} {'-' if number < 0.0 else '+'} {abs(number):.6g}"
+        return f"{self.name} {'=' if self.kind == VALUE else '*'} {number:.6g}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +101,12 @@ class Scenarios:
         """Names of all parameters that vary, each once."""
         return tuple(dict.fromkeys(name for own in self.variations for name in own.parameters))
 
+    def placed(self, seal: Seal) -> Seal:
+        """Return the seal with placement parameters (``Seal.with_placements``) if a parameter varies
+        that it does not have, such as ``lid_y``; the seal itself otherwise."""
+        known = all(name in seal.scalars for name in self.parameters)
+        return seal if known else seal.with_placements()
+
     def check(self, seal: Seal) -> None:
         """Raise ValueError if a seal lacks the parameters, or has another number of offsets."""
         unknown = [name for name in self.parameters if name not in seal.scalars]
@@ -105,6 +120,25 @@ class Scenarios:
                 f"offsets of scenarios must have shape ({len(self)}, {seal.n_offsets}), got "
                 f"{self.offsets.shape}"
             )
+
+    def described(self, number: int) -> str:
+        """Describe a scenario by its number from 1 and the numbers of its variations, for messages."""
+        pairs = zip(self.variations, self.numbers[number].tolist(), strict=True)
+        found = [variation.described(own) for variation, own in pairs]
+        found += [] if self.offsets is None else ["boundary offsets of its own"]
+        return f"scenario {number + 1} of {len(self)}" + (f" ({', '.join(found)})" if found else "")
+
+    def table(self) -> dict:
+        """Tabulate the numbers for reports: names of ``columns``, and ``rows`` of S scenarios; of the
+        offsets the largest of each scenario, mm."""
+        endings = {VALUE: "", SHIFT: " (shift)", FACTOR: " (factor)"}
+        columns = [variation.name + endings[variation.kind] for variation in self.variations]
+        rows = self.numbers
+        if self.offsets is not None:
+            columns.append("largest boundary offset (mm)")
+            largest = np.abs(self.offsets).max(axis=1, initial=0.0)
+            rows = np.column_stack([rows, largest])
+        return {"columns": columns, "rows": rows.tolist()}
 
     def values(self, number: int, design: dict) -> dict:
         """Compute the parameters of one scenario by name, from those of the design."""

@@ -2,7 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -48,9 +48,15 @@ class SealResult:
     """
 
     seal: Seal
-    path: PathResult = field(repr=False)
+    path: PathResult
     boundary_offsets: np.ndarray | None = None
     placed: tuple = ()
+
+    def __repr__(self) -> str:
+        # arrays would fill thousands of lines
+        reached = f"{len(self.path.nominal_steps)} of {self.seal.n_steps} load steps"
+        end = "converged" if self.converged else "not converged"
+        return f"<{type(self).__name__}: {end}, {reached}, {self.seal!r}>"
 
     def __getattr__(self, name: str):
         # private names and half-built objects (copy, pickle) have no measures
@@ -301,8 +307,17 @@ class SealResult:
         another seal's nominal design, ``result.at(nominal.measures())``."""
         return replace(self, placed=tuple(measures))
 
-    def value(self, measure: Measure) -> np.ndarray:
-        """Values of a measure with frozen places, shape (m,)."""
+    def value(self, measure: Measure | str) -> np.ndarray:
+        """Evaluate a measure with frozen evaluation points, or one of the seal's measures by its name;
+        shape (m,).
+
+        Raises
+        ------
+        ValueError
+            For a name that the seal does not know.
+        """
+        if isinstance(measure, str):
+            measure = self.measure(measure)
         # f(m) of a base measure m
         if isinstance(measure, Derived):
             return np.atleast_1d(measure.value(self.value(measure.base))[0])

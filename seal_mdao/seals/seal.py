@@ -136,6 +136,14 @@ class Seal:
                 f"no term has the input {unknown[0]!r}; known are {', '.join(self.scalars)}"
             )
 
+    def __repr__(self) -> str:
+        # arrays would fill thousands of lines
+        profiles = [own.label for own in self.definitions if isinstance(own, RigidContact)]
+        return (
+            f"<{type(self).__name__}: {self.body.n_particles} particles, "
+            f"profiles: {', '.join(profiles) or 'none'}, {self.n_steps} load steps>"
+        )
+
     def _complete(self) -> None:
         """Set open penalties of contacts from the stiffness of the body."""
         # penalties scale with E/h of the elastic body

@@ -71,7 +71,11 @@ class ElasticBody(TermDefinition):
     def scalars(self) -> dict:
         """Constants of all regions; equal names are one parameter."""
         return {
-            region.prefix + name: Scalar(value, None, f"Material constant {name}.")
+            region.prefix + name: Scalar(
+                value,
+                "kPa" if name in region.material.moduli else None,
+                f"Material constant {name}.",
+            )
             for region in self.regions
             for name, value in region.material.constants.items()
         }

@@ -5,6 +5,7 @@ term, N the chain links between crosslinks (J. Mech. Phys. Solids 41 (1993) 389)
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import seal_mdao as sm
 from seal_mdao.materials.first_invariant import FirstInvariant
@@ -19,6 +20,8 @@ class ArrudaBoyce(FirstInvariant):
     modulus: float
     links: float
     bulk_modulus: float = 80_000.0
+
+    moduli: ClassVar = ("modulus", "bulk_modulus")
 
     def __post_init__(self):
         checked(self, positive=("modulus", "links", "bulk_modulus"))

@@ -10,6 +10,7 @@ import pytest
 from laws import FAR, STATES, UNDEFORMED, moved, principal_energy, principal_forces, rotation, size
 
 from seal_mdao.materials.isotropic import cofactor, invariants
+from seal_mdao.structure.elastic_body import elastic_body
 
 STEP = 1e-30
 ROUNDING = 50 * 30 * np.finfo(float).eps
@@ -222,3 +223,17 @@ def test_cofactor_is_the_derivative_of_the_determinant():
     gradients = np.array([state.F for state in STATES])
     exact = np.linalg.det(gradients)[:, None, None] * np.linalg.inv(gradients).transpose(0, 2, 1)
     np.testing.assert_allclose(cofactor(gradients), exact, rtol=1e-12)
+
+
+def test_moduli_are_the_constants_with_the_unit_of_stress(law):
+    """W is linear in all of them together, since the other constants are dimensionless."""
+    doubled = law.with_(**{name: 2.0 * law.constants[name] for name in law.moduli})
+    for state in FAR:
+        energy = law.energy(*state.invariants)
+        close(doubled.energy(*state.invariants), 2.0 * energy, law)
+        assert energy > 0.0
+
+
+def test_moduli_are_inputs_in_kpa(law):
+    units = {name: own.units for name, own in elastic_body(law).scalars.items()}
+    assert units == {name: "kPa" if name in law.moduli else None for name in law.names}

@@ -132,6 +132,19 @@ def test_promoted_design_variables_in_other_units_with_openmdaos_recorder(tmp_pa
     assert "The file does not hold friction of seal" in text
 
 
+def test_history_of_a_door_seal_without_its_radius(tmp_path, run_script):
+    """OpenMDAO's recorder omits an input that is no design variable."""
+
+    def build(model):
+        model.add_subsystem("seal", sm.SealGroup(seal=SEAL), promotes=["*"])
+        model.add_design_var("boundary_offsets", lower=-0.5, upper=0.5, units="mm")
+        model.add_objective("gap_square_sum", ref=0.1)
+
+    path, _ = ran(build, tmp_path, om.SqliteRecorder)
+    code, summary = run_script("history", tmp_path / "out", path)
+    assert (code, summary["door_radius"]) == (0, 4.0)
+
+
 def two(model):
     for name in ("sharp", "blunt"):
         model.add_subsystem(name, sm.SealGroup(seal=SEAL), promotes_inputs=["boundary_offsets"])

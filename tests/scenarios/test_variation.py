@@ -42,6 +42,30 @@ def test_rates_are_derivatives_of_the_values(number):
             assert by_number[row, column] == pytest.approx(slope, rel=1e-12, abs=0.0)
 
 
+def test_scenarios_are_described_by_their_numbers():
+    scenarios = Scenarios(VARIATIONS, NUMBERS)
+    text = "friction = 0.1, hardness * 0.8, door_radius - 0.1, age * 1.2"
+    assert scenarios.described(1) == f"scenario 2 of 2 ({text})"
+    no_numbers = np.zeros((2, 0))
+    assert Scenarios((), no_numbers).described(0) == "scenario 1 of 2"
+    text = "scenario 1 of 2 (boundary offsets of its own)"
+    assert Scenarios((), no_numbers, np.ones((2, 25))).described(0) == text
+
+
+def test_table_of_the_numbers():
+    scenarios = Scenarios(VARIATIONS, NUMBERS, np.array([[0.1, -0.4], [0.0, 0.2]]))
+    assert scenarios.table() == {
+        "columns": [
+            "friction", "hardness (factor)", "door_radius (shift)", "age (factor)",
+            "largest boundary offset (mm)",
+        ],
+        "rows": [[*NUMBERS[0], 0.4], [*NUMBERS[1], 0.2]],
+    }  # fmt: skip
+    assert Scenarios(VARIATIONS[:1], NUMBERS[:, :1]).table() == {
+        "columns": ["friction"], "rows": [[0.3], [0.1]],
+    }  # fmt: skip
+
+
 def test_offsets_are_added_to_those_of_the_design():
     extra = np.arange(50.0).reshape(2, 25) / 100
     scenarios = Scenarios((), np.zeros((2, 0)), extra)

@@ -48,7 +48,7 @@ class SectionRegion(NamedTuple):
     lines: tuple = ()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class OutlineSeal(Seal):
     """A seal with a cloud built from its boundary.
 
