@@ -61,6 +61,9 @@ def test_a_scenario_that_kills_every_worker_fails_alone_though_nothing_else_has_
     assert found[4].values[0] == 40.0
 
 
+# concurrent.futures walks its table of processes while a new one is entered: the thread that cleans up
+# after a broken pool may end with "dictionary changed size during iteration", when all calls have failed
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
 def test_workers_that_are_killed_while_they_start_are_replaced():
     """Before they have imported anything."""
     with Processes(2) as workers:

@@ -56,7 +56,7 @@ class OptimizeTable(Table):
     """What is made small, and what has to hold."""
 
     minimize: Text = key("name of a measure, or a type that needs no further key")
-    constraints: rows(Constraint) = key("constraints", (), alias="constraint")
+    constraints: rows(Constraint) = key("limits on measures", (), alias="constraint")
 
 
 def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> tuple:
