@@ -1,5 +1,6 @@
 """Colours, sizes, creation and saving of figures."""
 
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib
@@ -47,6 +48,16 @@ styled = matplotlib.rc_context(SETTINGS)
 """Decorator of functions that create a figure: applies ``SETTINGS`` while they run."""
 
 
+class ShownFigure(Figure):
+    """A figure that a notebook shows as the value of a cell, without pyplot."""
+
+    @styled
+    def _repr_png_(self) -> bytes:
+        content = BytesIO()
+        self.savefig(content, format="png", dpi=100)
+        return content.getvalue()
+
+
 def signed(value: float, digits: int = 1) -> str:
     """Format a number with a typographic minus sign, zero without a sign."""
     return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "\u2212")
@@ -76,7 +87,7 @@ def subplots(rows: int = 1, columns: int = 1, *, width: float, height: float, **
     axes : Axes or ndarray of Axes
     """
     # not by pyplot, which would keep every figure open and needs a display for some backends
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = ShownFigure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, **options)
 

@@ -1,9 +1,13 @@
 """The notebooks run as they stand, and are stored without outputs."""
 
 import json
+from io import BytesIO
 
 import matplotlib.pyplot as plt
 import pytest
+from matplotlib.image import imread
+
+from seal_mdao.plotting.style import subplots
 
 NAMES = ("first_seal", "multipoint", "calibration")
 
@@ -16,6 +20,20 @@ def cells(request, docs):
 
 def test_every_notebook_is_run(docs):
     assert {path.stem for path in (docs / "notebooks").glob("*.ipynb")} == {*NAMES}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_figures_are_values_of_cells(docs, name):
+    """A cell that only assigns a figure shows nothing."""
+    text = (docs / "notebooks" / f"{name}.ipynb").read_text(encoding="utf-8")
+    sources = ["".join(cell["source"]) for cell in json.loads(text)["cells"]]
+    assert not [own for own in sources if "= plotting." in own.splitlines()[-1]]
+
+
+def test_a_figure_shows_itself():
+    figure, axes = subplots(width=3.0, height=2.0)
+    axes.plot([0.0, 1.0])
+    assert imread(BytesIO(figure._repr_png_())).shape == (200, 300, 4)
 
 
 def test_a_notebook_runs(cells, tmp_path, monkeypatch):
