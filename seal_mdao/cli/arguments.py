@@ -20,7 +20,7 @@ from seal_mdao.cli.one_line_parser import OneLineParser
 from seal_mdao.input_files import read_text
 from seal_mdao.plotting.captions import captioned, name_seal
 from seal_mdao.seals.door.door_options import DoorOptions
-from seal_mdao.seals.door.door_seal import ACCURACIES, options_of
+from seal_mdao.seals.door.door_seal import ACCURACIES
 from seal_mdao.seals.penalty_error import not_estimable
 from seal_mdao.standard_streams import make_writable
 
@@ -156,7 +156,7 @@ def seal_from(arguments: argparse.Namespace, **more) -> sm.Seal:
         options = {name: getattr(arguments, name) for name in SEAL_OPTIONS}
         given = {name: value for name, value in options.items() if value is not None}
         seal = sm.door_seal(arguments.accuracy, **given, **more)
-    name_seal("door seal", {"rubber": options_of(seal).material})
+    name_seal("door seal", seal.materials)
     return seal
 
 

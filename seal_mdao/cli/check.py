@@ -43,7 +43,7 @@ def main(arguments) -> int:
         "n_cells": len(seal.body.cells),
         "area_mm2": seal.area(seal.check_offsets(None))[0],
         "edges": {name: len(edge.particles) for name, edge in seal.body.edges.items()},
-        "materials": [own.prefix.rstrip("_") for own in seal.definitions[0].regions if own.prefix],
+        "materials": [own.name for own in seal.definitions[0].regions if own.name],
         "left_out": file.section.notice,
         "profiles": [contact.label for contact in contacts(seal)],
         "measures": [measure.name for measure in seal.standard],

@@ -35,9 +35,7 @@ def main(arguments) -> int:
     # the recorded seal; the options only for files without settings
     seal, cache = history.seal or seal_from(arguments), AnalysisCache()
     if history.seal:
-        regions = seal.definitions[0].regions
-        materials = {own.prefix.rstrip("_") or "rubber": own.material for own in regions}
-        name_seal(arguments.cases.name, materials)
+        name_seal(arguments.cases.name, seal.materials)
     initial, final = (cache.analyze(seal, *end) for end in ends)
     # any seal but the door seal: objective and constraints of its own
     if DOOR_SEAL not in seal.description:

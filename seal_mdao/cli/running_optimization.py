@@ -27,10 +27,11 @@ from seal_mdao.optimization import (
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.claim import RecorderBusyError
 from seal_mdao.recording.evaluations import RestartError
-from seal_mdao.recording.recorded_optimization import RecordedOptimization, read_optimization
-
-FEASIBLE = 1e-3
-"""Largest relative constraint violation of a design that counts as feasible."""
+from seal_mdao.recording.recorded_optimization import (
+    FEASIBLE,
+    RecordedOptimization,
+    read_optimization,
+)
 
 
 def run_optimization(

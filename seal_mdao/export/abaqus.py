@@ -125,7 +125,7 @@ def _material_lines(seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
     """Write section and material of every region."""
     lines = []
     for number, region in enumerate(seal.definitions[0].regions, 1):
-        name = name_of("MATERIAL", region.prefix.rstrip("_") or "1")
+        name = name_of("MATERIAL", region.name or "1")
         lines += [f"*SOLID SECTION, ELSET=REGION_{number}, MATERIAL={name}", "1.,"]
         lines += [f"*MATERIAL, NAME={name}", *material_lines(region.material)]
     return lines

@@ -10,6 +10,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from seal_mdao.plotting.style import BESIDE, BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
 from seal_mdao.recording.recorded_optimization import (
+    FEASIBLE,
     Constraint,
     RecordedOptimization,
     label,
@@ -18,8 +19,6 @@ from seal_mdao.recording.recorded_optimization import (
 
 PAPER_RATIO = 0.0075
 """Final over initial cost in Kim et al. (2000)."""
-FEASIBLE = 1e-3
-"""Largest violation, relative to the limit, that is no violation in figures."""
 LOWEST_RATIO = 1e-8
 """Lower limit of the logarithmic axis, for gaps that close completely."""
 

@@ -257,7 +257,7 @@ def draw_colorbars(figure: Figure, axes, contours: list, fine: FineGrid, **optio
     """Add a colour bar of the stress beside ``axes`` for every scale, with the name of its material."""
     regions = fine.result.seal.definitions[0].regions
     for own, region in zip(contours, regions, strict=False):
-        name = f"{region.prefix.rstrip('_')}: " if len(contours) > 1 else ""
+        name = f"{region.name}: " if len(contours) > 1 else ""
         figure.colorbar(own, ax=axes, **options).set_label(f"{name}{STRESS}")
 
 

@@ -100,7 +100,7 @@ def _name_materials(axes, result) -> None:
     for region in regions:
         shapes.append(union_all(polygons(corners[region.cells])))
         place = shapes[-1].representative_point().coords[0]
-        axes.text(*place, region.prefix.rstrip("_"), **NAME)
+        axes.text(*place, region.name, **NAME)
     # sides that two materials share; bodies apart have none
     for number, shape in enumerate(shapes[:-1], 1):
         shared = shape.boundary.intersection(union_all(shapes[number:]).boundary)

@@ -53,9 +53,7 @@ class ShownFigure(Figure):
 
     @styled
     def _repr_png_(self) -> bytes:
-        content = BytesIO()
-        self.savefig(content, format="png", dpi=100)
-        return content.getvalue()
+        return png(self, 100)
 
 
 def signed(value: float, digits: int = 1) -> str:
@@ -149,6 +147,14 @@ def add_caption(figure: Figure) -> None:
         0.99, 0.3 * margin, text, ha="right", va="bottom", color=GREY, fontsize=SMALL_PRINT,
         gid="caption", parse_math=False,
     )  # fmt: skip
+
+
+def png(figure: Figure, dpi: int) -> bytes:
+    """Return the PNG of a figure with its caption."""
+    add_caption(figure)
+    content = BytesIO()
+    figure.savefig(content, format="png", dpi=dpi)
+    return content.getvalue()
 
 
 @styled

@@ -21,6 +21,8 @@ from seal_mdao.recording.recorder_file import (
 )
 from seal_mdao.seals.seal import Seal
 
+FEASIBLE = 1e-3
+"""Largest violation of a limit, relative to it, that counts as satisfied."""
 NO_LIMIT = 1e20
 """Limits of at least this size are absent; OpenMDAO stores 1e30."""
 NAMES = {

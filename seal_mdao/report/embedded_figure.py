@@ -1,22 +1,18 @@
 """Figures of matplotlib as HTML that needs no other file."""
 
-import io
 from base64 import b64encode
 from html import escape
 
 from matplotlib.figure import Figure
 
-from seal_mdao.plotting.style import add_caption
+from seal_mdao.plotting.style import png
 
 DPI = 160
 
 
 def embedded(figure: Figure, text: str) -> str:
     """Format a figure as an HTML element with its image as a data address and a text for readers."""
-    drawn = io.BytesIO()
-    add_caption(figure)
-    figure.savefig(drawn, dpi=DPI)
-    image = b64encode(drawn.getvalue()).decode("ascii")
+    image = b64encode(png(figure, DPI)).decode("ascii")
     return (
         f'<figure><img src="data:image/png;base64,{image}" alt="{escape(text)}" '
         'style="max-width:100%"></figure>'

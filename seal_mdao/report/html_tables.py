@@ -8,12 +8,12 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.recording.recorded_optimization import (
+    FEASIBLE,
     RecordedOptimization,
     label,
     shown_unit,
     unit_of,
 )
-from seal_mdao.report.recorded_charts import FEASIBLE
 from seal_mdao.seals.file.described import FILE
 from seal_mdao.seals.gaps import largest_gap
 from seal_mdao.seals.profiles import contacts, nominal_pressure, profile_histories, true_pressure

@@ -9,11 +9,11 @@ from string import Template
 from urllib.parse import quote
 
 from seal_mdao._version import __version__
-from seal_mdao.recording.recorded_optimization import RecordedOptimization, label
+from seal_mdao.recording.recorded_optimization import FEASIBLE, RecordedOptimization, label
 from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report import html_tables as tables
 from seal_mdao.report.picture_data import Pictures
-from seal_mdao.report.recorded_charts import FEASIBLE, history_data
+from seal_mdao.report.recorded_charts import history_data
 from seal_mdao.report.scenarios_table import NOMINAL, nominal_note, scenarios_table
 from seal_mdao.seals.gaps import gaps_unmeasured_by
 from seal_mdao.seals.profiles import contacts

@@ -4,9 +4,6 @@ import numpy as np
 
 from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
 
-FEASIBLE = 1e-3
-"""Largest relative violation of a limit that counts as satisfied."""
-
 
 def history_data(history: RecordedOptimization) -> dict:
     """Return the history in types of JSON."""

@@ -146,7 +146,7 @@ def _strains(samples: Samples):
         # the cell that is farthest beyond the range
         worst = int(np.maximum(valid[0] / least, largest / valid[1]).argmax())
         place = samples.undeformed[cells[own[worst]]].mean(axis=0)
-        name = f" {region.prefix.rstrip('_')!r}" if region.prefix else ""
+        name = f" {region.name!r}" if region.name else ""
         yield Finding(
             f"{100.0 * outside.mean():.2g} % of the cells of the material{name} are "
             f"strained beyond the range of its constants (stretches {valid[0]:g} to {valid[1]:g}): "

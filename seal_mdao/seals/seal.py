@@ -14,6 +14,7 @@ from seal_mdao.contact.default_penalties import completed
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.moved_edges import ImposedMotions
+from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.terms.term import Scalar
 
@@ -354,6 +355,11 @@ class Seal:
         return ()
 
     # ---- design ----
+
+    @property
+    def materials(self) -> dict[str, Isotropic]:
+        """Materials of the body by their names; the only one of a seal is ``rubber``."""
+        return {own.name or "rubber": own.material for own in self.definitions[0].regions}
 
     @property
     def n_offsets(self) -> int:

@@ -38,6 +38,11 @@ class Region(NamedTuple):
     prefix: str = ""
 
     @property
+    def name(self) -> str:
+        """Name of the material, empty where it is the only one."""
+        return self.prefix.rstrip("_")
+
+    @property
     def names(self) -> tuple:
         """Names of the constants as parameters."""
         return tuple(self.prefix + name for name in self.material.names)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from seal_file.coarse_bulb import BULB, COARSE, changed
 
 import seal_mdao as sm
 from seal_mdao.analysis.cost import duration
@@ -21,24 +22,13 @@ from seal_mdao.cli.compare import KEYS, names_of, print_table
 from seal_mdao.cli.subcommands import COMMANDS, main
 from seal_mdao.plotting.animation import check_format
 
-BULB = Path(__file__).parents[1] / "seal_file" / "bulb.toml"
-SMALL = {
-    "spacing = 0.9": "spacing = 1.8", "[0.0, -6.0]": "[0.0, -1.2]", "steps = 60": "steps = 4",
-    "[2.0, 0.0]": "[0.0, 0.4]", "steps = 20": "steps = 2",
-    'name = "door"': 'name = "door"\nnormal_penalty = 1e4\ntangent_penalty = 1e2',
-}  # fmt: skip
-
 
 @pytest.fixture
 def bulb(tmp_path):
     """A seal file that is analysed quickly."""
     pytest.importorskip("netgen")
-    text = BULB.read_text(encoding="utf-8")
-    for old, new in SMALL.items():
-        assert old in text
-        text = text.replace(old, new)
     path = tmp_path / "bulb.toml"
-    path.write_text(text, encoding="utf-8")
+    path.write_text(changed(BULB.read_text(encoding="utf-8"), COARSE), encoding="utf-8")
     return path
 
 

@@ -3,23 +3,11 @@
 import numpy as np
 import openmdao.api as om
 import pytest
-from seal_file.block_files import DESIGN, FIXED, MEASURES, MOVED, seal_of
+from seal_file.block_files import DESIGN, FIXED, LID, MEASURES, MOVED, seal_of
 
 import seal_mdao as sm
 from seal_mdao.components.scenario_comp import ScenarioComp
 
-LID = """[[profile]]
-name = "lid"
-friction = 0.3
-contact = ["top"]
-line = [[-9, 0], [9, 0]]
-start = [0, 4.02]
-normal_penalty = 1e4
-tangent_penalty = 1e3
-stage = [{ translate = [0, -0.5], steps = 3 }]
-[[measure]]
-type = "reaction"
-"""
 VARIED = (sm.Variation("lid_friction"), sm.Variation("lid_y", "shift"))
 NUMBERS = [[0.1, 0.0], [0.3, -0.1]]
 

@@ -6,7 +6,7 @@ from html import unescape
 import numpy as np
 import openmdao.api as om
 import pytest
-from seal_file.block_files import DESIGN, FIXED, seal_of
+from seal_file.block_files import DESIGN, FIXED, LID, seal_of
 
 import seal_mdao as sm
 from seal_mdao.recording.recorded_optimization import read_optimization
@@ -16,23 +16,10 @@ from seal_mdao.report.html_tables import number
 from seal_mdao.report.scenarios_table import scenarios_table
 from seal_mdao.report.write import write_report
 
-LID = """[[profile]]
-name = "NAME"
-friction = 0.3
-contact = ["top"]
-line = [[-9, 0], [9, 0]]
-start = [0, 4.02]
-normal_penalty = 1e4
-tangent_penalty = 1e3
-stage = [{ translate = [0, -0.5], steps = 3 }]
-[[measure]]
-type = "reaction"
-"""
-
 
 def recorded(folder, name):
     """Recorder file of a minimum of area, with a least force in two scenarios."""
-    seal = seal_of(folder, FIXED, DESIGN, LID.replace("NAME", name), spacing=1.3)
+    seal = seal_of(folder, FIXED, DESIGN, LID.replace('"lid"', f'"{name}"'), spacing=1.3)
     varied = sm.Variation(f"{name}_friction"), sm.Variation(f"{name}_y", "shift")
     scenarios = sm.Scenarios(varied, np.array([[0.1, 0.0], [0.3, -0.1]]))
     group = sm.ScenarioGroup(seal=seal, scenarios=scenarios, workers=0)

@@ -33,6 +33,18 @@ normal_penalty = 1e4
 tangent_penalty = 1e3
 stage = [{ translate = [0.2, -1.5], rotate = 4.0, steps = 8 }]
 """
+LID = """[[profile]]
+name = "lid"
+friction = 0.3
+contact = ["top"]
+line = [[-9, 0], [9, 0]]
+start = [0, 4.02]
+normal_penalty = 1e4
+tangent_penalty = 1e3
+stage = [{ translate = [0, -0.5], steps = 3 }]
+[[measure]]
+type = "reaction"
+"""
 MEASURES = """[[measure]]
 type = "reaction"
 component = "y"

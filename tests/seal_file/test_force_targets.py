@@ -1,9 +1,8 @@
 """Load-deflection curves as targets and bands of an optimisation."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from seal_file import coarse_bulb
 
 import seal_mdao as sm
 from seal_mdao.cli.subcommands import main
@@ -12,11 +11,9 @@ from seal_mdao.measures.load_deflection import LoadDeflectionError
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.optimization import RunOptions
 
-BULB = (Path(__file__).parent / "bulb.toml").read_text(encoding="utf-8")
-SMALL = {
-    "spacing = 0.9": "spacing = 1.8", "[0.0, -6.0]": "[0.0, -1.2]", "steps = 60": "steps = 6",
-    "[2.0, 0.0]": "[0.0, 0.4]", "steps = 20": "steps = 2", "parameters = 12": "parameters = 4",
-    'name = "door"': 'name = "door"\nnormal_penalty = 1e4\ntangent_penalty = 1e2',
+BULB = coarse_bulb.BULB.read_text(encoding="utf-8")
+SMALL = coarse_bulb.COARSE | {
+    "steps = 60": "steps = 6", "parameters = 12": "parameters = 4",
     'type = "contact_width"\nprofile = "door"': 'type = "reaction"\nname = "curve"\ntravel = [0.8, 1.1]',
 }  # fmt: skip
 TARGET = """[[measure]]
@@ -35,10 +32,7 @@ upper = [3.0, 20.0]
 
 
 def written(folder, target=TARGET):
-    text = BULB[: BULB.index("[optimize]")]
-    for old, new in SMALL.items():
-        assert old in text
-        text = text.replace(old, new)
+    text = coarse_bulb.changed(BULB[: BULB.index("[optimize]")], SMALL)
     path = folder / "seal.toml"
     path.write_text(text + target, encoding="utf-8")
     return path

@@ -123,7 +123,7 @@ def test_strains_beyond_the_range_of_the_constants_are_reported(tmp_path):
 def test_the_strain_that_is_reported_is_the_one_beyond_the_range():
     """Not the largest one, which may be within it: 0.51 is, 1.6 is not."""
     cells = np.arange(12).reshape(3, 4)
-    region = SimpleNamespace(material=graded_sponge("2A3"), cells=None, prefix="")
+    region = SimpleNamespace(material=graded_sponge("2A3"), cells=None, name="")
     structure = SimpleNamespace(definition=SimpleNamespace(regions=[region]))
     path = SimpleNamespace(
         discretization=SimpleNamespace(body=SimpleNamespace(cells=cells)),

@@ -314,20 +314,20 @@ def check_section(file) -> None:
 
 def _check_spacing(spacing, outline) -> None:
     """Refuse a spacing of half the section's width, or of more particles than can be analysed."""
-    small = float(np.ptp(outline.box, axis=0).min())
+    extent = np.ptp(outline.box, axis=0)
+    small, size = float(extent.min()), unusual_size(extent)
+    hint = f" ({size})" if size else ""
     if spacing >= 0.5 * small:
-        size = unusual_size(np.ptp(outline.box, axis=0))
         raise SealFileError(
             f"[section]: spacing = {spacing:g}, but the section is only {small:.4g} mm wide; it must be "
-            "less than half of that" + (f" ({size})" if size else "")
+            "less than half of that" + hint
         )
     # about area / spacing^2 particles
     least = np.sqrt(outline.area / MOST_PARTICLES)
     if spacing < least:
-        size = unusual_size(np.ptp(outline.box, axis=0))
         raise SealFileError(
             f"[section]: spacing = {spacing:g}, which needs more than {MOST_PARTICLES} particles; it "
-            f"must be at least {least:.3g}" + (f" ({size})" if size else "")
+            f"must be at least {least:.3g}" + hint
         )
 
 
