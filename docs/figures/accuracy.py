@@ -14,13 +14,13 @@ from verification.accuracy_study import stored
 from verification.error_sources import FUNCTIONS
 from verification.flat_door_reference import REACTION
 from verification.pressed_elements import CORNER, FLAT, GAP
+from verification.ray_bulb import COMPARED
 
 from figures.drawing import picture
 from figures.tables import percent, table
 from seal_mdao.plotting.style import BESIDE, CYCLE, GREY, MARKERS
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal, options_of
 from seal_mdao.seals.result import analyze
-from seal_mdao.terms.points import CONTACT_POINTS
 
 BASES = {1: "linear", 2: "quadratic"}
 
@@ -250,7 +250,7 @@ def _preset(repeats: int) -> dict:
         f"at_{points}": percent(
             stored("worst_error", **study.ENGINEERING | {"contact_points": points})
         )
-        for points in CONTACT_POINTS
+        for points in COMPARED
     }
     return at | {
         "gap_table": table(gap_head, rows_of_gaps),
@@ -273,10 +273,10 @@ def _outline(_: Path) -> dict:
 def _rays() -> dict:
     """Walls on rays: a bulb, and the door seal, touched at the particles or between them."""
     found = {rays: stored("bulb_errors", rays=rays) for rays in study.RAYS}
-    rows = [[rays, *(percent(own[p]) for p in CONTACT_POINTS)] for rays, own in found.items()]
+    rows = [[rays, *(percent(own[p]) for p in COMPARED)] for rays, own in found.items()]
     gaps = {
         points: stored("opened_gap", accuracy="engineering", contact_points=points)
-        for points in CONTACT_POINTS
+        for points in COMPARED
     }
     return {
         "rays_table": table(["rays", "at the particles", "at the edges"], rows),

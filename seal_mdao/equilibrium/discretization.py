@@ -10,6 +10,7 @@ import numpy as np
 from seal_mdao.equilibrium.couplings import Link
 from seal_mdao.equilibrium.tangent_layout import TangentLayout, equation_numbers, tangent_layout
 from seal_mdao.equilibrium.threads import one_blas_thread
+from seal_mdao.rkpm.averages import EdgeAverages, averaged_table
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
@@ -313,6 +314,8 @@ def _table_of(points, cloud, transformation) -> PointTable | None:
     """Evaluate shape functions, without gradients, at the points of a term."""
     if points is None:
         return None
+    if isinstance(points, EdgeAverages):
+        return averaged_table(cloud, points, transformation)
     return build_table(cloud, points._replace(sloped=False), transformation)
 
 

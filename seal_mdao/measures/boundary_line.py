@@ -41,7 +41,9 @@ class BoundaryLine:
         on_points = np.zeros((len(self.where), 2))
         on_points[self.stretch[1:]] += pull
         on_points[self.stretch[:-1]] -= pull
-        self.where.add_point_seeds(on_points[:, :, None], particles_bar[:, :, None])
+        self.where.points.add_seeds(
+            self.particles, on_points[:, :, None], particles_bar[:, :, None]
+        )
 
 
 def is_closed(where) -> bool:

@@ -21,7 +21,7 @@ from seal_mdao.compilation import compiled, inlined
 from seal_mdao.rkpm.cells import CellMap
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
-from seal_mdao.rkpm.tables import PointTable, add_point_seeds, raw_tables, runs
+from seal_mdao.rkpm.tables import PointTable, raw_tables, runs
 from seal_mdao.rkpm.transformed import TableRates, TableTransform
 
 EDGE_POINTS = 8
@@ -214,8 +214,8 @@ class CellTable:
             edges.add_raw_seeds(columns, on_values, nothing, x_bar, edge_bar)
         # normals and points move with the particles
         add_normal_seeds(self.rule, normal_bar, x_bar)
-        add_point_seeds(gauss.points, gauss_bar, x_bar)
-        add_point_seeds(edges.points, edge_bar, x_bar)
+        gauss.points.add_seeds(gauss.cloud.particles, gauss_bar, x_bar)
+        edges.points.add_seeds(edges.cloud.particles, edge_bar, x_bar)
         return matrix_bar
 
 

@@ -23,6 +23,7 @@ from seal_mdao.rkpm.moment import (
     neighbour_terms,
     polynomial_value,
 )
+from seal_mdao.rkpm.scatter import scatter_add
 
 NOTHING_HIDDEN = np.empty((0, 2), int)
 
@@ -76,7 +77,21 @@ class PointSet(NamedTuple):
 
     def at(self, particles):
         """Compute coordinates of the points, shape (n_points, 2), length unit of ``particles``."""
-        return np.einsum("pk,pki->pi", self.weights, particles[self.anchors])
+        # x = sum_k w_k X_k, of any field (n, ...) at the particles
+        return np.einsum("pk,pk...->p...", self.weights, particles[self.anchors])
+
+    def rates(self, particles, velocity) -> np.ndarray:
+        """Differentiate the coordinates along design velocities (P, n, 2), shape (n_points, 2, P)."""
+        # V = sum_k w_k V_k, wherever the particles are
+        at = np.einsum("pk,vpki->piv", self.weights, velocity[:, self.anchors])
+        return np.ascontiguousarray(at)
+
+    def add_seeds(self, particles, point_bar, x_bar) -> None:
+        """Transpose of ``rates``: seeds (n_points, 2, M) added to ``x_bar`` (n, 2, M)."""
+        for k in range(self.anchors.shape[1]):
+            # X_k_bar += w_k x_bar
+            weighted = point_bar * self.weights[:, k, None, None]
+            scatter_add(x_bar, self.anchors[:, k], weighted)
 
 
 class ShapeTable(NamedTuple):

@@ -14,7 +14,6 @@ from scipy.spatial import cKDTree
 
 from seal_mdao.errors import SingularMomentMatrixError
 from seal_mdao.rkpm.essential import EssentialTransformation
-from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_derivatives import (
     forward_shape_functions,
     linearize_shape_functions,
@@ -92,7 +91,7 @@ class PointTable:
             rows = slice(*(raw.start[[first, last]] * raw.group_size))
             slopes = slice(2 * rows.start, 2 * rows.stop)
             self.add_raw_seeds((first, last), phi_bar[rows], grad_bar[slopes], x_bar, point_bar)
-        add_point_seeds(self.points, point_bar, x_bar)
+        self.points.add_seeds(self.cloud.particles, point_bar, x_bar)
         return matrix_bar
 
     def raw_rates(self, velocity, transform=None, like: TableRates | None = None) -> TableRates:
@@ -248,11 +247,3 @@ def runs(raw: ShapeTable, wanted=None) -> list:
     cuts = np.flatnonzero((np.diff(groups) > 1) | (np.diff(number) > 0)) + 1
     ends = [0, *cuts, groups.size] if groups.size else []
     return [(int(groups[a]), int(groups[b - 1]) + 1) for a, b in pairwise(ends)]
-
-
-def add_point_seeds(points: PointSet, point_bar: np.ndarray, x_bar: np.ndarray) -> None:
-    """Apply the transpose of ``PointSet.at``: seeds on points (n_points, 2, M) to the particles."""
-    for k in range(points.anchors.shape[1]):
-        # X_bar_k += w_k x_bar
-        weighted = point_bar * points.weights[:, k, None, None]
-        scatter_add(x_bar, points.anchors[:, k], weighted)

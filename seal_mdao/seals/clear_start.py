@@ -47,8 +47,7 @@ def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
 def _clearance(contact: RigidContact, particles) -> np.ndarray | None:
     """Where the first load step of a contact has to begin, from its first waypoint, (2,) mm; None where
     it is clear as it is, or cannot be."""
-    points, motion = contact.where.points, contact.motion
-    x = np.einsum("ka,kai->ki", points.weights, particles[points.anchors])
+    motion, x = contact.motion, np.ascontiguousarray(contact.where.moving.at(particles))
     curve, (px, py, angle) = contact.shape.profile().curve, motion.coordinates(0.0)
 
     def gaps(shift):

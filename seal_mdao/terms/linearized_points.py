@@ -89,7 +89,7 @@ class PointRows:
         particles, velocity = self.discretization.particles, rates.velocity
         # w', X' and theta'
         measure = self.where.length_rates(particles, velocity)[:, None]
-        x, parameters = self.where.velocity(velocity), rates.of(self.term.names)
+        x, parameters = self.where.moving.rates(particles, velocity), rates.of(self.term.names)
         return PointDesign(shape.tables[self.term.index], x, measure, parameters)
 
     def no_seeds(self, count: int, wanted=()) -> PointDesignSeeds:
@@ -110,7 +110,7 @@ class PointRows:
         x_bar = law.x + law.reference if law.reference.shape[1] else law.x
         # w = length of the boundary at the point,  x = X + B d
         self.where.add_length_seeds(disc.particles, law.measure[:, 0], particles_bar)
-        self.where.add_point_seeds(x_bar, particles_bar)
+        self.where.moving.add_seeds(disc.particles, x_bar, particles_bar)
         # B_bar to the particles and to T
         return self.table.pull_back(seeds.phi, none, particles_bar)
 

@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seal_mdao.rkpm.averages import EdgeAverages
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import PointSet
 
-CONTACT_POINTS = ("particles", "edges")
-"""Where a body may be touched: at its particles, or in the middle of the edges between two of them."""
+CONTACT_POINTS = ("particles", "edges", "averages")
+"""Where a body may be touched: at its particles, in the middle of the edges between two of them, or at
+particles that move as the mean of the edges beside them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,15 +27,23 @@ class MaterialPoints:
         Particles at the ends of the boundary edges that belong to a point.
     fractions : ndarray, shape (k, e)
         Share of the length of each edge.
+    averages : EdgeAverages or None
+        Means over the edges beside the points, by which they move in place of their own.
     """
 
     points: PointSet
     fixed: np.ndarray
     edges: np.ndarray
     fractions: np.ndarray
+    averages: EdgeAverages | None = None
 
     def __len__(self) -> int:
         return len(self.fixed)
+
+    @property
+    def moving(self) -> PointSet | EdgeAverages:
+        """What moves: the points, or the means over the edges beside them."""
+        return self.points if self.averages is None else self.averages
 
     @property
     def at_particles(self) -> np.ndarray:
@@ -42,9 +52,9 @@ class MaterialPoints:
         Raises
         ------
         ValueError
-            Where points lie between particles.
+            Where points lie between particles, or move as the mean of the edges there.
         """
-        if self.points.anchors.shape[1] != 1:
+        if self.averages is not None or self.points.anchors.shape[1] != 1:
             raise ValueError(
                 "these points lie between particles; the work of a profile that turns, trapped air, "
                 "fluids and contact of the body with itself want contact at particles (Body.edge_points)"
@@ -84,19 +94,6 @@ class MaterialPoints:
         pull = self._pulls(particles)[..., None] * length_bar[:, None, None]
         scatter_add(x_bar, self.edges[..., 1], pull)
         scatter_add(x_bar, self.edges[..., 0], -pull)
-
-    def velocity(self, velocity: np.ndarray) -> np.ndarray:
-        """Velocity (k, 2, P) of the undeformed points along design velocities (P, n, 2)."""
-        # V = sum_a weight_a V_a
-        at = np.einsum("ka,pkai->kip", self.points.weights, velocity[:, self.points.anchors])
-        return np.ascontiguousarray(at)
-
-    def add_point_seeds(self, point_bar, x_bar) -> None:
-        """Transpose of ``velocity``: seeds (k, 2, M) added to ``x_bar`` (n, 2, M)."""
-        for a in range(self.points.anchors.shape[1]):
-            # V_a_bar += weight_a V_bar
-            weighted = point_bar * self.points.weights[:, a, None, None]
-            scatter_add(x_bar, self.points.anchors[:, a], weighted)
 
 
 def single_points(which: np.ndarray) -> PointSet:

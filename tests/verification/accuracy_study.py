@@ -23,8 +23,8 @@ if __name__ in ("__main__", "__mp_main__"):
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
-from seal_mdao.terms.points import CONTACT_POINTS
 from verification.error_sources import FUNCTIONS, flat_errors, worst_error
+from verification.ray_bulb import COMPARED
 from verification.seal_refinement import LEVELS
 from verification.step_refinement import STEPS
 from verification.study_quantities import (
@@ -114,7 +114,7 @@ def cases() -> dict:
     ]  # fmt: skip
     schemes = [*BY_LAYERS, *((rays, integrated(*own)) for *own, rays in INTEGRATION)]
     layered = [{"rays": rays, "layers": n, **own} for rays, own in schemes for n in LAYERS]
-    at = [ENGINEERING | {"contact_points": points} for points in CONTACT_POINTS]
+    at = [ENGINEERING | {"contact_points": points} for points in COMPARED]
     named = [{"accuracy": name} for name in ACCURACIES]
     return {
         "worst_error": clouds + layered + at,
@@ -130,7 +130,7 @@ def cases() -> dict:
         "corner_error": named,
         "opened_gap": [
             *named, *(gap_options(*own) for own in REFINEMENTS),
-            *({"accuracy": "engineering", "contact_points": p} for p in CONTACT_POINTS),
+            *({"accuracy": "engineering", "contact_points": p} for p in COMPARED),
         ],
         "section_error": [{"name": n, "soft": soft} for n in SECTIONS for soft in (False, True)],
         "equal_steps": [{"steps": n} for n in EQUAL_STEPS],

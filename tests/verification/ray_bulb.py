@@ -13,8 +13,10 @@ from seal_mdao.seals.outline.contours import Contour, Outline
 from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.segments import Line
-from seal_mdao.terms.points import CONTACT_POINTS
 from verification.file_errors import force_error, forces
+
+COMPARED = ("particles", "edges")
+"""Contact points whose errors are compared."""
 
 CENTRE, TOP, HOLE = (0.0, 7.0), 14.0, 4.5
 """Of the rays and of the hole; the top of the bulb and the radius of the hole, mm."""
@@ -46,6 +48,6 @@ def ray_bulb(rays: int, layers: int, accuracy: str, contact_points: str) -> Outl
 
 def limit(rays: int = 144, layers: int = 6) -> tuple[list, float]:
     """Mean of both contacts on a fine wall, and by how much they differ."""
-    one, other = (forces(ray_bulb(rays, layers, "fine", points)) for points in CONTACT_POINTS)
+    one, other = (forces(ray_bulb(rays, layers, "fine", points)) for points in COMPARED)
     mean = [0.5 * (a + b) for a, b in zip(one, other, strict=True)]
     return mean, force_error(one, other)

@@ -21,7 +21,6 @@ from seal_mdao.seals.steps_and_penalties import (
     force_difference,
     measure_difference,
 )
-from seal_mdao.terms.points import CONTACT_POINTS
 from verification.difference_cases import away, case, estimate
 from verification.error_sources import (
     at_travels,
@@ -41,7 +40,7 @@ from verification.file_errors import (
 from verification.flexure import bend_block
 from verification.outline_errors import flat_door_seal, reaction_error
 from verification.pressed_elements import CORNER
-from verification.ray_bulb import limit, ray_bulb
+from verification.ray_bulb import COMPARED, limit, ray_bulb
 from verification.seal_refinement import corner_level, flat_level
 from verification.step_refinement import refine_steps
 
@@ -144,7 +143,7 @@ bulb_limit = cache(limit)
 def bulb_errors(rays: int) -> dict:
     """Errors of the force on a bulb on rays, touched at its particles or between them."""
     exact, apart = bulb_limit()
-    seals = {points: ray_bulb(rays, 4, "engineering", points) for points in CONTACT_POINTS}
+    seals = {points: ray_bulb(rays, 4, "engineering", points) for points in COMPARED}
     return {"apart": apart} | {p: force_error(forces(seal), exact) for p, seal in seals.items()}
 
 

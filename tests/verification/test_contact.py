@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from seal_mdao.contact.friction import SLIP
+from verification.contact_patch import pressed, slid
 from verification.hertz import press_cylinder
 from verification.sliding import drag_block, pull_belt
 from verification.tolerances import TOLERANCES
@@ -96,3 +98,24 @@ def test_thin_belts_converge_to_the_capstan_law(figure):
     figure(name.format("t -> 0"), abs(limit - 1.0), TOLERANCES["belt_limit"])
     away = thickness_correction(thin)
     figure("belt on a cylinder: thickness correction", away, TOLERANCES["belt_corrected"])
+
+
+@pytest.mark.parametrize("basis_order", [1, 2])
+@pytest.mark.parametrize("share", [0.0, 0.25], ids=["even", "uneven"])
+def test_contact_patch_test(figure, share, basis_order):
+    """Uniform pressure below a smooth plate, with a plane of symmetry and a free end."""
+    patch = pressed("averages", share, basis_order)
+    figure(f"contact patch test, order {basis_order}", patch.deviation, TOLERANCES["patch"])
+    # what contact at the particles leaves
+    assert pressed("particles", share, basis_order).deviation > 0.1
+
+
+@pytest.mark.parametrize("basis_order", [1, 2])
+@pytest.mark.parametrize("share", [0.0, 0.25], ids=["even", "uneven"])
+def test_contact_patch_test_of_sliding(figure, share, basis_order):
+    """Uniform pressure and friction where a rough plate slides over all points."""
+    patch, error = slid("averages", share, basis_order)
+    assert np.all(patch.state == SLIP)
+    name = f"contact patch test with sliding, order {basis_order}"
+    figure(name, max(patch.deviation, error), TOLERANCES["patch"])
+    assert slid("particles", share, basis_order)[0].deviation > 0.1

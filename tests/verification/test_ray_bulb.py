@@ -2,9 +2,8 @@
 
 import pytest
 
-from seal_mdao.terms.points import CONTACT_POINTS
 from verification.file_errors import force_error, forces
-from verification.ray_bulb import limit, ray_bulb
+from verification.ray_bulb import COMPARED, limit, ray_bulb
 
 
 @pytest.mark.long
@@ -15,7 +14,7 @@ def test_contact_between_the_particles_has_the_smaller_error(figure):
             force_error(forces(ray_bulb(rays, 4, "engineering", points)), exact)
             for rays in (24, 36, 48, 72)
         ]
-        for points in CONTACT_POINTS
+        for points in COMPARED
     }
     figure("bulb on rays: contact of both kinds on the finest wall", apart, 2e-3)
     assert all(a < b for a, b in zip(errors["edges"], errors["particles"], strict=True))

@@ -93,9 +93,9 @@ class DoorOptions:
     pressure : {"cell", "wall"}
         "cell": one value in every background cell, a staircase across the wall. "wall": continuous and
         piecewise linear from the inner to the outer boundary, with as many values.
-    contact_points : {"particles", "edges"}
-        Contact points: the free particles of the outer boundary, or the middle of every straight edge
-        between two of them.
+    contact_points : {"particles", "edges", "averages"}
+        Contact points: the free particles of the outer boundary, the middle of every straight edge
+        between two of them, or the particles, moving as the mean of the edges beside them.
     section : Section
         Nominal section.
     outer_parameters, inner_parameters : int

@@ -18,6 +18,7 @@ from seal_mdao.seals.seal import Parameter, Seal
 from seal_mdao.seals.steps_and_penalties import choose
 from seal_mdao.seals.wall_grid import SCHEMES
 from seal_mdao.structure.elastic_body import elastic_body
+from seal_mdao.terms.averaged_points import averaged_points
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 
 DOOR = "door"
@@ -245,4 +246,6 @@ def _contact_points(options: DoorOptions, body: Body) -> MaterialPoints:
     # tributary lengths reach half-way to the neighbours, at the ends to the base corners
     rays = grid.free_rays
     beside = np.column_stack([grid.particle(rays - 1, top), grid.particle(rays + 1, top)])
+    if options.contact_points == "averages":
+        return averaged_points(grid.free_outer, beside, body.nominal)
     return boundary_particles(grid.free_outer, beside)

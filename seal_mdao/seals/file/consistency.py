@@ -308,7 +308,7 @@ def _check_contact_points(where: str, profile, file) -> None:
     """Refuse contact between the particles where something needs a particle at the contact."""
     if profile.contact_points == "particles":
         return
-    where = f'{where}: contact_points = "edges", but'
+    where = f'{where}: contact_points = "{profile.contact_points}", but'
     if file.fluids:
         raise SealFileError(
             f"{where} a [[fluid]] needs contact at the particles; leave contact_points out"
@@ -337,7 +337,7 @@ def _check_bodies_held(file, gaps) -> None:
         own = [
             gap
             for gap, profile in zip(gaps, file.profiles, strict=True)
-            if names & set(profile.contact) and profile.contact_points == "particles"
+            if names & set(profile.contact) and profile.contact_points != "edges"
         ]
         if min(own, default=np.inf) <= TOUCHING * outline.size:
             continue

@@ -107,8 +107,9 @@ class ProfileTable(Staged, SegmentTable):
     normal_penalty: Penalty | None = key("normal penalty; chosen unless given", None)
     tangent_penalty: Penalty | None = key("tangential penalty; chosen unless given", None)
     contact_points: one_of(*CONTACT_POINTS) | None = key(
-        "where the edges may be touched: at the particles, or in the middle of every straight side "
-        "between two of them; chosen unless given",
+        "where the edges may be touched: at the particles, in the middle of every straight side "
+        "between two of them, or at the particles with the mean gap of the sides beside them; chosen "
+        "unless given",
         None,
     )
     stages: rows(Annotated[StageTable, WrapValidator(made_stage)]) = key(

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.equilibrium.discretization import Body
+from seal_mdao.terms.averaged_points import averaged_points
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
 
 
@@ -66,8 +67,9 @@ class SectionBody(NamedTuple):
         Parameters
         ----------
         edges : sequence of str
-        at : {"particles", "edges"}
-            The free particles with their tributary lengths, or the midpoints of the straight sides.
+        at : {"particles", "edges", "averages"}
+            The free particles with their tributary lengths, the midpoints of the straight sides, or the
+            free particles that move as the mean of the sides beside them.
 
         Raises
         ------
@@ -85,4 +87,6 @@ class SectionBody(NamedTuple):
         neighbours[sides[:, 1], 0] = sides[:, 0]
         neighbours[sides[:, 0], 1] = sides[:, 1]
         movable = which[~self.body.fixed[which].all(axis=1)]
+        if at == "averages":
+            return averaged_points(movable, neighbours[movable], self.body.nominal)
         return boundary_particles(movable, neighbours[movable])

@@ -1,0 +1,105 @@
+"""Points of a boundary that move as the mean of the edges beside them.
+
+The mean of ``rkpm.averages`` over the edges from A to its neighbours B has the weight function
+
+    psi_A = N_A + gamma (N_A - N_B),    sum_A psi_A = 1.
+
+With gamma = 1/2 its second moment is zero: the mean of a smooth curve lies on the curve up to the fourth
+power of the spacing. gamma = 1 gives the dual hat functions (B. I. Wohlmuth, SIAM J. Numer. Anal. 38
+(2000) 989), whose mean of a linear field is its value at A: corners and ends stay where they are.
+The Gauss points of a curved edge of length h lie on the parabola with X'' of one of its ends,
+
+    X_q = N_A X_A + N_B X_B - (h^2 / 12) X''.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from seal_mdao.rkpm.averages import EdgeAverages
+from seal_mdao.rkpm.shape_functions import PointSet
+from seal_mdao.terms.points import MaterialPoints, boundary_particles
+
+CORNER = np.cos(np.deg2rad(45.0))
+"""Cosine of the angle between two edges from which on the particle between them is a corner."""
+
+STRAIGHT = 1e-9
+"""Bend h^2 |X''| of an edge over its length, below which it is rounding."""
+
+SMOOTH, DUAL = 0.5, 1.0
+"""gamma of other edges, and of those beside a corner or, where they are straight, at an end."""
+
+
+def averaged_points(which: np.ndarray, neighbours: np.ndarray, nominal) -> MaterialPoints:
+    """Boundary particles that move as the mean of the edges beside them, with half of their lengths.
+
+    Parameters
+    ----------
+    which, neighbours : ndarray of int, shapes (k,), (k, 2)
+        As for ``boundary_particles``.
+    nominal : ndarray, shape (n, 2)
+        Particles of the nominal body, which say where the boundary has corners and how its edges are
+        curved, mm.
+    """
+    where = boundary_particles(which, neighbours)
+    # edges from A to B, the particle C before A, the edge from B to A where there is one
+    a, b = edges = where.edges.reshape(-1, 2).T
+    c = where.edges[:, ::-1, 1].ravel()
+    back, known = _opposite(edges)
+    factors, inner, corner = _curvature(nominal, a, b, c)
+    smooth, at_corner = inner & ~corner, corner | (corner[back] & known)
+    bend = np.einsum("mj,mji->mi", factors, nominal[np.column_stack([a, b, c])])
+    bend[np.hypot(*bend.T) < STRAIGHT * np.hypot(*(nominal[b] - nominal[a]).T)] = 0.0
+    near, far = _curved(bend, bend[back], smooth, smooth[back] & known, a < b)
+    near, far = (own & ~at_corner for own in (near, far))
+    # h^2 X'' at A by (A, B, C), or at B by (B, A, D)
+    one, two = near[:, None] * factors, far[:, None] * factors[back]
+    bulge = np.column_stack([one[:, 0] + two[:, 1], one[:, 1] + two[:, 0], one[:, 2], two[:, 2]])
+    g, w = np.polynomial.legendre.leggauss(2)
+    hat = 0.5 * (1.0 - g)
+    # X_q = N_A X_A + N_B X_B - h^2 X'' / 12
+    linear = np.column_stack([hat, 1.0 - hat, np.zeros((2, 2))])
+    between = linear - bulge[:, None] / 12.0
+    anchors = np.column_stack([a, b, c, np.where(known, c[back], b)])
+    gauss = PointSet(np.repeat(anchors, 2, axis=0), between.reshape(-1, 4), 4, sloped=False)
+    # m_q / l = w/2 [N_A + gamma (N_A - N_B)]
+    straight_end = ~(inner & inner[back] & known) & ~(near | far)
+    gamma = np.where(at_corner | straight_end, DUAL, SMOOTH)[:, None]
+    shares = (a != b)[:, None] * 0.5 * w * (hat + gamma * (2.0 * hat - 1.0))
+    averages = EdgeAverages(gauss, where.edges, shares.reshape(*where.edges.shape[:2], 2))
+    return replace(where, averages=averages)
+
+
+def _opposite(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Find the edge from B to A of every edge (2, m) from A to B, and whether there is one."""
+    base = edges.max() + 1
+    key, wanted = base * edges[0] + edges[1], base * edges[1] + edges[0]
+    order = np.argsort(key)
+    found = order[np.minimum(np.searchsorted(key[order], wanted), key.size - 1)]
+    return found, key[found] == wanted
+
+
+def _curvature(nominal, a, b, c) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Compute factors (m, 3) of X_A, X_B and X_C in h^2 X'' at A, with C before A and h the length of
+    the edge from A to B; whether A has both neighbours, and whether it is a corner."""
+    before, after = nominal[a] - nominal[c], nominal[b] - nominal[a]
+    h_1, h_2 = np.hypot(*before.T), np.hypot(*after.T)
+    inside = (h_1 > 0.0) & (h_2 > 0.0)
+    h_1, h_2 = np.where(inside, h_1, 1.0), np.where(inside, h_2, 1.0)
+    corner = inside & (np.einsum("mi,mi->m", before, after) < CORNER * h_1 * h_2)
+    # X'' = 2 / (h_1 + h_2) [(X_B - X_A) / h_2 - (X_A - X_C) / h_1]
+    by_b, by_c = 2.0 * h_2 / (h_1 + h_2), 2.0 * h_2**2 / (h_1 * (h_1 + h_2))
+    return np.column_stack([-by_b - by_c, by_b, by_c]), inside, corner
+
+
+def _curved(bend, other, smooth, far_smooth, first) -> tuple[np.ndarray, np.ndarray]:
+    """Decide whether an edge has the curvature of its near end A, or of its far end B.
+
+    The smaller one of both, ``bend`` and ``other`` (m, 2), that of the ``first`` end where they are
+    equal; none where both are zero or point to different sides.
+    """
+    same = np.einsum("mi,mi->m", bend, other) > 0.0
+    one, two = np.hypot(*bend.T), np.hypot(*other.T)
+    smaller = (one < two) | ((one == two) & first)
+    near = smooth & (one > 0.0) & (~far_smooth | (same & smaller))
+    return near, far_smooth & (two > 0.0) & (~smooth | (same & ~near))
