@@ -71,6 +71,8 @@ class Case:
         Of a node, N/m over mm.
     graded : callable or None
         Another ``draw``, with smaller elements where the stress is singular.
+    elastic_slip : float or None
+        Slip of a sticking point at the limit of friction, mm, in place of the tangential penalty.
     pressure_modes : int
         3 for linear pressures, 4 for bilinear ones, which are stiffer than stable elements may be.
     """
@@ -89,6 +91,7 @@ class Case:
     normal_penalty: float = 1e7
     tangent_penalty: float = 1e6
     graded: object = None
+    elastic_slip: float | None = None
     pressure_modes: int = 3
 
 
@@ -212,6 +215,7 @@ def model_of(case, mesh):
         friction=case.friction,
         multiplier=case.normal_penalty,
         multiplier_tangential=case.tangent_penalty,
+        elastic_slip=case.elastic_slip,
     )
     body = np.append(np.ones(len(x), dtype=bool), False)
     flat = np.append(np.abs(y) < 1e-9, False)

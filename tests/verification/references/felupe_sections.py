@@ -79,34 +79,31 @@ def fine_disc(radius):
     return draw
 
 
-def rounded_block(width, height, radius, graded=False, fine_top=False):
+def rounded_block(width, height, radius, graded=False, corner=0.4):
     """Right half of a block; its rounded corner is a quarter disc, with five blocks round it.
 
-    ``graded``: smaller elements at the lower corner too. ``fine_top``: larger elements away from the
-    upper edge.
+    ``graded``: smaller elements at the lower corner too. ``corner``: size of the elements in the
+    rounded corner over that of the others.
     """
 
     def draw(size):
         grid, b, h = Grid(), 0.5 * width - radius, height - radius
-        fine = max(2, round(0.5 * radius / (0.4 * size)))
+        fine = max(2, round(0.5 * radius / (corner * size)))
         (oa, ad, co, cf), (o, pa, pd, pc, pf) = grid.quarter((b, h), radius, fine, fine)
-        across, up = round(b / size / 0.8), round(h / size / (1.8 if fine_top else 0.8))
+        across, up = round(b / size / 0.8), round(h / size / 0.8)
 
         def growing(start, end, count, ratio=0.4):
             """From the middle to the corner, elements get smaller down to those of the corner."""
             return grid.line(start, end, count, ratio ** (1.0 / count))
 
-        def rising(start, end, count):
-            return growing(start, end, count, 0.15)
-
         xs = (0.0, b, b + 0.5 * radius, b + radius)
         low = [grid.point(x, 0.0) for x in xs]
         left = [grid.point(0.0, y) for y in (h, h + 0.5 * radius, h + radius)]
-        lows = [growing(low[0], low[1], across)]
+        lows = [growing(low[0], low[1], across, corner)]
         lows += [grid.line(low[1], low[2], fine), grid.line(low[2], low[3], fine)]
-        rise = grid.swelling if graded else rising if fine_top else growing
+        rise = grid.swelling if graded else growing
         ups = [rise(p, q, up) for p, q in zip(low, (left[0], o, pa, pd), strict=True)]
-        rights = [growing(p, q, across) for p, q in zip(left, (o, pc, pf), strict=True)]
+        rights = [growing(p, q, across, corner) for p, q in zip(left, (o, pc, pf), strict=True)]
         lefts = [grid.line(left[0], left[1], fine), grid.line(left[1], left[2], fine)]
         grid.block(lows[0], ups[1], -rights[0], -ups[0])
         grid.block(lows[1], ups[2], -oa, -ups[1])
