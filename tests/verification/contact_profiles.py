@@ -1,5 +1,7 @@
 """Contact pressure along an edge against that of finite elements, ``pressure`` in ``references/*.json``.
 
+Those of seal files are by ``references/felupe_pressure.py``, that of the door seal by ``door_pressure``.
+
 Pressures are nominal: force over undeformed length, p = w_n |g_n| at a contact point. A contact point
 stands for the boundary up to the middle between it and its neighbours. Its pressure is compared with the
 mean of the reference over that part of the boundary, which matters at the ends of the contact.
@@ -20,6 +22,7 @@ from seal_mdao.measures.boundary_line import ordered_points
 from seal_mdao.seals.profiles import contacts, nominal_pressure, profile_histories
 
 REFERENCES = Path(__file__).parent / "references"
+DOOR = "flat_door"
 SECTIONS = ("o_ring", "half_ring")
 
 
@@ -144,7 +147,7 @@ def pressure_errors(result, reference: Reference, label: str | None = None) -> l
     for stage, (peak, width) in enumerate(zip(reference.peak, reference.width, strict=True)):
         step = np.flatnonzero(history.stage == stage + 1)[-1]
         pressure = nominal_pressure(contact, result.path.at_nominal(label)[step])
-        exact = np.where(near, reference.means(stage, ends), 0.0)
+        exact = reference.means(stage, ends)
         # the part of a point's length that is in contact: all of it, or that of the reference
         covered = np.abs(np.diff(np.clip(ends, -0.5 * width, 0.5 * width))[:, 0])
         union = np.where(pressure > 0.0, length, np.minimum(covered, length))

@@ -12,6 +12,7 @@ from verification.contact_profiles import (
     SECTIONS,
     PressureErrors,
     Reference,
+    point_intervals,
     pressure_errors,
     stored,
     uncertainty,
@@ -57,6 +58,16 @@ def test_arc_length_of_places_off_the_edge():
     arc = Reference("arc", place, 5.0 * angle, np.zeros((1, 101)), None, None)
     points = 4.98 * np.array([[np.sin(a), np.cos(a)] for a in (0.3, -0.7, 2.5)])
     assert arc.along(points) == pytest.approx([1.5, -3.5, 5.0], abs=1e-3)
+
+
+def test_parts_of_the_boundary_of_points():
+    """They lie end to end; on a closed boundary the last one meets the first."""
+    square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    opened, closed = point_intervals(square, False), point_intervals(square, True)
+    for parts in (opened, closed):
+        assert np.array_equal(parts[1:, 0], parts[:-1, 1])
+    assert np.array_equal(opened[[0, -1], [0, 1]], square[[0, -1]])
+    assert np.array_equal(closed[[0, -1], [0, 1]], [[0.0, 1.0], [0.0, 1.0]])
 
 
 QUANTITIES = PressureErrors._fields

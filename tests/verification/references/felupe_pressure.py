@@ -58,12 +58,12 @@ class Fine:
 
 
 FINE = {
-    "half_disc": Fine(fine_disc(5.0), [0.14, 0.1], 30),
-    "o_ring": Fine(fine_disc(2.665), [0.1, 0.07], 30, lambda x, y: (x, y + 2.665)),
-    "bonded_gasket": Fine(rounded_block(10.0, 4.0, 0.5, corner=0.1), [0.28, 0.2], 20),
+    "half_disc": Fine(fine_disc(5.0), [0.2, 0.14], 30),
+    "o_ring": Fine(fine_disc(2.665), [0.1, 0.07], 40, lambda x, y: (x, y + 2.665)),
+    "bonded_gasket": Fine(rounded_block(10.0, 4.0, 0.5, corner=0.1), [0.4, 0.28], 20),
     "half_ring": Fine(fine_ring(6.0, 4.3), [0.14, 0.1], 30),
     "rounded_punch": Fine(
-        rounded_block(8.0, 6.0, 1.0, corner=0.2), [0.28, 0.2], 20, lambda x, y: (x, 6.0 - y)
+        rounded_block(8.0, 6.0, 1.0, corner=0.2), [0.4, 0.28], 20, lambda x, y: (x, 6.0 - y)
     ),
 }
 
@@ -186,10 +186,10 @@ def means(length, pressure, end):
 
 
 def difference(one, other):
-    """Of the stages of two paths: rms over the peak, and relative in peak, width and force."""
+    """Of the stages that two paths reach: rms over the peak, and relative in peak, width, force."""
     (s, _, stages), (other_s, _, others) = one, other
     found = []
-    for own, its in zip(stages, others, strict=True):
+    for own, its in zip(stages, others, strict=False):
         # rms over the union of both contacts
         end = 0.5 * max(own["width_mm"], its["width_mm"])
         apart = means(other_s, its["pressure_kPa"], end) - means(s, own["pressure_kPa"], end)
@@ -215,6 +215,9 @@ def main(name):
     coarse, finest = (profiles(case, fine, size) for size in fine.sizes)
     half = profiles(case, replace(fine, n_steps=fine.n_steps // 2), fine.sizes[0])
     length, place, stages = finest
+    # stages that all three paths reach
+    reached = min(len(own[2]) for own in (finest, coarse, half))
+    stages = stages[:reached]
     # what never touches is left out
     near = np.flatnonzero(length < max(stage["width_mm"] for stage in stages))
     changes = difference(finest, coarse), difference(coarse, half)
@@ -222,8 +225,8 @@ def main(name):
         stage["pressure_kPa"] = stage["pressure_kPa"][near]
     pressure = {
         "element_sizes_mm": fine.sizes,
-        "change_on_coarse_mesh": changes[0],
-        "change_with_half_the_load_steps": changes[1],
+        "change_on_coarse_mesh": changes[0][:reached],
+        "change_with_half_the_load_steps": changes[1][:reached],
         "arc_length_mm": length[near],
         "place_mm": place[near],
         "stages": stages,
