@@ -22,8 +22,12 @@ RMS, PEAK, WIDTH = 0.01, 0.01, 0.01
 """Bounds of the errors of the pressure over its peak, of the peak and of the width in contact."""
 
 HOLD = [
+    ("half_disc", "peak", 0),
+    ("half_disc", "peak", 1),
     ("o_ring", "rms", 0),
+    ("o_ring", "rms", 1),
     ("o_ring", "peak", 2),
+    ("half_ring", "peak", 1),
 ]
 """Section, quantity and stage (from 0) whose bound holds."""
 
