@@ -23,7 +23,7 @@ from seal_mdao.seals.profiles import contacts, nominal_pressure, profile_histori
 
 REFERENCES = Path(__file__).parent / "references"
 DOOR = "flat_door"
-SECTIONS = ("half_disc", "o_ring", "bonded_gasket", "half_ring")
+SECTIONS = ("half_disc", "o_ring", "bonded_gasket", "half_ring", "rounded_punch")
 
 
 class PressureErrors(NamedTuple):

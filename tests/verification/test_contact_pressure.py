@@ -30,6 +30,8 @@ HOLD = [
     ("bonded_gasket", "width", 0),
     ("bonded_gasket", "width", 2),
     ("half_ring", "peak", 1),
+    ("rounded_punch", "width", 0),
+    ("rounded_punch", "width", 2),
 ]
 """Section, quantity and stage (from 0) whose bound holds."""
 

@@ -63,7 +63,7 @@ FINE = {
     "bonded_gasket": Fine(rounded_block(10.0, 4.0, 0.5, corner=0.1), [0.4, 0.28], 20),
     "half_ring": Fine(fine_ring(6.0, 4.3), [0.14, 0.1], 30),
     "rounded_punch": Fine(
-        rounded_block(8.0, 6.0, 1.0, corner=0.2), [0.4, 0.28], 20, lambda x, y: (x, 6.0 - y)
+        rounded_block(8.0, 6.0, 1.0, corner=0.1), [0.6, 0.4], 20, lambda x, y: (x, 6.0 - y)
     ),
 }
 
