@@ -24,7 +24,7 @@ from seal_mdao.measures.boundary_line import contact_fractions
 from seal_mdao.seals.door.door_seal import door_seal
 from verification.pressed_elements import PER_EDGE, PressedElements
 
-MESHES = ((4, 116), (4, 232))
+MESHES = ((4, 232), (4, 464))
 """Elements across the wall and around the ring."""
 STEPS = 11, 21
 SECTION = "nominal door seal under a flat door, at the end of its path"
