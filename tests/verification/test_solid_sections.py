@@ -14,7 +14,7 @@ LARGEST = 0.01
 """Relative error of a force at the particles of the files, beyond the uncertainty of the elements."""
 MOST_UNCERTAIN = 0.005
 """Of the finite elements where they are compared with."""
-SECTIONS = ("half_disc", "o_ring", "bonded_gasket", "half_ring")
+SECTIONS = ("half_disc", "o_ring", "bonded_gasket", "half_ring", "rounded_punch")
 
 
 def force_errors(name, result):

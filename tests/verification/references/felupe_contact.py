@@ -71,6 +71,8 @@ class Case:
         Of a node, N/m over mm.
     graded : callable or None
         Another ``draw``, with smaller elements where the stress is singular.
+    elastic_slip : float or None
+        Slip of a sticking point at the limit of friction, mm, in place of the tangential penalty.
     pressure_modes : int
         3 for linear pressures, 4 for bilinear ones, which are stiffer than stable elements may be.
     """
@@ -89,6 +91,7 @@ class Case:
     normal_penalty: float = 1e7
     tangent_penalty: float = 1e6
     graded: object = None
+    elastic_slip: float | None = None
     pressure_modes: int = 3
 
 
@@ -152,6 +155,21 @@ CASES = {
         sizes=[0.6, 0.4, 0.28, 0.2],
         n_steps=30,
     ),
+    "rounded_punch": Case(
+        section="block 8 mm wide and 6 mm high with corners rounded with 1 mm, bonded on one side and "
+        "pressed on a plane with the other",
+        draw=rounded_block(8.0, 6.0, 1.0),
+        rubber=SOFT,
+        friction=0.2,
+        travel=[0.3, 0.6, 0.9],
+        top=6.0,
+        prescribed="xy",
+        touched=lambda x, y: (
+            (y > 1.5) & ((y > 6.0 - 1e-6) | (x > 4.0 - 1e-6) | on_arc(x - 3.0, y - 5.0, 1.0))
+        ),
+        sizes=[0.6, 0.4, 0.28],
+        n_steps=20,
+    ),
     "half_ring": Case(
         section="upper half of a ring of outer radius 6 mm and wall 1.7 mm, both feet fixed, "
         "pressed by a plate from above",
@@ -197,6 +215,7 @@ def model_of(case, mesh):
         friction=case.friction,
         multiplier=case.normal_penalty,
         multiplier_tangential=case.tangent_penalty,
+        elastic_slip=case.elastic_slip,
     )
     body = np.append(np.ones(len(x), dtype=bool), False)
     flat = np.append(np.abs(y) < 1e-9, False)
@@ -222,29 +241,45 @@ def travels(case):
     return np.concatenate(parts)
 
 
-def press(case, size):
-    """Force of the whole section on the plate at the asked travels, N/m."""
-    began = perf_counter()
-    mesh = mesh_of(case.draw, size)
+def follow(case, mesh, keep):
+    """Press the section along its path; ``keep(travel, fields, plate)`` sees every equilibrium."""
     fields, solid, plate, bounds = model_of(case, mesh)
     path = travels(case)
     step = fem.Step(
         [solid, plate], ramp={bounds["move"]: -case.travel_factor * path}, boundaries=bounds
     )
-    found = []
+    reached = [0.0]
 
-    def keep(context, state):
-        found.append(2.0 * plate.results.force.toarray()[2 * mesh.npoints - 1, 0])
+    def after(context, state):
+        reached.append(-fields[0].values[-1, 1] / case.travel_factor)
+        keep(reached[-1], fields, plate)
 
     cutback = fem.CutbackPlugin(max_cutbacks=5)
     try:
-        fem.Job([step], plugins=[cutback, keep]).evaluate(
+        fem.Job([step], plugins=[cutback, after]).evaluate(
             x0=fields, verbose=0, solver=spsolve, tol=1e-7, maxiter=14
         )
     except fem.NewtonConvergenceError:
-        print(f"  no equilibrium found beyond {path[len(found) - 1]:.3f} mm of travel")
-    reached = [t for t in case.travel if t <= path[len(found) - 1] + 1e-9]
-    force = [round(float(abs(found[np.abs(path - t).argmin()])), 2) for t in reached]
+        print(f"  no equilibrium found beyond {reached[-1]:.3f} mm of travel")
+
+
+def asked(case, travel):
+    """Whether the force is asked at a travel, mm."""
+    return np.abs(np.array(case.travel) - travel).min() < 1e-9
+
+
+def press(case, size):
+    """Force of the whole section on the plate at the asked travels, N/m."""
+    began = perf_counter()
+    mesh = mesh_of(case.draw, size)
+    force = []
+
+    def keep(travel, fields, plate):
+        if asked(case, travel):
+            total = 2.0 * plate.results.force.toarray()[2 * mesh.npoints - 1, 0]
+            force.append(round(float(abs(total)), 2))
+
+    follow(case, mesh, keep)
     print(
         f"  size {size}: {mesh.ncells} elements, {force} N/m, {perf_counter() - began:.0f} s",
         flush=True,
@@ -313,7 +348,10 @@ def main(name):
 
 
 def save(name, found):
-    Path(__file__).with_name(f"{name}.json").write_text(json.dumps(found, indent=1) + "\n")
+    """Put new entries into the JSON of a case; the others stay."""
+    file = Path(__file__).with_name(f"{name}.json")
+    known = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    file.write_text(json.dumps(known | found, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -33,21 +33,23 @@ class Grid:
         face = gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(curves)])
         gmsh.model.geo.mesh.setTransfiniteSurface(face)
 
-    def quarter(self, centre, radius, along, inward):
+    def quarter(self, centre, radius, along, inward, upper=None, growth=1.0):
         """Make three blocks in a quarter disc: a square in the middle and two between it and the arc.
 
-        ``along`` elements lie along each half of the arc, ``inward`` from there to the square. Returns
+        ``along`` elements lie along each half of the arc, or ``upper`` along the upper one; ``inward``
+        from there to the square, each ``growth`` times as long as its neighbour further in. Returns
         the curves and the points of its two straight edges.
         """
+        upper = along if upper is None else upper
         (x, y), a, b, s = centre, 0.5 * radius, 0.42 * radius, radius * np.sqrt(0.5)
         o, pa, pb, pc, pd, pe, pf = (
             self.point(x + dx, y + dy)
             for dx, dy in ((0, 0), (a, 0), (b, b), (0, a), (radius, 0), (s, s), (0, radius))
         )
-        oa, ab = self.line(o, pa, along), self.line(pa, pb, along)
-        bc, co = self.line(pb, pc, along), self.line(pc, o, along)
-        ad, be, cf = (self.line(p, q, inward) for p, q in ((pa, pd), (pb, pe), (pc, pf)))
-        de, ef = self.arc(pd, o, pe, along), self.arc(pe, o, pf, along)
+        oa, ab = self.line(o, pa, upper), self.line(pa, pb, along)
+        bc, co = self.line(pb, pc, upper), self.line(pc, o, along)
+        ad, be, cf = (self.line(p, q, inward, growth) for p, q in ((pa, pd), (pb, pe), (pc, pf)))
+        de, ef = self.arc(pd, o, pe, along), self.arc(pe, o, pf, upper)
         self.block(oa, ab, bc, co)
         self.block(ad, de, -be, -ab)
         self.block(be, ef, -cf, -bc)
@@ -64,30 +66,44 @@ def quarter_disc(radius):
     return draw
 
 
-def rounded_block(width, height, radius, graded=False):
+def fine_disc(radius):
+    """Quarter in x, y > 0 with elements of ``size`` along the upper half of its arc."""
+
+    def draw(size):
+        upper = max(4, round(0.25 * np.pi * radius / size))
+        # inward three times as long
+        inward = max(3, round(0.55 * radius / (1.8 * size)))
+        growth = (1.0 / 3.0) ** (1.0 / (inward - 1))
+        Grid().quarter((0.0, 0.0), radius, upper // 2, inward, upper, growth)
+
+    return draw
+
+
+def rounded_block(width, height, radius, graded=False, corner=0.4):
     """Right half of a block; its rounded corner is a quarter disc, with five blocks round it.
 
-    ``graded``: smaller elements at the lower corner too.
+    ``graded``: smaller elements at the lower corner too. ``corner``: size of the elements in the
+    rounded corner over that of the others.
     """
 
     def draw(size):
         grid, b, h = Grid(), 0.5 * width - radius, height - radius
-        fine = max(2, round(0.5 * radius / (0.4 * size)))
+        fine = max(2, round(0.5 * radius / (corner * size)))
         (oa, ad, co, cf), (o, pa, pd, pc, pf) = grid.quarter((b, h), radius, fine, fine)
         across, up = round(b / size / 0.8), round(h / size / 0.8)
 
-        def growing(start, end, count):
+        def growing(start, end, count, ratio=0.4):
             """From the middle to the corner, elements get smaller down to those of the corner."""
-            return grid.line(start, end, count, 0.4 ** (1.0 / count))
+            return grid.line(start, end, count, ratio ** (1.0 / count))
 
         xs = (0.0, b, b + 0.5 * radius, b + radius)
         low = [grid.point(x, 0.0) for x in xs]
         left = [grid.point(0.0, y) for y in (h, h + 0.5 * radius, h + radius)]
-        lows = [growing(low[0], low[1], across)]
+        lows = [growing(low[0], low[1], across, corner)]
         lows += [grid.line(low[1], low[2], fine), grid.line(low[2], low[3], fine)]
         rise = grid.swelling if graded else growing
         ups = [rise(p, q, up) for p, q in zip(low, (left[0], o, pa, pd), strict=True)]
-        rights = [growing(p, q, across) for p, q in zip(left, (o, pc, pf), strict=True)]
+        rights = [growing(p, q, across, corner) for p, q in zip(left, (o, pc, pf), strict=True)]
         lefts = [grid.line(left[0], left[1], fine), grid.line(left[1], left[2], fine)]
         grid.block(lows[0], ups[1], -rights[0], -ups[0])
         grid.block(lows[1], ups[2], -oa, -ups[1])
@@ -114,6 +130,34 @@ def half_ring(outer, inner):
             grid.arc(b, o, c, around, growth),
             grid.line(c, d, layers),
             grid.arc(d, o, a, around, 1.0 / growth),
+        )
+
+    return draw
+
+
+def fine_ring(outer, inner):
+    """Right half of a bulb with elements of ``size`` in the upper half of its arc."""
+
+    def draw(size):
+        grid, s = Grid(), np.sqrt(0.5)
+        layers, upper = (
+            max(4, round(length / size)) for length in (outer - inner, 0.25 * np.pi * outer)
+        )
+        lower = upper // 2
+        o, a, b, c, d, e, f = (
+            grid.point(*xy)
+            for xy in (
+                (0, 0), (inner, 0), (outer, 0), (s * outer, s * outer), (s * inner, s * inner),
+                (0, outer), (0, inner),
+            )
+        )  # fmt: skip
+        growth, middle = 2.5 ** (1.0 / lower), grid.line(c, d, layers)
+        grid.block(
+            grid.line(a, b, layers), grid.arc(b, o, c, lower, growth), middle,
+            grid.arc(d, o, a, lower, 1.0 / growth),
+        )  # fmt: skip
+        grid.block(
+            -middle, grid.arc(c, o, e, upper), grid.line(e, f, layers), grid.arc(f, o, d, upper)
         )
 
     return draw
