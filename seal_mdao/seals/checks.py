@@ -15,6 +15,7 @@ from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.seals.contact_loss import contact_losses
+from seal_mdao.seals.creases import creases
 from seal_mdao.seals.local_states import (
     CURE,
     LEAVE_OUT,
@@ -71,7 +72,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         samples = Samples(path)
         checks = (
             _balance, _stability, _volume, _local, _crossing, _inside_profiles, _inside_itself,
-            _below_base, _contact_loss, _strains,
+            _below_base, _contact_loss, _strains, _creases,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -135,6 +136,19 @@ def _contact_loss(samples: Samples):
         yield Finding(text, False)
 
 
+def _creases(samples: Samples):
+    """Report a free surface of nearly incompressible material beyond the onset of creases."""
+    if _keeps_volume(samples.path):
+        for text in creases(samples):
+            yield Finding(text, False)
+
+
+def _keeps_volume(path: PathResult) -> bool:
+    """Return whether all materials are nearly incompressible: K > 10 G."""
+    regions = path.problem.term("structure").definition.regions
+    return all(r.material.bulk_modulus > KEEPS_VOLUME * r.material.shear_modulus for r in regions)
+
+
 def _strains(samples: Samples):
     """Report materials that are strained beyond the range for which their constants are known."""
     path = samples.path
@@ -164,9 +178,7 @@ def _strains(samples: Samples):
 def _volume(samples: Samples):
     """Report inverted material, and material that has lost more volume than it can."""
     change = samples.volume_change
-    # nearly incompressible: K > 10 G in all regions
-    regions = samples.path.problem.term("structure").definition.regions
-    stiff = all(r.material.bulk_modulus > KEEPS_VOLUME * r.material.shear_modulus for r in regions)
+    stiff = _keeps_volume(samples.path)
     slight, none = (SHALLOW_VOLUME, NO_VOLUME) if stiff else (SOLID_VOLUME, 0.0)
     # det F; NaN counts as the least
     least = np.where(np.isnan(change), -np.inf, change)
