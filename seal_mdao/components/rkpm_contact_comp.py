@@ -82,7 +82,7 @@ class RkpmContactComp(RandomDirectionsComp):
         try:
             result = self._analysis(inputs)
             with analysis_errors():
-                values = {measure.name: result.value(measure) for measure in self._measures}
+                values = result.admissible_values(self._measures)
         except Exception as error:
             # else recorder files would show values of the last design for this one
             for name in outputs:

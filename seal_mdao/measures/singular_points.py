@@ -9,6 +9,8 @@ from seal_mdao.rkpm.cells import sides_of
 
 REENTRANT = np.pi / 4.0
 """Angle by which a boundary turns into the body at a re-entrant corner, at the least."""
+FIXED_END = "the end of a fixed edge"
+"""Kind of a singular point."""
 
 
 class SingularPoint(NamedTuple):
@@ -31,7 +33,7 @@ def singular_points(body, particles: np.ndarray) -> list[SingularPoint]:
         turn = np.arctan2(one[0] * other[1] - one[1] * other[0], one @ other)
         kind = ""
         if fixed[point] and not (fixed[last] and fixed[after]):
-            kind = "the end of a fixed edge"
+            kind = FIXED_END
         elif turn < -REENTRANT and not fixed[point]:
             kind = "a re-entrant corner"
         if kind:

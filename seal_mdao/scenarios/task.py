@@ -88,8 +88,7 @@ class SealTask:
         particles = seal.particles(offsets)
         seal = with_clear_starts(seal, particles)
         result = analyze_particles(seal, particles, offsets, factor_memory=memory)
-        result.require_possible()
-        values = np.concatenate([result.value(measure) for measure in self.measures])
+        values = np.concatenate([*result.admissible_values(self.measures).values()])
         if not self.derivatives:
             return values, None
         rates = sensitivities(result, self.parameters, self.measures, self.method)

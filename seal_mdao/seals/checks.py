@@ -15,7 +15,13 @@ from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.seals.contact_loss import contact_losses
-from seal_mdao.seals.local_states import CURE, meaningless_states
+from seal_mdao.seals.creases import creases
+from seal_mdao.seals.local_states import (
+    CURE,
+    LEAVE_OUT,
+    beside_fixed_ends,
+    meaningless_states,
+)
 from seal_mdao.seals.overlap import crossings, overlap_depths
 from seal_mdao.seals.samples import Samples
 
@@ -66,7 +72,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         samples = Samples(path)
         checks = (
             _balance, _stability, _volume, _local, _crossing, _inside_profiles, _inside_itself,
-            _below_base, _contact_loss, _strains,
+            _below_base, _contact_loss, _strains, _creases,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -130,6 +136,19 @@ def _contact_loss(samples: Samples):
         yield Finding(text, False)
 
 
+def _creases(samples: Samples):
+    """Report a free surface of nearly incompressible material beyond the onset of creases."""
+    if _keeps_volume(samples.path):
+        for text in creases(samples):
+            yield Finding(text, False)
+
+
+def _keeps_volume(path: PathResult) -> bool:
+    """Return whether all materials are nearly incompressible: K > 10 G."""
+    regions = path.problem.term("structure").definition.regions
+    return all(r.material.bulk_modulus > KEEPS_VOLUME * r.material.shear_modulus for r in regions)
+
+
 def _strains(samples: Samples):
     """Report materials that are strained beyond the range for which their constants are known."""
     path = samples.path
@@ -159,21 +178,35 @@ def _strains(samples: Samples):
 def _volume(samples: Samples):
     """Report inverted material, and material that has lost more volume than it can."""
     change = samples.volume_change
-    # nearly incompressible: K > 10 G in all regions
-    regions = samples.path.problem.term("structure").definition.regions
-    stiff = all(r.material.bulk_modulus > KEEPS_VOLUME * r.material.shear_modulus for r in regions)
+    stiff = _keeps_volume(samples.path)
     slight, none = (SHALLOW_VOLUME, NO_VOLUME) if stiff else (SOLID_VOLUME, 0.0)
     # det F; NaN counts as the least
-    worst = int(np.argmin(np.where(np.isnan(change), -np.inf, change)))
-    if not change[worst] > slight:
-        # det F <= 0: inverted, in any material
-        how = "inverted" if not change[worst] > 0.0 else "compressed"
+    least = np.where(np.isnan(change), -np.inf, change)
+    # the exact strain is infinite at the end of a fixed edge: refinement inverts more of it
+    beside = beside_fixed_ends(samples, samples.undeformed)
+    if beside.any() and not (corner := least[beside].min()) > slight:
+        worst = int(np.flatnonzero(beside & (least == corner))[0])
         yield Finding(
-            f"material is {how} between the quadrature points: det F = {change[worst]:.2g} where "
-            f"{_at(samples.undeformed[worst])} undeformed, so the stress there means nothing; {CURE}",
+            f"material is {_squeezed(corner)} at the end of a fixed edge: det F = {corner:.2g} where "
+            f"{_at(samples.undeformed[worst])} undeformed; forces are hardly changed by it, but "
+            f"{LEAVE_OUT}",
+            False,
+            meaningless=True,
+        )
+    worst = int(np.argmin(np.where(beside, np.inf, least)))
+    if not least[worst] > slight and not beside[worst]:
+        yield Finding(
+            f"material is {_squeezed(change[worst])} between the quadrature points: det F = "
+            f"{change[worst]:.2g} where {_at(samples.undeformed[worst])} undeformed, so the stress "
+            f"there means nothing; {CURE}",
             not change[worst] > none,
             meaningless=True,
         )
+
+
+def _squeezed(change: float) -> str:
+    """Describe a det F; at most 0 or NaN is inverted, in any material."""
+    return "compressed" if change > 0.0 else "inverted"
 
 
 def _local(samples: Samples):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from seal_mdao.measures.singular_points import singular_points
+from seal_mdao.measures.singular_points import FIXED_END, singular_points
 from seal_mdao.seals.samples import Samples
 from seal_mdao.structure.particle_stress import particle_stress
 
@@ -21,16 +21,38 @@ ABOVE_NEIGHBOURS = 5.0
 """Ratio of such a stress to the median around it above which it is that of a single point."""
 NEAR = 2.0
 """Distance from a singular point, in spacings there, within which a stress is that of the point."""
+BESIDE = 1.0
+"""Distance from the end of a fixed edge, in spacings there, within which its singularity may invert
+points between the particles. On a bonded half disc and a bonded gasket no point farther away does."""
 CURE = "round the corner, refine the particles there (spacing, layers), or use less travel"
+LEAVE_OUT = (
+    "the exact stress there is infinite and smaller particles only come closer to it: leave the point "
+    "out of limits of the stress (away_from_singular of von_mises)"
+)
+"""What to do at the end of a fixed edge, which no refinement cures."""
+
+
+def beside_fixed_ends(samples: Samples, points: np.ndarray) -> np.ndarray:
+    """Find the points (k, 2) within ``BESIDE`` spacings of the end of a fixed edge, a mask (k,)."""
+    disc, beside = samples.path.discretization, np.zeros(len(points), bool)
+    for end in singular_points(disc.body, disc.particles):
+        if end.kind == FIXED_END:
+            # |X - X_s| <= BESIDE h_s
+            beside |= np.linalg.norm(points - end.place, axis=1) <= BESIDE * end.spacing
+    return beside
 
 
 def meaningless_states(samples: Samples):
-    """Describe a stretch or a stress at single points that no rubber has, one line each."""
+    """Describe a stretch or a stress at single points that no rubber has, one line each.
+
+    The stress of inverted material at the end of a fixed edge is not a number; ``seals.checks`` reports
+    it by the volume change.
+    """
     found = largest_stretch(samples)
     if not found.value <= LARGEST_STRETCH:
         yield (
             f"a principal stretch is {found.value:.3g} {found.where}, beyond that of any rubber at "
-            f"break, so the stress there means nothing; {CURE}"
+            f"break, so the stress there means nothing; {cure_at(samples, found.point)}"
         )
     path, body = samples.path, samples.path.discretization.body
     places = body.samples.at(samples.path.discretization.particles)
@@ -39,8 +61,9 @@ def meaningless_states(samples: Samples):
         region.material.shear_modulus
         for region in path.problem.term("structure").definition.regions
     )
-    # NaN counts as the largest
-    worst = int(np.argmax(np.where(np.isnan(stress), np.inf, stress)))
+    # NaN counts as the largest, but at the end of a fixed edge
+    unknown = np.where(beside_fixed_ends(samples, places), 0.0, np.inf)
+    worst = int(np.argmax(np.where(np.isnan(stress), unknown, stress)))
     if not stress[worst] <= LARGEST_STRESS * shear:
         # the twelve nearest samples, without the point itself
         near = np.median(stress[cKDTree(places).query(places[worst], k=13)[1][1:]])
@@ -48,15 +71,22 @@ def meaningless_states(samples: Samples):
             yield (
                 f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} times "
                 f"the shear modulus, {_where(places[worst])}, and {near:.3g} kPa around it: the "
-                f"cells there are distorted, and this stress means nothing; {CURE}"
+                f"cells there are distorted, and this stress means nothing; "
+                f"{cure_at(samples, places[worst])}"
             )
 
 
+def cure_at(samples: Samples, point: np.ndarray) -> str:
+    """Advise what to do about a local state at an undeformed point."""
+    return LEAVE_OUT if beside_fixed_ends(samples, point[None]).any() else CURE
+
+
 class Largest(NamedTuple):
-    """A largest value and where it is, in words."""
+    """A largest value and where it is, in words and undeformed, mm."""
 
     value: float
     where: str
+    point: np.ndarray
 
 
 def largest_stretch(samples: Samples) -> Largest:
@@ -64,7 +94,8 @@ def largest_stretch(samples: Samples) -> Largest:
     stretch = samples.stretches[:, 1]
     # NaN counts as the largest
     worst = int(np.argmax(np.where(np.isnan(stretch), np.inf, stretch)))
-    return Largest(float(stretch[worst]), _where(samples.undeformed[worst]))
+    point = samples.undeformed[worst]
+    return Largest(float(stretch[worst]), _where(point), point)
 
 
 def _where(point) -> str:

@@ -203,6 +203,23 @@ class SealResult:
                 f"the end of the load path is not possible: {'; '.join(wrong)}", self
             )
 
+    def admissible_values(self, measures) -> dict:
+        """Evaluate measures, by their names, at an admissible end of the path.
+
+        Raises
+        ------
+        LoadPathError
+            As ``require_possible``; and for a value that is not a number, such as the stress of inverted
+            material at the end of a fixed edge.
+        """
+        self.require_possible()
+        values = {measure.name: self.value(measure) for measure in measures}
+        unknown = [name for name, value in values.items() if np.isnan(value).any()]
+        if unknown:
+            wrong = [found.text for found in findings(self.path) if found.meaningless]
+            raise LoadPathError(f"{', '.join(unknown)} is not a number: {'; '.join(wrong)}", self)
+        return values
+
     @property
     def failure(self) -> str:
         """Message on where and in what state a path ended, with advice; empty for a complete path."""

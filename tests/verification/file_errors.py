@@ -3,15 +3,18 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import LinearNDInterpolator
+from scipy.spatial import cKDTree
 
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.measures.singular_points import singular_points
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.section_cloud import Kernels
-from seal_mdao.seals.result import analyze
+from seal_mdao.seals.result import SealResult, analyze
 
 LINEAR, QUADRATIC = Kernels(), Kernels(2.6, 2)
 """What files have, and what they might have."""
@@ -62,3 +65,20 @@ def force_error(found: list, reference: list) -> float:
         float(np.abs(own - exact).max() / np.abs(exact).max())
         for own, exact in zip(found, reference, strict=True)
     )
+
+
+def stress_error(result: SealResult, fine: SealResult, away: float) -> float:
+    """Compute the error of the von Mises stress at the end of a path against that of a finer cloud.
+
+    It is the root mean square of the difference over that of the stress, at all sample points of the
+    section farther than ``away`` (mm) from its singular points.
+    """
+    places, stress = result.section_stress()
+    exact = LinearNDInterpolator(*fine.section_stress())(places)
+    singular = singular_points(result.seal.body, result.seal.nominal_particles)
+    # outside of the triangles of the finer samples there is no value
+    used = np.isfinite(exact)
+    if singular:
+        used &= cKDTree([point.place for point in singular]).query(places)[0] > away
+    # sqrt(sum (s - s_fine)^2 / sum s^2)
+    return float(np.linalg.norm((stress - exact)[used]) / np.linalg.norm(stress[used]))

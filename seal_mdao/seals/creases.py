@@ -1,0 +1,52 @@
+"""Free surfaces that are compressed so much that rubber forms creases in them.
+
+The surface of an incompressible Mooney-Rivlin body in plane strain is unstable to creases below a
+stretch of 0.647 along it (W. Hong, X. Zhao, Z. Suo, Formation of creases on the surfaces of elastomers
+and gels, *Appl. Phys. Lett.* 95, 2009), and to waves of any length below 0.544 (M. A. Biot, Surface
+instability of rubber in compression, *Appl. Sci. Res.* A 12, 1963). Neither has a size of its own:
+coarse particles and a linear basis hide them, finer particles and a quadratic basis do not.
+"""
+
+import numpy as np
+
+from seal_mdao.contact.rigid_contact import ContactTerm
+from seal_mdao.contact.self_contact import SelfContactTerm
+from seal_mdao.seals.samples import Samples
+
+CREASES = 0.647
+"""Stretch along a free surface below which it forms creases."""
+
+
+def creases(samples: Samples):
+    """Describe the most compressed free side of the boundary if it is below ``CREASES``, one line."""
+    chains = samples.chains
+    ends = chains[:, [0, -1]]
+    # stretch of a side between two particles: |x_b - x_a| / |X_b - X_a|
+    lengths = [
+        np.hypot(*(x[ends[:, 1]] - x[ends[:, 0]]).T) for x in (samples.places, samples.undeformed)
+    ]
+    stretch = np.where(_touching(samples, chains, lengths[0]), np.inf, lengths[0] / lengths[1])
+    worst = int(stretch.argmin())
+    if stretch[worst] < CREASES:
+        x, y = samples.undeformed[chains[worst, chains.shape[1] // 2]]
+        yield (
+            f"the free surface is compressed to {stretch[worst]:.2g} of its length where x = {x:.3g}, "
+            f"y = {y:.3g} undeformed: below {CREASES:.2g} rubber forms creases, which coarse particles "
+            "do not show, so finer ones may give another force or fail; use a larger radius there, or "
+            "less travel"
+        )
+
+
+def _touching(samples: Samples, chains, lengths) -> np.ndarray:
+    """Find the sides that touch a profile or another part of the boundary, a mask (m,)."""
+    path, touching = samples.path, np.zeros(len(chains), bool)
+    middles = samples.places[chains[:, chains.shape[1] // 2]]
+    for term in path.problem.terms:
+        if isinstance(term, ContactTerm):
+            # nearer to the profile than half of the side's length
+            touching |= term.gaps(middles, path.steps[-1].fraction) < 0.5 * lengths
+        elif isinstance(term, SelfContactTerm):
+            points, gap = term.gaps(samples.places[term.where.at_particles])
+            particles = term.where.at_particles[points[gap <= 0.0]]
+            touching |= np.isin(chains[:, [0, -1]], particles).any(axis=1)
+    return touching

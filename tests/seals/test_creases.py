@@ -1,0 +1,47 @@
+"""A free surface that is compressed beyond the onset of creases is reported."""
+
+import re
+
+import numpy as np
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.cli.examples import examples_folder
+from seal_mdao.seals import creases
+from seal_mdao.seals.samples import Samples
+
+
+def analysed(name):
+    return sm.analyze(sm.build_seal(examples_folder() / f"{name}.toml"))
+
+
+@pytest.fixture(scope="module")
+def d_bulb():
+    return analysed("d_bulb")
+
+
+def test_creases_in_the_inner_corner_of_a_bulb_are_reported(d_bulb):
+    """Beside the cavity, where its straight sides become the arc; quadratic bases fold there."""
+    (text,) = (text for text in d_bulb.warnings if "forms creases" in text)
+    stretch, x, y = map(float, re.search(r"to (\S+) of .* x = (\S+), y = (\S+) und", text).groups())
+    assert stretch == pytest.approx(0.545, abs=0.01)
+    assert abs(abs(x) - 3.4) < 0.1
+    assert 8.5 < y < 10.0
+    assert d_bulb.trustworthy
+
+
+def test_bulb_that_bends_less_has_no_creases():
+    """Its most compressed side has a stretch of 0.81."""
+    assert not list(creases.creases(Samples(analysed("sealed_bulb").path)))
+
+
+def test_surface_in_contact_forms_no_creases(d_bulb, monkeypatch):
+    """The sides under the door touch it, those of the cavity do not."""
+    samples = Samples(d_bulb.path)
+    chains = samples.chains
+    touching = creases._touching(samples, chains, np.full(len(chains), 0.1))
+    height = samples.places[chains[:, 2], 1]
+    assert touching.any()
+    assert height[touching].min() > 9.9
+    monkeypatch.setattr(creases, "_touching", lambda *_: np.ones(len(chains), bool))
+    assert not list(creases.creases(samples))
