@@ -112,6 +112,12 @@ BAD = {
                            + CAVITY + VENTS,
                            "[[cavity]] 1: closing_speed = 500 gives stage 2 of the profile 'door', "
                            "which does not travel, no time"),
+    "a duration without vents": ("steps = 20", "steps = 20\nduration = 0.1",
+                                 "[[profile]] 1 ('door'): [[profile.stage]] 2 has a duration, which "
+                                 "only the first moving profile of a seal with a vented [[cavity]] "
+                                 "needs; omit it"),
+    "a duration of zero": ("steps = 20", "steps = 20\nduration = 0.0",
+                           "duration = 0.0, but it must be a number above 0"),
     "no travel at all": (STAGES, "[[profile.stage]]\nrotate = 1.0\n" + CAVITY + VENTS,
                          "closing_speed = 500, but no profile travels; give one a stage"),
     "pressure of no cavity": (WIDTH, 'type = "cavity_pressure"',
