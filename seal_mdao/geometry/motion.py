@@ -40,6 +40,8 @@ class Motion:
         and does not count as travel.
     fractions : ndarray, shape (n_steps,), or None
         Fraction of its stage completed at the end of every step, 1 at the last; None for equal steps.
+    durations : ndarray, shape (n_stages,), or None
+        Time of every stage, s; NaN for a stage whose time follows from a speed. None: NaN for all.
 
     Raises
     ------
@@ -56,6 +58,7 @@ class Motion:
     names: tuple[str, ...] = ()
     clearance: np.ndarray = (0.0, 0.0)
     fractions: np.ndarray | None = None
+    durations: np.ndarray | None = None
 
     def __post_init__(self):
         steps = np.array(self.steps)
@@ -87,6 +90,12 @@ class Motion:
         object.__setattr__(self, "names", names)
         if self.fractions is not None:
             object.__setattr__(self, "fractions", self._checked_fractions())
+        durations = np.full(count, np.nan) if self.durations is None else self.durations
+        object.__setattr__(self, "durations", np.array(durations, float))
+        require(
+            self.durations.shape == (count,) and not np.any(self.durations <= 0.0),
+            f"durations of a motion must be positive, one a stage; got {self.durations!r}",
+        )
 
     def _checked_fractions(self) -> np.ndarray:
         fractions = np.array(self.fractions, float)
@@ -259,11 +268,26 @@ class Motion:
 
         The clearance is no travel.
         """
+        return self._accumulated(self._lengths)
+
+    @property
+    def timing(self) -> tuple[np.ndarray, np.ndarray]:
+        """Travel in stages without a duration (mm), and time in the stages with one (s).
+
+        Both at the start and after every nominal step, shape (n_steps + 1,). At a speed v a load step
+        takes the change of the first over v plus the change of the second.
+        """
+        given = ~np.isnan(self.durations)
+        travel = np.where(given, 0.0, self._lengths)
+        return self._accumulated(travel), self._accumulated(np.where(given, self.durations, 0.0))
+
+    def _accumulated(self, sizes: np.ndarray) -> np.ndarray:
+        """Sum what grows linearly by ``sizes`` (n_stages,) in the stages, shape (n_steps + 1,)."""
         # s = sum of the stages before + phi L of the present one
-        before = np.concatenate([[0.0], np.cumsum(self._lengths)])
+        before = np.concatenate([[0.0], np.cumsum(sizes)])
         own = [
-            before[stage] + self._stage_fractions(stage)[1:] * length
-            for stage, length in enumerate(self._lengths)
+            before[stage] + self._stage_fractions(stage)[1:] * size
+            for stage, size in enumerate(sizes)
         ]
         return np.concatenate([[0.0], *own])
 
@@ -353,12 +377,15 @@ class Stage:
     rates : mapping of str to (dx, dy, degrees)
         Derivatives of ``translate`` and ``rotate`` with respect to named parameters. Later stages
         begin at the end of this one, so they are moved too.
+    duration : float, optional
+        Time of the stage, s; None where it follows from a speed, or does not matter.
     """
 
     steps: int | tuple[float, ...]
     translate: tuple[float, float] = (0.0, 0.0)
     rotate: float = 0.0
     rates: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    duration: float | None = None
 
     @property
     def n_steps(self) -> int:
@@ -404,6 +431,7 @@ def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0
     return Motion(
         waypoints[:, :2], waypoints[:, 2], [stage.n_steps for stage in stages], pivot, rates, names,
         fractions=None if equal else np.concatenate([step_fractions(stage.steps) for stage in stages]),
+        durations=[np.nan if stage.duration is None else stage.duration for stage in stages],
     )  # fmt: skip
 
 

@@ -3,8 +3,9 @@
     p = p_a ((M / A)^gamma - 1),    dM/dt = -C_d a c Phi(M / A),    c = sqrt(2 p_a / rho_a) = sqrt(2 R T)
 
 with M the mass of the air over its density outside, A0 at the start (mm^2), a the area of the vents per
-length of the strip and Phi of ``orifice``. A load step takes the time in which the profile travels; over
-it the mass follows by backward Euler. In the fraction of the mass m = M / A0 and y = ln(M / A) that is
+length of the strip and Phi of ``orifice``. A load step takes the time in which the profile travels, or
+its part of a given duration; over it the mass follows by backward Euler. In the fraction of the mass
+m = M / A0 and y = ln(M / A) that is
 
     F(y) = A / A0 exp(y) - m_n + kappa Phi(y) = 0,    kappa = C_d a c dt / A0
 
@@ -71,14 +72,17 @@ class VentedAir(TrappedAir):
     closing_speed : float
         Speed along the path of the profile, mm/s.
     travel : ndarray, shape (n_steps + 1,)
-        Length of that path at the start and after every nominal step, mm; linear between.
+        Length of that path at the start and after every nominal step, mm; linear between. Stages with a
+        given duration do not count.
     discharge_coefficient : float
+    time : ndarray, shape (n_steps + 1,), optional
+        Time of the stages with a given duration, in the same form, s; None: there are none.
 
     Raises
     ------
     ValueError
         As ``TrappedAir``, and for a negative diameter or coefficient, a distance or a speed that is not
-        positive, a travel that decreases.
+        positive, a travel or a time that decreases.
     """
 
     vent_diameter: float
@@ -86,6 +90,7 @@ class VentedAir(TrappedAir):
     closing_speed: float
     travel: np.ndarray
     discharge_coefficient: float = SHARP_EDGED
+    time: np.ndarray | None = None
 
     def __post_init__(self):
         super().__post_init__()
@@ -93,9 +98,14 @@ class VentedAir(TrappedAir):
             values.real(f"{name} of {self.label!r}", getattr(self, name), 0.0)
         for name in ("vent_spacing", "closing_speed"):
             values.real(f"{name} of {self.label!r}", getattr(self, name), above=0.0)
-        travel = values.numbers(f"travel of {self.label!r}", self.travel)
-        if travel.ndim != 1 or not (np.isfinite(travel).all() and (np.diff(travel) >= 0.0).all()):
-            raise ValueError(f"travel of {self.label!r} must be lengths that do not decrease")
+        if self.time is None:
+            object.__setattr__(self, "time", np.zeros(np.shape(self.travel)))
+        for name, what in (("travel", "lengths"), ("time", "times")):
+            own = values.numbers(f"{name} of {self.label!r}", getattr(self, name))
+            if own.ndim != 1 or not (np.isfinite(own).all() and (np.diff(own) >= 0.0).all()):
+                raise ValueError(f"{name} of {self.label!r} must be {what} that do not decrease")
+        if np.shape(self.time) != np.shape(self.travel):
+            raise ValueError(f"travel and time of {self.label!r} must have one value for each step")
 
     @property
     def scalars(self) -> dict:
@@ -113,7 +123,8 @@ class VentedAir(TrappedAir):
 
     def with_ends(self, ends) -> "VentedAir":
         """Return the air for other load steps."""
-        return replace(self, travel=at_ends(np.asarray(self.travel, float), ends))
+        both = {name: np.asarray(getattr(self, name), float) for name in ("travel", "time")}
+        return replace(self, **{name: at_ends(own, ends) for name, own in both.items()})
 
     def on(self, discretization, index) -> "VentedAirTerm":
         """Build the term for one design."""
@@ -132,6 +143,8 @@ class _State(NamedTuple):
         Logarithm of the density over that outside.
     kappa : float
         C_d a c dt / A0.
+    moving : float
+        Fraction of dt that depends on the closing speed.
     flow : Flow
         Phi(y).
     slope : float
@@ -142,6 +155,7 @@ class _State(NamedTuple):
     by_index: np.ndarray
     y: float
     kappa: float
+    moving: float
     flow: Flow
     slope: float
 
@@ -156,6 +170,7 @@ class VentedAirTerm(TrappedAirTerm):
     def __init__(self, definition: VentedAir, discretization, index: int):
         super().__init__(definition, discretization, index)
         self.travel, self.speed = np.asarray(definition.travel, float), definition.closing_speed
+        self.time = np.asarray(definition.time, float)
         # a = pi d^2 / (4 s): area of the vents per length of the strip, mm
         area = 0.25 * math.pi * definition.vent_diameter**2 / definition.vent_spacing
         self.conductance = definition.discharge_coefficient * area * VELOCITY
@@ -174,9 +189,13 @@ class VentedAirTerm(TrappedAirTerm):
     def no_history(self) -> AirHistory:
         return AirHistory(1.0, 0.0)
 
-    def time_between(self, first: float, last: float) -> float:
-        """Of the travel between two path parameters, s."""
-        return float(at_fraction(self.travel, last) - at_fraction(self.travel, first)) / self.speed
+    def times_between(self, first: float, last: float) -> tuple[float, float]:
+        """Of the travel at the closing speed, and of given durations, between two path parameters, s."""
+        travel, time = (
+            float(at_fraction(own, last) - at_fraction(own, first))
+            for own in (self.travel, self.time)
+        )
+        return travel / self.speed, time
 
     def _vented(self, x, fraction, history: AirHistory) -> _State | None:
         """Solve for the state at the end of a load step; None where the area is not positive."""
@@ -184,13 +203,15 @@ class VentedAirTerm(TrappedAirTerm):
         area *= self.orientation
         if area <= 0.0:
             return None
-        time = self.time_between(history.fraction, fraction)
+        moving, given = self.times_between(history.fraction, fraction)
+        time = moving + given
         left, kappa = area / self.nominal_area, self.conductance * time / self.nominal_area
         y = density(left, history.mass, kappa, self.gamma)
         flow = orifice_flow(y, self.gamma)
         # dF/dy = A / A0 exp(y) + kappa dPhi/dy
         slope = left * math.exp(y) + kappa * flow.by_density
-        return _State(area, self.orientation * by_index, y, kappa, flow, slope)
+        share = moving / time if time else 0.0
+        return _State(area, self.orientation * by_index, y, kappa, share, flow, slope)
 
     def _pressure(self, y: float) -> float:
         """Compute p = p_a (exp(gamma y) - 1)."""
@@ -241,6 +262,8 @@ class VentedAirTerm(TrappedAirTerm):
         exponent[columns[f"{self.label}_gamma"]] = 1.0
         for name, rate in self._by_logarithm.items():
             logarithm[columns[name]] = rate
+        # dt = travel / speed + given time
+        logarithm[columns[f"{self.label}_closing_speed"]] *= state.moving
         # kappa' / kappa = (ln kappa)' - A0' / A0
         logarithm -= nominal / self.nominal_area
         flowing = kappa * (flow.value * logarithm + flow.by_gamma * exponent)
@@ -259,7 +282,7 @@ class VentedAirTerm(TrappedAirTerm):
 
     def changes(self, step, response, target):
         """Compute the change of the residual while air leaves the hole at fixed displacements."""
-        if self.time_between(step.fraction, target) == 0.0:
+        if sum(self.times_between(step.fraction, target)) == 0.0:
             return []
         later = self._vented(response.x, target, response.history)
         # dR = -(p(t + dt) - p(t)) g at fixed A

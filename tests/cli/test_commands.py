@@ -150,9 +150,11 @@ def test_new_check_and_analyze(tmp_path, monkeypatch, capsys):
     assert summary["design_parameters"] == 6 == seal.designs[0].parameters
     analysis, choice = (summary[f"estimated_seconds{own}"] for own in ("", "_of_choice"))
     assert 0.3 * analysis < choice < 3.0 * analysis
+    output = summary["estimated_seconds_of_output"]
+    assert 2.0 < output < 8.0
     assert (
-        f"with 40 load steps takes about {duration(analysis + choice)}, of which {duration(choice)} "
-        "for choosing load steps and penalties, and "
+        f"with 40 load steps takes about {duration(analysis + choice + output)}, of which "
+        f"{duration(choice)} for choosing load steps and penalties and {duration(output)} for its start"
     ) in capsys.readouterr().out
     assert (tmp_path / "look" / "section.png").stat().st_size > 20_000
     with pytest.raises(SystemExit):

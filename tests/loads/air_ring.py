@@ -61,9 +61,11 @@ def change_of_residual(result, rng) -> tuple:
 
 
 def air_ring(
-    sealed=True, friction=0.3, back=False, solver="auto", depth=1.2, finer=1, shear=0.4, **air
-):
-    """Design: thickness of the wall, an egg-shaped hole, one side of the hole."""
+    sealed=True, friction=0.3, back=False, solver="auto", depth=1.2, finer=1, shear=0.4, rest=None,
+    **air,
+):  # fmt: skip
+    """Design: thickness of the wall, an egg-shaped hole, one side of the hole. ``rest``: seconds of a
+    dwell between the two stages."""
     particles, body = ring_particles(), ring_body(solver)
     radius = np.hypot(*particles.T)[:, None]
     away, (x, y) = particles / radius, particles.T
@@ -75,6 +77,8 @@ def air_ring(
         Stage(4 * finer, (0.0, -depth), rates={"depth": (0.0, -1.0, 0.0)}),
         Stage(3 * finer, (shear, -0.2)),
     ]
+    if rest is not None:
+        stages.insert(1, Stage(2 * finer, duration=rest))
     if back:
         stages += [Stage(3 * finer, (-shear, 0.2)), Stage(4 * finer, (0.0, depth))]
     plate = RigidContact(
@@ -84,7 +88,8 @@ def air_ring(
     ring = body.edge("cavity").particles
     if "vent_diameter" in air:
         # time is counted by the travel of the nominal plate
-        trapped = (VentedAir("air", ring, travel=plate.motion.travels, **air),)
+        travel, time = plate.motion.timing
+        trapped = (VentedAir("air", ring, travel=travel, time=time, **air),)
     else:
         trapped = (TrappedAir("air", ring, **air),) if sealed else ()
     return sm.Seal(

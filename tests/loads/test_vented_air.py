@@ -121,9 +121,11 @@ def test_discharge_of_a_constant_volume_converges_to_the_solution_in_time(gamma)
     np.testing.assert_allclose(orders, 1.0, atol=0.05)
 
 
-def test_the_root_of_a_small_pressure_falls_linearly_in_time():
-    """d sqrt(p) / dt = -gamma c C_d a sqrt(p_a) / (2 A), incompressible and without smoothing."""
-    term, x = rigid(travel=(0.0, 1.0))
+@pytest.mark.parametrize("moving", [1.0, 0.4, 0.0])
+def test_the_root_of_a_small_pressure_falls_linearly_in_time(moving):
+    """d sqrt(p) / dt = -gamma c C_d a sqrt(p_a) / (2 A), incompressible and without smoothing: in the
+    time of a travel, in a duration, in both."""
+    term, x = rigid(travel=(0.0, moving), time=(0.0, (1.0 - moving) / VENTS["closing_speed"]))
     x, start = x * np.sqrt(1.0 - 1e-3), 1e-3 * 1.4
     end, count, history = 0.06, 2000, AirHistory(1.0, 0.0)
     for step in range(1, count + 1):
@@ -188,10 +190,12 @@ def test_the_force_of_a_step_derives_from_the_work_on_the_air(rng):
     np.testing.assert_allclose(tangent @ way.ravel(), quotient, atol=1e-8 * scale)
 
 
+@pytest.mark.parametrize("time", [None, (0.0, 0.0, 0.003)])
 @pytest.mark.parametrize("row", ["force", "mass", "pressure", "area"])
-def test_every_derivative_of_a_step(row, rng):
-    """With respect to places, the mass before, parameters and undeformed places."""
-    term, x = rigid(travel=(0.0, 0.5, 1.0))
+def test_every_derivative_of_a_step(row, time, rng):
+    """With respect to places, the mass before, parameters and undeformed places; in a step that takes
+    the time of a travel, or of a travel and a duration."""
+    term, x = rigid(travel=(0.0, 0.5, 1.0), time=time)
     history, x = AirHistory(0.93, 0.7), 0.93 * x + 0.02 * rng.standard_normal(x.shape)
     definition = air_ring(**VENTS).definitions[-1]
     names = [name.removeprefix("air_") for name in term.names]
@@ -205,7 +209,7 @@ def test_every_derivative_of_a_step(row, rng):
             name: base[name] * (1.0 + size * h * by * (which == "parameters"))
             for name, by in zip(names, ways["parameters"], strict=True)
         }
-        other, _ = rigid(travel=(0.0, 0.5, 1.0), **given)
+        other, _ = rigid(travel=(0.0, 0.5, 1.0), time=time, **given)
         if which == "X":
             area, _ = polygon_area(other.reference + size * h * ways["X"])
             other.nominal_area = other.orientation * area
@@ -300,6 +304,26 @@ def test_direct_and_adjoint_agree(squeezed, tables):
         assert (np.abs(direct[measure.name] - adjoint[measure.name]) <= 1e-9 * size).all()
 
 
+def test_air_leaves_while_the_plate_rests():
+    """A longer dwell leaves less pressure, and direct and adjoint derivatives agree."""
+    vents = VENTS | {"closing_speed": 3e5}
+    ends = {}
+    for rest in (1e-4, 1e-3, 1e-2):
+        result = sm.analyze(air_ring(rest=rest, **vents), keep_factors=True)
+        found = pressures(result)
+        # closed, dwell of two load steps
+        assert found[3] > found[4] > found[5]
+        ends[rest] = found[5] / found[3]
+        names = tuple(result.seal.scalars)
+        direct, adjoint = (
+            sm.differentiate(result, names, method=method) for method in ("direct", "adjoint")
+        )
+        for measure in result.seal.standard:
+            size = np.abs(direct[measure.name]).max(axis=1, keepdims=True)
+            assert (np.abs(direct[measure.name] - adjoint[measure.name]) <= 1e-9 * size).all()
+    assert ends[1e-4] > 0.7 > ends[1e-3] > 0.3 > ends[1e-2]
+
+
 @pytest.mark.parametrize("place", range(16))
 def test_derivatives_against_central_differences(squeezed, tables, place):
     """In every parameter, by quotients of second order: their error falls with the square of the step
@@ -332,11 +356,13 @@ def test_derivatives_against_central_differences(squeezed, tables, place):
 
 
 def test_other_load_steps_take_the_same_time():
-    air = air_ring(**VENTS).definitions[-1]
-    other = air.with_ends((0.5, 1.0, 2.5, 4.0, 5.0, 7.0))
-    np.testing.assert_allclose(
-        other.travel, np.interp((0.0, 0.5, 1.0, 2.5, 4.0, 5.0, 7.0), range(8), air.travel)
-    )
+    air, ends = air_ring(rest=0.3, **VENTS).definitions[-1], (0.5, 1.0, 2.5, 4.0, 5.0, 6.0, 9.0)
+    other = air.with_ends(ends)
+    for name, last in (("travel", 1.2 + np.hypot(0.4, 0.2)), ("time", 0.3)):
+        own = getattr(air, name)
+        assert own[-1] == pytest.approx(last)
+        expected = np.interp((0.0, *ends), range(10), own)
+        np.testing.assert_allclose(getattr(other, name), expected)
 
 
 @pytest.mark.parametrize(
@@ -347,6 +373,8 @@ def test_other_load_steps_take_the_same_time():
         ({"closing_speed": 0.0}, "closing_speed of 'air'"),
         ({"discharge_coefficient": -0.1}, "discharge_coefficient of 'air'"),
         ({"travel": np.array([1.0, 0.0])}, "travel of 'air'"),
+        ({"time": np.array([1.0, 0.0, 2.0])}, "time of 'air'"),
+        ({"time": np.array([1.0, 2.0])}, "travel and time of 'air'"),
         ({"pressure": 0.0}, "pressure of 'air'"),
     ],
 )  # fmt: skip

@@ -112,6 +112,12 @@ BAD = {
                            + CAVITY + VENTS,
                            "[[cavity]] 1: closing_speed = 500 gives stage 2 of the profile 'door', "
                            "which does not travel, no time"),
+    "a duration without vents": ("steps = 20", "steps = 20\nduration = 0.1",
+                                 "[[profile]] 1 ('door'): [[profile.stage]] 2 has a duration, which "
+                                 "only the first moving profile of a seal with a vented [[cavity]] "
+                                 "needs; omit it"),
+    "a duration of zero": ("steps = 20", "steps = 20\nduration = 0.0",
+                           "duration = 0.0, but it must be a number above 0"),
     "no travel at all": (STAGES, "[[profile.stage]]\nrotate = 1.0\n" + CAVITY + VENTS,
                          "closing_speed = 500, but no profile travels; give one a stage"),
     "pressure of no cavity": (WIDTH, 'type = "cavity_pressure"',
@@ -501,4 +507,32 @@ def test_files_that_are_none(tmp_path):
     path = tmp_path / "binary.toml"
     path.write_bytes(b"[fixed]\nedges = \xff")
     with pytest.raises(sm.SealFileError, match=r"is not text in UTF-8 \(byte 16\)"):
+        sm.read_seal_file(path)
+
+
+def test_a_section_in_metres_is_recognised(tmp_path):
+    """Its segments are too short, and the message says that lengths are in mm."""
+    text = (Path(__file__).parent / "bulb.toml").read_text()
+    for old, new in (
+        ("[[-4.0, 0.0], [4.0, 0.0]]", "[[-0.004, 0.0], [0.004, 0.0]]"),
+        ("start = [4.0, 0.0], through = [0.0, 14.0], end = [-4.0, 0.0]",
+         "start = [0.004, 0.0], through = [0.0, 0.014], end = [-0.004, 0.0]"),
+    ):  # fmt: skip
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "metres.toml"
+    path.write_text(text)
+    words = "0.008 mm long; .* only 0.014 mm in size: lengths are in mm, are these in metres?"
+    with pytest.raises(sm.SealFileError, match=words):
+        sm.read_seal_file(path)
+
+
+def test_a_short_segment_of_a_section_of_usual_size_is_no_matter_of_units(tmp_path):
+    text = (Path(__file__).parent / "bulb.toml").read_text()
+    old = "line = [[-4.0, 0.0], [4.0, 0.0]]"
+    divided = "[[-4.0, 0.0], [-3.999, 0.0]]", "[[-3.999, 0.0], [4.0, 0.0]]"
+    new = '\n[[section.outer]]\nedge = "base"\n'.join(f"line = {own}" for own in divided)
+    path = tmp_path / "short.toml"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(sm.SealFileError, match=r"only 0.001 mm long; .* longer than 0.01 mm$"):
         sm.read_seal_file(path)

@@ -343,6 +343,27 @@ def test_a_cavity_with_vents_takes_its_time_from_the_profile_that_travels(tmp_pa
     }  # fmt: skip
 
 
+def test_a_vented_cavity_bleeds_down_in_a_dwell(tmp_path):
+    """In rubber too stiff for the air to deform it, sqrt(p) falls linearly in the time of the dwell."""
+    rest = "translate = [2.0, 0.0]\nrotate = 0.0\nsteps = 20"
+    assert rest in BULB
+    text = BULB.replace(rest, "steps = 100\nduration = 4e-4").replace("[0.0, -6.0]", "[0.0, -1.4]")
+    text = text.replace("spacing = 0.9", "spacing = 1.8").replace("steps = 60", "steps = 6")
+    for old, new in (
+        ("c10 = 80.0", "c10 = 8e5"), ("c01 = 20.0", "c01 = 2e5"), ("modulus = 80000.0", "modulus = 8e8"),
+    ):  # fmt: skip
+        text = text.replace(old, new)
+    fast = VENTS.replace("500.0", "1e6")
+    result = sm.analyze(build_seal(read(tmp_path, text.replace("[fixed]", f"{fast}[fixed]"))))
+    air, responses = result.term("air"), result.path.at_nominal("air")
+    pressure = np.array([response.outputs[0, 0] for response in responses])[5:]
+    area = responses[-1].outputs[0, 1]
+    # d sqrt(p) / dt = -gamma c C_d a sqrt(p_a) / (2 A) for p much smaller than p_a
+    fall = 0.5 * air.gamma * air.conductance / area * 4e-4 * np.sqrt(air.outside)
+    assert 0.2 < fall / np.sqrt(pressure[0]) < 0.8
+    assert np.sqrt(pressure[0]) - np.sqrt(pressure[-1]) == pytest.approx(fall, rel=0.02)
+
+
 def test_chosen_load_steps_see_the_error_in_time(tmp_path):
     """With little air lost in a step, steps follow the seal; with much of it, there are more of them."""
     counts = []

@@ -35,6 +35,7 @@ def check(file) -> None:
     _check_designs(file)
     _check_boundary_tolerance(file)
     _check_cavities(file)
+    _check_durations(file)
     if file.self_contact is not None:
         check_edges("[self_contact]", "edges", file.self_contact.edges, file.section.outline)
         check_pairs(file.self_contact)
@@ -150,13 +151,31 @@ def _check_closing(where: str, cavity, file) -> None:
     moving = next((profile for profile in file.profiles if profile.travel > 0.0), None)
     if moving is None:
         raise SealFileError(f"{where}, but no profile travels; give one a stage with translate")
-    # time = travel / speed
-    still = [number for number, own in enumerate(moving.stages, 1) if not any(own.translate)]
-    if still:
-        raise SealFileError(
-            f"{where} gives stage {still[0]} of the profile {moving.name!r}, which does not travel, no "
-            "time for the air to leave; give every stage of it a translate"
-        )
+    # time = travel / speed, or as given
+    for number, own in enumerate(moving.stages, 1):
+        if own.duration is None and not any(own.translate):
+            raise SealFileError(
+                f"{where} gives stage {number} of the profile {moving.name!r}, which does not travel, "
+                "no time for the air to leave; give it a duration (s) or a translate"
+            )
+
+
+def _check_durations(file) -> None:
+    """Refuse durations of stages that determine the time of no cavity."""
+    moving = next((profile for profile in file.profiles if profile.travel > 0.0), None)
+    vented = any(cavity.vented for cavity in file.cavities)
+    for kind, tables in (("profile", file.profiles), ("moved", file.moved)):
+        for i, own in enumerate(tables, 1):
+            given = [k for k, stage in enumerate(own.stages, 1) if stage.duration is not None]
+            if not given or (vented and own is moving):
+                continue
+            instead = (
+                f"give it to the stages of {moving.name!r}" if vented and moving else "omit it"
+            )
+            raise SealFileError(
+                f"[[{kind}]] {i} ({own.name!r}): [[{kind}.stage]] {given[0]} has a duration, which only "
+                "the first moving profile of a seal with a vented [[cavity]] needs; " + instead
+            )
 
 
 def _check_fluids(file) -> None:

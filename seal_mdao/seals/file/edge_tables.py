@@ -78,7 +78,8 @@ class CavityTable(Table):
         "distance from one vent to the next along the strip", None
     )
     closing_speed: number("mm/s", above=0.0) | None = key(
-        "with vents: speed of the first moving profile along its path", None
+        "with vents: speed of the first moving profile along its path, in stages without duration",
+        None,
     )
     discharge_coefficient: number(above=0.0, most=1.0) | None = key(
         f"of the vents, {SHARP_EDGED:g} unless given: 0.6 for a sharp edge, 0.8 for a hole in a wall "
@@ -112,11 +113,17 @@ class CavityTable(Table):
         if not self.vented:
             return sealed
         motions = (contact.motion for contact in section.contacts)
+        travel, time = next(motion.timing for motion in motions if motion.travel > 0.0)
         given = {name: getattr(self, name) for name in VENTS if getattr(self, name) is not None}
         return VentedAir(
-            sealed.label, sealed.ring, sealed.pressure, sealed.gamma,
-            travel=next(motion.travels for motion in motions if motion.travel > 0.0), **given,
-        )  # fmt: skip
+            sealed.label,
+            sealed.ring,
+            sealed.pressure,
+            sealed.gamma,
+            travel=travel,
+            time=time,
+            **given,
+        )
 
 
 @table(kw_only=True)

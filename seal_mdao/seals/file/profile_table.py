@@ -39,6 +39,10 @@ class StageTable(Table):
     translate: Place = key("travel of this stage", (0.0, 0.0))
     rotate: Angle = key("turn about the pivot, counter-clockwise", 0.0)
     steps: Steps | None = key("load steps; chosen where no stage has any", None)
+    duration: number("s", above=0.0) | None = key(
+        "time of this stage, for a cavity with vents; the travel over closing_speed unless given",
+        None,
+    )
 
 
 class Staged:
@@ -60,7 +64,7 @@ def made_stage(given, read) -> Stage:
     if isinstance(given, Stage):
         return given
     made = read(given)
-    return Stage(made.steps, made.translate, made.rotate)
+    return Stage(made.steps, made.translate, made.rotate, duration=made.duration)
 
 
 @table(kw_only=True)

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.arcs import Circle
 from seal_mdao.seals.outline.segments import Line, Segment, pair
+from seal_mdao.seals.outline.sizes import USUAL
 
 SHORTEST = 10.0
 """Least length of a segment, over the distance within which ends are joined."""
@@ -42,6 +43,7 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
     # every segment by itself, then every joint
     for number, segment in enumerate(segments, 1):
         _check_segment(number, segment, join, alone=len(segments) == 1)
+        _check_length(number, segment, join, segments)
     following = [*pairwise(enumerate(segments, 1))]
     if closed:
         following.append(((len(segments), segments[-1]), (1, segments[0])))
@@ -111,19 +113,33 @@ def _joint(one: Segment, other: Segment, join: float) -> np.ndarray:
 
 
 def _check_segment(number, segment, join, alone) -> None:
-    """Refuse what is no segment, has no edge, is too short, or a circle among others."""
+    """Refuse what is no segment, has no edge, or is a circle among others."""
     if not isinstance(segment, Segment):
         raise GeometryError(f"segment {number} must be a line, arc, circle or spline: {segment!r}")
     where = f"segment {number} (edge {segment.edge!r})"
     if not isinstance(segment.edge, str) or not segment.edge:
         raise GeometryError(f"segment {number} needs the name of its edge, got {segment.edge!r}")
-    if segment.length < SHORTEST * join:
-        raise GeometryError(
-            f"{where} at {pair(segment.start)} is only {segment.length:.3g} mm long; leave it out or "
-            f"make it longer than {SHORTEST * join:g} mm"
-        )
     if isinstance(segment, Circle) and not alone:
         raise GeometryError(f"{where} is a circle; a circle is a contour of its own")
+
+
+def _check_length(number, segment, join, segments) -> None:
+    """Refuse a segment that is too short; in a tiny chain the unit of length may be wrong."""
+    if segment.length >= SHORTEST * join:
+        return
+    # extent of the chain by the ends and middles of its segments
+    points = np.concatenate([own.points([0.0, 0.5, 1.0]) for own in segments])
+    size = float(np.ptp(points, axis=0).max())
+    unit = (
+        f"; all segments together are only {size:.3g} mm in size: lengths are in mm, are these in "
+        "metres?"
+        if size < USUAL[0]
+        else ""
+    )
+    raise GeometryError(
+        f"segment {number} (edge {segment.edge!r}) at {pair(segment.start)} is only "
+        f"{segment.length:.3g} mm long; leave it out or make it longer than {SHORTEST * join:g} mm{unit}"
+    )
 
 
 def loops(segments, names, join: float) -> list[tuple]:
