@@ -110,9 +110,9 @@ class LeakRate(Measure):
             _incompressible(self.name, elastic.regions[number].material)
 
     def evaluate(self, result, partials):
-        # numbers as parameters of the seal, if it has the measure
-        known = {name: scalar.value for name, scalar in result.seal.scalars.items()}
-        return _Leak(self.with_parameters(known), result).evaluate(partials)
+        # numbers that were changed as parameters of the seal
+        own = self.with_parameters(result.seal.changed)
+        return _Leak(own, result).evaluate(partials)
 
 
 class _Leak:

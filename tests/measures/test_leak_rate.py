@@ -217,6 +217,9 @@ def test_own_parameters_of_the_seal(tmp_path):
     start = leak(sm.analyze(seal))
     doubled = sm.analyze(seal, parameters={OWN[1]: 4.0, OWN[2]: 60.0})
     assert leak(doubled) == pytest.approx(1.5 * start, rel=1e-12)
+    # another measure of the same name has its own numbers
+    other = replace(seal.standard[0], pressure=40.0)
+    assert leak(sm.analyze(seal), other) == pytest.approx(2.0 * start, rel=1e-12)
     with pytest.raises(ValueError, match="viscosity of 'leak_rate' must be a number above 0"):
         seal.with_parameters({OWN[1]: -1.0})
     with pytest.raises(ValueError, match="rms_roughness must be a number above 0"):
