@@ -210,6 +210,18 @@ def test_without_contact_the_leak_rate_is_infinite(tmp_path):
     assert not sm.differentiate(result, ("soft_c10", OWN[0])).leak_rate.any()
 
 
+def test_error_by_the_penalty_is_relative_to_the_leak_rate_itself(tmp_path):
+    """Not to its values before, which are larger by orders of magnitude or infinite."""
+    stiff, soft = (
+        sm.analyze(block(tmp_path, -0.65, ("normal_penalty = 1e6", f"normal_penalty = {penalty}")))
+        for penalty in ("1e6", "1e5")
+    )
+    found = soft.penalty_error["leak_rate"]
+    assert found.scale == leak(soft)
+    assert found.relative == pytest.approx((leak(soft) - leak(stiff)) / leak(soft) / 0.9, rel=0.2)
+    assert found.relative > 1e-4
+
+
 def test_own_parameters_of_the_seal(tmp_path):
     seal = block(tmp_path)
     assert [seal.scalars[name][:2] for name in OWN] == [(5.0, "um"), (2.0, "mPa*s"), (20.0, "kPa")]
