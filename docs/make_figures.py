@@ -38,6 +38,7 @@ GROUPS = {
     "seal_files": "figures.seal_files",
     "air": "figures.air",
     "fluid": "figures.fluid",
+    "leak_rate": "figures.leak_rate",
     "self_contact": "figures.self_contact",
     "cycles": "figures.cycles",
     "seal": "figures.seal",

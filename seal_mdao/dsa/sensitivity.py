@@ -240,8 +240,11 @@ def adjoint_gradient(result, wanted: Wanted, names) -> AdjointGradient:
     method."""
     stack = wanted.stack
     gradient = AdjointSweep(result.path, wanted.probe, stack.count, names).run(stack.seeds)
-    scalars = gradient.scalars.copy()
+    # parameters of measures alone follow those of the terms
+    names = (*gradient.names, *(own for own in stack.parameters if own not in gradient.names))
+    scalars = np.zeros((len(names), stack.count))
+    scalars[: len(gradient.names)] = gradient.scalars
     for name, own in stack.parameters.items():
         # direct part in the parameters
-        scalars[gradient.names.index(name)] += own
-    return AdjointGradient(gradient.particles + stack.particles, gradient.names, scalars)
+        scalars[names.index(name)] += own
+    return AdjointGradient(gradient.particles + stack.particles, names, scalars)

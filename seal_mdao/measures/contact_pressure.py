@@ -105,7 +105,7 @@ class ContactPressure(Measure):
         return len(self.patches)
 
     def evaluate(self, result, partials):
-        points = _PointPressures(result, self.profile, self.nominal)
+        points = PointPressures(result, self.profile, self.nominal)
         values = np.empty(len(self.patches))
         for row, patch in enumerate(self.patches):
             own, on_pressure = np.array(patch, int), np.zeros(points.value.size)
@@ -117,7 +117,7 @@ class ContactPressure(Measure):
         return values
 
 
-class _PointPressures:
+class PointPressures:
     """Contact pressures of all points of a profile at the end of the path, kPa."""
 
     def __init__(self, result, profile: str, nominal: bool):

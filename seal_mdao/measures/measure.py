@@ -145,6 +145,18 @@ class Measure:
     wants_end = True
 
     @property
+    def scalars(self) -> dict:
+        """``Scalar`` by name: parameters of its own, beside those of the terms of the seal."""
+        return {}
+
+    def with_parameters(self, changes: dict) -> "Measure":
+        """Return the measure with some of its ``scalars`` changed; names of others are ignored."""
+        return self
+
+    def check(self, seal) -> None:
+        """Raise ValueError for a seal of which the measure cannot be taken."""
+
+    @property
     def selects_points(self) -> bool:
         """Whether its points are selected on the nominal seal, which costs an analysis."""
         return False

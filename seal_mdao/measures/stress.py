@@ -138,6 +138,10 @@ class LargestVonMises(Measure):
         # n^(1/p) <= 1 + excess  =>  p >= ln n / ln(1 + excess)
         return max(2, ceil(log(n_points) / log1p(self.excess)))
 
+    def check(self, seal):
+        # refuses a distance from singular points beyond which nothing is left
+        self.points(seal)
+
     def points(self, seal) -> np.ndarray:
         """Find the points of ``Body.samples`` that take part; ValueError where none is left."""
         # particles, midpoints of sides, centres of cells

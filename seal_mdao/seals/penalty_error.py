@@ -15,6 +15,7 @@ from seal_mdao.contact.self_contact import SelfContact, SelfContactTerm
 from seal_mdao.dsa.parameters import parameter_rates
 from seal_mdao.dsa.sensitivity import Wanted, direct_rates
 from seal_mdao.measures.contact_pressure import ContactWidth
+from seal_mdao.measures.leak_rate import LeakRate
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.reaction import Reaction
 
@@ -177,6 +178,9 @@ def least_scale(measure: Measure, result) -> float:
         return measure.scale * float(force)
     if isinstance(measure, ContactWidth):  # less than the distance of the points is not resolved
         return float(result.term(measure.profile).length.mean())
+    # falls by orders of magnitude along the path, and its own size is what counts
+    if isinstance(measure, LeakRate):
+        return 0.0
     # lengths, areas and volumes from the largest displacement
     along = result.path.largest_displacement
     small = SMALL_LENGTH * along

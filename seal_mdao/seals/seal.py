@@ -166,6 +166,8 @@ class Seal:
                 shown = self.parameters.get(name)
                 # p = p_0 + p of the term
                 found[name] = own if shown is None else Scalar(shown.zero + own.value, *shown[:2])
+        for measure in (*self.standard, *self.further):
+            found |= measure.scalars
         return {
             name: scalar._replace(value=self.changed.get(name, scalar.value))
             for name, scalar in found.items()
@@ -197,7 +199,10 @@ class Seal:
         # checked before any term is built
         checked = {name: self._checked_value(name, value) for name, value in changes.items()}
         other = self._with_changed(self.changed | checked)
-        other.terms()  # values that are not admissible are refused here
+        # values that are not admissible are refused here
+        other.terms()
+        for measure in (*other.standard, *other.further):
+            measure.with_parameters(other.changed)
         return other
 
     def _checked_value(self, name: str, value) -> float:

@@ -299,8 +299,12 @@ def most_penalty(seal: Seal) -> float:
 
 
 def _own(seal: Seal) -> Seal:
-    """Return the seal with changed parameters moved into the definitions of its terms."""
-    return replace(seal, definitions=seal.terms(), changed={})
+    """Return the seal with changed parameters moved into its terms and measures."""
+    standard, further = (
+        tuple(measure.with_parameters(seal.changed) for measure in own)
+        for own in (seal.standard, seal.further)
+    )
+    return replace(seal, definitions=seal.terms(), standard=standard, further=further, changed={})
 
 
 # ---- load steps ----

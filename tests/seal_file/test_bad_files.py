@@ -31,6 +31,10 @@ OTHER = f'[[profile]]\nname = "other"\nfriction = 0.1\ncontact = ["seal"]\n{DOOR
 SECOND = PROFILE.replace('"door"', '"wall"')
 WIDTH = 'type = "contact_width"\nprofile = "door"'
 REACTION, STRESS = 'type = "reaction"', 'type = "von_mises"'
+LEAK = (
+    'type = "leak_rate"\nrms_roughness = 6.0\nroll_off_wavelength = 500.0\nshortest_wavelength = 1.0\n'
+    "pressure = 10.0"
+)
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
 FIXED = '[fixed]\nedges = ["base"]\n'
 SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
@@ -392,6 +396,14 @@ BAD = {
                         "there is no such profile (did you mean 'door'?); there is door"),
     "argument of another type": (WIDTH, WIDTH + "\norder = 4", "[[measure]] 1: unknown key 'order'"),
     "order one": (WIDTH, 'type = "peak_pressure"\norder = 1', "order = 1, but it must be a whole numb"),
+    "no roughness": (WIDTH, 'type = "leak_rate"', "[[measure]] 1: the key 'rms_roughness' is missing"),
+    "wavelengths in disorder": (WIDTH, LEAK + "\nlongest_wavelength = 100.0", "[[measure]] 1: it must "
+                                "be shortest_wavelength < roll_off_wavelength <= longest_wavelength"),
+    "no pressure to leak": (WIDTH, LEAK.replace("10.0", "0.0"), "[[measure]] 1: pressure = 0.0, but it "
+                            "must be a number above 0 and at most 1e+09 (kPa)"),
+    "Hurst exponent of a line": (WIDTH, LEAK + "\nhurst_exponent = 1.0", "[[measure]] 1: hurst_exponent "
+                                 "= 1.0, but it must be a number of at least 0.01 and at most 0.99"),
+    "leak of no profile": (WIDTH, LEAK + '\nprofile = "dor"', "[[measure]] 1: profile = 'dor', but"),
     "component z": (WIDTH, 'type = "reaction"\ncomponent = "z"', "component = 'z', but it must be one"),
     "component and direction": (WIDTH, REACTION + '\ncomponent = "y"\ndirection = [0.0, 1.0]',
                                 "[[measure]] 1: component beside direction; use one of them"),

@@ -8,7 +8,6 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.errors import SealFileError
-from seal_mdao.measures.stress import LargestVonMises
 from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import measure_of
@@ -135,13 +134,11 @@ def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> Outli
 
 
 def _measures(file: SealFile, seal: OutlineSeal):
-    """Make the measures of the file; those of extensions may refuse their keys."""
+    """Make the measures of the file; some refuse their keys, or the seal."""
     for number, entry in enumerate(file.measures, 1):
         try:
             measure = measure_of(entry, seal.nominal_particles)
-            if isinstance(measure, LargestVonMises):
-                # refuses a distance from singular points beyond which nothing is left
-                measure.points(seal)
+            measure.check(seal)
             yield measure
         except ValueError as error:
             where = f"{file.path}: [[measure]] {number} ({entry.name!r})"

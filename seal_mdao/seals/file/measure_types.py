@@ -23,8 +23,8 @@ from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.wall_thickness import WallThickness
 from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
-from seal_mdao.seals.file.force_types import KINDS
 from seal_mdao.seals.file.forms import Names, Point, Text, many, number, one_of, whole
+from seal_mdao.seals.file.leak_rate_table import KINDS
 from seal_mdao.seals.file.measure_table import (
     AtPlaces,
     MeasureTable,

@@ -1,0 +1,224 @@
+"""Leak rate of a liquid under a seal on a rough counterface, by Persson's critical-junction theory.
+
+At a nominal contact pressure p the interface conducts as a slit of the height u_c(p) of its critical
+constriction (``seal_mdao.measures.roughness``). Along the contact, whose points are in series,
+
+    Q = dp / int ds / sigma(p(s)),    sigma = u_c(p)^3 / (12 eta),
+
+is the volume per time and length of seal that a pressure difference dp drives through.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from seal_mdao import values
+from seal_mdao.measures.boundary_line import add_deformed_seeds
+from seal_mdao.measures.contact_pressure import PointPressures
+from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.roughness import Roughness
+from seal_mdao.terms.term import Scalar
+
+MICRON = 1e-3
+"""mm."""
+MILLIPASCAL_SECOND = 1e-6
+"""kPa s."""
+METRE = 1e3
+"""mm."""
+
+
+@dataclass(frozen=True)
+class LeakRate(Measure):
+    """Volume of liquid that leaks under a profile per time and length of seal.
+
+    It is zero where the contact pressure somewhere closes all open paths, and infinite without contact.
+    Roughness, viscosity, pressure and, if given, the modulus are scalar parameters with the name of the
+    measure before theirs: ``leak_rate_rms_roughness``, ...
+
+    Attributes
+    ----------
+    profile : str
+    rms_roughness : float
+        Of seal and profile together, um.
+    roll_off_wavelength, shortest_wavelength : float
+        Between which the roughness is self-affine, um.
+    pressure : float
+        Pressure difference of the liquid, kPa.
+    hurst_exponent : float
+    viscosity : float
+        mPa s; that of water at 20 degrees Celsius by default.
+    modulus : float, optional
+        E / (1 - nu^2), kPa; 4 G of the nearly incompressible material in contact unless given.
+    longest_wavelength : float, optional
+        Of the roughness, um; without any beyond the roll-off unless given.
+
+    Raises
+    ------
+    ValueError
+        For a number outside of its range, or wavelengths in the wrong order.
+    """
+
+    profile: str
+    rms_roughness: float
+    roll_off_wavelength: float
+    shortest_wavelength: float
+    pressure: float
+    hurst_exponent: float = 0.8
+    viscosity: float = 1.0
+    modulus: float | None = None
+    longest_wavelength: float | None = None
+    name: str = "leak_rate"
+    units = "mm**3/s/m"
+    text = "Leak rate of a liquid per length of seal."
+
+    def __post_init__(self):
+        for own in ("viscosity", "pressure"):
+            values.real(f"{own} of {self.name!r}", getattr(self, own), above=0.0)
+        if self.modulus is not None:
+            values.real(f"modulus of {self.name!r}", self.modulus, above=0.0)
+        _ = self.roughness
+
+    @property
+    def roughness(self) -> Roughness:
+        """Roughness of the interface."""
+        return Roughness(
+            self.rms_roughness, self.roll_off_wavelength, self.shortest_wavelength,
+            self.hurst_exponent, self.longest_wavelength,
+        )  # fmt: skip
+
+    @property
+    def scalars(self):
+        units = {"rms_roughness": "um", "viscosity": "mPa*s", "pressure": "kPa", "modulus": "kPa"}
+        return {
+            f"{self.name}_{own}": Scalar(getattr(self, own), unit, f"{own} of {self.name}.")
+            for own, unit in units.items()
+            if getattr(self, own) is not None
+        }
+
+    def with_parameters(self, changes):
+        start = len(self.name) + 1
+        return replace(self, **{n[start:]: changes[n] for n in self.scalars if n in changes})
+
+    def check(self, seal):
+        if self.modulus is not None:
+            return
+        elastic = seal.terms()[0]
+        where = next(term.where for term in seal.terms() if term.label == self.profile)
+        touched = np.isin(seal.body.cells, where.points.anchors).any(axis=1)
+        of_cells = elastic.per_cell(range(len(elastic.regions)), len(touched), int)
+        for number in np.unique(of_cells[touched]):
+            _incompressible(self.name, elastic.regions[number].material)
+
+    def evaluate(self, result, partials):
+        # numbers that were changed as parameters of the seal
+        own = self.with_parameters(result.seal.changed)
+        return _Leak(own, result).evaluate(partials)
+
+
+class _Leak:
+    """Leak rate at the end of the path, and its partial derivatives.
+
+    Parameters
+    ----------
+    measure : LeakRate
+    result : SealResult
+    """
+
+    def __init__(self, measure: LeakRate, result):
+        self.measure, self.structure = measure, result.term("structure")
+        self.points = PointPressures(result, measure.profile, nominal=False)
+        self.where, self.deformed = result.term(measure.profile).where, result.deformed()
+        self.pressed = np.flatnonzero(self.points.value > 0.0)
+
+    def evaluate(self, partials) -> float:
+        """Evaluate Q, mm^3/s/m, and add its partial derivatives."""
+        on, own = self.pressed, self.measure
+        if on.size == 0:
+            return np.inf
+        pressure, length = self.points.value[on], self.where.lengths(self.deformed)[on]
+        modulus = self._moduli()[on]
+        height, slope = own.roughness.constriction(pressure / modulus)
+        lowest = height.min()
+        if lowest == 0.0:
+            return 0.0
+        # Q = dp / (12 eta) / sum_i l_i / u_i^3, scaled with the lowest u
+        resistance = length * (lowest / height) ** 3
+        fluidity = METRE * own.pressure / (12.0 * own.viscosity * MILLIPASCAL_SECOND)
+        rate = fluidity * (MICRON * lowest) ** 3 / resistance.sum()
+        # dQ/dl_i = -Q f_i / l_i, dQ/du_i = 3 Q f_i / u_i with the fractions f_i of the resistance
+        fraction = resistance / resistance.sum()
+        # u_i = u(p_i / E_i):  p dQ/dp = -E dQ/dE = 3 Q f_i (p / E) u' / u
+        by_log = 3.0 * rate * fraction * (pressure / modulus) * slope / height
+        self._add_pressures(partials, by_log / pressure)
+        self._add_lengths(partials, -rate * fraction / length)
+        self._add_moduli(partials, -by_log / modulus)
+        # u = rms f(p / (E rms)):  rms dQ/drms = 3 Q - sum_i p_i dQ/dp_i
+        on_scalars = {
+            "rms_roughness": (3.0 * rate - by_log.sum()) / own.rms_roughness,
+            "viscosity": -rate / own.viscosity, "pressure": rate / own.pressure,
+        }  # fmt: skip
+        for name, by_scalar in on_scalars.items():
+            partials.parameter(f"{own.name}_{name}")[0] += by_scalar
+        return rate
+
+    def _every(self, at_pressed: np.ndarray) -> np.ndarray:
+        """Return values at the points in contact as values (k,) at all contact points."""
+        out = np.zeros(len(self.where))
+        out[self.pressed] = at_pressed
+        return out
+
+    def _add_pressures(self, partials, by_pressure) -> None:
+        on_pressure, points = self._every(by_pressure), self.points
+        points.add_partials(partials, 0, on_pressure)
+        # p = w_n (...):  dp/dw_n = p / w_n
+        by_penalty = on_pressure @ points.value / points.penalty
+        partials.parameter(points.term.names[0])[0] += by_penalty
+
+    def _add_lengths(self, partials, by_length) -> None:
+        on_deformed, on_length = np.zeros_like(self.deformed), self._every(by_length)
+        self.where.add_length_seeds(self.deformed, on_length[:, None], on_deformed[:, :, None])
+        add_deformed_seeds(partials, 0, on_deformed)
+
+    # ---- plane strain modulus of the rubber ----
+
+    def _regions(self) -> np.ndarray:
+        """Fraction of every contact point that belongs to each region of material, shape (k, r)."""
+        anchors, weights = self.where.points.anchors, self.where.points.weights
+        numbers = np.arange(len(self.structure.definition.regions))
+        belongs = self.structure.particle_regions[anchors][..., None] == numbers
+        return np.einsum("ka,kar->kr", weights, belongs)
+
+    def _moduli(self) -> np.ndarray:
+        """E / (1 - nu^2) at every contact point, shape (k,)."""
+        if self.measure.modulus is not None:
+            return np.full(len(self.where), self.measure.modulus)
+        found = self._regions()
+        moduli = np.zeros(found.shape[1])
+        for number in np.flatnonzero(found[self.pressed].any(axis=0)):
+            material = self.structure.definition.regions[number].material
+            _incompressible(self.measure.name, material)
+            # E / (1 - nu^2) = 4 G for nu = 1/2
+            moduli[number] = 4.0 * material.shear_modulus
+        return found @ moduli
+
+    def _add_moduli(self, partials, by_modulus) -> None:
+        if self.measure.modulus is not None:
+            partials.parameter(f"{self.measure.name}_modulus")[0] += by_modulus.sum()
+            return
+        regions = self.structure.definition.regions
+        for region, on_region in zip(
+            regions, by_modulus @ self._regions()[self.pressed], strict=True
+        ):
+            # G = 2 W_T at T = 2, J = 1
+            slopes = region.material.constant_derivatives(np.array(2.0), np.array(1.0))[:, 0]
+            for name, slope in zip(region.names, slopes, strict=True):
+                partials.parameter(name)[0] += on_region * 8.0 * slope
+
+
+def _incompressible(name: str, material) -> None:
+    """Raise ValueError for a material whose modulus in a plane strain contact is not 4 G."""
+    if material.bulk_modulus == 0.0:
+        raise ValueError(
+            f"{name!r}: the rubber in contact is compressible ({type(material).__name__}); give its "
+            "modulus E / (1 - nu^2) (kPa)"
+        )
