@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 import openmdao.api as om
 import scipy.linalg
+from finite_elements import elements_figures
 from threadpoolctl import threadpool_limits
 
 import seal_mdao as sm
@@ -302,6 +303,7 @@ def main(argv=None):
             "checks of the result": checks_figures(seal),
             "estimates before an analysis": estimates(),
             "through OpenMDAO": openmdao_figures(seal),
+            '`accuracy="engineering"` beside finite elements': elements_figures(),
             **{f"growth, {s}": growth(arguments.largest, s) for s in sparse_solvers()},
             "sensitivities of 8 steps": shares(arguments.largest),
             "start": start_up(),
