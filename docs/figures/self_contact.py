@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import seal_mdao as sm
-from figures.drawing import picture
+from figures.drawing import captioned_files, picture
 from figures.seal_files import example
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.plotting import section_drawing as section
@@ -18,13 +18,17 @@ CLEARANCE = 1.5
 
 def make(out: Path, reduced: bool) -> dict:
     """The picture of the lip on its way down, and how many points touch."""
-    result = sm.analyze(sm.build_seal(example("folded_lip", reduced)))
+    file = example("folded_lip", reduced)
+    result = sm.analyze(sm.build_seal(file))
     result.require_converged()
     fine, responses = fine_grid(result), result.path.at_nominal("self_contact")
     steps = [round(fraction * (len(responses) - 1)) for fraction in FRACTIONS]
     low, high = section.window(map(fine.deformed, steps))
     high = high[0], high[1] + CLEARANCE
-    with picture(out / "self_contact.png", 1, len(steps), width=12.0, height=2.6) as panels:
+    with (
+        captioned_files(file),
+        picture(out / "self_contact.png", 1, len(steps), width=12.0, height=2.6) as panels,
+    ):
         for axes, step in zip(panels, steps, strict=True):
             section.draw_section(axes, fine, step, facecolor=BLUE, alpha=0.35, edgecolor=BLUE)
             touching = responses[step].x[responses[step].branch != OPEN]

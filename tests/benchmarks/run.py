@@ -31,6 +31,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.equilibrium.linear_solver import BandedStorage
+from seal_mdao.plotting.captions import today
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.door.door_seal import with_options
 
@@ -311,7 +312,9 @@ def main(argv=None):
     print(page(figures))
     if arguments.out:
         arguments.out.mkdir(parents=True, exist_ok=True)
-        (arguments.out / "benchmarks.json").write_text(json.dumps(figures, indent=1))
+        (arguments.out / "benchmarks.json").write_text(
+            json.dumps({"date": today()} | figures, indent=1)
+        )
         (arguments.out / "benchmarks.md").write_text(page(figures), encoding="utf-8")
 
 
