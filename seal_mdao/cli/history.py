@@ -22,7 +22,7 @@ from seal_mdao.cli.history_figures import (
     report_end,
     report_limits,
 )
-from seal_mdao.plotting.captions import name_seal
+from seal_mdao.plotting.captions import materials_of, name_seal
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.seals.door.door_seal import DOOR_SEAL
 from seal_mdao.seals.gaps import largest_gaps
@@ -35,9 +35,7 @@ def main(arguments) -> int:
     # the recorded seal; the options only for files without settings
     seal, cache = history.seal or seal_from(arguments), AnalysisCache()
     if history.seal:
-        regions = seal.definitions[0].regions
-        materials = {own.prefix.rstrip("_") or "rubber": own.material for own in regions}
-        name_seal(arguments.cases.name, materials)
+        name_seal(arguments.cases.name, materials_of(seal))
     initial, final = (cache.analyze(seal, *end) for end in ends)
     # any seal but the door seal: objective and constraints of its own
     if DOOR_SEAL not in seal.description:

@@ -56,12 +56,21 @@ def materials_text(materials: Mapping[str, object]) -> str:
     )
 
 
+def materials_of(seal) -> dict[str, object]:
+    """Return the laws of a seal by the names of its materials, ``rubber`` where one has no name."""
+    regions = seal.definitions[0].regions
+    return {own.prefix.rstrip("_") or "rubber": own.material for own in regions}
+
+
 def caption(most: int = 200) -> str:
     """Return the caption of the block, of at most ``most`` characters; empty without a seal."""
     seals = _SEALS.get()
-    if not seals:
-        return ""
+    return caption_of(seals, most) if seals else ""
+
+
+def caption_of(seals: Mapping[str, str], most: int = 200) -> str:
+    """Return a caption of at most ``most`` characters for seals with their materials."""
     end = f" | {_DATE.get() or today()}"
     text = "; ".join(f"{name}: {materials}" for name, materials in seals.items())
-    room = most - len(end)
-    return (text if len(text) <= room else text[: room - 1] + "…") + end
+    clearance = most - len(end)
+    return (text if len(text) <= clearance else text[: clearance - 1] + "…") + end
