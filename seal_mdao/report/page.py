@@ -30,8 +30,8 @@ KINDS = {
     "runs": "Runs of a model with",
 }
 WORDS = {
-    True: ("Start", "End", "Through the iterations"),
-    False: ("First point", "Last point", "Through the points"),
+    True: ("Start", "End", "Iterations"),
+    False: ("First point", "Last point", "Points"),
 }
 """Headings, by whether the points are those of an optimiser."""
 

@@ -83,7 +83,7 @@ def test_report_tabulates_the_scenarios(run, tmp_path):
     text = unescape(write_report(cases, tmp_path / "page.html").read_text(encoding="utf-8"))
     head, rows = table_of(text, "Scenarios")
     assert head == [
-        "scenario", f"{name}_friction", f"{name}_y (shift)", "reaction (N/m), start → end",
+        "scenario", f"{name}_friction", f"{name}_y (shift, mm)", "reaction (N/m), start → end",
     ]  # fmt: skip
     assert [row[:3] for row in rows] == [["1", "0.1", "0"], ["2", "0.3", "−0.1"]]
     # as recorded, and as analysed for this test
