@@ -58,8 +58,8 @@ def table(head: list[str], rows: list[list], caption: str) -> str:
         for heading, *cells in rows
     )
     return (
-        f"<table><caption>{escape(caption)}</caption><thead><tr>{columns}</tr></thead>"
-        f"<tbody>{body}</tbody></table>"
+        f'<div class="scroll"><table><caption>{escape(caption)}</caption><thead><tr>{columns}</tr>'
+        f"</thead><tbody>{body}</tbody></table></div>"
     )
 
 

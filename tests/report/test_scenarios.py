@@ -9,7 +9,7 @@ import pytest
 from seal_file.block_files import DESIGN, FIXED, seal_of
 
 import seal_mdao as sm
-from seal_mdao.recording.recorded_optimization import read_optimization
+from seal_mdao.recording.recorded_optimization import label, read_optimization
 from seal_mdao.recording.recorded_scenarios import RecordedScenarios, read_scenarios
 from seal_mdao.recording.recorder_file import RecordedModel
 from seal_mdao.report.html_tables import number
@@ -66,7 +66,7 @@ def test_history_of_an_own_model_is_drawn(run, tmp_path, run_script, capsys):
     assert list(summary["largest_gap_mm"]) == [name]
     for figure in ("objective_history", "constraint_history", "designs", "start", "optimum"):
         assert (tmp_path / f"{figure}.png").stat().st_size > 1000
-    assert "reaction lowest: " in capsys.readouterr().out
+    assert "reaction, lowest: " in capsys.readouterr().out
 
 
 def table_of(text, caption):
@@ -76,6 +76,12 @@ def table_of(text, caption):
     cells = r"<t[hd](?: [^>]*)?>(.*?)</t[hd]>"
     rows = [re.findall(cells, row) for row in re.findall(r"<tr>(.*?)</tr>", body)]
     return re.findall(cells, head), rows
+
+
+def test_aggregates_are_described_in_words():
+    assert label("block.reaction_q97_5[3]") == "reaction 4, 97.5 % quantile"
+    assert label("gap_square_sum_std") == "sum of squared gaps, standard deviation"
+    assert label("von_mises[2]") == "stress 3"
 
 
 def test_report_tabulates_the_scenarios(run, tmp_path):
@@ -127,8 +133,9 @@ def test_many_values_of_a_measure_are_one_column():
 
 def test_table_of_many_scenarios_is_closed_at_first():
     few, many = (RecordedScenarios(["a"], np.zeros((n, 1)), {}) for n in (20, 21))
-    assert scenarios_table(few).startswith("<table>")
-    assert scenarios_table(many).startswith("<details><summary>Scenarios: 21</summary><table>")
+    start = '<div class="scroll"><table>'
+    assert scenarios_table(few).startswith(start)
+    assert scenarios_table(many).startswith(f"<details><summary>Scenarios: 21</summary>{start}")
 
 
 @pytest.mark.parametrize(
