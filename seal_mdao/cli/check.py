@@ -1,8 +1,7 @@
 """Read a seal file, fill its section with particles, draw it, and estimate the time of an analysis.
 
-Nothing is analysed: load steps and penalties that the file leaves open are not chosen yet. The time of
-their choice is estimated from the paths before the last one, which is the analysis itself: one of
-``COARSE`` load steps, and another of twice as many where load steps are chosen.
+Nothing is analysed. Load steps and penalties that the file does not give are chosen by the first
+analysis; the time of this choice is part of the estimate.
 """
 
 from pathlib import Path
