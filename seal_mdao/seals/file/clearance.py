@@ -60,7 +60,7 @@ def check_start(where: str, profile, outline) -> float:
         raise SealFileError(
             f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
             f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away (the "
-            f"rigid body lies on the left of its direction{turned})"
+            f"rigid body lies on the left of the curve's direction{turned})"
         )
     return least
 
