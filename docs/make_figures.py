@@ -38,7 +38,6 @@ GROUPS = {
     "seal_files": "figures.seal_files",
     "air": "figures.air",
     "fluid": "figures.fluid",
-    "self_contact": "figures.self_contact",
     "cycles": "figures.cycles",
     "seal": "figures.seal",
     "theory": "figures.theory",
