@@ -197,7 +197,7 @@ def _curves(result, history, steps) -> dict:
     # travel where all of the path is one load-unload segment
     if len(history.load_segments) == 1:
         (load_segment,) = history.load_segments
-        words, along = "turn (°)" if load_segment.turns else "travel (mm)", load_segment.along
+        words, along = "rotation (°)" if load_segment.turns else "travel (mm)", load_segment.along
     found = {
         "name": history.label,
         "arc": [],

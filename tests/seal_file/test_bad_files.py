@@ -327,7 +327,7 @@ BAD = {
     ),
     "inside": ("start = [0.0, 14.45]", "start = [0.0, 13.0]", "[[profile]] 1 ('door'): start = (0, 13) "
                "puts the edge 'seal' 1 mm inside the rigid body at (0, 14); start it"),
-    "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "lies on the left of the curve's direction; "
+    "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "left of the curve's direction; "
                   "is its direction reversed?)"),
     "start a number": ("start = [0.0, 14.45]", "start = 14.5", "start = 14.5, but it must be a point"),
     "start beyond all": ("start = [0.0, 14.45]", "start = [0.0, 1e300]", "must be a point [x, y] of two "
