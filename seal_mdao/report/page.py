@@ -274,7 +274,7 @@ def key_figures(
             old, new = (own[f"vertical force on the profile{at}"][1] for own in (start, end))
             change = f"{tables.percent(new / old)} of its start" if old else ""
             forces.append((f"vertical force{of}", f"{short(new, 3)} N/m", change))
-    kind, done = "gradients" if history.major else "evaluations", history.evaluations
+    kind, done = "iterations" if history.major else "evaluations", history.evaluations
     # relative to the limit
     worst = tables.percent(history.max_violation[-1])
     return [
