@@ -9,6 +9,7 @@ import pytest
 from seal_file.block_files import DESIGN, FIXED, seal_of
 
 import seal_mdao as sm
+from seal_mdao import plotting
 from seal_mdao.recording.recorded_optimization import label, read_optimization
 from seal_mdao.recording.recorded_scenarios import RecordedScenarios, read_scenarios
 from seal_mdao.recording.recorder_file import RecordedModel
@@ -67,6 +68,17 @@ def test_history_of_an_own_model_is_drawn(run, tmp_path, run_script, capsys):
     for figure in ("objective_history", "constraint_history", "designs", "start", "optimum"):
         assert (tmp_path / f"{figure}.png").stat().st_size > 1000
     assert "reaction, lowest: " in capsys.readouterr().out
+
+
+def test_figures_of_designs_name_the_nominal_condition(run, tmp_path, run_script, monkeypatch):
+    saved = {}
+    monkeypatch.setattr(plotting, "save", lambda figure, path: saved.update({path.stem: figure}))
+    run_script("history", tmp_path, run[1])
+    titles = {name: figure.get_suptitle() for name, figure in saved.items()}
+    assert titles == {
+        "objective_history": "", "constraint_history": "",
+        **dict.fromkeys(("designs", "start", "optimum"), "nominal condition"),
+    }  # fmt: skip
 
 
 def table_of(text, caption):
