@@ -39,7 +39,6 @@ GROUPS = {
     "air": "figures.air",
     "fluid": "figures.fluid",
     "leak_rate": "figures.leak_rate",
-    "self_contact": "figures.self_contact",
     "cycles": "figures.cycles",
     "seal": "figures.seal",
     "theory": "figures.theory",

@@ -34,10 +34,10 @@ class RobustGoal:
     band : float
         Relative change of the vertical reaction of the nominal door seal that is allowed.
     share : float
-        Share of all cars in which a limit is kept (``RobustLimit``).
+        Required fraction of samples within a limit (``RobustLimit``).
     widen : float
-        How many times as far as the tolerances the scenarios scatter: few wide ones see what happens to
-        the worst of many cars.
+        Scatter of the scenarios over that of the tolerances. A few widely scattered scenarios represent
+        the worst of many samples.
     """
 
     minimize: str = MEAN_STD
@@ -57,8 +57,8 @@ class RobustGoal:
     def levels(self) -> tuple[float, float]:
         """Quantiles of a measure in the scenarios that keep to its limits.
 
-        As far out among the wide scenarios as those of all cars, were both normal; to a tenth of a per
-        cent, for they name outputs.
+        They correspond to the required fraction of samples if measures are normally distributed; rounded
+        to 0.1 %, because the names of outputs contain them.
         """
         # Phi(Phi^-1(q) / widen) for the quantiles q on both sides
         outside = 0.5 * (1.0 - self.share)

@@ -10,14 +10,15 @@ from time import process_time
 
 import numpy as np
 from verification import accuracy_study as study
-from verification.accuracy_study import stored
+from verification.accuracy_study import stored, stored_date
 from verification.error_sources import FUNCTIONS
 from verification.flat_door_reference import REACTION
 from verification.pressed_elements import CORNER, FLAT, GAP
 from verification.ray_bulb import COMPARED
 
-from figures.drawing import picture
+from figures.drawing import DOOR_SEAL, captioned_body, picture
 from figures.tables import percent, table
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.plotting.style import BESIDE, CYCLE, GREY, MARKERS
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal, options_of
 from seal_mdao.seals.result import analyze
@@ -25,6 +26,7 @@ from seal_mdao.seals.result import analyze
 BASES = {1: "linear", 2: "quadratic"}
 
 
+@captioned(DOOR_SEAL, stored_date())
 def make(out: Path, reduced: bool) -> dict:
     """All figures of the page on accuracy."""
     parts = _support, _layers, _bending, _integration, _refinement, _penalty, _steps, _outline
@@ -86,12 +88,13 @@ def _layers(out: Path) -> dict:
         pressure = scheme.get("pressure", "cell")
         drawn = study.BY_CELL[0], study.THROUGH[0], study.THROUGH[2]
         if rays < 174 and scheme in drawn:
-            lines[f"{rays} rays, {kernel}, {basis}, {pressure}"] = study.LAYERS, found
+            lines[f"{rays} radial rows, {kernel}, {basis}, {pressure}"] = study.LAYERS, found
         rows.append([rays, kernel, basis, pressure, *map(percent, found)])
-    heads = ["rays", "kernels", "basis", "pressure"]
+    heads = ["radial rows", "kernels", "basis", "pressure"]
     return {"layers_table": _by_layers(out / "error_layers.png", lines, rows, heads)}
 
 
+@captioned_body("block bent to a half circle", stored_date())
 def _bending(out: Path) -> dict:
     """Bending without contact: what one pressure a cell and the kernels leave."""
     lines = {
@@ -112,8 +115,8 @@ def _integration(out: Path) -> dict:
         name = "{} × {}".format(*points)
         rows.append([BASES[order], name, rays, *map(percent, found)])
         if order == 2:
-            lines[f"{rays} rays, {name}"] = study.LAYERS, found
-    path, heads = out / "error_integration.png", ["basis", "Gauss points", "rays"]
+            lines[f"{rays} radial rows, {name}"] = study.LAYERS, found
+    path, heads = out / "error_integration.png", ["basis", "Gauss points", "radial rows"]
     words = ", quadratic basis"
     return {"integration_table": _by_layers(path, lines, rows, heads, words)}
 
@@ -130,8 +133,8 @@ def _refinement(out: Path) -> dict:
             rows.append([name, rays, *map(percent, found)])
             errors.append(found)
             if rays < 174 and functions is not FUNCTIONS[1]:
-                lines[f"{rays} rays, {name}"] = study.LAYERS, found
-    path, heads = out / "error_refinement.png", ["basis and support", "rays"]
+                lines[f"{rays} radial rows, {name}"] = study.LAYERS, found
+    path, heads = out / "error_refinement.png", ["basis and support", "radial rows"]
     made = _by_layers(path, lines, rows, heads)
     shares = FLAT / REACTION[:, 1] - 1.0
     limits = f"{percent(-shares.max(), 1)} to {percent(-shares.min(), 1)}"
@@ -231,7 +234,7 @@ def _preset(repeats: int) -> dict:
         [f"{rays} × {layers}", parts, f"{gap:.4f}", percent(gap / gaps[-1] - 1.0)]
         for (rays, layers, parts), gap in zip(study.REFINEMENTS, gaps, strict=True)
     ]
-    gap_head = ["even ring", "refinement", "largest gap (mm)", "from the last"]
+    gap_head = ["uniform ring", "refinement", "largest gap (mm)", "difference from the last row"]
     rows, reached = [], {}
     for name, seal in seals.items():
         error = np.abs(stored("flat_errors", accuracy=name, n_steps=seal.n_steps)).max()
@@ -244,7 +247,7 @@ def _preset(repeats: int) -> dict:
         ])  # fmt: skip
     head = [
         "accuracy", "particles", "worst error, flat door", "corner door", "largest gap (mm)",
-        "from that of the elements", "time",
+        "difference from the elements", "time",
     ]  # fmt: skip
     at = {
         f"at_{points}": percent(
@@ -279,7 +282,7 @@ def _rays() -> dict:
         for points in COMPARED
     }
     return {
-        "rays_table": table(["rays", "at the particles", "at the edges"], rows),
+        "rays_table": table(["radial rows", "at the particles", "at the edges"], rows),
         "rays_apart": percent(found[study.RAYS[0]]["apart"]),
         **{f"gap_at_{points}": percent(abs(gap / GAP - 1.0)) for points, gap in gaps.items()},
     }

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from figures.drawing import picture
+from figures.drawing import captioned_files, picture
 from figures.seal_files import example
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
@@ -20,8 +20,10 @@ def make(out: Path, reduced: bool) -> dict:
     sealed, opened, vented = (sm.analyze(sm.build_seal(f)) for f in files)
     for result in (sealed, opened, vented):
         result.require_converged()
-    _picture(out / "trapped_air.png", sealed, opened)
-    _vents(out / "vented_air.png", {"sealed": sealed, "vents": vented, "open": opened})
+    with captioned_files(file):
+        _picture(out / "trapped_air.png", sealed, opened)
+    with captioned_files(file, files[2]):
+        _vents(out / "vented_air.png", {"sealed": sealed, "vents": vented, "open": opened})
     pressure, area = sealed.response("air").outputs[0]
     left, _ = vented.response("air").outputs[0]
     forces = [abs(result.path.reaction("door")[-1, 1]) for result in (sealed, opened, vented)]

@@ -8,7 +8,7 @@ from verification.o_ring import lindley_force, small_force, small_squeeze, squee
 from verification.sliding import drag_block, pull_belt
 
 import seal_mdao as sm
-from figures.drawing import ROOT, curves, picture
+from figures.drawing import ROOT, captioned_body, captioned_files, curves, picture
 from figures.tables import percent, power, table
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION
 
@@ -21,6 +21,7 @@ def make(out: Path, reduced: bool) -> dict:
     return _hertz(out, reduced) | _o_ring(out, reduced) | _drag(out) | _belt(out, reduced)
 
 
+@captioned_body("cylinder on a plane")
 def _hertz(out: Path, reduced: bool) -> dict:
     found = [press_cylinder(n) for n in ((4,) if reduced else (4, 8, 12))]
     errors = [(h.half_width / h.exact_half_width - 1, h.peak / h.exact_peak - 1) for h in found]
@@ -35,7 +36,7 @@ def _hertz(out: Path, reduced: bool) -> dict:
          f"{len(h.x)} points in contact", {"markersize": 4})
         for h, color, marker in zip(found, CYCLE, MARKERS, strict=False)
     ]  # fmt: skip
-    labels = "place / half-width", "pressure / peak pressure"
+    labels = "distance from the centre / half-width", "pressure / peak pressure"
     curves(out / "hertz.png", *labels, lines, (5.6, 3.5), {"loc": "lower center"})
     head = ["points in contact", "error of the half-width", "error of the peak pressure"]
     finest = ", ".join(percent(abs(value)) for value in errors[-1])
@@ -55,7 +56,8 @@ def _o_ring(out: Path, reduced: bool) -> dict:
         rows[-1] += [percent(ring.force[step] / law - 1.0) for ring in rings]
         peak = small_squeeze(rings[-1].force[step], *size)[2]
         rows[-1].append(percent(rings[-1].peak[step] / peak - 1.0) if c <= 0.05 else "")
-    _o_ring_picture(out / "o_ring_force.png", rings[-1])
+    with captioned_files(file):
+        _o_ring_picture(out / "o_ring_force.png", rings[-1])
     head = [
         "squeeze", "force (N/m)", "closed form", "Lindley",
         *(f"error at {spacing:g} mm" for spacing in spacings), "error of the peak pressure",
@@ -84,6 +86,7 @@ def _o_ring_picture(path: Path, ring) -> None:
     curves(path, "squeeze (% of the diameter)", "force (N/mm)", lines, (5.6, 3.5))
 
 
+@captioned_body("dragged block")
 def _drag(out: Path) -> dict:
     found = drag_block(FRICTION)
     error = np.abs(np.abs(found.ratio[found.slipping]) / FRICTION - 1.0).max()
@@ -109,6 +112,7 @@ def _drag_picture(path: Path, found) -> None:
         axes.legend(loc="center")
 
 
+@captioned_body("belt on a cylinder")
 def _belt(out: Path, reduced: bool) -> dict:
     found = [pull_belt(FRICTION, t) for t in ((0.4,) if reduced else (0.4, 0.2, 0.1))]
     rows = []

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from figures.drawing import curves
+from figures.drawing import captioned_files, curves
 from figures.seal_files import example
 from seal_mdao.measures.work import FrictionWork
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION
@@ -20,7 +20,8 @@ def make(out: Path, reduced: bool) -> dict:
     results = {friction: sm.analyze(sm.build_seal(cycle(file, friction))) for friction in FRICTIONS}
     for result in results.values():
         result.require_converged()
-    _loops(out / "hysteresis.png", results)
+    with captioned_files(file):
+        _loops(out / "hysteresis.png", results)
     lost = [result.value(FrictionWork())[0] for result in results.values()]
     return {f"lost_{i}": f"{abs(value):.2g}" for i, value in enumerate(lost)}
 
@@ -49,4 +50,4 @@ def _loops(path: Path, results) -> None:
             (travel[half:], force[half:], "--", color, None),
         ]
     labels = "travel of the panel (mm)", "horizontal force (N/m)"
-    curves(path, *labels, lines, (6.0, 3.6), {"title": "solid: there, dashed: back"})
+    curves(path, *labels, lines, (6.0, 3.6), {"title": "solid: closing, dashed: opening"})

@@ -5,13 +5,23 @@ from pathlib import Path
 
 import matplotlib
 
-from seal_mdao.plotting.captions import materials_text
+from seal_mdao.plotting.captions import captioned, materials_text
 from seal_mdao.plotting.style import SETTINGS, save, subplots
 from seal_mdao.seals.door.door_options import DoorOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 DOOR_SEAL = {"door seal": materials_text({"rubber": DoorOptions().material})}
 """Caption of figures of the nominal door seal."""
+
+
+def captioned_files(*files):
+    """Print a caption with names and materials of seal files below the figures of a block."""
+    return captioned({file.path.stem: materials_text(file.materials) for file in files})
+
+
+def captioned_body(name: str, date: str = ""):
+    """Print a caption below the figures of a block that show a body of Mooney-Rivlin rubber."""
+    return captioned({name: materials_text({"rubber": DoorOptions().material})}, date)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from verification.flexure import bend_block
 from verification.patch import GRADIENT, compress_block, patch_test
 from verification.rotation import rotate_body, rotation_matrix
 
-from figures.drawing import curves, picture
+from figures.drawing import captioned_body, curves, picture
 from figures.tables import percent, power, table
 from seal_mdao.plotting.section_drawing import draw_cells
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION
@@ -55,6 +55,7 @@ def _patch_picture(path: Path) -> None:
 # ---- homogeneous compression ----
 
 
+@captioned_body("compressed block")
 def _compression(out: Path) -> dict:
     found = {ratio: compress_block(ratio) for ratio in (1e3, 1.0)}
     worst = max(
@@ -73,6 +74,7 @@ def _compression(out: Path) -> dict:
 # ---- rotation ----
 
 
+@captioned_body("rotated block")
 def _rotation(out: Path) -> dict:
     found = rotate_body()
     _rotation_picture(out / "rotation.png", found)
@@ -102,6 +104,7 @@ def _rotation_picture(path: Path, found) -> None:
 # ---- cylinder ----
 
 
+@captioned_body("inflated cylinder")
 def _cylinder(out: Path, ratios) -> dict:
     found = {ratio: inflate_cylinder(ratio) for ratio in ratios}
     rows = [
@@ -135,6 +138,7 @@ def _cylinder_picture(path: Path, found) -> None:
 # ---- flexure ----
 
 
+@captioned_body("block bent to a ring")
 def _flexure(out: Path, reduced: bool) -> dict:
     if reduced:
         found = {1e4: bend_block(degrees=180.0, n_steps=18)}

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from figures.drawing import picture
+from figures.drawing import captioned_files, picture
 from figures.seal_files import example
 from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.plotting import section_drawing as section
@@ -30,7 +30,10 @@ def make(out: Path, reduced: bool) -> dict:
     ring.require_converged()
     part = file.profiles[0].stages[0].translate[1] / -0.45
     glued = {part * s: sm.analyze(sm.build_seal(on_flange(file, part * s))) for s in SQUEEZES}
-    with picture(out / "fluid_pressure.png", 2, 2, width=9.6, height=6.6) as panels:
+    with (
+        captioned_files(file),
+        picture(out / "fluid_pressure.png", 2, 2, width=9.6, height=6.6) as panels,
+    ):
         _shapes(panels[0], ring)
         _along(panels[1, 0], ring)
         _blow_off(panels[1, 1], glued)
@@ -98,7 +101,9 @@ def _along(axes, result):
         )
         if pressure:
             axes.axhline(pressure, color=colour, linestyle=":", linewidth=1.2)
-    axes.set(xlabel="way along the edge from the wet end (mm)", ylabel="contact pressure (kPa)")
+    axes.set(
+        xlabel="distance along the edge from the wet end (mm)", ylabel="contact pressure (kPa)"
+    )
     axes.legend(loc="upper left")
 
 
@@ -114,7 +119,11 @@ def _blow_off(axes, glued):
         axes.plot(blown, (1.0 + term.share) * blown, "o", color=colour)
     most = np.array([0.0, axes.get_xlim()[1]])
     axes.plot(
-        most, (1.0 + term.share) * most, color=GREY, linestyle="--", label="the fluid's, and 5 %"
+        most,
+        (1.0 + term.share) * most,
+        color=GREY,
+        linestyle="--",
+        label="1.05 fluid pressure",
     )
     axes.set(xlabel="fluid pressure (kPa)", ylabel="highest contact pressure (kPa)")
     axes.legend(loc="lower right")

@@ -9,6 +9,7 @@ from seal_mdao.calibration.fit_errors import errors_of
 from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.calibration.treloar import OGDEN_1972, treloar_tests
 from seal_mdao.plotting import material_fit, save
+from seal_mdao.plotting.captions import captioned, materials_text
 
 DATA = "seal_mdao/calibration/treloar.csv"
 FIT = f"fit {DATA} --law ogden --terms 3 --out out/material"
@@ -25,7 +26,8 @@ def make(out: Path, reduced: bool) -> dict:
     fits = {label: fit(law, tests, terms=terms) for label, law, terms in ROWS}
     ogden, yeoh = fits["Ogden, 3 terms"], fits["Yeoh"]
     others = {"Ogden, published 1972": OGDEN_1972, "Yeoh, fitted": yeoh.law}
-    save(material_fit(ogden, others), out / "treloar.png")
+    with captioned({"tests of Treloar (1944)": materials_text({"fit": ogden.law})}):
+        save(material_fit(ogden, others), out / "treloar.png")
     write_example("fit", FIT, out, reduced)
     write_example("calibration", CALIBRATION, out, reduced, " --steps 12 --depth 6")
     absolute = fit("ogden", tests, terms=3, weighting="absolute")

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from figures.drawing import ROOT, picture
+from figures.drawing import DOOR_SEAL, ROOT, picture
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION
 
 BENCHMARKS = ROOT / "docs" / "benchmarks" / "benchmarks.json"
@@ -32,7 +33,10 @@ def make(out: Path, reduced: bool) -> dict:
     """Times of a load step and an iteration, and shares of the sensitivities, against particles."""
     figures = json.loads(BENCHMARKS.read_text(encoding="utf-8"))
     growth, shares = figures["growth, superlu"], figures["sensitivities of 8 steps"]
-    with picture(out / "growth.png", 1, 2, width=10.0, height=3.8) as (left, right):
+    with (
+        captioned(DOOR_SEAL, figures["date"]),
+        picture(out / "growth.png", 1, 2, width=10.0, height=3.8) as (left, right),
+    ):
         for kind, color in (("load step", VERMILION), ("iteration", BLUE)):
             n, time = _by_particles(growth, kind)
             left.loglog(n, time, "o-", color=color, label=kind)

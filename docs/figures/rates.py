@@ -7,7 +7,7 @@ from verification.approximation import interpolation_convergence
 from verification.cook import CONVERGED, cook_deflection
 from verification.manufactured import Convergence, manufactured_convergence
 
-from figures.drawing import picture
+from figures.drawing import captioned_body, picture
 from figures.tables import percent, power, table
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION
 
@@ -53,6 +53,7 @@ def _convergence_picture(path: Path, found: dict) -> None:
             axes.legend()
 
 
+@captioned_body("square with a prescribed displacement field")
 def _manufactured(out: Path, reduced: bool) -> dict:
     cells, seeds = ((4, 8), (1,)) if reduced else ((8, 16, 32), (1, 2, 3))
     found = {order: manufactured_convergence(order, order, cells, seeds) for order in (1, 2)}
@@ -73,6 +74,7 @@ def _interpolation(out: Path, reduced: bool) -> dict:
     return {f"interpolation_{order}": convergence_table(c) for order, c in found.items()}
 
 
+@captioned_body("Cook's membrane")
 def _cook(out: Path, reduced: bool) -> dict:
     cells = (4, 8) if reduced else (4, 8, 16, 32)
     tip = np.array([cook_deflection(n) for n in cells])

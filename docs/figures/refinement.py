@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 from matplotlib.ticker import NullLocator
 from verification import accuracy_study as study
-from verification.accuracy_study import stored
+from verification.accuracy_study import stored, stored_date
 from verification.flat_door_reference import BOUNDARY, REACTION
 from verification.frames import Frame, analyze_in_frame
 from verification.seal_refinement import LEVELS, FlatLevel, SealLevel
 from verification.step_refinement import StepStudy
 
-from figures.drawing import picture
+from figures.drawing import DOOR_SEAL, picture
 from figures.tables import percent, power, table
 from seal_mdao.analysis.newton import NewtonOptions
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.plotting.style import BLUE, CYCLE, GREY, MARKERS, VERMILION
 from seal_mdao.seals.door.door_seal import door_seal, options_of
 from seal_mdao.seals.result import analyze
@@ -31,6 +32,7 @@ FRAMES = {
 NAMES = ("horizontal reaction", "vertical reaction", "sum of squared gaps")
 
 
+@captioned(DOOR_SEAL, stored_date())
 def make(out: Path, reduced: bool) -> dict:
     """Pictures, tables and numbers."""
     return _steps(out) | _frames(reduced) | _seal(out) | _flat(out)
@@ -88,7 +90,7 @@ def _step_picture(path: Path, found: dict) -> None:
         left.set_ylabel("sum of squared gaps (mm²)")
         right.set_ylim(bottom=finest.errors.min() / 60.0)
         right.set_title("accumulated", fontsize=10)
-        right.set_ylabel(f"distance from {finest.steps[-1]} steps, relative")
+        right.set_ylabel(f"relative difference from {finest.steps[-1]} steps")
 
 
 # ---- frames ----
@@ -157,7 +159,10 @@ def _corner_picture(path: Path, found) -> None:
         axes.axhline(1.0, color=GREY, linewidth=1.0, zorder=1)
         axes.set_xlim(0.0, 1.05)
         axes.set_xticks(spacing, [f"{s.rays} × {s.layers}" for s in found], rotation=25)
-        axes.set(xlabel="particles, placed at their spacing", ylabel="value / value on the finest")
+        axes.set(
+            xlabel="particles, at their spacing around the ring",
+            ylabel="value / finest value",
+        )
         axes.legend()
 
 

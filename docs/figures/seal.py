@@ -74,7 +74,7 @@ def _newton(path: Path, result: SealResult) -> None:
         left.bar(travel, result.newton_iterations, width=0.09, color=BLUE)
         left.set(xlabel="door travel from first touch (mm)", ylabel="Newton iterations")
         iterations = result.newton_iterations.sum()
-        left.set_title(f"{iterations} in all, {result.step_cuts} cuts", fontsize=10)
+        left.set_title(f"{iterations} iterations, {result.step_cuts} cut steps", fontsize=10)
         shown = np.linspace(8, len(steps) - 1, 5).astype(int)
         for number, color in zip(shown, CYCLE, strict=False):
             residuals = np.array(steps[number].residuals)

@@ -9,6 +9,7 @@ import numpy as np
 from verification.example_optima import stored
 
 import seal_mdao as sm
+from figures import self_contact
 from figures.drawing import ROOT
 from figures.tables import power, table
 from seal_mdao.file_optimization import design_bounds
@@ -25,24 +26,29 @@ from seal_mdao.recording.recorded_optimization import label, shown_unit
 from seal_mdao.seals.result import SealResult
 
 EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("*.toml"))
+FOLDED = "folded_lip"
+"""Example on the page on self-contact."""
 SHARE = 8
 """Of the steps and of the travel that is left in the reduced mode."""
 
 
 def make(out: Path, reduced: bool) -> dict:
     """Section, deformed shapes, load-deflection and optimum of every example, and its measures."""
-    numbers, rows = {}, []
+    numbers, rows, touching = {}, [], {}
     for name in EXAMPLES:
         file = example(name, reduced)
         with captioned({name: materials_text(file.materials)}):
             result, row = _drawn(file, out / "seal_files" / name, reduced)
+            if name == FOLDED:
+                # analysed once for this page and that on self-contact
+                touching = self_contact.draw(out / "self_contact.png", result)
         rows += row
         numbers[name] = {"particles": len(result.particles)} | {
             re.sub(r"\W", "_", measure.name): f"{result.value(measure)[0]:.4g}"
             for measure in result.measures()
             if measure.size(result.seal)
         }
-    return {"examples": numbers, "optima": table(HEAD, rows)}
+    return {"examples": numbers, "optima": table(HEAD, rows)} | touching
 
 
 def _drawn(file, stem: Path, reduced: bool) -> tuple[SealResult, list]:

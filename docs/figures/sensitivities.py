@@ -21,8 +21,10 @@ from verification.two_methods import DOORS, FRICTIONS, PATHS, analyze_case, meth
 
 import seal_mdao as sm
 from figures import straddling
+from figures.drawing import DOOR_SEAL
 from figures.tables import percent, power, table
 from seal_mdao.plotting import save, sensitivity_errors, step_study
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.seals.result import SealResult
 
 TAU = 1e-6
@@ -37,6 +39,7 @@ SCALARS = {
 """Scalar parameters and the steps of their central differences."""
 
 
+@captioned(DOOR_SEAL)
 def make(out: Path, reduced: bool) -> dict:
     """Pictures, tables and numbers of the page."""
     nominal = case()

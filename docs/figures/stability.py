@@ -6,11 +6,12 @@ import numpy as np
 from verification.patch import squeeze
 from verification.shallow_arch import critical_load, press_arch
 
-from figures.drawing import picture
+from figures.drawing import DOOR_SEAL, captioned_body, picture
 from figures.tables import percent, table
 from seal_mdao import plotting
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.plotting.style import BLUE, GREY, LIGHT_GREY, VERMILION
 from seal_mdao.seals.door.door_seal import door_seal, with_options
 from seal_mdao.seals.result import analyze
@@ -28,6 +29,7 @@ def make(out: Path, reduced: bool) -> dict:
     return numbers | _blocks(reduced)
 
 
+@captioned(DOOR_SEAL)
 def _flat(out, reduced) -> dict:
     seal = door_seal(door="flat", friction=0.0, n_steps=60 if reduced else 105)
     stable = analyze(seal)
@@ -54,6 +56,7 @@ def _branches(path: Path, stable, upright) -> None:
         axes.legend(loc="upper left")
 
 
+@captioned(DOOR_SEAL)
 def _corners(out, reduced) -> dict:
     rows = []
     for corner in CORNERS[1:2] if reduced else CORNERS:
@@ -84,6 +87,7 @@ def _clouds(reduced) -> dict:
     return {"cloud_table": table(["particles", "critical travels up to 4.9 mm"], rows)}
 
 
+@captioned_body("shallow arch")
 def _arch(out, reduced) -> dict:
     rows, arches = [], []
     for rise in RISES:

@@ -53,7 +53,7 @@ def shape_functions(path: Path) -> None:
             right.plot(s, column, color=color, linewidth=width, zorder=zorder)
         nodes = {"color": "black", "markersize": 4, "clip_on": False, "zorder": 4}
         right.plot(np.arange(9), np.zeros(9), "o", **nodes)
-        right.set(xlabel="place along the row / spacing", ylabel="$\\Phi_I$", ylim=(-0.03, None))
+        right.set(xlabel="position along the row / spacing", ylabel="$\\Phi_I$", ylim=(-0.03, None))
 
 
 # ---- section 3 ----
@@ -137,7 +137,7 @@ def friction_law(path: Path) -> None:
         ):
             xi, tau = slide(law._replace(accumulated=accumulated), to_and_fro, steps)
             right.plot(xi, tau, color=color, linestyle=style, label=label)
-        right.set_xlabel("place $\\xi$ of a point that slides 0 → 0.6 → −0.2 → 0.1")
+        right.set_xlabel("position $\\xi$ of a point that slides 0 → 0.6 → −0.2 → 0.1")
         right.set(ylabel=traction_label, ylim=(-0.33, 0.48))
         right.legend(loc="upper left", ncols=2)
 

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from figures.drawing import ROOT, curves
+from figures.drawing import DOOR_SEAL, ROOT, curves
 from seal_mdao.plotting import designs_compared, save
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION
 
 BENCHMARKS = ROOT / "docs" / "benchmarks"
@@ -23,14 +24,16 @@ def make(out: Path, reduced: bool) -> dict:
     band = robust["reaction_band_N_per_m"]
     text = "reaction of the door (N/m)"
     figure = designs_compared(gaps, "gap integral", "mm**3", forces, band, text)
-    save(figure, out / "robust_comparison.png")
+    with captioned(DOOR_SEAL, found["date"]):
+        save(figure, out / "robust_comparison.png")
     rows = {n: [row for row in costs["rows"] if row["workers"] == n] for n in LOOKS}
     lines = [
         ([row["scenarios"] for row in own], [row["seconds"] for row in own], "o-", *LOOKS[n])
         for n, own in rows.items()
     ]
     labels, size = ("scenarios with gradients", "processor time, s"), (5.6, 3.6)
-    curves(out / "scenario_costs.png", *labels, lines, size, xlim=(0, None), ylim=(0, None))
+    with captioned(DOOR_SEAL, costs["date"]):
+        curves(out / "scenario_costs.png", *labels, lines, size, xlim=(0, None), ylim=(0, None))
     return numbers(found, costs)
 
 

@@ -113,7 +113,7 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
     # particles, kernels
     add("rays", int, "particles around the ring, a multiple of 58", metavar="N")
     add("layers", int, "particles across the wall", metavar="N")
-    add("refinement", int, "parts of an interval between rays where the door presses", metavar="N")
+    add("refinement", int, "parts of an interval between radial rows under the door", metavar="N")
     add("support", float, "kernel support over the longest cell edge", metavar="S")
     # load path
     add("n_steps", int, "load steps", metavar="N")

@@ -23,7 +23,7 @@ def add_executor_arguments(made: argparse.ArgumentParser) -> None:
         help="mpi: start with mpiexec -n N python -m mpi4py.futures SCRIPT",
     )  # fmt: skip
     group.add_argument(
-        "--dask-address", metavar="HOST:PORT", help="scheduler of a Dask cluster that is there"
+        "--dask-address", metavar="HOST:PORT", help="scheduler of a running Dask cluster"
     )
 
 

@@ -172,20 +172,25 @@ def arguments_parser():
         "--terms", type=int, choices=terms, help=f"terms of {' and '.join(OF_TERMS)}; 1 if left out"
     )
     add("--nu", type=float, metavar="NU", help="Poisson's ratio of hyperfoam, if not measured")
-    add("--weighting", choices=WEIGHTINGS, default="relative", help="what is made small")
+    add(
+        "--weighting",
+        choices=WEIGHTINGS,
+        default="relative",
+        help="residuals that are minimised",
+    )
     add(
         "--stretches", type=float, nargs=2, metavar=("FROM", "TO"),
         help="take only readings between these stretches",
     )  # fmt: skip
     add(
         "--bulk-modulus", type=float, default=80_000.0, metavar="KPA",
-        help="of the law; these tests do not tell it",
+        help="bulk modulus of the law, which these tests do not determine",
     )  # fmt: skip
     add(
-        "--margin", type=float, default=MARGIN, metavar="SHARE",
-        help="widen the tested ranges by this share of ln(stretch) for the check of stability",
+        "--margin", type=float, default=MARGIN, metavar="FRACTION",
+        help="widen the tested ranges by this fraction of ln(stretch) for the check of stability",
     )  # fmt: skip
     add("--allow-unstable", action="store_true", help="take constants that are not stable, too")
     add("--name", default="rubber", metavar="NAME", help="of the material in the seal file")
-    add("--seed", type=int, default=0, metavar="N", help="of the starts")
+    add("--seed", type=int, default=0, metavar="N", help="of the start values")
     return made

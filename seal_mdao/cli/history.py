@@ -35,7 +35,8 @@ def main(arguments) -> int:
     # the recorded seal; the options only for files without settings
     seal, cache = history.seal or seal_from(arguments), AnalysisCache()
     if history.seal:
-        name_seal(arguments.cases.name, seal.materials)
+        known = DOOR_SEAL in seal.description
+        name_seal("door seal" if known else arguments.cases.name, seal.materials)
     initial, final = (cache.analyze(seal, *end) for end in ends)
     # any seal but the door seal: objective and constraints of its own
     if DOOR_SEAL not in seal.description:

@@ -8,6 +8,7 @@ from seal_mdao import plotting
 from seal_mdao.cli.arguments import penalty_table
 from seal_mdao.plotting.style import scientific
 from seal_mdao.recording.recorded_optimization import RecordedOptimization, label, unit_of
+from seal_mdao.report.scenarios_table import NOMINAL
 from seal_mdao.seals.door.door_seal import DOOR
 from seal_mdao.seals.gaps import gaps_unmeasured_by, largest_gap
 from seal_mdao.seals.result import SealResult
@@ -21,11 +22,20 @@ def draw_history(
         "cost_history": plotting.cost_history(history),
         "designs": plotting.design_comparison(initial, final, gap_words(initial, final)),
     }
+    _name_condition(history, figures["designs"])
     # only problems with constraints
     if history.constraints:
         particles = initial.measure("von_mises").points
         figures["constraint_history"] = plotting.constraint_history(history, particles)
     return [plotting.save(figure, out / f"{name}.png") for name, figure in figures.items()]
+
+
+def _name_condition(history: RecordedOptimization, figure) -> None:
+    """Write above a figure of designs that it shows the nominal condition, where there are scenarios."""
+    if any(own.scenarios for own in history.seals):
+        # a path that was not completed has a title
+        parts = [text for text in (figure.get_suptitle(), NOMINAL) if text]
+        figure.suptitle("; ".join(parts), fontsize=10.5)
 
 
 def gap_words(*results) -> list[str]:
@@ -122,6 +132,8 @@ def draw_designs(history: RecordedOptimization, results, out: Path) -> None:
         "start": plotting.deformed_shapes(results[0]),
         "optimum": plotting.deformed_shapes(results[1]),
     }
+    for shown in ("designs", "start", "optimum"):
+        _name_condition(history, figures[shown])
     # only problems with constraints
     if history.constraints:
         figures["constraint_history"] = plotting.constraint_history(history)

@@ -190,7 +190,7 @@ def arguments_parser():
     )
     add(
         "--fraction", type=float, default=goal.share, metavar="F",
-        help="fraction of all cars in which every limit has to hold",
+        help="required fraction of samples within every limit",
     )  # fmt: skip
     add(
         "--minimize", choices=GOALS, default=goal.minimize,
@@ -198,12 +198,12 @@ def arguments_parser():
     )  # fmt: skip
     add("--deviations", type=float, default=goal.deviations, metavar="K", help="of mean + K std")
     add(
-        "--band", type=float, default=goal.band, metavar="SHARE",
-        help="relative change of the nominal seal's reaction that is allowed",
+        "--band", type=float, default=goal.band, metavar="FRACTION",
+        help="allowed relative change of the nominal seal's reaction",
     )  # fmt: skip
     add(
         "--widen", type=float, default=goal.widen, metavar="FACTOR",
-        help="how many times as far as the tolerances the scenarios scatter",
+        help="scatter of the scenarios over that of the tolerances",
     )  # fmt: skip
     add(
         "--nominal", type=existing_file, metavar="FILE",

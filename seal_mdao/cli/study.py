@@ -205,7 +205,7 @@ def arguments_parser():
     made = parser(__doc__, "out/tolerances", "[FILE]", "seal-mdao study bulb.toml --samples 1000")
     add_tolerance_arguments(made)
     # design of experiments
-    made.add_argument("--method", choices=METHODS, default=METHODS[0], help="how they are spread")
+    made.add_argument("--method", choices=METHODS, default=METHODS[0], help="method of sampling")
     made.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples")
     made.add_argument(
         "--overwrite",

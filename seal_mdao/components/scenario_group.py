@@ -59,7 +59,7 @@ class ScenarioGroup(DesignGroup):
         scenarios = self.options["scenarios"]
         # the settings of the seal in recorder files include its placement parameters
         seal = self.options["seal"] = scenarios.placed(self.options["seal"])
-        self.options[SCENARIOS_OPTION] = [json.dumps(scenarios.table())]
+        self.options[SCENARIOS_OPTION] = [json.dumps(scenarios.table(seal))]
         super().setup()
         # selections by the nominal analysis are made once, so that outputs keep their sizes
         measures = measures_with_values(seal, self.options["measures"])

@@ -88,7 +88,10 @@ class RigidContact(TermDefinition):
             self.prefix + name: Scalar(float(getattr(self.shape, name)), "mm", f"Profile: {name}.")
             for name in self.shape.names
         }
-        motion = {name: Scalar(0.0, None, f"Motion: {name}.") for name in self.motion.names}
+        motion = {
+            name: Scalar(0.0, self.motion.unit(name), f"Motion: {name}.")
+            for name in self.motion.names
+        }
         return law | shape | motion
 
     def with_parameters(self, values: dict) -> "RigidContact":

@@ -126,6 +126,18 @@ class Motion:
             self, positions=self.positions + change[:, :2], angles=self.angles + change[:, 2]
         )
 
+    def unit(self, name: str) -> str | None:
+        """Return the unit of a parameter: mm if it translates waypoints by 1 mm per unit, deg if it
+        rotates them by one degree, None otherwise."""
+        rates = self.rates[self.names.index(name)]
+        # dw/dp = (x', y', angle') of the waypoints that the parameter moves
+        rates = rates[rates.any(axis=1)]
+        length, angle = np.hypot(*rates[:, :2].T), np.abs(rates[:, 2])
+        for unit, own, other in (("mm", length, angle), ("deg", np.degrees(angle), length)):
+            if len(rates) and np.allclose(own, 1.0) and not other.any():
+                return unit
+        return None
+
     def with_placement(self, x: str = "", y: str = "", angle: str = "") -> "Motion":
         """Add parameters that translate or rotate the complete motion, for the names that are given.
 

@@ -113,7 +113,10 @@ class ImposedMotions:
     @property
     def scalars(self) -> dict:
         """Parameters, zero for the motions as they are."""
-        return {name: Scalar(0.0, None, f"Motion: {name}.") for name in self.names}
+        return {
+            name: Scalar(0.0, own.motion.unit(name), f"Motion: {name}.")
+            for own in self.edges for name in own.motion.names
+        }  # fmt: skip
 
     @property
     def labels(self) -> tuple:

@@ -8,22 +8,37 @@ from contextvars import ContextVar
 from datetime import UTC, datetime
 
 _SEALS: ContextVar[dict[str, str] | None] = ContextVar("seals", default=None)
+_DATE: ContextVar[str] = ContextVar("date", default="")
 
 
 @contextmanager
-def captioned(seals: Mapping[str, str] | None = None) -> Iterator[None]:
+def captioned(seals: Mapping[str, str] | None = None, date: str = "") -> Iterator[None]:
     """Print a caption below all figures that are saved inside this block.
 
     Parameters
     ----------
     seals : mapping of str to str, optional
         Materials by the names of the seals; ``name_seal`` adds others.
+    date : str, optional
+        Date of stored values that the figures show; without it ``today``.
     """
-    token = _SEALS.set(dict(seals or {}))
+    token, day = _SEALS.set(dict(seals or {})), _DATE.set(date)
     try:
         yield
     finally:
         _SEALS.reset(token)
+        _DATE.reset(day)
+
+
+def today() -> str:
+    """Return the date as ``2026-11-25``.
+
+    It is that of ``SOURCE_DATE_EPOCH`` (seconds since 1970, as reproducible builds set it) where the
+    variable is set.
+    """
+    stamp = os.environ.get("SOURCE_DATE_EPOCH")
+    date = datetime.fromtimestamp(int(stamp), UTC) if stamp else datetime.now().astimezone()
+    return f"{date:%Y-%m-%d}"
 
 
 def name_seal(name: str, materials: Mapping[str, object]) -> None:
@@ -42,17 +57,14 @@ def materials_text(materials: Mapping[str, object]) -> str:
 
 
 def caption(most: int = 200) -> str:
-    """Return the caption of the block, of at most ``most`` characters; empty without a seal.
-
-    The date is that of ``SOURCE_DATE_EPOCH`` (seconds since 1970, as reproducible builds set it) where
-    the variable is set, else today.
-    """
+    """Return the caption of the block, of at most ``most`` characters; empty without a seal."""
     seals = _SEALS.get()
-    if not seals:
-        return ""
-    stamp = os.environ.get("SOURCE_DATE_EPOCH")
-    date = datetime.fromtimestamp(int(stamp), UTC) if stamp else datetime.now().astimezone()
-    end = f" | {date:%Y-%m-%d}"
+    return caption_of(seals, most) if seals else ""
+
+
+def caption_of(seals: Mapping[str, str], most: int = 200) -> str:
+    """Return a caption of at most ``most`` characters for seals with their materials."""
+    end = f" | {_DATE.get() or today()}"
     text = "; ".join(f"{name}: {materials}" for name, materials in seals.items())
-    room = most - len(end)
-    return (text if len(text) <= room else text[: room - 1] + "…") + end
+    clearance = most - len(end)
+    return (text if len(text) <= clearance else text[: clearance - 1] + "…") + end

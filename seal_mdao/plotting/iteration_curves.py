@@ -33,7 +33,7 @@ def cost_history(history: RecordedOptimization) -> Figure:
         xytext=(-2, 3), textcoords="offset points", ha="right", color=GREY, fontsize=9.0,
     )  # fmt: skip
     _draw_objective(axes, history, np.maximum(history.objective_ratio, LOWEST_RATIO))
-    axes.set(yscale="log", ylabel="cost / its start")
+    axes.set(yscale="log", ylabel="cost / initial cost")
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{100 * v:g} %"))
     axes.legend(loc="lower left")
     return figure
@@ -90,7 +90,7 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
     for constraint in history.constraints:
         _name_violation(axes, history, constraint)
     _shade_violated(axes, np.concatenate([[1.0], *uses.values()]))
-    axes.set_ylabel("use of the limit (1: value at the limit)")
+    axes.set_ylabel("utilisation of the limit (1: at the limit)")
     _iteration_axis(axes, history)
     axes.legend(**BESIDE)
     return figure

@@ -141,7 +141,7 @@ def calibration_figure(travel, measured, curves: dict, found, true: dict, noise:
 
 
 def _draw_residuals(axes, travel, away, noise) -> None:
-    """Plot calibrated less measured force, with a band of the noise."""
+    """Plot the difference of calibrated and measured force, with a band of the noise."""
     turn = int(np.argmax(travel)) + 1
     # differences within two standard deviations of the noise are no evidence of a wrong law
     axes.axhspan(-2.0 * noise, 2.0 * noise, color=GREY, alpha=0.15, linewidth=0.0)
@@ -149,7 +149,7 @@ def _draw_residuals(axes, travel, away, noise) -> None:
     axes.plot(travel[:turn], away[:turn], "o", color=BLUE, markersize=4, label="closing")
     hollow = {"color": GREEN, "markersize": 4, "markerfacecolor": "none"}
     axes.plot(travel[turn:], away[turn:], "s", label="opening", **hollow)
-    axes.set(xlabel="travel (mm)", ylabel="calibrated less measured (N/m)", ymargin=0.2)
+    axes.set(xlabel="travel (mm)", ylabel="calibrated − measured (N/m)", ymargin=0.2)
     axes.set_title("grey: scatter of the data (two standard deviations)")
     axes.legend(loc="upper left", ncols=2)
 
@@ -166,7 +166,7 @@ def _draw_region(axes, found, true) -> None:
     cross = {"color": VERMILION, "markersize": 8, "markeredgewidth": 2.0}
     axes.plot(*(true[name] for name in found.names), "x", label="true", **cross)
     axes.set(xlabel=f"{found.names[0]} (kPa)", ylabel=f"{found.names[1]} coefficient")
-    axes.set_title("where the constants lie, by the scatter of the data")
+    axes.set_title("confidence regions of the constants")
     axes.margins(0.12)
     axes.xaxis.set_major_locator(MaxNLocator(4))
     # the corner that the ellipse leaves free

@@ -51,7 +51,7 @@ def draw_forces(axes, results) -> None:
         axes.plot(travel, force, color=CYCLE[number % len(CYCLE)], label=name)
         if not result.converged:
             axes.plot(travel[-1], force[-1], "x", color=CYCLE[number % len(CYCLE)])
-    axes.set_xlabel("path of the profile (mm)")
+    axes.set_xlabel("travel of the profile (mm)")
     axes.set_ylabel("force (N/m)")
     axes.set_ylim(bottom=0.0)
 

@@ -77,9 +77,25 @@ def label(name: str) -> str:
     # name[3] is entry 4 of an array
     entry = re.fullmatch(r"(.*)\[(\d+)\]", name)
     if entry is None:
-        return NAMES.get(own_name(name), own_name(name).replace("_", " "))
+        return NAMES.get(own_name(name)) or _aggregate(own_name(name))
     base, number = label(entry[1]), int(entry[2]) + 1
-    return f"stress {number}" if base == "von mises" else f"{base} {number}"
+    if base == "von mises":
+        return f"stress {number}"
+    # the entry of an aggregate is that of its measure
+    measure, comma, aggregate = base.partition(", ")
+    return f"{measure} {number}{comma}{aggregate}"
+
+
+def _aggregate(name: str) -> str:
+    """Describe a variable that may be an aggregate of a measure over scenarios."""
+    parts = re.fullmatch(r"(.+)_(scenarios|mean|std|highest|lowest|q\d+(?:_\d+)?)", name)
+    if parts is None:
+        return name.replace("_", " ")
+    # names of quantiles: q95, q97_5
+    ending = parts[2].replace("std", "standard deviation")
+    if ending.startswith("q"):
+        ending = f"{ending[1:].replace('_', '.')} % quantile"
+    return f"{label(parts[1])}, {ending}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,8 +58,8 @@ def table(head: list[str], rows: list[list], caption: str) -> str:
         for heading, *cells in rows
     )
     return (
-        f"<table><caption>{escape(caption)}</caption><thead><tr>{columns}</tr></thead>"
-        f"<tbody>{body}</tbody></table>"
+        f'<div class="scroll"><table><caption>{escape(caption)}</caption><thead><tr>{columns}</tr>'
+        f"</thead><tbody>{body}</tbody></table></div>"
     )
 
 
@@ -86,7 +86,7 @@ def limits_table(history: RecordedOptimization) -> str:
             percent(own.use()[-1]), ("violated", "bad") if violated else ("satisfied", "good"),
         ])  # fmt: skip
     head = ["recorded quantity", "start", "end", "limit", "end / limit", ""]
-    return table(head, rows, "Objective and constraints, as the optimiser saw them")
+    return table(head, rows, "Recorded objective and constraints")
 
 
 def _heading(history: RecordedOptimization, name: str) -> str:
@@ -116,7 +116,7 @@ def history_table(history: RecordedOptimization) -> str:
     objective = _heading(history, name) if unit_of(history, name) else "objective"
     kind = "iteration" if history.major else "evaluation"
     head = [kind, "evaluation number", objective, "largest violation"]
-    return table(head, rows, "The history in figures")
+    return table(head, rows, "History")
 
 
 def runs_table(history: RecordedOptimization) -> str:

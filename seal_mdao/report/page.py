@@ -9,12 +9,14 @@ from string import Template
 from urllib.parse import quote
 
 from seal_mdao._version import __version__
+from seal_mdao.plotting.captions import caption, caption_of, materials_text
 from seal_mdao.recording.recorded_optimization import FEASIBLE, RecordedOptimization, label
 from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report import html_tables as tables
 from seal_mdao.report.picture_data import Pictures
 from seal_mdao.report.recorded_charts import history_data
 from seal_mdao.report.scenarios_table import NOMINAL, nominal_note, scenarios_table
+from seal_mdao.seals.door.door_seal import DOOR_SEAL
 from seal_mdao.seals.gaps import gaps_unmeasured_by
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import SealResult
@@ -28,8 +30,8 @@ KINDS = {
     "runs": "Runs of a model with",
 }
 WORDS = {
-    True: ("Start", "End", "Through the iterations"),
-    False: ("First point", "Last point", "Through the points"),
+    True: ("Start", "End", "Iterations"),
+    False: ("First point", "Last point", "Points"),
 }
 """Headings, by whether the points are those of an optimiser."""
 
@@ -51,6 +53,14 @@ class ShownSeal:
     @property
     def name(self) -> str:
         return self.recorded.name or "seal"
+
+    @property
+    def caption(self) -> str:
+        """Small print below the pictures: the seal's name, its materials and the date."""
+        seal = self.recorded.seal
+        name = self.recorded.name or ("door seal" if DOOR_SEAL in seal.description else "seal")
+        # a command names the seal file that it has read
+        return caption() or caption_of({name: materials_text(seal.materials)})
 
     @property
     def ends(self) -> tuple[SealResult, SealResult]:
@@ -96,7 +106,10 @@ def render(
     """
     # one entry of shapes for each seal; the page shows the first one at the start
     kind, short, long = status(history)
-    shapes = [Pictures(*s.ends, s.designs).as_data() | {"numbers": numbers} for s in seals]
+    shapes = [
+        Pictures(*s.ends, s.designs).as_data() | {"numbers": numbers, "caption": s.caption}
+        for s in seals
+    ]
     data = {
         "history": history_data(history), "seals": [seal.name for seal in seals],
         "shapes": shapes[0] if shapes else None, "others": shapes[1:],
@@ -261,7 +274,7 @@ def key_figures(
             old, new = (own[f"vertical force on the profile{at}"][1] for own in (start, end))
             change = f"{tables.percent(new / old)} of its start" if old else ""
             forces.append((f"vertical force{of}", f"{short(new, 3)} N/m", change))
-    kind, done = "gradients" if history.major else "evaluations", history.evaluations
+    kind, done = "iterations" if history.major else "evaluations", history.evaluations
     # relative to the limit
     worst = tables.percent(history.max_violation[-1])
     return [

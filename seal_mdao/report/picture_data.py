@@ -5,6 +5,7 @@ some micrometres and a tenth of a kilopascal, and written as base64 text.
 """
 
 import base64
+import itertools
 
 import numpy as np
 from matplotlib import colormaps
@@ -17,7 +18,7 @@ from seal_mdao.measures.stress import VonMises
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.contact_curves import arc_length
-from seal_mdao.plotting.style import STRESS_MAP
+from seal_mdao.plotting.style import STRESS_MAPS
 from seal_mdao.seals.profiles import contacts, moving_histories, self_contacts, true_pressure
 from seal_mdao.seals.result import SealResult
 
@@ -29,7 +30,7 @@ COLOURS = 64
 MARGIN = 0.08
 """Clearance around the shapes, over their size."""
 FULL = 32000
-"""Integer that stands for the largest coordinate, and for the end of the stress scale."""
+"""Integer that stands for the largest coordinate, and for the end of a stress scale."""
 BETWEEN = 3
 """Mark of a point that is open between others in contact; 0, 1 and 2 are its contact states."""
 
@@ -68,10 +69,9 @@ class Pictures:
         shapes += [own.deformed() for own in self._between]
         shapes += [own.undeformed() for own in self._ends]
         self._low, self._high = section.window(shapes, MARGIN)
-        # one integer scale of lengths, one of stress up to the end of the colour scale
+        # one integer scale of lengths, one of stress for each material up to the end of its colour scale
         self._length = max(np.abs(shape).max() for shape in shapes) / FULL
-        highest = max(own.von_mises(step).max() for own, step in frames)
-        self._top = float(section.stress_levels(highest)[-1])
+        self._tops = _tops(frames)
 
     def as_data(self) -> dict:
         """Return the pictures in types of JSON."""
@@ -80,9 +80,8 @@ class Pictures:
             "quads": start.quads.tolist(),
             "loops": [loop.tolist() for loop in start.loops],
             "length": self._length,
-            "stress": self._top / FULL,
-            "top": self._top,
-            "colours": [to_hex(c) for c in colormaps[STRESS_MAP](np.linspace(0.0, 1.0, COLOURS))],
+            "regions": start.region.tolist(),
+            "scales": _scales(start.result.seal, self._tops),
             "low": self._low.tolist(),
             "high": self._high.tolist(),
             "held": [_rounded(line) for line in section.fixed_lines(start.result)],
@@ -93,9 +92,9 @@ class Pictures:
 
     def _frame(self, fine: field.FineGrid, step: int) -> dict:
         """One load step: x, y, stress of all points of the grid, x, y of the contact points."""
-        # stress in the integer scale, cut at its end
+        # stress in the integer scale of its material, cut at its end
         result, stress = fine.result, fine.von_mises(step)
-        scaled = np.minimum(stress * FULL / self._top, FULL)
+        scaled = np.minimum(stress * FULL / self._tops[fine.region], FULL)
         touching, marks = contact_points(result, step)
         return {
             "points": packed(np.column_stack([fine.deformed(step) / self._length, scaled])),
@@ -129,6 +128,23 @@ def _fine_grid(result: SealResult) -> field.FineGrid:
     """A grid with about as many points whatever the model's refinement."""
     cells = len(result.seal.body.cells)
     return field.fine_grid(result, max(1, round(np.sqrt(POINTS / cells))))
+
+
+def _tops(frames) -> np.ndarray:
+    """Ends of the colour scales of all materials, kPa, for grids at load steps."""
+    stresses = [(fine.region, fine.von_mises(step)) for fine, step in frames]
+    count = 1 + int(stresses[0][0].max())
+    highest = (max(s[region == n].max() for region, s in stresses) for n in range(count))
+    return np.array([section.stress_levels(own)[-1] for own in highest])
+
+
+def _scales(seal, tops) -> list[dict]:
+    """Colour scale of every material: its name (empty for a single one), end (kPa) and colours."""
+    names, at = seal.materials if len(tops) > 1 else [""], np.linspace(0.0, 1.0, COLOURS)
+    return [
+        {"name": name, "top": float(top), "colours": [to_hex(c) for c in colormaps[colors](at)]}
+        for name, top, colors in zip(names, tops, itertools.cycle(STRESS_MAPS))
+    ]
 
 
 def _watched(fine: field.FineGrid) -> list[list[int]]:
@@ -180,7 +196,7 @@ def _curves(result, history, steps) -> dict:
     # travel where all of the path is one load-unload segment
     if len(history.load_segments) == 1:
         (load_segment,) = history.load_segments
-        words, along = "turn (°)" if load_segment.turns else "travel (mm)", load_segment.along
+        words, along = "rotation (°)" if load_segment.turns else "travel (mm)", load_segment.along
     found = {
         "name": history.label,
         "arc": [],

@@ -43,6 +43,14 @@ class Variation:
         # p = n, p = v + n, or p = v n
         return {VALUE: number, SHIFT: value + number, FACTOR: value * number}[self.kind]
 
+    def heading(self, seal: Seal) -> str:
+        """Format its name with kind and unit, such as ``lid_y (shift, mm)``, for a column of numbers."""
+        units = {seal.scalars[name].units for name in self.parameters if name in seal.scalars}
+        # a factor has no unit, nor have parameters with different ones
+        unit = units.pop() if len(units) == 1 and self.kind != FACTOR else None
+        parts = [*([] if self.kind == VALUE else [self.kind]), *([unit] if unit else [])]
+        return f"{self.name} ({', '.join(parts)})" if parts else self.name
+
     def described(self, number: float) -> str:
         """Format one of its numbers, such as ``lid_friction = 0.3`` or ``hardness * 1.1``."""
         if self.kind == SHIFT:
@@ -128,11 +136,10 @@ class Scenarios:
         found += [] if self.offsets is None else ["boundary offsets of its own"]
         return f"scenario {number + 1} of {len(self)}" + (f" ({', '.join(found)})" if found else "")
 
-    def table(self) -> dict:
-        """Tabulate the numbers for reports: names of ``columns``, and ``rows`` of S scenarios; of the
-        offsets the largest of each scenario, mm."""
-        endings = {VALUE: "", SHIFT: " (shift)", FACTOR: " (factor)"}
-        columns = [variation.name + endings[variation.kind] for variation in self.variations]
+    def table(self, seal: Seal) -> dict:
+        """Tabulate the numbers for reports: names of ``columns`` with the units of the seal's
+        parameters, and ``rows`` of S scenarios; of the offsets the largest of each scenario, mm."""
+        columns = [variation.heading(seal) for variation in self.variations]
         rows = self.numbers
         if self.offsets is not None:
             columns.append("largest boundary offset (mm)")

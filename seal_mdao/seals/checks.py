@@ -273,7 +273,7 @@ def _inside_itself(samples: Samples):
             yield Finding(
                 f"walls of the seal lie {depth:.3g} mm inside each other near {_at(place)}, "
                 f"{100.0 * depth / size:.2g} % of {whose}: the penalty of "
-                f"{term.label!r} gives so much; use a larger one, or a smaller depth",
+                f"{term.label!r} is too small; use a larger one, or a smaller depth",
                 bool(depth > DEEP * samples.wall),
             )
 

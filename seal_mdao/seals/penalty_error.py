@@ -260,7 +260,7 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
         f"{name} {100.0 * abs(found.relative):.2g} % too {'small' if found.relative < 0.0 else 'large'}"
         for name, found in large.items()
     )
-    said = f"the contact gives way to its pressure, which makes {changes}, as estimated"
+    said = f"the contact penalties permit penetration, which makes {changes}, as estimated"
     if chosen_penalties(result.seal):
         return (
             f"{said}: with higher penalties than those chosen the iterations converge badly; use less "

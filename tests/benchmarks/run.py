@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 import openmdao.api as om
 import scipy.linalg
+from finite_elements import elements_figures
 from threadpoolctl import threadpool_limits
 
 import seal_mdao as sm
@@ -30,6 +31,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.equilibrium.linear_solver import BandedStorage
+from seal_mdao.plotting.captions import today
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.door.door_seal import with_options
 
@@ -302,6 +304,7 @@ def main(argv=None):
             "checks of the result": checks_figures(seal),
             "estimates before an analysis": estimates(),
             "through OpenMDAO": openmdao_figures(seal),
+            '`accuracy="engineering"` beside finite elements': elements_figures(),
             **{f"growth, {s}": growth(arguments.largest, s) for s in sparse_solvers()},
             "sensitivities of 8 steps": shares(arguments.largest),
             "start": start_up(),
@@ -309,7 +312,9 @@ def main(argv=None):
     print(page(figures))
     if arguments.out:
         arguments.out.mkdir(parents=True, exist_ok=True)
-        (arguments.out / "benchmarks.json").write_text(json.dumps(figures, indent=1))
+        (arguments.out / "benchmarks.json").write_text(
+            json.dumps({"date": today()} | figures, indent=1)
+        )
         (arguments.out / "benchmarks.md").write_text(page(figures), encoding="utf-8")
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import psutil
 
 import seal_mdao as sm
+from seal_mdao.plotting.captions import today
 from seal_mdao.scenarios.evaluate import evaluate
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.scenarios.running import Point, run_scenarios
@@ -85,7 +86,7 @@ def main(out: Path, n_steps: int) -> None:
                 done = len(list(run_scenarios(Nothing(), points, pool)))
                 here, there = clock.spent()
     found = {
-        "n_steps": seal.n_steps, "rows": rows,
+        "date": today(), "n_steps": seal.n_steps, "rows": rows,
         "overhead_ms": 1e3 * (here + there.sum()) / done,
     }  # fmt: skip
     (out / "scenario_costs.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

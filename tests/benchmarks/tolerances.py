@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from seal_mdao.plotting.captions import today
+
 DESIGNS = ("nominal", "robust")
 
 
@@ -47,6 +49,7 @@ def main(study: Path, robust: Path, out: Path) -> None:
         "scenarios", "samples", "widen", "deviations", "model_evaluations",
     )  # fmt: skip
     found = {
+        "date": today(),
         "study": json.loads((study / "summary.json").read_text(encoding="utf-8"))["measures"],
         "robust": {name: summary[name] for name in kept},
         "designs": designs,

@@ -204,3 +204,16 @@ def test_room_is_before_the_first_step_whatever_the_steps():
         np.testing.assert_allclose(other.coordinates(0.5), middle, atol=1e-15)
     ends = motion.with_ends([0.5, 4.0, 9.0, 11.0])
     np.testing.assert_array_equal(ends.coordinates(1.0), closing().coordinates(0.5))
+
+
+def test_parameters_of_lengths_and_angles_have_units():
+    stages = [
+        Stage(2, (0.0, -3.0), rates={"depth": (0.0, -1.0, 0.0), "both": (0.0, 1.0, 1.0)}),
+        Stage(1, rotate=10.0, rates={"fraction": (0.0, -3.0, 0.0), "turn": (0.0, 0.0, 1.0)}),
+    ]
+    motion = staged_motion(stages).with_placement("x", "y", "angle")
+    found = {name: motion.unit(name) for name in motion.names}
+    assert found == {
+        "depth": "mm", "both": None, "fraction": None, "turn": "deg",
+        "x": "mm", "y": "mm", "angle": "deg",
+    }  # fmt: skip

@@ -30,6 +30,13 @@ def test_a_caption_has_name_materials_and_date():
     assert caption() == ""
 
 
+def test_stored_values_have_their_own_date():
+    with captioned({"lip": "rubber (Yeoh)"}, "2022-02-28"):
+        with captioned({"bulb": "rubber"}):
+            assert caption() == "bulb: rubber | 2023-11-14"
+        assert caption() == "lip: rubber (Yeoh) | 2022-02-28"
+
+
 def test_without_a_seal_there_is_no_caption(nominal, tmp_path):
     name_seal("bulb", {})
     figure = plotting.load_deflection(nominal)

@@ -73,7 +73,7 @@ def test_frames_are_the_deformed_sections(seal_page, ends):
                 place = np.array([x, y]) * shapes["length"]
                 assert place == pytest.approx(result.deformed(step)[particle], abs=1e-3)
                 exact = result.stress_field(step)[particle]
-                assert stress * shapes["stress"] == pytest.approx(exact, abs=0.02)
+                assert stress * shapes["scales"][0]["top"] / FULL == pytest.approx(exact, abs=0.02)
             assert np.abs(points).max() <= FULL
             check_contact(shapes, frame, result.path.at_nominal("door")[step])
             (pose,) = frame["poses"]
@@ -112,12 +112,17 @@ def test_pressure_carries_the_vertical_force(ends):
         assert np.all(carried[end.state == 0] == 0.0)
 
 
+def test_pictures_name_seal_and_material(seal_page):
+    assert seal_page.data["shapes"]["caption"].startswith("door seal: rubber (Mooney-Rivlin) | 20")
+
+
 def test_all_pictures_share_one_scale(seal_page, ends):
     shapes = seal_page.data["shapes"]
     peaks = [max(frame["peak"] for frame in path["frames"]) for path in shapes["paths"]]
-    assert max(peaks) <= shapes["top"] < 1.25 * max(peaks)
+    (scale,) = shapes["scales"]
+    assert max(peaks) <= scale["top"] < 1.25 * max(peaks)
     assert peaks[0] >= ends[0].stress_field().max() - 0.01
-    assert shapes["stress"] == pytest.approx(shapes["top"] / FULL)
+    assert (scale["name"], set(shapes["regions"])) == ("", {0})
     assert shapes["numbers"] == list(range(len(seal_page.data["history"]["objective"]["values"])))
     assert len(shapes["designs"]) == len(shapes["numbers"])
 

@@ -9,7 +9,8 @@ import pytest
 from seal_file.block_files import DESIGN, FIXED, LID, seal_of
 
 import seal_mdao as sm
-from seal_mdao.recording.recorded_optimization import read_optimization
+from seal_mdao import plotting
+from seal_mdao.recording.recorded_optimization import label, read_optimization
 from seal_mdao.recording.recorded_scenarios import RecordedScenarios, read_scenarios
 from seal_mdao.recording.recorder_file import RecordedModel
 from seal_mdao.report.html_tables import number
@@ -53,7 +54,18 @@ def test_history_of_an_own_model_is_drawn(run, tmp_path, run_script, capsys):
     assert list(summary["largest_gap_mm"]) == [name]
     for figure in ("objective_history", "constraint_history", "designs", "start", "optimum"):
         assert (tmp_path / f"{figure}.png").stat().st_size > 1000
-    assert "reaction lowest: " in capsys.readouterr().out
+    assert "reaction, lowest: " in capsys.readouterr().out
+
+
+def test_figures_of_designs_name_the_nominal_condition(run, tmp_path, run_script, monkeypatch):
+    saved = {}
+    monkeypatch.setattr(plotting, "save", lambda figure, path: saved.update({path.stem: figure}))
+    run_script("history", tmp_path, run[1])
+    titles = {name: figure.get_suptitle() for name, figure in saved.items()}
+    assert titles == {
+        "objective_history": "", "constraint_history": "",
+        **dict.fromkeys(("designs", "start", "optimum"), "nominal condition"),
+    }  # fmt: skip
 
 
 def table_of(text, caption):
@@ -65,12 +77,18 @@ def table_of(text, caption):
     return re.findall(cells, head), rows
 
 
+def test_aggregates_are_described_in_words():
+    assert label("block.reaction_q97_5[3]") == "reaction 4, 97.5 % quantile"
+    assert label("gap_square_sum_std") == "sum of squared gaps, standard deviation"
+    assert label("von_mises[2]") == "stress 3"
+
+
 def test_report_tabulates_the_scenarios(run, tmp_path):
     name, cases = run
     text = unescape(write_report(cases, tmp_path / "page.html").read_text(encoding="utf-8"))
     head, rows = table_of(text, "Scenarios")
     assert head == [
-        "scenario", f"{name}_friction", f"{name}_y (shift)", "reaction (N/m), start → end",
+        "scenario", f"{name}_friction", f"{name}_y (shift, mm)", "reaction (N/m), start → end",
     ]  # fmt: skip
     assert [row[:3] for row in rows] == [["1", "0.1", "0"], ["2", "0.3", "−0.1"]]
     # as recorded, and as analysed for this test
@@ -114,8 +132,9 @@ def test_many_values_of_a_measure_are_one_column():
 
 def test_table_of_many_scenarios_is_closed_at_first():
     few, many = (RecordedScenarios(["a"], np.zeros((n, 1)), {}) for n in (20, 21))
-    assert scenarios_table(few).startswith("<table>")
-    assert scenarios_table(many).startswith("<details><summary>Scenarios: 21</summary><table>")
+    start = '<div class="scroll"><table>'
+    assert scenarios_table(few).startswith(start)
+    assert scenarios_table(many).startswith(f"<details><summary>Scenarios: 21</summary>{start}")
 
 
 @pytest.mark.parametrize(

@@ -54,14 +54,15 @@ def test_scenarios_are_described_by_their_numbers():
 
 def test_table_of_the_numbers():
     scenarios = Scenarios(VARIATIONS, NUMBERS, np.array([[0.1, -0.4], [0.0, 0.2]]))
-    assert scenarios.table() == {
+    seal = sm.door_seal()
+    assert scenarios.table(seal) == {
         "columns": [
-            "friction", "hardness (factor)", "door_radius (shift)", "age (factor)",
+            "friction", "hardness (factor)", "door_radius (shift, mm)", "age (factor)",
             "largest boundary offset (mm)",
         ],
         "rows": [[*NUMBERS[0], 0.4], [*NUMBERS[1], 0.2]],
     }  # fmt: skip
-    assert Scenarios(VARIATIONS[:1], NUMBERS[:, :1]).table() == {
+    assert Scenarios(VARIATIONS[:1], NUMBERS[:, :1]).table(seal) == {
         "columns": ["friction"], "rows": [[0.3], [0.1]],
     }  # fmt: skip
 

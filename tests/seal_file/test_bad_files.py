@@ -152,7 +152,7 @@ BAD = {
     "fluid round both": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "base"]'),
                          "[[fluid]] 1: edge = seal, base is a closed curve"),
     "fluid apart": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "cavity"]'),
-                    "[[fluid]] 1: edge = seal, cavity is not one stretch of the boundary"),
+                    "[[fluid]] 1: edge = seal, cavity is not one connected part of the boundary"),
     "fluid untouched": (FIXED, FIXED + FLUID.replace('"seal"', '"base"'), "[[fluid]] 1: edge = base, "
                         "which no profile may touch, so nothing would hold the fluid back; edges that"),
     "fluid from nowhere": (FIXED, FIXED + FLUID.replace('from = "end"\n', ""),
@@ -313,8 +313,8 @@ BAD = {
     "unknown contact": ('contact = ["seal"]', 'contact = ["sael"]', "[[profile]] 1 ('door'): contact = "
                         "'sael', but there is no such edge (did you mean 'seal'?)"),
     "contact is fixed": ('contact = ["seal"]', 'contact = ["base"]', "contact = 'base', but [fixed] h"),
-    "contact apart": ('contact = ["seal"]', 'contact = ["seal", "cavity"]', "is not one stretch of the "
-                      "boundary"),
+    "contact apart": ('contact = ["seal"]', 'contact = ["seal", "cavity"]', "is not one connected "
+                      "part of the boundary"),
     "no shape": (*without(DOOR + "\n"), "[[profile]] 1 ('door'): needs exactly one of line, arc, spli"),
     "profile of one point": (DOOR, "line = [[0.0, 0.0]]", "line = [[0.0, 0.0]], but it must be a list"),
     "profile there and back": (DOOR, "line = [[-9.0, 0.0], [9.0, 0.0], [-9.0, 0.0]]",
@@ -337,8 +337,8 @@ BAD = {
     ),
     "inside": ("start = [0.0, 14.45]", "start = [0.0, 13.0]", "[[profile]] 1 ('door'): start = (0, 13) "
                "puts the edge 'seal' 1 mm inside the rigid body at (0, 14); start it"),
-    "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "lies on the left when walked; is it "
-                  "walked the wrong way?)"),
+    "wrong way": (DOOR, "line = [[40.0, 0.0], [-40.0, 0.0]]", "left of the curve's direction; "
+                  "is its direction reversed?)"),
     "start a number": ("start = [0.0, 14.45]", "start = 14.5", "start = 14.5, but it must be a point"),
     "start beyond all": ("start = [0.0, 14.45]", "start = [0.0, 1e300]", "must be a point [x, y] of two "
                          "numbers, at most 100000 in size"),

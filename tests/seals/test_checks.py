@@ -42,7 +42,7 @@ def test_example_says_nothing_but_what_its_penalties_do():
     result = analysed()
     assert findings(result.path) == ()
     (text,) = result.warnings
-    assert "the contact gives way to its pressure, which makes " in text
+    assert "the contact penalties permit penetration, which makes " in text
     assert re.search(r"gap_square_sum [\d.]+ % too small", text)
 
 

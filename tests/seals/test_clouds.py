@@ -203,9 +203,9 @@ def test_what_cannot_be_filled_is_refused():
         cloud([square[:-1]], 0.5)
     with pytest.raises(ValueError, match="spacing must be a positive number"):
         cloud([square], -1.0)
-    with pytest.raises(ValueError, match="loop 0 is walked the wrong way"):
+    with pytest.raises(ValueError, match="loop 0 has the wrong direction"):
         cloud([square[::-1]], 0.5)
-    with pytest.raises(ValueError, match="loop 1 is walked the wrong way"):
+    with pytest.raises(ValueError, match="loop 1 has the wrong direction"):
         cloud([square, 0.2 * square + 1.0], 0.5)
 
 

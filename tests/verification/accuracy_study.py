@@ -22,6 +22,7 @@ import numpy as np
 if __name__ in ("__main__", "__mp_main__"):
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from seal_mdao.plotting.captions import today
 from seal_mdao.seals.door.door_seal import ACCURACIES, door_seal
 from verification.error_sources import FUNCTIONS, flat_errors, worst_error
 from verification.ray_bulb import COMPARED
@@ -183,8 +184,17 @@ def _plain(value, digits: int):
 
 
 @cache
+def _file() -> dict:
+    return json.loads(VALUES.read_text(encoding="utf-8")) if VALUES.exists() else {"date": ""}
+
+
 def _values() -> dict:
-    return json.loads(VALUES.read_text(encoding="utf-8")) if VALUES.exists() else {}
+    return {name: own for name, own in _file().items() if name != "date"}
+
+
+def stored_date() -> str:
+    """Return the day on which the values were computed."""
+    return _file()["date"]
 
 
 def stored(quantity: str, **arguments):
@@ -216,7 +226,7 @@ def main(arguments=None) -> None:
     with multiprocessing.get_context("spawn").Pool(min(2, os.cpu_count() or 1)) as pool:
         found = iter(pool.map(_compute, tasks, chunksize=1))
     values = _values() | {name: {k: next(found) for k in keys} for name, keys in own.items()}
-    ordered = {name: values[name] for name in FUNCTION if name in values}
+    ordered = {"date": today()} | {name: values[name] for name in FUNCTION if name in values}
     VALUES.write_text(json.dumps(ordered, indent=1) + "\n", encoding="utf-8")
 
 

@@ -36,7 +36,7 @@ def test_forces_at_defaults(name):
     result = sm.analyze(sm.build_seal(REFERENCES / f"{name}.toml"), keep_factors=True)
     errors, uncertain = force_errors(name, result)
     assert (np.abs(errors) - uncertain).max() <= LARGEST
-    assert not any("gives way" in text for text in result.warnings)
+    assert not any("permit penetration" in text for text in result.warnings)
 
 
 @pytest.mark.parametrize("name", ["half_disc", "o_ring"])
@@ -51,7 +51,7 @@ def test_soft_penalties_of_a_solid_section_are_found_out(name):
     result = sm.analyze(seal.with_parameters(soft), keep_factors=True)
     errors, _ = force_errors(name, result)
     assert errors.max() < -0.03
-    assert any("gives way" in text for text in result.warnings)
+    assert any("permit penetration" in text for text in result.warnings)
     stiff = sm.analyze(seal)
     label = next(term.label for term in seal.terms() if hasattr(term, "motion"))
     true = 1.0 - result.path.reaction(label)[-1, 1] / stiff.path.reaction(label)[-1, 1]

@@ -141,9 +141,13 @@ function units(pairs) {
 }
 
 function stressScale() {
-  const bar = document.createElement("i"), host = place("stress-scale");
-  bar.style.background = `linear-gradient(to right, ${shapes.colours.join(",")})`;
-  host.append("0", bar, `${readable(shapes.top)} kPa von Mises stress`);
+  for (const { name, top, colours } of shapes.scales) {
+    const bar = document.createElement("i"), row = document.createElement("div");
+    row.className = "scale";
+    bar.style.background = `linear-gradient(to right, ${colours.join(",")})`;
+    row.append(name ? `${name}: 0` : "0", bar, `${readable(top)} kPa von Mises stress`);
+    place("stress-scale").append(row);
+  }
 }
 
 // ---- through the iterations ----
@@ -231,6 +235,7 @@ function iterations() {
   return pictures ? pictures.views : [];
 }
 
+document.querySelectorAll(".small-print").forEach((line) => { line.textContent = shapes ? shapes.caption : ""; });
 const views = [...(shapes ? closing() : []), ...iterations()];
 const redraw = () => views.forEach((view) => view.redraw());
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);

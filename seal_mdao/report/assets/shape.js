@@ -101,12 +101,13 @@ class ShapeView {
   }
 
   drawStress(points) {
-    const { quads, length, colours } = this.shapes, { context, subdivide: n } = this;
-    const last = colours.length - 1;
+    const { quads, regions, scales, length } = this.shapes, { context, subdivide: n } = this;
     const mix = (a, b, c, d, s, t, k) => (1 - s) * ((1 - t) * points[a + k] + t * points[b + k]) + s * ((1 - t) * points[c + k] + t * points[d + k]);
     context.lineWidth = 0.7;
     for (const [a, b, c, d] of quads) {
       const at = [3 * a, 3 * b, 3 * d, 3 * c];
+      // all corners belong to one material: points between two materials lie twice
+      const { colours } = scales[regions[a]], last = colours.length - 1;
       for (let s = 0; s < n; s++) {
         for (let t = 0; t < n; t++) {
           const level = mix(...at, (s + 0.5) / n, (t + 0.5) / n, 2) / 32000;
@@ -207,6 +208,6 @@ class ShapeView {
       const [x, y] = this.place(points, k), away = Math.hypot(x - (event.clientX - box.left), y - (event.clientY - box.top));
       if (away < least) [best, least] = [k, away];
     }
-    this.canvas.title = best < 0 ? "" : `${readable(points[3 * best + 2] * this.shapes.stress, 3)} kPa`;
+    this.canvas.title = best < 0 ? "" : `${readable((points[3 * best + 2] / 32000) * this.shapes.scales[this.shapes.regions[best]].top, 3)} kPa`;
   }
 }

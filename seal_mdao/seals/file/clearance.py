@@ -56,11 +56,11 @@ def check_start(where: str, profile, outline) -> float:
         every = [s.points(s.chords(sagitta)) for s in _segments(profile, outline)]
         # all of the section on the wrong side: the curve has the wrong direction
         inside = all(gap(*x) < 0.0 for x in np.concatenate(every))
-        turned = "; is it walked the wrong way?" if inside else ""
+        turned = "; is its direction reversed?" if inside else ""
         raise SealFileError(
             f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
             f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away (the "
-            f"rigid body lies on the left when walked{turned})"
+            f"rigid body lies on the left of the curve's direction{turned})"
         )
     return least
 

@@ -204,7 +204,7 @@ def _check_fluid_edges(where: str, edges, file) -> None:
     contour, all_round = _stretch(edges, file.section.outline)
     where = f"{where}: edge = {', '.join(edges)}"
     if contour is None:
-        raise SealFileError(f"{where} is not one stretch of the boundary")
+        raise SealFileError(f"{where} is not one connected part of the boundary")
     if all_round:
         raise SealFileError(
             f"{where} is a closed curve without ends; divide it where the fluid comes in and where it "
@@ -307,7 +307,7 @@ def _check_steps(file) -> None:
 
 
 def _check_contact(where: str, profile, file) -> None:
-    """Refuse contact of edges that are fixed, or that are not one stretch of the boundary."""
+    """Refuse contact of edges that are fixed, or that are not one connected part of the boundary."""
     # fixed particles are no contact points; edges in a plane still slide
     check_edges(where, "contact", profile.contact, file.section.outline)
     for name in profile.contact:
@@ -318,8 +318,8 @@ def _check_contact(where: str, profile, file) -> None:
         check_friction_by_edge(where, profile)
     if _stretch(profile.contact, file.section.outline)[0] is None:
         raise SealFileError(
-            f"{where}: contact = {', '.join(profile.contact)} is not one stretch of the boundary; give "
-            "the others a profile of their own with the same motion"
+            f"{where}: contact = {', '.join(profile.contact)} is not one connected part of the "
+            "boundary; give the others a profile of their own with the same motion"
         )
 
 

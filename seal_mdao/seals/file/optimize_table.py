@@ -1,4 +1,4 @@
-"""``[optimize]``: what is made small, and what has to hold."""
+"""``[optimize]``: objective and constraints."""
 
 from typing import Annotated
 

@@ -160,7 +160,7 @@ def _folded(part: _Part, own) -> np.ndarray:
     """Add the B-splines that are mirror images of each other, shape ((n + 1) // 2 or so, K)."""
     count = len(own)
     if part.left_out[0] != part.left_out[1]:
-        raise ValueError(f"design: the ends of the edge {part.name!r} are not held alike")
+        raise ValueError(f"design: the ends of the edge {part.name!r} are not constrained alike")
     # j <-> n - 1 - j of an open part, j <-> -j of a loop whose first B-spline is in the plane
     image = -np.arange(count) % count if part.loop else np.arange(count)[::-1]
     first = np.flatnonzero(np.arange(count) <= image)

@@ -170,7 +170,7 @@ def _check_loops(loops) -> None:
         hole = around is not None and polygon_area(loops[around])[0] > 0.0
         if (polygon_area(loop)[0] > 0.0) == hole:
             raise ValueError(
-                f"loop {number} is walked the wrong way: the material must lie on the left"
+                f"loop {number} has the wrong direction: the material must lie on the left"
             )
 
 
