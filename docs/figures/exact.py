@@ -1,9 +1,10 @@
-"""Benchmarks with exact solutions: patch, compression, cylinder, rotation, flexure."""
+"""Benchmarks with exact solutions: patch, contact patch, compression, cylinder, rotation, flexure."""
 
 from pathlib import Path
 
 import numpy as np
 from verification.bodies import Grid, scattered
+from verification.contact_patch import pressed, slid
 from verification.cylinder import inflate_cylinder, inflation_pressure
 from verification.flexure import bend_block
 from verification.patch import GRADIENT, compress_block, patch_test
@@ -18,9 +19,9 @@ RATIOS = (1e3, 1e4, 1e5, 1e6)
 
 
 def make(out: Path, reduced: bool) -> dict:
-    """Pictures and numbers of the five benchmarks."""
+    """Pictures and numbers of the six benchmarks."""
     ratios = RATIOS[:1] if reduced else RATIOS
-    numbers = _patch(out) | _compression(out) | _rotation(out)
+    numbers = _patch(out) | _contact_patch(out) | _compression(out) | _rotation(out)
     return numbers | _cylinder(out, ratios) | _flexure(out, reduced)
 
 
@@ -50,6 +51,28 @@ def _patch_picture(path: Path) -> None:
             axes.plot(*x.T, "o", color=color, markersize=3)
         axes.set_aspect("equal")
         axes.set_axis_off()
+
+
+# ---- contact patch test ----
+
+
+@captioned_body("pressed block")
+def _contact_patch(out: Path) -> dict:
+    found = {kind: pressed(kind, 0.25) for kind in ("particles", "averages")}
+    worst = found["averages"].deviation
+    for order in (1, 2):
+        patch, error = slid("averages", 0.25, order)
+        worst = max(worst, pressed("averages", 0.25, order).deviation, patch.deviation, error)
+    curves(out / "contact_patch.png", "place along the plate (mm)", "contact pressure / mean", [
+        (own.place, own.pressure / own.pressure.mean(), style, color, f"contact at {kind}")
+        for (kind, own), style, color in zip(
+            found.items(), ("s--", "o-"), (VERMILION, BLUE), strict=True
+        )
+    ], (5.2, 3.4))  # fmt: skip
+    return {
+        "contact_patch": power(worst),
+        "contact_patch_at_particles": percent(found["particles"].deviation),
+    }
 
 
 # ---- homogeneous compression ----

@@ -31,12 +31,15 @@ class ContactPatch(NamedTuple):
     Attributes
     ----------
     path : PathResult
+    place : ndarray, shape (k,)
+        Undeformed places of the contact points along the plate, mm.
     pressure : ndarray, shape (k,)
         Nominal pressures of the contact points, kPa.
     state : ndarray of int, shape (k,)
     """
 
     path: PathResult
+    place: np.ndarray
     pressure: np.ndarray
     state: np.ndarray
 
@@ -108,5 +111,5 @@ def _plate(kind, grid, particles, motion, friction: float) -> RigidContact:
 
 
 def _found(path) -> ContactPatch:
-    response = path.steps[-1].responses[1]
-    return ContactPatch(path, -PENALTY * response.gap, response.state)
+    response, place = path.steps[-1].responses[1], path.problem.term("plate").reference[:, 0]
+    return ContactPatch(path, place, -PENALTY * response.gap, response.state)
