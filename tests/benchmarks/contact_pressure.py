@@ -2,8 +2,7 @@
 
 Not collected by pytest. It prints a table in Markdown: sections of ``tests/verification/references`` at
 the spacing of their files, and the door seal of engineering accuracy, and both at half of their spacing,
-touched at the particles and in the middle of the sides. Numbers are those of the ends of the stages, in
-per cent.
+with every kind of contact points. Numbers are those of the ends of the stages, in per cent.
 """
 
 import argparse
