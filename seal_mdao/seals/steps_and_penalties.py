@@ -89,7 +89,9 @@ class _Analyses:
         states = {} if ends is None else self._common(seal, ends)
         if ends is not None:
             self.last = seal, ends, states
-            seal = seal.with_ends(ends)
+            # its own steps: the path is then that of the seal itself
+            if not np.array_equal(ends, np.arange(1.0, seal.n_steps + 1.0)):
+                seal = seal.with_ends(ends)
         self.number += 1
         if self.report is not None:
             self.report(self.number, self.number + more, seal.n_steps)

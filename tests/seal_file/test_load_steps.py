@@ -102,7 +102,12 @@ def test_a_smaller_tolerance_takes_more_steps_where_they_are_needed(bulb, tmp_pa
     assert lengths(tight).max() >= 2.0 * lengths(tight).min()
 
 
-@pytest.mark.parametrize("text", [OPEN, COARSE], ids=["steps and penalties", "penalties"])
+SOFT = f"{COARSE}[penalties]\ntolerance = 0.9\n"
+
+
+@pytest.mark.parametrize(
+    "text", [OPEN, COARSE, SOFT], ids=["steps and penalties", "penalties", "the first penalties"]
+)
 def test_the_last_path_of_the_choice_is_the_analysis_of_the_nominal_seal(text, tmp_path):
     """Bit for bit, so it is not made again; and the choice takes at most three paths."""
     file, begun, steps = read(tmp_path, text), [], []
