@@ -6,6 +6,8 @@ from matplotlib.figure import Figure
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, panels, signed, styled, subplots
 
 BINS = 30
+EQUAL = 1e-9
+"""Relative difference of samples that is rounding."""
 SMALLEST = 1e-4
 """Lower limit of the cost axis over the largest cost."""
 DECADES = 1e-2
@@ -40,7 +42,7 @@ def distributions(values, names, units, linear=None) -> Figure:
         own = values[:, number]
         # bins common to both histograms, so that their heights compare
         both = own if linear is None else np.concatenate([own, linear[:, number]])
-        edges = np.histogram_bin_edges(both, BINS)
+        edges = _bin_edges(both)
         axes.hist(own, edges, color=BLUE, alpha=0.55, label="sampled")
         if linear is not None:
             outlined = {"histtype": "step", "color": VERMILION, "linewidth": 1.4}
@@ -131,9 +133,18 @@ def _draw_cumulative(axes, samples: dict) -> None:
     axes.legend(loc="lower right" if decades else "lower center")
 
 
+def _bin_edges(values: np.ndarray) -> np.ndarray:
+    """Return the edges of ``BINS`` equal bins; of values that are equal to rounding, around them."""
+    low, high = values.min(), values.max()
+    # a little wider than the values, so that rounding leaves none out
+    middle, half = 0.5 * (low + high), 0.5 * (1.0 + EQUAL) * (high - low)
+    least = EQUAL * abs(middle) or 0.5
+    return middle + max(half, least) * np.linspace(-1.0, 1.0, BINS + 1)
+
+
 def _draw_limited(axes, limited: dict, band) -> None:
     """Plot histograms of a measure for every design, and the band between its limits."""
-    edges = np.histogram_bin_edges(np.concatenate([*limited.values()]), BINS)
+    edges = _bin_edges(np.concatenate([*limited.values()]))
     for (label, values), color in zip(
         limited.items(), DESIGN_COLOURS[-len(limited) :], strict=True
     ):
