@@ -161,8 +161,9 @@ def test_optima_of_the_examples(path, tmp_path):
     measures = {measure.name: measure for measure in frozen_measures(seal)}
     aim = measures[file.optimize.minimize]
     assert best.value(aim)[0] < nominal.value(aim)[0]
-    # examples whose walls are coarse say so, and optima with a contact about to part what penalties do
-    warned = tuple(text for text in best.warnings if "penalties" not in text)
+    # examples whose walls are coarse say so, and paths with creases or a contact about to part that
+    others = "penalties", "creases"
+    warned = tuple(text for text in best.warnings if not any(word in text for word in others))
     assert warned == seal.warnings
     written = write_design(file, seal, offsets, measures.values(), tmp_path, "optimum")[0]
     again = sm.analyze(sm.build_seal(sm.read_seal_file(written)))
