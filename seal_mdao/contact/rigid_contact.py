@@ -39,7 +39,7 @@ from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import Scalar, TermDefinition
 
 SLACK = 0.01
-"""Share of its length by which a mean over edges may start inside a profile that touches the body."""
+"""Fraction of its length by which a mean over edges may start inside a profile that touches the body."""
 
 
 @dataclass(frozen=True, eq=False)

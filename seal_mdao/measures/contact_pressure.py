@@ -46,6 +46,10 @@ class ContactWidth(Measure):
         if self.nominal:
             object.__setattr__(self, "text", "Length of the undeformed boundary in contact.")
 
+    def least_scale(self, result):
+        # less than the distance of the points is not resolved
+        return float(result.term(self.profile).length.mean())
+
     def evaluate(self, result, partials):
         where = result.term(self.profile).where
         order = ordered_points(where)

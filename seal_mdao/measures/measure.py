@@ -153,6 +153,10 @@ class Measure:
         """Return the measure with some of its ``scalars`` changed; names of others are ignored."""
         return self
 
+    def least_scale(self, result) -> float | None:
+        """Compute the size below which its value counts as zero, in its unit; None where it has none of
+        its own."""
+
     def check(self, seal) -> None:
         """Raise ValueError for a seal of which the measure cannot be taken."""
 

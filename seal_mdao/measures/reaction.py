@@ -150,6 +150,10 @@ class Reaction(Measure):
             return found
         return next((motion for motion in motions.values() if motion.travel > 0.0), found)
 
+    def least_scale(self, result):
+        # a component may vanish: the complete force is the reference
+        return self.scale * float(np.abs(self.forces(result)).max(initial=0.0))
+
     def forces(self, result) -> np.ndarray:
         """Compute the force at every nominal step, shape (n_steps, 2), N/m."""
         forces = [self._force(result, step) for step in result.path.nominal_steps]

@@ -66,5 +66,5 @@ def caption_of(seals: Mapping[str, str], most: int = 200) -> str:
     """Return a caption of at most ``most`` characters for seals with their materials."""
     end = f" | {_DATE.get() or today()}"
     text = "; ".join(f"{name}: {materials}" for name, materials in seals.items())
-    clearance = most - len(end)
-    return (text if len(text) <= clearance else text[: clearance - 1] + "…") + end
+    length = most - len(end)
+    return (text if len(text) <= length else text[: length - 1] + "…") + end

@@ -1,18 +1,14 @@
-"""Averages of shape functions over the boundary edges beside a particle, with dual hat functions.
+"""Averages of shape functions over the boundary edges beside a particle.
 
-N_A is the hat function of particle A along the boundary, one at A and zero at its neighbours, and
-psi_A its dual function (B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989), on an edge from A to B
+With weight functions psi_A that sum to one, each on the edges e beside particle A alone
+(``terms.averaged_points`` says which), and the Gauss points q of these edges,
 
-    psi_A = 2 N_A - N_B,    int psi_A N_B ds = delta_AB L_A,    L_A = int psi_A ds = int N_A ds.
+    m_q = w_q l_e psi_A(X_q),    L_A = sum_q m_q,    Phi_A = sum_q (m_q / L_A) Phi(X_q).
 
-At the Gauss points q of the edges e beside A, with m_q = w_q l_e psi_A(X_q),
-
-    Phi_A = sum_q (m_q / L_A) Phi(X_q),    x_A = X_A + Phi_A d.
-
-x_A is a weighted mean of the deformed boundary beside A. As psi_A is dual to the hat functions, the mean
-of a linear field is its value at A: undeformed, x_A is particle A. The Gauss points are those with which
-``integration`` integrates the edges, and sum_A psi_A = 1: forces L_A t at the means are the uniform
-traction t to rounding. Contact at means passes the patch test, contact at particles does not.
+Phi_A gives the mean of the deformed boundary beside A, x_A = sum_q (m_q / L_A) x(X_q) = X_A + Phi_A d.
+The Gauss points of straight edges are those with which ``integration`` integrates them: forces L_A t at
+the means are the uniform traction t to rounding. Contact at means passes the patch test, contact at
+particles does not.
 """
 
 from dataclasses import dataclass
@@ -24,7 +20,7 @@ from seal_mdao.rkpm.essential import EssentialTransformation
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
 from seal_mdao.rkpm.tables import PointTable, raw_tables
-from seal_mdao.rkpm.transformed import TableRates, TableTransform, entry_starts
+from seal_mdao.rkpm.transformed import TableRates, TableTransform, entry_starts, of_group
 
 
 class EdgeAverages(NamedTuple):
@@ -36,53 +32,53 @@ class EdgeAverages(NamedTuple):
         Gauss points of the edges beside a particle, a group each.
     edges : ndarray of int, shape (k, e, 2)
         From A to the other ends of these edges; to A itself where there is none.
-    shares : ndarray, shape (k, e, q)
-        m_q / l_e; zero for an edge that is missing.
+    fractions : ndarray, shape (k, e, q)
+        m_q / l_e, w_q psi_A; zero for an edge that is missing.
     """
 
     gauss: PointSet
     edges: np.ndarray
-    shares: np.ndarray
+    fractions: np.ndarray
 
     def weights(self, particles: np.ndarray) -> np.ndarray:
         """Compute m_q / L_A, shape (k, e q), for ``particles`` (n, 2)."""
-        parts = self.shares * self._sides(particles)[1][..., None]
-        return (parts / parts.sum(axis=(1, 2), keepdims=True)).reshape(len(parts), -1)
+        _, length, total = self._lengths(particles)
+        # m_q = fraction l_e
+        found = self.fractions * (length / total)[..., None]
+        return found.reshape(len(found), -1)
 
     def weight_rates(self, particles, velocity) -> np.ndarray:
         """Differentiate the weights along design velocities (P, n, 2), shape (k, e q, P)."""
-        edge, length = self._sides(particles)
+        tangent, length, total = self._lengths(particles)
         moved = velocity[:, self.edges[..., 1]] - velocity[:, self.edges[..., 0]]
-        # l_e' = t . (V_b - V_a)
-        rates = np.einsum("kei,pkei->kep", edge / length[..., None], moved)
-        # (m_q / L)' = share (l_e' - l_e L' / L) / L
-        of_edge = self.shares.sum(axis=2)
-        total = (of_edge * length).sum(axis=1)[:, None, None]
-        total_rate = np.einsum("ke,kep->kp", of_edge, rates)[:, None]
-        change = (rates - length[..., None] * total_rate / total) / total
-        found = self.shares[..., None] * change[:, :, None]
+        # l_e' = t . (V_b - V_a),  L' = sum_e l_e' sum_q fraction
+        rates = np.einsum("kei,pkei->kep", tangent, moved)
+        total_rate = np.einsum("keq,kep->kp", self.fractions, rates)[:, None]
+        # (m_q / L)' = fraction (l_e' - l_e L' / L) / L
+        change = (rates - (length / total)[..., None] * total_rate) / total[..., None]
+        found = self.fractions[..., None] * change[:, :, None]
         return found.reshape(len(found), -1, velocity.shape[0])
 
     def add_weight_seeds(self, particles, weight_bar, x_bar) -> None:
         """Transpose of ``weight_rates``: seeds (k, e q, M) added to ``x_bar`` (n, 2, M)."""
-        edge, length = self._sides(particles)
-        seeds = weight_bar.reshape(*self.shares.shape, -1)
-        # seeds on l_e' - l_e L' / L
-        on_change = np.einsum("keq,keqm->kem", self.shares, seeds)
-        of_edge = self.shares.sum(axis=2)
-        total = (of_edge * length).sum(axis=1)[:, None, None]
-        mean = np.einsum("ke,kem->km", length, on_change)[:, None] / total
-        # l_e_bar = [seed_e - (share_e / L) sum_f l_f seed_f] / L
-        length_bar = (on_change - of_edge[..., None] * mean) / total
-        pull = (edge / length[..., None])[..., None] * length_bar[:, :, None]
+        tangent, length, total = self._lengths(particles)
+        seeds = weight_bar.reshape(*self.fractions.shape, -1)
+        # seeds on (l_e' - l_e L' / L) / L, and on L'
+        on_change = np.einsum("keq,keqm->kem", self.fractions, seeds) / total[..., None]
+        on_total = np.einsum("ke,kem->km", length / total, on_change)[:, None]
+        length_bar = on_change - self.fractions.sum(axis=2)[..., None] * on_total
+        pull = tangent[..., None] * length_bar[:, :, None]
         scatter_add(x_bar, self.edges[..., 1], pull)
         scatter_add(x_bar, self.edges[..., 0], -pull)
 
-    def _sides(self, particles) -> tuple:
-        """Vectors (k, e, 2) and lengths (k, e) of the edges; a missing one has length one."""
+    def _lengths(self, particles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tangents t (k, e, 2) and lengths l_e (k, e) of the edges, a missing one of length one, and
+        L_A (k, 1)."""
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]
         length = np.hypot(edge[..., 0], edge[..., 1])
-        return edge, np.where(length > 0.0, length, 1.0)
+        length = np.where(length > 0.0, length, 1.0)
+        total = np.einsum("keq,ke->k", self.fractions, length)
+        return edge / length[..., None], length, total[:, None]
 
     def _gauss_at(self, vectors) -> np.ndarray:
         """Values (k, e q, ...) at the Gauss points of a field (n, ...) at the particles."""
@@ -126,7 +122,7 @@ class AveragedTable:
     gauss : PointTable
         Raw shape functions at the Gauss points.
     coordinates : ndarray, shape (k, 2)
-        X_A, the particles.
+        X_A, the undeformed means.
     raw, table : ShapeTable
         Phi_A before and after the essential transformation.
     transform : TableTransform
@@ -151,7 +147,7 @@ class AveragedTable:
             which = of_gauss.active[start[g, 0] : start[g + 1, 0]]
             # Phi_A' = sum_q (m_q / L_A) Phi_q' + (m_q / L_A)' Phi_q
             moved = _summed(weights[g], of_gauss.phi[start[g, 1] : start[g + 1, 1]].reshape(q, -1))
-            own = _summed(_of_group(self.gauss.raw, g), weight_rates[g][:, which])
+            own = _summed(_values(self.gauss.raw, g), weight_rates[g][:, which])
             phi[ends[g] : ends[g + 1]] = moved + own.ravel()
         rates = TableRates(np.column_stack([start[:, 0], ends]), of_gauss.active, phi, np.empty(0))
         return self.transform.rates(rates, matrix_rate)
@@ -168,7 +164,7 @@ class AveragedTable:
             # Phi_q_bar = (m_q / L_A) Phi_A_bar,   weight_bar_q = Phi_q . Phi_A_bar
             spread = weights[g][:, None, None] * phi_bar[rows]
             gauss_bar[q * rows.start : q * rows.stop] = spread.reshape(-1, m)
-            weight_bar[g] = _summed(_of_group(gauss.raw, g).T, phi_bar[rows])
+            weight_bar[g] = _summed(_values(gauss.raw, g).T, phi_bar[rows])
         self.averages.add_weight_seeds(gauss.cloud.particles, weight_bar, x_bar)
         gauss.pull_back(gauss_bar, grad_bar, x_bar)
         return matrix_bar
@@ -187,7 +183,7 @@ def averaged_table(
     (gauss,) = raw_tables(cloud, averages.gauss)
     weights = averages.weights(cloud.particles)
     # Phi_A = sum_q (m_q / L_A) Phi_q
-    means = [_summed(own, _of_group(gauss.raw, g)) for g, own in enumerate(weights)]
+    means = [_summed(own, _values(gauss.raw, g)) for g, own in enumerate(weights)]
     raw = ShapeTable(gauss.raw.start, gauss.raw.neighbours, np.concatenate(means), np.empty(0), 1)
     transform = TableTransform(raw, transformation)
     x = averages.at(cloud.particles)
@@ -199,7 +195,6 @@ def _summed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return (first[..., None] * second.reshape(len(second), *[1] * (first.ndim - 1), -1)).sum(axis=0)
 
 
-def _of_group(raw: ShapeTable, g: int) -> np.ndarray:
+def _values(raw: ShapeTable, g: int) -> np.ndarray:
     """View the values of group ``g`` as (point, neighbour)."""
-    ends = raw.group_size * raw.start[g : g + 2]
-    return raw.phi[slice(*ends)].reshape(raw.group_size, -1)
+    return of_group(raw.phi, raw.group_size * raw.start, g, raw.group_size)

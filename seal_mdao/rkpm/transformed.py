@@ -145,7 +145,7 @@ class TableTransform:
         out = self._copied(values, *ends)
         for g, own in self.groups.items():
             phi, found = (
-                _of_group(*part, g, n_rows) for part in zip((values, out), ends, strict=True)
+                of_group(*part, g, n_rows) for part in zip((values, out), ends, strict=True)
             )
             # Phi_C T_Cu
             factors = self.transformation.matrix[own.rows]
@@ -180,9 +180,9 @@ class TableTransform:
         for g, own in self.groups.items():
             which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
             if which.size:
-                phi = _of_group(values, n_rows * self.raw.start, g, n_rows)
+                phi = of_group(values, n_rows * self.raw.start, g, n_rows)
                 d_phi, found = (
-                    _of_group(*part, g, n_rows, which.size)
+                    of_group(*part, g, n_rows, which.size)
                     for part in zip((value_rates, out), ends, strict=True)
                 )
                 # Phi_C' T_Cu + Phi_C T_Cu'
@@ -215,9 +215,9 @@ class TableTransform:
         out = self._copied(bar, new_ends, ends, first, last)
         for g in range(first, last):
             if g in self.groups:
-                own, phi = self.groups[g], _of_group(values, ends, g, size)
-                seeds = _of_group(bar, new_ends - new_ends[first], g, size, m)
-                found = _of_group(out, ends - ends[first], g, size, m)
+                own, phi = self.groups[g], of_group(values, ends, g, size)
+                seeds = of_group(bar, new_ends - new_ends[first], g, size, m)
+                found = of_group(out, ends - ends[first], g, size, m)
                 # Phi_bar_u = Phi~_bar_u, u not in C;  Phi_bar_C = sum_u T_Cu Phi~_bar_u
                 on_union = seeds[:, own.union]
                 found[:] = seeds[:, own.new]
@@ -228,6 +228,6 @@ class TableTransform:
         return out
 
 
-def _of_group(values, ends, g: int, n_rows: int, *columns) -> np.ndarray:
+def of_group(values, ends, g: int, n_rows: int, *columns) -> np.ndarray:
     """View the entries of group ``g`` as (row, neighbour, ...)."""
     return values[ends[g] : ends[g + 1]].reshape(n_rows, -1, *columns)

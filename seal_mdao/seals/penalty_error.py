@@ -14,8 +14,6 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact, SelfContactTerm
 from seal_mdao.dsa.parameters import parameter_rates
 from seal_mdao.dsa.sensitivity import Wanted, direct_rates
-from seal_mdao.measures.contact_pressure import ContactWidth
-from seal_mdao.measures.leak_rate import LeakRate
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.reaction import Reaction
 
@@ -172,15 +170,9 @@ def scale_of(measure: Measure, result) -> float:
 
 def least_scale(measure: Measure, result) -> float:
     """Compute the size below which a measure counts as zero, in its unit."""
-    # a component may vanish: the complete force is the reference
-    if isinstance(measure, Reaction):
-        force = np.abs(measure.forces(result)).max(initial=0.0)
-        return measure.scale * float(force)
-    if isinstance(measure, ContactWidth):  # less than the distance of the points is not resolved
-        return float(result.term(measure.profile).length.mean())
-    # falls by orders of magnitude along the path, and its own size is what counts
-    if isinstance(measure, LeakRate):
-        return 0.0
+    own = measure.least_scale(result)
+    if own is not None:
+        return own
     # lengths, areas and volumes from the largest displacement
     along = result.path.largest_displacement
     small = SMALL_LENGTH * along

@@ -65,8 +65,8 @@ def averaged_points(which: np.ndarray, neighbours: np.ndarray, nominal) -> Mater
     # m_q / l = w/2 [N_A + gamma (N_A - N_B)]
     straight_end = ~(inner & inner[back] & known) & ~(near | far)
     gamma = np.where(at_corner | straight_end, DUAL, SMOOTH)[:, None]
-    shares = (a != b)[:, None] * 0.5 * w * (hat + gamma * (2.0 * hat - 1.0))
-    averages = EdgeAverages(gauss, where.edges, shares.reshape(*where.edges.shape[:2], 2))
+    fractions = (a != b)[:, None] * 0.5 * w * (hat + gamma * (2.0 * hat - 1.0))
+    averages = EdgeAverages(gauss, where.edges, fractions.reshape(*where.edges.shape[:2], 2))
     return replace(where, averages=averages)
 
 

@@ -56,8 +56,9 @@ class MaterialPoints:
         """
         if self.averages is not None or self.points.anchors.shape[1] != 1:
             raise ValueError(
-                "these points lie between particles; the work of a profile that turns, trapped air, "
-                "fluids and contact of the body with itself want contact at particles (Body.edge_points)"
+                "these points lie between particles, or move as the mean of edges; the work of a "
+                "profile that turns, trapped air, fluids and contact of the body with itself want "
+                "contact at particles (Body.edge_points)"
             )
         return self.points.anchors[:, 0]
 

@@ -6,6 +6,7 @@ import numpy as np
 import openmdao.api as om
 import pytest
 from quotients import quotients
+from two_rubbers import pressed_block
 
 import seal_mdao as sm
 from seal_mdao.measures.contact_pressure import PointPressures
@@ -22,7 +23,7 @@ SEALS = {
     "particles": sm.door_seal(n_steps=20, newton=TIGHT),
     "edges": sm.door_seal("engineering", n_steps=8, newton=TIGHT),
 }
-BLOCK = """
+MATERIALS = """
 [material.soft]
 law = "yeoh"
 c10 = 100.0
@@ -33,41 +34,8 @@ bulk_modulus = 2e3
 law = "neo_hookean"
 c10 = 400.0
 bulk_modulus = 6e3
-[section]
-material = "soft"
-spacing = 0.5
-[[section.region]]
-material = "stiff"
-at = [1.0, 0.5]
-line = [[0.0, 2.0], [6.0, 2.0]]
-[[section.outer]]
-edge = "base"
-line = [[0.0, 0.0], [6.0, 0.0]]
-[[section.outer]]
-edge = "right"
-line = [[6.0, 0.0], [6.0, 2.0], [6.0, 4.0]]
-[[section.outer]]
-edge = "top"
-line = [[6.0, 4.0], [0.0, 4.0]]
-[[section.outer]]
-edge = "left"
-line = [[0.0, 4.0], [0.0, 2.0], [0.0, 0.0]]
-[fixed]
-edges = ["base"]
-directions = ["y"]
-[[symmetry]]
-edges = ["left", "right"]
-normal = "x"
-[[profile]]
-name = "plate"
-friction = 0.0
-normal_penalty = 1e6
-contact = ["top"]
-line = [[-40.0, 0.0], [40.0, 0.0]]
-start = [0.0, 4.5]
-[[profile.stage]]
-translate = [0.0, {travel}]
-steps = 4
+"""
+LEAK = """\
 [[measure]]
 type = "leak_rate"
 rms_roughness = 5.0
@@ -89,7 +57,7 @@ def result(request):
 
 
 def block(folder, travel=-0.65, *changes):
-    text = BLOCK.replace("{travel}", str(travel))
+    text = MATERIALS + pressed_block(0.5, start=4.5, travel=travel) + LEAK
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from two_rubbers import pressed_block
 from verification.layered_cylinder import principal_stress
 
 import seal_mdao as sm
 
 SOFT, STIFF = sm.MooneyRivlin(80.0, 20.0, 2e3), sm.MooneyRivlin(320.0, 80.0, 6e3)
-BLOCK = """
+MATERIALS = """
 [material.soft]
 law = "mooney_rivlin"
 c10 = 80.0
@@ -19,49 +20,20 @@ law = "mooney_rivlin"
 c10 = 320.0
 c01 = 80.0
 bulk_modulus = 6e3
-[section]
-material = "soft"
-spacing = {spacing}
-[[section.region]]
-material = "stiff"
-at = [1.0, 0.5]
-line = [[0.0, 2.0], [6.0, 2.0]]
-[[section.outer]]
-edge = "base"
-line = [[0.0, 0.0], [6.0, 0.0]]
-[[section.outer]]
-edge = "right"
-line = [[6.0, 0.0], [6.0, 2.0], [6.0, 4.0]]
-[[section.outer]]
-edge = "top"
-line = [[6.0, 4.0], [0.0, 4.0]]
-[[section.outer]]
-edge = "left"
-line = [[0.0, 4.0], [0.0, 2.0], [0.0, 0.0]]
-[fixed]
-edges = ["base"]
-directions = ["y"]
-[[symmetry]]
-edges = ["left", "right"]
-normal = "x"
-[[profile]]
-name = "plate"
-friction = 0.0
-normal_penalty = 1e6
-contact = ["top"]
-line = [[-40.0, 0.0], [40.0, 0.0]]
-start = [0.0, 4.0]
-[[profile.stage]]
-translate = [0.0, -0.4]
-steps = 4
+"""
+MEASURE = """\
 [[measure]]
 type = "reaction"
 """
 
 
+def block(spacing):
+    return MATERIALS + pressed_block(spacing) + MEASURE
+
+
 def pressed(folder, spacing):
     path = folder / "block.toml"
-    path.write_text(BLOCK.format(spacing=spacing))
+    path.write_text(block(spacing))
     result = sm.analyze(sm.build_seal(sm.read_seal_file(path)))
     assert result.converged, result.failure
     return result
@@ -118,7 +90,7 @@ def test_cells_lie_on_one_side_of_the_line(tmp_path):
 
 def test_a_point_outside_of_the_section_marks_no_part(tmp_path):
     path = tmp_path / "block.toml"
-    path.write_text(BLOCK.format(spacing=0.8).replace("at = [1.0, 0.5]", "at = [1.0, -0.5]"))
+    path.write_text(block(0.8).replace("at = [1.0, 0.5]", "at = [1.0, -0.5]"))
     with pytest.raises(sm.SealFileError, match=r"at = \(1, -0\.5\) is outside of the section"):
         sm.build_seal(sm.read_seal_file(path))
 
@@ -126,7 +98,7 @@ def test_a_point_outside_of_the_section_marks_no_part(tmp_path):
 def test_planes_stay_planes_in_a_design(tmp_path):
     path = tmp_path / "block.toml"
     design = '[[design]]\nedges = ["top"]\nparameters = 5\nbound = 0.3\n'
-    path.write_text(BLOCK.format(spacing=0.8) + design)
+    path.write_text(block(0.8) + design)
     seal = sm.build_seal(sm.read_seal_file(path))
     for name in ("left", "right"):
         particles = seal.body.edge(name).particles

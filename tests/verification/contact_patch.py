@@ -53,7 +53,7 @@ class ContactPatch(NamedTuple):
 
 
 def block(share: float, basis_order: int):
-    """Grid, particles scattered by a share of the spacing, and support of a block 2 x 1 mm."""
+    """Grid, particles scattered by a fraction of the spacing, and support of a block 2 x 1 mm."""
     grid = Grid(12, 6)
     return grid, scattered(grid, share, 5) * [WIDTH, 1.0], 2.0 if basis_order == 1 else 3.0
 
